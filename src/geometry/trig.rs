@@ -1,0 +1,46 @@
+//! Elementary functions, the same digits on every platform: everything here is libm in Rust.
+
+pub use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+pub fn sin(x: f64) -> f64 {
+    libm::sin(x)
+}
+
+pub fn cos(x: f64) -> f64 {
+    libm::cos(x)
+}
+
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    (libm::sin(x), libm::cos(x))
+}
+
+pub fn tan(x: f64) -> f64 {
+    libm::tan(x)
+}
+
+pub fn asin(x: f64) -> f64 {
+    libm::asin(x)
+}
+
+pub fn acos(x: f64) -> f64 {
+    libm::acos(x)
+}
+
+pub fn atan(x: f64) -> f64 {
+    libm::atan(x)
+}
+
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+pub fn hypot(x: f64, y: f64) -> f64 {
+    libm::hypot(x, y)
+}
+
+/// The angle's equal in (-π, π].
+pub fn wrap(angle: f64) -> f64 {
+    let turns = (angle / TAU).round();
+    let wrapped = angle - turns * TAU;
+    if wrapped <= -PI { wrapped + TAU } else { wrapped }
+}

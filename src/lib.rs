@@ -1,0 +1,23 @@
+//! `lss` compiles conveyor track layouts.
+//!
+//! A layout flows one way through the stages, each a pure function from one plain type to the next:
+//!
+//! 1. [`source`] reads files,
+//! 2. [`syntax`] turns text into a tree and back,
+//! 3. `semantics` resolves names, imports and dimensions: tree to [`model`],
+//! 4. [`geometry`] gives the model lines, arcs, clearances and contact areas,
+//! 5. `problem` states the optimisation problem without a solver,
+//! 6. `solve` solves it in stages,
+//! 7. `elements` covers the result with standard track elements,
+//! 8. `emit` writes drawings, tables and simulation inputs.
+//!
+//! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
+
+pub mod diagnostic;
+pub mod elements;
+pub mod emit;
+pub mod geometry;
+pub mod model;
+pub mod solve;
+pub mod source;
+pub mod syntax;

@@ -1,0 +1,132 @@
+//! The checked layout: immutable, in SI units (metres, radians, kilograms, seconds, newtons), every item with the
+//! span it came from. Every stage after `semantics` reads only this.
+
+mod components;
+mod constraint;
+mod equipment;
+
+pub use components::*;
+pub use constraint::*;
+pub use equipment::*;
+
+use crate::geometry::{Corner, Point, Polygon};
+use crate::source::{Span, Spanned};
+use serde::Serialize;
+
+/// A closed interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Interval {
+    pub fn contains(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+}
+
+/// A layout that passed every check, with each default filled in.
+#[derive(Clone, Debug, Serialize)]
+pub struct Layout {
+    pub name: String,
+    pub span: Span,
+    pub catalog: Catalog,
+    pub cart: Cart,
+    pub drive: Drive,
+    pub sensor: Sensor,
+    /// Chain speed, m/s.
+    pub speed: Spanned<f64>,
+    /// Outer envelope swept by carts and carriers, m.
+    pub width: Spanned<f64>,
+    /// In driving order; the loop closes from the last to the first. At least three.
+    pub vertices: Vec<Vertex>,
+    /// Limits on the absolute turn at a vertex, rad: the catalogue's, narrowed by the layout.
+    pub turns: Spanned<Interval>,
+    /// Limits on the fillet radius, m: the catalogue's, narrowed by the layout.
+    pub radii: Spanned<Interval>,
+    pub building: Option<Building>,
+    pub obstacles: Vec<Obstacle>,
+    pub constraints: Vec<Constraint>,
+    pub equipment: Equipment,
+    pub levels: Vec<Level>,
+    pub ramps: Vec<Ramp>,
+    pub chain: Chain,
+    pub effects: Vec<Effect>,
+    pub objective: Objective,
+}
+
+impl Layout {
+    /// The written coordinates and radii.
+    pub fn corners(&self) -> Vec<Corner> {
+        self.vertices.iter().map(|v| Corner { point: v.point, radius: v.radius.value }).collect()
+    }
+
+    /// Index of the vertex after `i` in driving order.
+    pub fn next(&self, i: usize) -> usize {
+        (i + 1) % self.vertices.len()
+    }
+}
+
+/// Where two straights' lines meet, with the radius of the fillet between them (thesis §3.2).
+#[derive(Clone, Debug, Serialize)]
+pub struct Vertex {
+    pub name: String,
+    pub point: Point,
+    /// Where the coordinates stand.
+    pub point_span: Span,
+    /// Fillet radius, m. The catalogue's smallest when none is written (the span is then the vertex').
+    pub radius: Spanned<f64>,
+    pub span: Span,
+}
+
+/// The walls: the track's band stays inside, at least `clearance` away.
+#[derive(Clone, Debug, Serialize)]
+pub struct Building {
+    pub polygon: Polygon,
+    /// m
+    pub clearance: f64,
+    pub span: Span,
+}
+
+/// A region that the track's band stays out of, at least `clearance` away.
+#[derive(Clone, Debug, Serialize)]
+pub struct Obstacle {
+    pub name: String,
+    pub polygon: Polygon,
+    /// m
+    pub clearance: f64,
+    pub side: Side,
+    /// Where `pass` gave the side; without, the written layout did.
+    pub pass: Option<Span>,
+    pub span: Span,
+}
+
+/// On which side of the direction of travel an obstacle lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    Left,
+    Right,
+    /// Left to the optimiser.
+    Either,
+}
+
+/// What is optimised.
+#[derive(Clone, Debug, Serialize)]
+pub struct Objective {
+    /// Weight and goal; empty for `optimise nothing`.
+    pub terms: Vec<(f64, Goal)>,
+    /// A budget: this goal may exceed its own optimum by the ratio.
+    pub within: Option<(Goal, f64)>,
+    /// Where it was written; `None` when the default (length) holds.
+    pub span: Option<Span>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Goal {
+    Length,
+    Cost,
+    PolygonAction,
+}

@@ -1,0 +1,49 @@
+//! What a solve returns: plain data, best layout first, and what is wrong with it if anything is.
+
+use crate::geometry::Corner;
+use crate::source::Span;
+use serde::Serialize;
+
+/// How a stage ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// First-order optimal and feasible to 1e-6.
+    Converged,
+    /// Feasible, but the iteration limit came first.
+    Feasible,
+    /// No feasible layout found; the corners are the least infeasible ones.
+    Infeasible,
+    /// Nothing was optimised.
+    AsWritten,
+}
+
+/// A row that the layout does not meet.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Violation {
+    /// As the problem prints it: `clearance of column_a to the straight P4..P5`.
+    pub row: String,
+    pub span: Span,
+    /// How far, in the row's unit (m, or rad for angles).
+    pub amount: f64,
+    /// `m` or `rad`.
+    pub unit: &'static str,
+}
+
+/// The result of one stage.
+#[derive(Clone, Debug, Serialize)]
+pub struct Stage {
+    /// `stage1`, `stage2`, `stage3`; `written` for `optimise nothing`.
+    pub name: &'static str,
+    pub corners: Vec<Corner>,
+    /// m
+    pub length: f64,
+    /// Largest violation, m (angles as rad).
+    pub max_violation: f64,
+    pub violations: Vec<Violation>,
+    pub iterations: usize,
+    /// Wall time; never in an output file.
+    #[serde(skip)]
+    pub seconds: f64,
+    pub status: Status,
+}

@@ -1,0 +1,3 @@
+//! Text to tree (pest, grammar in `grammar/lss.pest`) and tree to text (the formatter).
+
+pub mod tree;
