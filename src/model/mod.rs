@@ -6,6 +6,8 @@ mod constraint;
 mod equipment;
 #[cfg(test)]
 pub mod fixture;
+#[cfg(test)]
+pub mod thesis10;
 
 pub use components::*;
 pub use constraint::*;

@@ -24,6 +24,7 @@ impl Problem {
             start,
             bounds,
             rows: Vec::new(),
+            rotations: Vec::new(),
             keepouts: keepouts(layout, &track, scope),
             half_width: layout.width.value / 2.0,
             places: Places {
@@ -95,6 +96,9 @@ impl Problem {
         let along = (b - a) * (1.0 / a.distance(b));
         let has = |kind| kinds.contains(&kind);
         let name = if target.straight { format!("straight({})", self.section_name(i)) } else { self.section_name(i) };
+        if has(FixKind::Rotation) {
+            self.rotations.push(i);
+        }
         if !target.straight && kinds.len() == 4 {
             [x(i), y(i), x(j), y(j)].into_iter().for_each(|k| self.fix(k));
             return;

@@ -45,6 +45,8 @@ pub struct Problem {
     /// Limits of each variable; fixed where both are alike.
     pub bounds: Vec<Interval>,
     pub rows: Vec<Row>,
+    /// Sections whose heading a `fix` holds.
+    pub rotations: Vec<usize>,
     #[serde(skip)]
     pub keepouts: Vec<Keepout>,
     /// Half the track's width, m.
@@ -103,6 +105,14 @@ impl Problem {
     /// The variables that may move.
     pub fn free(&self) -> Vec<usize> {
         (0..self.bounds.len()).filter(|&k| self.bounds[k].low < self.bounds[k].high).collect()
+    }
+
+    /// Adds a penalty: `price` (m a unit) for each unit that `function` is off `aim`.
+    pub fn soft(&mut self, function: Function, aim: f64, price: f64) {
+        let angle = matches!(function, Function::Turn(_));
+        let (label, span) = ("penalty".to_owned(), crate::source::Span::new(crate::source::FileId(0), 0, 0));
+        let weight = Some(price);
+        self.rows.push(Row { function, low: aim, high: aim, angle, weight, label, span, reason: None });
     }
 
     /// `P3.x`

@@ -20,11 +20,13 @@ pub struct Settings {
     pub largest_radius: f64,
     /// Largest violation of a feasible result, m (and rad).
     pub feasibility: f64,
+    /// How dear a metre of violation may become before a run gives up on feasibility.
+    pub dearest: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { iterations: 200, radius: 1.0, largest_radius: 4.0, feasibility: 1e-6 }
+        Settings { iterations: 200, radius: 1.0, largest_radius: 4.0, feasibility: 1e-6, dearest: 2e5 }
     }
 }
 
@@ -49,8 +51,9 @@ pub type Watch<'a> = &'a (dyn Fn(usize, f64, f64) + Sync);
 /// Least and largest turn that a step may lead to, rad.
 const TURN_FLOOR: f64 = 0.01;
 const TURN_CEILING: f64 = 2.8;
-/// First and last price of a metre of violation, and the factor between.
-const PRICE: (f64, f64, f64) = (20.0, 2e5, 10.0);
+/// First price of a metre of violation, and the factor by which it rises when a minimum is not feasible.
+const PRICE: f64 = 20.0;
+const DEARER: f64 = 10.0;
 /// A step shorter than this ends a run, m.
 const STEP: f64 = 1e-9;
 /// A violation below this is rounding.
@@ -67,8 +70,10 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Wa
         match run.step() {
             Progress::Moved => {}
             // At a minimum of the merit that is not feasible: violation was too cheap.
-            Progress::Stopped if run.max_violation(&run.here) > settings.feasibility && run.price < PRICE.1 => {
-                run.price *= PRICE.2;
+            Progress::Stopped
+                if run.max_violation(&run.here) > settings.feasibility && run.price < settings.dearest =>
+            {
+                run.price *= DEARER;
                 run.radius = settings.radius;
             }
             Progress::Stopped => {
@@ -116,7 +121,7 @@ impl<'p> Run<'p> {
         let here = problem.evaluate(&x, reach(settings.radius));
         let scales = here.rows[..problem.rows.len()].iter().map(unit_gradient).collect();
         let radius = settings.radius;
-        Run { problem, settings, free, place, scales, price: PRICE.0, radius, x, here, multipliers: BTreeMap::new() }
+        Run { problem, settings, free, place, scales, price: PRICE, radius, x, here, multipliers: BTreeMap::new() }
     }
 
     fn scale(&self, key: RowKey) -> f64 {
