@@ -187,17 +187,18 @@ impl Outline {
         };
         for (i, piece) in track.pieces.iter().enumerate() {
             let (begin, end) = (joints[i], joints[(i + 1) % joints.len()]);
-            match Curve::from(piece) {
-                Curve::Segment { .. } => push(Curve::Segment { begin, end }),
-                Curve::Arc { centre, radius, start, sweep, .. } => {
-                    let radius = radius - offset * sweep.signum();
+            match piece.kind {
+                PieceKind::Arc { centre, radius, turn } if turn != 0.0 => {
+                    let start = piece.heading - turn.signum() * trig::FRAC_PI_2;
+                    let radius = radius - offset * turn.signum();
                     if radius > 0.0 {
-                        push(Curve::Arc { begin, end, centre, radius, start, sweep });
+                        push(Curve::Arc { begin, end, centre, radius, start, sweep: turn });
                     } else {
                         push(Curve::Segment { begin, end: centre });
                         push(Curve::Segment { begin: centre, end });
                     }
                 }
+                _ => push(Curve::Segment { begin, end }),
             }
         }
         let turn: f64 = track.fillets.iter().map(|f| f.turn).sum();
