@@ -14,7 +14,7 @@ fn main() {
 fn wavy(n: usize) -> Track {
     let radius = 9.0 * n as f64 / TAU;
     let corner = |i: usize| {
-        let reach = if n > 10 && i % 2 == 0 { radius + 3.0 } else { radius };
+        let reach = if n > 10 && i.is_multiple_of(2) { radius + 3.0 } else { radius };
         Corner { point: Point::unit(TAU * i as f64 / n as f64) * reach, radius: 3.0 }
     };
     Track::new(&(0..n).map(corner).collect::<Vec<_>>())

@@ -14,8 +14,8 @@
 //!
 //! An intersection that rounding hides or doubles only moves a strip's border where two boundaries (nearly) coincide,
 //! so degenerate contacts cost the area of a sliver as thin as rounding: tangents, vertices on the side, and common
-//! edges are no special cases. The area's value is continuous in the layout, and zero unless something is on the wrong
-//! side.
+//! edges are no special cases. The area is continuous in the layout of a simple loop, and zero unless
+//! something lies on the wrong side.
 
 use super::side::{Strand, StrandShape};
 use super::{Hand, Outline, Point, Polygon, Track};

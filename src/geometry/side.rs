@@ -172,8 +172,7 @@ impl Outline {
     /// The side of `track` at `half_width` ≥ 0, m, to the `hand` of its centre line.
     ///
     /// Its inside is exact when the centre line is simple. About an infeasible centre line (fillets that overlap, a
-    /// loop that crosses itself) it is still a closed curve with a deterministic inside, and its area is continuous in
-    /// the layout.
+    /// loop that crosses itself) it still is a closed curve, and the winding number's rule still says what is inside.
     pub fn side(track: &Track, half_width: f64, hand: Hand) -> Outline {
         let offset = hand.sign() * half_width;
         // One point a joint, so that pieces meet bit by bit and winding numbers have no gaps.
@@ -251,6 +250,7 @@ pub(super) enum StrandShape {
 }
 
 impl Strand {
+    /// A segment's strand; that of a vertical one only marks its x.
     pub fn line(begin: Point, end: Point) -> Strand {
         let (a, b, winding) = if begin.x < end.x { (begin, end, 1) } else { (end, begin, -1) };
         Strand { x0: a.x, x1: b.x, shape: StrandShape::Line { y0: a.y, y1: b.y }, winding }
