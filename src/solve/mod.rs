@@ -1,5 +1,6 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
+mod complex;
 mod convex;
 mod discrete;
 mod outcome;
@@ -9,3 +10,4 @@ mod stages;
 mod subproblem;
 
 pub use outcome::{Stage, Status, Violation};
+pub use stages::{Discretise, Options, Progress, Solver, solve, solve_with};
