@@ -1,5 +1,7 @@
 //! Writers: everything a build leaves behind, from one plain value, [`Compiled`].
 
+pub mod number;
+
 use crate::elements::{Bill, Sequence};
 use crate::geometry::Track;
 use crate::model::Layout;
