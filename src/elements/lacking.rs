@@ -144,10 +144,10 @@ mod tests {
         assert_eq!(
             warnings(&layout),
             [
-                "catalogue `thesis` has no curve of 88.0908° with a radius of 4000 mm, as P3 needs; \
-                 expected a multiple of 2.5°, found 88.0908°",
-                "catalogue `thesis` has no curve of 91.9092° with a radius of 4000 mm, as P4 needs; \
+                "catalogue `thesis` has no curve of 91.9092° with a radius of 4000 mm, as P3 needs; \
                  expected a multiple of 2.5°, found 91.9092°",
+                "catalogue `thesis` has no curve of 88.0908° with a radius of 4000 mm, as P4 needs; \
+                 expected a multiple of 2.5°, found 88.0908°",
             ]
         );
     }
