@@ -48,8 +48,9 @@ pub struct Part {
 pub fn straight(length: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
     let whole = fewest(&stock.stock, length - EXACT, length + EXACT);
     let cut = stock.cut.and_then(|cut| {
-        let low = length - cut.high.max(cut.low) - EXACT;
-        fewest(&stock.stock, low.max(0.0), length - cut.low.max(EXACT))
+        // What remains is a piece, so it is longer than nothing.
+        let high = (length - cut.low + EXACT).min(length - 2.0 * EXACT);
+        fewest(&stock.stock, (length - cut.high - EXACT).max(0.0), high)
     });
     let whole = whole.map(|lengths| parts(&lengths, None));
     let cut = cut.map(|lengths| {
