@@ -16,7 +16,7 @@ mod print;
 
 pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
-pub use print::print;
+pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;
 use crate::model::{Formula, Interval};
