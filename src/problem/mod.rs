@@ -6,6 +6,8 @@
 //! from [`Keepout`]s when the problem is evaluated.
 
 mod clearance;
+#[cfg(test)]
+mod derivatives;
 mod evaluate;
 mod expansion;
 mod formula;

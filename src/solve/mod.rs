@@ -10,4 +10,5 @@ mod stages;
 mod subproblem;
 
 pub use outcome::{Stage, Status, Violation};
+pub use perturb::perturbed;
 pub use stages::{Discretise, Options, Progress, Solver, solve, solve_with};
