@@ -1,6 +1,7 @@
 //! Writers: everything a build leaves behind, from one plain value, [`Compiled`].
 
 pub mod bom;
+mod compiled;
 mod document;
 mod files;
 #[cfg(test)]
@@ -11,37 +12,10 @@ mod schemas;
 pub mod simulation;
 mod station;
 
+pub use compiled::Compiled;
 pub use files::{Files, WriteError};
 pub use schemas::schemas;
 pub use station::Station;
-
-use crate::elements::{Bill, Sequence};
-use crate::geometry::Track;
-use crate::model::Layout;
-use crate::solve::Stage;
-
-/// A layout after solving: what every writer reads.
-#[derive(Clone, Debug)]
-pub struct Compiled {
-    pub layout: Layout,
-    /// The centre line that is drawn and ordered (the last stage's, or the best found when a solve failed).
-    pub track: Track,
-    /// The written layout is not among them; the last one is what `track` shows. At least one.
-    pub stages: Vec<Stage>,
-    pub sequence: Sequence,
-    pub bill: Bill,
-    /// Contact areas and clearances per obstacle, in the order of `layout.obstacles`, then the building.
-    pub contacts: Vec<Contact>,
-    /// Floor covered by the track's band, m².
-    pub footprint: f64,
-}
-
-impl Compiled {
-    /// Whether the last stage failed: drawings then carry a watermark and the rows that are violated.
-    pub fn failed(&self) -> bool {
-        self.stages.last().is_some_and(|s| s.status == crate::solve::Status::Infeasible)
-    }
-}
 
 /// How the track's band meets an obstacle, or the building's outside.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
