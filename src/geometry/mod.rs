@@ -6,6 +6,7 @@ mod crossing;
 mod fillet;
 mod point;
 mod polygon;
+pub mod proximity;
 mod side;
 pub mod trig;
 

@@ -7,7 +7,7 @@ mod equipment;
 #[cfg(test)]
 pub mod fixture;
 #[cfg(test)]
-pub mod thesis10;
+pub mod instances;
 
 pub use components::*;
 pub use constraint::*;

@@ -1,7 +1,7 @@
 //! Every kind of row against central differences, on the reference instance moved off its written place.
 
 use super::{Evaluation, Problem, RowKey, Scope};
-use crate::model::thesis10::thesis10;
+use crate::model::instances::{horseshoe, thesis10};
 use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Target, Unit, fixture::span};
 
 /// thesis10 with a row of every kind.
@@ -36,12 +36,20 @@ fn every_row() -> Layout {
 
 #[test]
 fn gradients_and_hessians_are_exact() {
-    let layout = every_row();
-    let problem = Problem::new(&layout, Scope::Obstacles);
+    for (layout, expect_own) in [(every_row(), 0), (horseshoe(), 2)] {
+        compare(&layout, expect_own);
+    }
+}
+
+fn compare(layout: &Layout, expect_own: usize) {
+    let problem = Problem::new(layout, Scope::Obstacles);
+    let mut own_rows = 0;
     for seed in 1..=5 {
-        let x = crate::solve::perturbed(&layout, &problem, 0.4, seed);
-        let here = problem.evaluate(&x, 30.0);
-        assert!(here.rows.iter().filter(|r| matches!(r.key, RowKey::Clearance(..))).count() > 20);
+        let x = crate::solve::perturbed(layout, &problem, 0.4, seed);
+        let here = problem.evaluate(&x, 60.0);
+        let own = here.rows.iter().filter(|r| matches!(r.key, RowKey::Own(..))).count();
+        assert!(here.rows.len() - own > problem.rows.len() + 2);
+        own_rows += own;
         let step = 1e-5;
         let moved = |k: usize, by: f64| {
             let mut y = x.clone();
@@ -60,6 +68,7 @@ fn gradients_and_hessians_are_exact() {
             }
         }
     }
+    assert!(own_rows >= expect_own, "{own_rows}");
 }
 
 fn check(name: &str, k: usize, e: &super::Expansion, up: &super::Expansion, down: &super::Expansion, step: f64) {

@@ -31,6 +31,8 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
             None => writeln!(out),
         };
     }
+    let width = number(2.0 * problem.half_width);
+    let _ = writeln!(out, "\nkeep strands of the track at least {width} m apart, its width");
     if !problem.keepouts.is_empty() {
         let _ =
             writeln!(out, "\nkeep the centre line away from (m; a row for every place where the track comes close)");

@@ -133,7 +133,7 @@ impl Complex<'_> {
         }
         let price = |row: &RowValue| match row.key {
             RowKey::Listed(i) => self.problem.rows[i].weight.unwrap_or(PRICE),
-            RowKey::Clearance(..) => PRICE,
+            RowKey::Clearance(..) | RowKey::Own(..) => PRICE,
         };
         at.length() + at.rows.iter().map(|r| price(r) * r.violation()).sum::<f64>()
     }

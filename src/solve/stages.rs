@@ -4,6 +4,7 @@
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
 use super::{Stage, Status, Violation, complex, discrete};
+use crate::geometry::self_crossings;
 use crate::model::Layout;
 use crate::problem::measures::to_corners;
 use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
@@ -130,7 +131,9 @@ fn in_parallel<T: Send>(threads: usize, a: impl FnOnce() -> T + Send, b: impl Fn
 }
 
 fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Settings, clock: Instant) -> Stage {
-    let status = match (s.max_violation <= settings.feasibility, s.converged) {
+    let violations = violations(problem, &s.variables, settings.feasibility, |_| true);
+    let max_violation = violations.iter().map(|v| v.amount).fold(s.max_violation, f64::max);
+    let status = match (max_violation <= settings.feasibility, s.converged) {
         (true, true) => Status::Converged,
         (true, false) => Status::Feasible,
         _ => Status::Infeasible,
@@ -139,8 +142,8 @@ fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Setting
         name,
         corners: to_corners(&s.variables),
         length: s.length,
-        max_violation: s.max_violation,
-        violations: violations(problem, &s.variables, settings.feasibility, |_| true),
+        max_violation,
+        violations,
         iterations: s.iterations,
         seconds: clock.elapsed().as_secs_f64(),
         status,
@@ -151,7 +154,7 @@ fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Setting
 fn as_written(problem: &Problem) -> Stage {
     let from_catalog = |key: RowKey| match key {
         RowKey::Listed(i) => matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_)),
-        RowKey::Clearance(..) => false,
+        RowKey::Clearance(..) | RowKey::Own(..) => false,
     };
     let violations = violations(problem, &problem.start, Settings::default().feasibility, |key| !from_catalog(key));
     Stage {
@@ -178,6 +181,14 @@ fn violations(problem: &Problem, x: &[f64], tolerance: f64, counts: impl Fn(RowK
             out.push(Violation { row: label, span, amount: row.violation(), unit: problem.unit(row.key) });
         }
     }
+    // Rows watch where strands come close; strands that have crossed are beyond them.
+    let pieces = &at.track.pieces;
+    for (i, j) in self_crossings(&at.track) {
+        let (first, second) = (problem.piece_name(&pieces[i]), problem.piece_name(&pieces[j]));
+        let row = format!("the loop crosses itself: {first} and {second}");
+        let span = problem.vertex_span(pieces[i].vertex);
+        out.push(Violation { row, span, amount: 2.0 * problem.half_width, unit: "m" });
+    }
     out
 }
 
@@ -185,7 +196,7 @@ fn violations(problem: &Problem, x: &[f64], tolerance: f64, counts: impl Fn(RowK
 mod tests {
     use super::*;
     use crate::geometry::{Point, Track, clearance::lateral_offset};
-    use crate::model::thesis10::thesis10;
+    use crate::model::instances::{horseshoe, thesis10};
 
     fn quiet(_: Progress) {}
 
@@ -247,6 +258,19 @@ mod tests {
             let steps = fillet.turn.to_degrees() / 2.5;
             assert!((steps - steps.round()).abs() < 1e-7 && (fillet.radius - fillet.radius.round()).abs() < 1e-9);
         }
+    }
+
+    /// Both strands of a horseshoe shrink around what stands in its mouth; the band must not end up on itself.
+    #[test]
+    fn strands_keep_the_width_between_them() {
+        let layout = horseshoe();
+        let stages = solve(&layout, &Options::default(), &quiet);
+        for stage in &stages {
+            assert_eq!(stage.status, Status::Converged, "{} {:?}", stage.name, stage.violations);
+        }
+        let track = Track::new(&stages[1].corners);
+        let nearest = crate::geometry::band_overlaps(&track, 3.0).iter().map(|o| o.2).fold(f64::INFINITY, f64::min);
+        assert!((nearest - layout.width.value).abs() < 1e-6, "{nearest}");
     }
 
     #[test]
