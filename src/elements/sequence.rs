@@ -10,8 +10,8 @@ use crate::model::{Catalog, Layout};
 /// tangent point.
 ///
 /// Turns and radii within 1e-6 of the catalogue's grid are put on it, and straights then change by as much as the solver's
-/// tolerance let them, so that walking the elements closes to 1e-9 m and 1e-9 rad. What the catalogue does not have
-/// is one special piece with [`Element::in_catalog`] unset; see [`super::lacking`].
+/// tolerance let them, so that walking the elements closes to 1e-9 m and 1e-9 rad. What the catalogue does not have is
+/// a special piece, with [`Element::in_catalog`] unset; see [`super::lacking`].
 pub fn sequence(track: &Track, layout: &Layout) -> Sequence {
     let course = Course::new(track, layout);
     let wanted = Cover::of(layout);
@@ -138,6 +138,29 @@ mod tests {
         let special: Vec<_> = sequence.elements.iter().filter(|e| !e.in_catalog).map(|e| e.article.as_str()).collect();
         assert_eq!(special, ["X-ST-2300", "X-CU-4200-45", "X-CU-4200-45", "X-ST-11800", "X-ST-2500"]);
         assert!(sequence.closure < 1e-12);
+    }
+
+    /// The instance built from the thesis' stated facts, as written: few of its turns are on the grid.
+    #[test]
+    fn the_thesis_layout_closes_as_written() {
+        let corners = [
+            (16.0, 22.0, 5.0),
+            (26.0, 7.0, 5.0),
+            (60.0, 7.0, 5.0),
+            (80.257, 16.0, 5.0),
+            (97.643_664_873_203_24, 20.658_742_811_845_37, 5.0),
+            (96.257, 37.0, 4.0),
+            (69.0, 37.5, 4.0),
+            (67.0, 55.0, 5.0),
+            (40.0, 55.0, 5.0),
+            (33.0, 36.0, 5.0),
+        ];
+        let sequence = build(&fixture::loop_through("thesis10", &corners));
+        assert!(sequence.closure < 1e-9 && sequence.closure_heading < 1e-9);
+        assert!((sequence.length() - 213.999_233_438_034_1).abs() < 1e-9);
+        let special = sequence.elements.iter().filter(|e| !e.in_catalog);
+        assert!(special.clone().all(|e| matches!(e.shape, Shape::Curve { .. })));
+        assert_eq!(special.count(), 10);
     }
 
     proptest! {

@@ -25,7 +25,7 @@ impl Simulation {
         let (cart, motor, controller) = (&layout.cart, &layout.drive.motor, &layout.drive.controller);
         Simulation {
             name: layout.name.clone(),
-            track: Track::new(&layout.name, &compiled.sequence, compiled.start()),
+            track: Track::new(layout, &compiled.sequence),
             gravity_m_s2: GRAVITY,
             contact_law: ContactLaw::HerbertMcwhannell,
             chain: Chain::new(compiled),
@@ -224,6 +224,18 @@ mod tests {
             let mut layout = fixture::rectangle(20.0, 10.0, 4.0);
             layout.equipment.start = Some(on(0, at));
             assert_eq!(Simulation::new(&compile(layout)).track.elements.len(), 8, "{at}");
+        }
+    }
+
+    #[test]
+    fn a_start_survives_the_correction_of_lengths() {
+        let mut layout = fixture::rectangle(20.0, 10.0, 4.0);
+        layout.vertices[1].point.x += 9e-7;
+        layout.vertices[2].point.x += 9e-7;
+        layout.vertices[3].point.y += 9e-7;
+        for (section, at) in [(3, 0.0), (2, 12.0 + 9e-7)] {
+            layout.equipment.start = Some(on(section, at));
+            assert_eq!(Simulation::new(&compile(layout.clone())).track.elements.len(), 8, "{section} {at}");
         }
     }
 

@@ -1,14 +1,16 @@
 //! The element list of the simulator, from arc length 0 on.
 
 use super::{Piece, Track};
-use crate::elements::{Sequence, Shape};
+use crate::elements::{Element, Sequence, Shape};
 use crate::emit::number::tidy;
 use crate::geometry::{Point, trig};
+use crate::model::{Layout, Place};
 
 impl Track {
-    /// The elements from arc length `start` on, with the pieces of one straight or one turn as one. The straight on
+    /// The elements from the layout's start on, with the pieces of one straight or one turn as one. The straight on
     /// which the start lies is split there.
-    pub fn new(name: &str, sequence: &Sequence, start: f64) -> Self {
+    pub fn new(layout: &Layout, sequence: &Sequence) -> Self {
+        let start = layout.equipment.start.map_or(0.0, |place| arc_length(place, layout, sequence));
         let mut position = sequence.elements.first().map_or_else(Point::default, |e| e.position);
         let mut heading = sequence.elements.first().map_or(0.0, |e| e.heading);
         let (mut before, mut after) = (Vec::new(), Vec::new());
@@ -35,8 +37,18 @@ impl Track {
         }
         let (point, heading) = begin;
         let elements = after.into_iter().chain(before).map(piece).collect();
-        Track { name: name.to_owned(), start: [tidy(point.x), tidy(point.y), 0.0, trig::wrap(heading)], elements }
+        Track { name: layout.name.clone(), start: [tidy(point.x), tidy(point.y), 0.0, trig::wrap(heading)], elements }
     }
+}
+
+/// Where a place lies in the sequence, m: past the first element of its straight or, where that has no length, of the
+/// curve behind it.
+fn arc_length(place: Place, layout: &Layout, sequence: &Sequence) -> f64 {
+    let begins = |e: &&Element| match e.shape {
+        Shape::Straight { .. } => e.vertex == place.section,
+        Shape::Curve { .. } => e.vertex == layout.next(place.section),
+    };
+    sequence.elements.iter().find(begins).map_or(0.0, |e| e.s + place.at)
 }
 
 /// A solver's tolerance, m.
