@@ -4,7 +4,7 @@
 //! angle step and radii the catalogue's own, and the straights take up what that opens: with headings fixed, closure
 //! is linear in their lengths.
 
-use super::{Shape, cover};
+use super::{Cover, Shape, cover};
 use crate::geometry::{PieceKind, Point, Track, trig};
 use crate::model::{Catalog, Layout, StraightStock};
 
@@ -55,7 +55,7 @@ impl Course {
         let (begin, heading) = track.pieces.first().map_or_else(Default::default, |p| (p.begin, p.heading));
         let mut course = Course { begin, heading, runs };
         if !overlap {
-            course.close(&catalog.straight);
+            course.close(&catalog.straight, Cover::of(layout));
         }
         course
     }
@@ -71,12 +71,12 @@ impl Course {
 
     /// Closes the course by the least-norm change of the straights' lengths, none below 0. Straights that stock
     /// lengths make up keep that length unless the course cannot close without them.
-    fn close(&mut self, stock: &StraightStock) {
+    fn close(&mut self, stock: &StraightStock, wanted: Cover) {
         let written = self.runs.clone();
         let mut held: Vec<bool> = Vec::with_capacity(self.runs.len());
         for run in &mut self.runs {
             let nearest = match run.shape {
-                Shape::Straight { length, .. } if length > 0.0 => cover::nearest_stock(length, stock, SNAP),
+                Shape::Straight { length, .. } if length > 0.0 => cover::nearest_stock(length, SNAP, stock, wanted),
                 _ => None,
             };
             if let Some(length) = nearest {

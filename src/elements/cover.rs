@@ -46,17 +46,32 @@ pub struct Part {
 /// The pieces that cover a straight of this length (m), stock lengths first and longest first, then the cut piece;
 /// `None` when the stock cannot cover it. Among equally good covers the one with the longest stock pieces is taken.
 pub fn straight(length: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
-    let whole = fewest(&stock.stock, length - EXACT, length + EXACT);
+    best(length, EXACT, stock, cover)
+}
+
+/// The sum of stock lengths within `tolerance` of this length, if they are what would be ordered for it.
+pub fn nearest_stock(length: f64, tolerance: f64, stock: &StraightStock, cover: Cover) -> Option<f64> {
+    let parts = best(length, tolerance, stock, cover)?;
+    (!parts.iter().any(|p| p.cut)).then(|| parts.iter().map(|p| p.length).sum())
+}
+
+/// The best cover, where stock lengths alone need only come within `tolerance`.
+fn best(length: f64, tolerance: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
     let cut = stock.cut.and_then(|cut| {
         // What remains is a piece, so it is longer than nothing.
         let high = (length - cut.low + EXACT).min(length - 2.0 * EXACT);
-        fewest(&stock.stock, (length - cut.high - EXACT).max(0.0), high)
-    });
-    let whole = whole.map(|lengths| parts(&lengths, None));
-    let cut = cut.map(|lengths| {
+        let lengths = fewest(&stock.stock, (length - cut.high - EXACT).max(0.0), high, MOST_PIECES)?;
         let rest = length - lengths.iter().sum::<f64>();
-        parts(&lengths, Some(rest))
+        Some(parts(&lengths, Some(rest)))
     });
+    // More stock lengths than this are worse than the cut.
+    let most = match (&cut, cover) {
+        (None, _) => MOST_PIECES,
+        (Some(cut), Cover::Fewest) => cut.len(),
+        (Some(_), Cover::Cheapest) if stock.price.per_piece <= 0.0 => MOST_PIECES,
+        (Some(cut), Cover::Cheapest) => cut.len() + (stock.cut_price / stock.price.per_piece).floor() as usize,
+    };
+    let whole = fewest(&stock.stock, length - tolerance, length + tolerance, most).map(|lengths| parts(&lengths, None));
     let price = |parts: &[Part]| {
         let cuts = if parts.iter().any(|p| p.cut) { stock.cut_price } else { 0.0 };
         stock.price.per_piece * parts.len() as f64 + cuts
@@ -73,12 +88,6 @@ pub fn straight(length: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<
         }
         (whole, cut) => whole.or(cut),
     }
-}
-
-/// The sum of stock lengths within `tolerance` of this length, if there is one.
-pub fn nearest_stock(length: f64, stock: &StraightStock, tolerance: f64) -> Option<f64> {
-    let lengths = fewest(&stock.stock, length - tolerance, length + tolerance)?;
-    Some(lengths.iter().sum())
 }
 
 fn parts(lengths: &[f64], rest: Option<f64>) -> Vec<Part> {
@@ -115,13 +124,13 @@ struct Reached {
     kind: usize,
 }
 
-/// The fewest stock lengths (repetition allowed) whose sum lies in `low..=high`, longest first; of these the
-/// largest sum.
+/// The fewest stock lengths (repetition allowed), and no more than `most`, whose sum lies in `low..=high`, longest
+/// first; of these the largest sum.
 ///
 /// With M the longest stock length, n pieces sum to nM minus the gaps M − a of the shorter ones, so the search goes through
 /// n upwards and through the sums of gaps in ascending order, each with the fewest pieces that reach it. Only sums of
 /// gaps up to nM − low are ever looked at, which are few as long as a cover exists.
-fn fewest(stock: &[f64], low: f64, high: f64) -> Option<Vec<f64>> {
+fn fewest(stock: &[f64], low: f64, high: f64, most: usize) -> Option<Vec<f64>> {
     if !(low <= high && high >= 0.0 && high.is_finite()) {
         return None;
     }
@@ -136,7 +145,7 @@ fn fewest(stock: &[f64], low: f64, high: f64) -> Option<Vec<f64>> {
         return None;
     }
     let first = (low / longest).ceil();
-    let most = (high / shortest).floor().min(MOST_PIECES as f64);
+    let most = (high / shortest).floor().min(most.min(MOST_PIECES) as f64);
     if first > most {
         return None;
     }
@@ -244,7 +253,8 @@ mod tests {
 
     #[test]
     fn known_straights() {
-        let cases: [(&[f64], Option<(f64, f64)>, f64, Option<&[f64]>); 9] = [
+        type Case = (&'static [f64], Option<(f64, f64)>, f64, Option<&'static [f64]>);
+        let cases: [Case; 9] = [
             (&[1.0, 2.0, 3.0], None, 12.0, Some(&[3.0; 4])),
             (&[1.0, 2.0, 3.0], None, 7.0, Some(&[3.0, 3.0, 1.0])),
             (&[1.0, 2.0, 3.0], None, 7.5, None),

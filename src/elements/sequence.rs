@@ -10,8 +10,8 @@ use crate::model::{Catalog, Layout};
 /// tangent point.
 ///
 /// Turns and radii within 1e-6 of the catalogue's grid are put on it, and straights then change by as much as the solver's
-/// tolerance let them, so that walking the elements closes to 1e-9 m and 1e-9 rad. What the catalogue does not have
-/// is one special piece with [`Element::in_catalog`] unset; see [`super::lacking`].
+/// tolerance let them, so that walking the elements closes to 1e-9 m and 1e-9 rad. What the catalogue does not have is
+/// a special piece, with [`Element::in_catalog`] unset; see [`super::lacking`].
 pub fn sequence(track: &Track, layout: &Layout) -> Sequence {
     let course = Course::new(track, layout);
     let wanted = Cover::of(layout);
@@ -83,7 +83,8 @@ pub fn degrees(angle: f64) -> String {
 mod tests {
     use super::*;
     use crate::geometry::Point;
-    use crate::model::fixture;
+    use crate::model::{fixture, thesis10::thesis10};
+    use crate::solve;
     use proptest::prelude::*;
 
     fn build(layout: &Layout) -> Sequence {
@@ -138,6 +139,33 @@ mod tests {
         let special: Vec<_> = sequence.elements.iter().filter(|e| !e.in_catalog).map(|e| e.article.as_str()).collect();
         assert_eq!(special, ["X-ST-2300", "X-CU-4200-45", "X-CU-4200-45", "X-ST-11800", "X-ST-2500"]);
         assert!(sequence.closure < 1e-12);
+    }
+
+    /// As written, none of the thesis instance's turns is on the grid.
+    #[test]
+    fn the_thesis_layout_closes_as_written() {
+        let sequence = build(&thesis10());
+        assert!(sequence.closure < 1e-9 && sequence.closure_heading < 1e-9);
+        assert!((sequence.length() - 213.999_233_438_034_1).abs() < 1e-9);
+        let special = sequence.elements.iter().filter(|e| !e.in_catalog);
+        assert!(special.clone().all(|e| matches!(e.shape, Shape::Curve { .. })));
+        assert_eq!(special.count(), 10);
+    }
+
+    /// What the third stage leaves can be ordered, and hardly differs from what it was.
+    #[test]
+    fn the_solved_thesis_layout_is_covered() {
+        let layout = thesis10();
+        let stages = solve::solve(&layout, &solve::Options::default(), &|_| ());
+        let track = Track::new(&stages.last().unwrap().corners);
+        let sequence = sequence(&track, &layout);
+        assert!(sequence.elements.iter().all(|e| e.in_catalog));
+        assert!(sequence.closure < 1e-9 && sequence.closure_heading < 1e-9);
+        assert!((sequence.length() - track.length).abs() < 1e-5);
+        for element in &sequence.elements {
+            let drawn = track.at(element.s).0;
+            assert!(element.position.distance(drawn) < 1e-5, "{} {drawn:?}", element.article);
+        }
     }
 
     proptest! {

@@ -1,7 +1,7 @@
 //! `bom.json` and `bom.csv`: the bill of elements.
 
 use super::number::{fixed, normal, trimmed};
-use super::{Compiled, document};
+use super::{Compiled, json};
 use crate::elements::{BillLine, Shape};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -100,7 +100,7 @@ impl Article {
 
 /// `bom.json`
 pub fn json(compiled: &Compiled) -> Vec<u8> {
-    document::to_json(&Bom::new(compiled))
+    json::to_json(&Bom::new(compiled))
 }
 
 /// `bom.csv`: a row an article, without a row of totals, so that a spreadsheet's own sums are right.

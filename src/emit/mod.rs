@@ -2,10 +2,10 @@
 
 pub mod bom;
 mod compiled;
-mod document;
 mod files;
 #[cfg(test)]
 mod fixture;
+mod json;
 pub mod layout;
 pub mod number;
 mod schemas;

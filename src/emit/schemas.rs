@@ -1,16 +1,16 @@
 //! JSON Schemas of the documents, committed in `docs/schemas/`.
 
 use super::bom::Bom;
-use super::document;
+use super::json;
 use super::layout::LayoutFile;
 use super::simulation::Simulation;
 
 /// Names and contents of `docs/schemas/`.
 pub fn schemas() -> [(&'static str, Vec<u8>); 3] {
     [
-        ("layout.schema.json", document::schema::<LayoutFile>()),
-        ("simulation.schema.json", document::schema::<Simulation>()),
-        ("bom.schema.json", document::schema::<Bom>()),
+        ("layout.schema.json", json::schema::<LayoutFile>()),
+        ("simulation.schema.json", json::schema::<Simulation>()),
+        ("bom.schema.json", json::schema::<Bom>()),
     ]
 }
 

@@ -18,12 +18,12 @@ pub struct Station {
 impl Compiled {
     /// Arc length of the layout's start from vertex 0's outgoing tangent point, m.
     pub fn start(&self) -> f64 {
-        self.layout.equipment.start.map_or(0.0, |place| self.from_first(place))
+        self.layout.equipment.start.map_or(0.0, |place| self.past_first_vertex(place))
     }
 
     /// Where a place lies.
     pub fn station(&self, place: Place) -> Station {
-        self.station_at(self.from_first(place) - self.start())
+        self.station_at(self.past_first_vertex(place) - self.start())
     }
 
     /// The place `s` past the layout's start, m.
@@ -55,7 +55,7 @@ impl Compiled {
         if self.track.length - s < 1e-9 { 0.0 } else { s }
     }
 
-    fn from_first(&self, place: Place) -> f64 {
+    fn past_first_vertex(&self, place: Place) -> f64 {
         self.track.straight(place.section).s + place.at
     }
 }
