@@ -83,7 +83,7 @@ pub fn degrees(angle: f64) -> String {
 mod tests {
     use super::*;
     use crate::geometry::Point;
-    use crate::model::{fixture, thesis10::thesis10};
+    use crate::model::{fixture, instances::thesis10};
     use crate::solve;
     use proptest::prelude::*;
 

@@ -5,7 +5,7 @@
 //! do not meet in this sense; [`self_crossings`](super::self_crossings) finds those.
 
 use super::clearance::Part;
-use super::{Fillet, Track};
+use super::Track;
 
 /// A local minimum of the distance between two parts of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq)]
