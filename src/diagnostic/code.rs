@@ -28,6 +28,17 @@ macro_rules! codes {
 
 codes! {
     E0101 "unexpected-token",
+    E0102 "unknown-statement",
+    E0103 "unclosed-bracket",
+    E0104 "unclosed-text",
+    E0105 "too-deep",
+    E0106 "too-large",
+    E0107 "stray-character",
+    E0108 "bad-number",
+    E0109 "stray-bracket",
+    E0110 "bad-unit-spelling",
+    E0111 "bad-escape",
+    E0112 "too-many-mistakes",
 
     E0201 "invalid-utf8",
     E0202 "file-too-large",
