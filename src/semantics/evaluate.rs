@@ -138,7 +138,7 @@ impl<'t> Context<'t> {
                 let mut diagnostic =
                     Diagnostic::new(Code::E0303, format!("`{symbol}` is not a unit"), name.span, "not known")
                         .expected(dimension::symbols().collect::<Vec<_>>().join(", "), format!("`{symbol}`"));
-                if let Some(near) = crate::syntax::nearest::nearest(&symbol, dimension::symbols()) {
+                if let Some(near) = crate::syntax::nearest(&symbol, dimension::symbols()) {
                     diagnostic = diagnostic.fix(name.span, name.text.replacen(&symbol, near, 1));
                 }
                 diagnostic

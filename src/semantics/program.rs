@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::syntax::nearest::nearest;
+use crate::syntax::nearest;
 use super::sink::Sink;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{FileId, LoadError, Loader, SIZE_LIMIT, STDLIB, SourceMap, Span};

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use super::declaration::Component;
-use crate::syntax::nearest::nearest;
+use crate::syntax::nearest;
 use super::program::{Program, Space, Symbol, mentions};
 use super::sink::Sink;
 use super::value::Value;

@@ -9,7 +9,7 @@ mod build;
 mod expected;
 mod expression;
 mod guard;
-pub(crate) mod nearest;
+mod nearest;
 mod origin;
 mod recover;
 mod statement;
