@@ -1,10 +1,17 @@
 //! Plane geometry of a track: vertices with fillet radii become lines and true arcs (thesis §3.2).
 
+pub mod clearance;
+mod contact;
+mod crossing;
 mod fillet;
 mod point;
 mod polygon;
+mod side;
 pub mod trig;
 
+pub use contact::{contact_area, outside_area};
+pub use crossing::{band_overlaps, piece_distance, point_piece, self_crossings};
 pub use fillet::{Corner, Fillet, Piece, PieceKind, Track};
 pub use point::Point;
 pub use polygon::{NotSimple, Polygon};
+pub use side::{Curve, Hand, Outline};

@@ -4,6 +4,10 @@
 mod components;
 mod constraint;
 mod equipment;
+#[cfg(test)]
+pub mod fixture;
+#[cfg(test)]
+pub mod thesis10;
 
 pub use components::*;
 pub use constraint::*;
