@@ -57,6 +57,8 @@ pub(super) struct Module {
     pub file: FileId,
     pub tree: Tree,
     pub standard: bool,
+    /// Whether some of it did not parse.
+    pub flawed: bool,
     /// Its own items.
     pub own: BTreeMap<(Space, String), Symbol>,
     /// Imported items with the import that brought them.
@@ -157,6 +159,7 @@ impl Reading<'_> {
             return *known;
         }
         let (tree, diagnostics) = syntax::parse(file, &self.sources.file(file).text);
+        let flawed = !diagnostics.is_empty();
         diagnostics.into_iter().for_each(|d| self.sink.push(d));
         let index = self.modules.len();
         let own = own_names(&tree, index, self.sink);
@@ -165,6 +168,7 @@ impl Reading<'_> {
         self.modules.push(Module {
             file,
             tree,
+            flawed,
             standard: self.loader.is_standard(file),
             own,
             imported: BTreeMap::new(),

@@ -36,7 +36,6 @@ pub(super) enum Key<'t> {
 #[derive(Debug)]
 pub(super) struct Draft<'t> {
     pub name: &'t Name,
-    pub span: Span,
     /// In driving order where that counts.
     pub statements: Vec<Placed<'t>>,
     keys: BTreeMap<Key<'t>, usize>,
@@ -50,6 +49,11 @@ pub(super) struct Draft<'t> {
 }
 
 impl<'t> Draft<'t> {
+    /// What the layout's own statements see.
+    pub fn innermost(&self) -> &Rc<Env<'t>> {
+        &self.env
+    }
+
     /// The statement that a layout has once, by keyword.
     pub fn once(&self, keyword: &'static str) -> Option<&Placed<'t>> {
         self.keys.get(&Key::Once(keyword)).map(|i| &self.statements[*i])
@@ -132,7 +136,6 @@ impl<'t> Context<'t> {
         });
         let mut draft = base.unwrap_or_else(|| Draft {
             name: &layout.name,
-            span: layout.span,
             statements: Vec::new(),
             keys: BTreeMap::new(),
             bad: Vec::new(),
@@ -141,7 +144,7 @@ impl<'t> Context<'t> {
             base_known: true,
         });
         draft.layer += usize::from(layout.from.is_some());
-        draft = Draft { name: &layout.name, span: layout.span, env, base_known, ..draft };
+        draft = Draft { name: &layout.name, env, base_known, ..draft };
         draft.replace_rows(layout);
         for node in &layout.body.nodes {
             match &node.value {

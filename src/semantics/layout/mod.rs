@@ -20,6 +20,7 @@ use crate::model::{Cart, Catalog, Chain, Drive, Interval, Layout, Sensor};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, Item, Kind, LayoutDeclaration, Reference, Statement};
 use draft::{Draft, Placed, keyword};
+pub(super) use vertices::Geometry;
 
 impl<'t> Context<'t> {
     /// The checked layout, if it has no mistake.
