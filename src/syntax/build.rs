@@ -75,7 +75,7 @@ impl Builder<'_> {
         let span = self.span_of(&pair);
         let mut parts = pair.into_inner();
         let word = take(&mut parts, Rule::kind)?;
-        let kind = kind(word.as_str())?;
+        let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
         let kind_span = self.span_of(&word);
         let name = self.name(&take(&mut parts, Rule::name)?);
         let (params, from, fields) = self.after_name(parts, span, Rule::fields, Self::fields);
@@ -276,17 +276,4 @@ impl Builder<'_> {
         block.tail = above;
         block
     }
-}
-
-pub(super) fn kind(word: &str) -> Option<Kind> {
-    Some(match word {
-        "catalog" => Kind::Catalog,
-        "cart" => Kind::Cart,
-        "wheel" => Kind::Wheel,
-        "joint" => Kind::Joint,
-        "motor" => Kind::Motor,
-        "controller" => Kind::Controller,
-        "sensor" => Kind::Sensor,
-        _ => return None,
-    })
 }

@@ -3,6 +3,7 @@
 use super::Rule;
 use super::nearest::nearest;
 use super::origin::Edit;
+use super::tree::{FixKind, Goal, Kind, SideWord};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use pest::error::{Error, ErrorVariant, InputLocation};
@@ -22,6 +23,15 @@ impl Context {
             Context::Item => Rule::only_item,
             Context::Statement => Rule::only_statement,
             Context::Field => Rule::only_field,
+        }
+    }
+
+    /// What such a line can be.
+    fn phrase(self) -> &'static str {
+        match self {
+            Context::Item => "`layout`, `use`, `let` or a declaration such as `cart`",
+            Context::Statement => "a statement such as `vertex P1 (2 m, 1.5 m)`",
+            Context::Field => "a field such as `mass = 52 kg`",
         }
     }
 }
@@ -44,8 +54,10 @@ impl Failure {
         };
         rules.retain(|rule| !matches!(rule, Rule::comment | Rule::bad_item | Rule::bad_statement | Rule::bad_field));
         // After a complete value an operator could follow, but hardly anybody forgot one there.
-        let essential: Vec<Rule> = rules.iter().copied().filter(|rule| !may_follow_anything(*rule)).collect();
-        Failure { at, rules: if essential.is_empty() { rules } else { essential } }
+        // Some rules can follow nearly everything: they are named only if nothing else could stand here.
+        keep_if_any(&mut rules, |rule| !may_follow_anything(rule));
+        keep_if_any(&mut rules, |rule| rule != Rule::dots);
+        Failure { at, rules }
     }
 
     /// The message, without a fix. `span` leads from positions in `text` to the user's.
@@ -58,30 +70,41 @@ impl Failure {
                 Diagnostic::new(Code::E0107, format!("unexpected character `{c}`"), place, "not part of the language");
             return match c {
                 '“' | '”' | '„' | '\'' => problem.help("texts stand between straight double quotes: \"...\""),
+                _ if self.at == 0 => problem.expected(context.phrase(), found),
                 _ => problem.expected(self.expected(text), found),
             };
         }
-        if self.at == 0 && context != Context::Field {
+        if self.at == 0 {
             return self.unknown(context, token, place, found);
         }
         let expected = self.expected(text);
         let label = if token.is_empty() { "the line ends here" } else { "not expected here" };
-        let message = format!("expected {expected}, found {found}");
-        let problem = Diagnostic::new(Code::E0101, message, place, label).expected(expected, found);
-        match (first_word(text), token) {
-            ("fix", "..") => {
-                problem.help("say what of the section is fixed: length, rotation, parallel, perpendicular or all")
-            }
-            _ => problem,
+        if first_word(text) == "fix" && token == ".." {
+            let kinds = "length, rotation, parallel, perpendicular or all";
+            let message = "it is not said what of the section is fixed";
+            return Diagnostic::new(Code::E0101, message, place, "a section, so a kind must come before it")
+                .expected(kinds, "a section")
+                .help(format!("write one of {kinds} between `fix` and the section"));
         }
+        Diagnostic::new(Code::E0101, format!("expected {expected}, found {found}"), place, label)
+            .expected(expected, found)
+    }
+
+    /// Whether a statement of a layout stands where only declarations can.
+    pub fn is_outside(&self, context: Context, text: &str) -> bool {
+        context == Context::Item && self.at == 0 && STATEMENT_WORDS.contains(&first_word(text))
     }
 
     fn unknown(&self, context: Context, token: &str, place: Span, found: String) -> Diagnostic {
-        let (what, whole) = match context {
-            Context::Item => ("declaration", "`layout`, `use`, `let` or a declaration such as `cart`"),
-            _ => ("statement", "a statement such as `vertex P1 (2 m, 1.5 m)`"),
-        };
-        if !token.starts_with(is_letter) {
+        let what = if context == Context::Item { "declaration" } else { "statement" };
+        let whole = context.phrase();
+        if self.is_outside(context, token) {
+            let message = format!("the statement {found} stands outside of a layout");
+            return Diagnostic::new(Code::E0102, message, place, "not inside the braces of a layout")
+                .expected(whole, found)
+                .help("put it and its like into `layout NAME { ... }`");
+        }
+        if context == Context::Field || !token.starts_with(is_letter) {
             let message = format!("expected {whole}, found {found}");
             return Diagnostic::new(Code::E0101, message, place, "not expected here").expected(whole, found);
         }
@@ -134,7 +157,7 @@ impl Failure {
     }
 
     /// Edits of `text` that may mend the failure, the likeliest first. They are tried before one is proposed.
-    pub fn candidates(&self, text: &str) -> Vec<Edit> {
+    pub fn candidates(&self, context: Context, text: &str) -> Vec<Edit> {
         let token = token_at(text, self.at);
         let before = text[..self.at].trim_end();
         let replace = |with: &str| Edit { at: self.at, removed: token.len(), inserted: with.to_string() };
@@ -145,9 +168,14 @@ impl Failure {
         {
             edits.push(replace(word));
         }
-        if first_word(text) == "fix" {
-            words.extend(words_of(Rule::fix_kind));
-            words.push("radius".to_string());
+        // Words that were taken for names.
+        match first_word(text) {
+            "fix" => {
+                words.extend(words_of(Rule::fix_kind));
+                words.push("radius".to_string());
+            }
+            "optimise" | "optimize" => words.extend(words_of(Rule::goal)),
+            _ => {}
         }
         let last = last_word(before);
         if last.len() < before.len()
@@ -159,18 +187,18 @@ impl Failure {
         if let Some(meant) = token.chars().next().and_then(lookalike) {
             edits.push(replace(meant));
         }
-        for literal in self.literals(token) {
-            // A sign in the literal's place: `P1-P2` for `P1..P2`, `mass: 5 kg` for `mass = 5 kg`.
-            let sign = !token.is_empty() && token.bytes().all(|b| b.is_ascii_punctuation()) && !is_bracket(token);
-            if sign && !literal.starts_with(is_letter) {
-                edits.push(replace(&literal));
-            }
-            edits.push(match literal.as_str() {
-                "," | ":" => Edit { at: before.len(), removed: 0, inserted: literal },
-                ".." => Edit { at: before.len(), removed: self.at - before.len(), inserted: literal },
-                _ => Edit { at: self.at, removed: 0, inserted: format!("{literal} ") },
-            });
+        let literals = self.literals(context, token);
+        // A sign in another's place: `P1-P2` for `P1..P2`, `mass: 5 kg` for `mass = 5 kg`.
+        if !token.is_empty() && token.bytes().all(|b| b.is_ascii_punctuation()) && !is_bracket(token) {
+            edits.extend(
+                literals.iter().rev().filter(|literal| !literal.starts_with(is_letter)).map(|sign| replace(sign)),
+            );
         }
+        edits.extend(literals.into_iter().map(|literal| match literal.as_str() {
+            "," | ":" => Edit { at: before.len(), removed: 0, inserted: literal },
+            ".." => Edit { at: before.len(), removed: self.at - before.len(), inserted: literal },
+            _ => Edit { at: self.at, removed: 0, inserted: format!("{literal} ") },
+        }));
         if self.rules.iter().any(|rule| matches!(rule, Rule::end_of_line | Rule::EOI))
             && matches!(token, ";" | "," | ".")
         {
@@ -180,7 +208,7 @@ impl Failure {
     }
 
     /// The literals that could have been left out before `token`.
-    fn literals(&self, token: &str) -> Vec<String> {
+    fn literals(&self, context: Context, token: &str) -> Vec<String> {
         let mut literals = Vec::new();
         if token.is_empty() || self.at == 0 {
             return literals;
@@ -194,7 +222,7 @@ impl Failure {
         for rule in &self.rules {
             match rule {
                 Rule::equals | Rule::dots | Rule::colon => literals.extend(literal_of(*rule).map(str::to_string)),
-                _ if is_keyword(*rule) => literals.extend(words_of(*rule)),
+                _ if context == Context::Statement && is_keyword(*rule) => literals.extend(words_of(*rule)),
                 _ => {}
             }
         }
@@ -202,11 +230,51 @@ impl Failure {
     }
 }
 
+/// The words that start a statement of a layout.
+pub const STATEMENT_WORDS: [&str; 31] = [
+    "building",
+    "cart",
+    "catalog",
+    "chain",
+    "chutes",
+    "controller",
+    "effect",
+    "equal",
+    "fix",
+    "induction",
+    "let",
+    "level",
+    "mirror",
+    "motor",
+    "motors",
+    "obstacle",
+    "optimise",
+    "optimize",
+    "pass",
+    "photocell",
+    "radii",
+    "ramp",
+    "require",
+    "sensor",
+    "sensor_cart",
+    "speed",
+    "start",
+    "supports",
+    "turns",
+    "vertex",
+    "width",
+];
+
 const END: &str = "the end of the line";
 
-/// Rules that can follow nearly every token and so say nothing about the mistake.
 fn may_follow_anything(rule: Rule) -> bool {
-    matches!(rule, Rule::add_op | Rule::mul_op | Rule::args | Rule::params | Rule::unit)
+    matches!(rule, Rule::add_op | Rule::mul_op | Rule::args | Rule::params | Rule::unit | Rule::open_paren)
+}
+
+fn keep_if_any(rules: &mut Vec<Rule>, keep: impl Fn(Rule) -> bool) {
+    if rules.iter().any(|rule| keep(*rule)) {
+        rules.retain(|rule| keep(*rule));
+    }
 }
 
 fn is_keyword(rule: Rule) -> bool {
@@ -215,21 +283,21 @@ fn is_keyword(rule: Rule) -> bool {
 
 /// The keywords that a rule takes. The name of a keyword's rule is `kw_` and the keyword.
 fn words_of(rule: Rule) -> Vec<String> {
-    let words: &[&str] = match rule {
-        Rule::kind => &["catalog", "cart", "wheel", "joint", "motor", "controller", "sensor"],
-        Rule::component | Rule::component_kind => &["catalog", "cart", "motor", "controller", "sensor"],
-        Rule::fix_kind => &["length", "rotation", "parallel", "perpendicular", "all"],
-        Rule::axis => &["x", "y"],
-        Rule::side => &["left", "right", "either"],
-        Rule::goal | Rule::goal_term | Rule::objective => &["length", "cost", "polygon_action", "nothing"],
-        Rule::chain_tension => &["tension"],
-        Rule::chain_closes => &["closes"],
+    let words: Vec<&str> = match rule {
+        Rule::kind => Kind::ALL.map(Kind::word).to_vec(),
+        Rule::component | Rule::component_kind => vec!["cart", "catalog", "controller", "motor", "sensor"],
+        Rule::fix_kind => FixKind::ALL.map(FixKind::word).to_vec(),
+        Rule::axis => vec!["x", "y"],
+        Rule::side => SideWord::ALL.map(SideWord::word).to_vec(),
+        Rule::goal | Rule::goal_term | Rule::objective => Goal::ALL.map(Goal::word).to_vec(),
+        Rule::chain_tension => vec!["tension"],
+        Rule::chain_closes => vec!["closes"],
         _ => {
             let name = format!("{rule:?}");
             return name.strip_prefix("kw_").map(str::to_string).into_iter().collect();
         }
     };
-    words.iter().map(|word| word.to_string()).collect()
+    words.into_iter().map(str::to_string).collect()
 }
 
 fn literal_of(rule: Rule) -> Option<&'static str> {
@@ -240,7 +308,6 @@ fn literal_of(rule: Rule) -> Option<&'static str> {
         Rule::dot => ".",
         Rule::dots => "..",
         Rule::plus => "+",
-        Rule::times => "*",
         Rule::open_paren | Rule::args | Rule::params => "(",
         Rule::close_paren => ")",
         Rule::open_bracket => "[",
@@ -281,6 +348,7 @@ fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
         | Rule::minus
         | Rule::list
         | Rule::paren => value_phrase(text, at),
+        Rule::times => "`* length` or another goal",
         Rule::add_op => "`+` or `-`",
         Rule::mul_op => "`*` or `/`",
         Rule::unit => "a unit such as `m`",

@@ -4,6 +4,7 @@
 //! always works on balanced text of bounded nesting: its recursion is safe, and one forgotten bracket does not hide
 //! the rest of the file.
 
+use super::expected::STATEMENT_WORDS;
 use super::origin::Edit;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{FileId, Span};
@@ -73,8 +74,8 @@ impl Guard<'_> {
             if self.verdict.fatal {
                 return;
             }
-            if self.line_start && byte.is_ascii_alphabetic() {
-                self.new_declaration(at);
+            if self.line_start && byte.is_ascii_alphabetic() && !self.open.is_empty() {
+                self.new_line(at);
             }
             self.line_start = byte == b'\n' || (self.line_start && matches!(byte, b' ' | b'\t'));
             at = match byte {
@@ -233,14 +234,19 @@ impl Guard<'_> {
             belongs = Some(here);
             let closing = closing(open.bracket);
             let message = format!("`{}` is never closed", char::from(open.bracket));
-            let mut problem = Diagnostic::new(Code::E0103, message, self.span(open.at, open.at + 1), "opened here")
-                .expected(
-                    format!("`{closing}`"),
-                    instead.map_or("the end of the file".to_string(), |at| self.found(at)),
-                );
+            // A list that ends with its line is not still open at what comes below.
+            let instead = instead.filter(|_| open.belongs.is_none());
+            let found = match instead {
+                Some(instead) => self.found(instead),
+                None if open.belongs.is_some() => "the end of the line".to_string(),
+                None => "the end of the file".to_string(),
+            };
+            let opener = self.span(open.at, open.at + 1);
+            let mut problem =
+                Diagnostic::new(Code::E0103, message, opener, "opened here").expected(format!("`{closing}`"), found);
             if let Some(instead) = instead {
-                let word = self.word(instead);
-                problem = problem.related(self.span(instead, instead + word.len().max(1)), "still open here");
+                let width = self.word(instead).len().max(1);
+                problem = problem.related(self.span(instead, instead + width), "still open here");
             }
             if open.bracket == b'{' {
                 self.edit(here, 0, "\n}\n");
@@ -266,21 +272,27 @@ impl Guard<'_> {
         self.line_has_code = false;
     }
 
-    /// `layout NAME` or `use` at the start of a line can only stand outside blocks: what is open was forgotten.
-    fn new_declaration(&mut self, at: usize) {
-        if self.open.is_empty() {
-            return;
-        }
+    /// What starts here cannot stand inside of brackets that are still open: these were forgotten.
+    fn new_line(&mut self, at: usize) {
         let word = self.word(at);
-        let rest = self.text[at + word.len()..].trim_start_matches([' ', '\t']);
-        let name = rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-        let starts = match word {
+        let rest = &self.text[at + word.len()..];
+        let next = rest.trim_start_matches([' ', '\t']);
+        let name = next.len() < rest.len() && next.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+        let unindented = at == 0 || self.text.as_bytes().get(at - 1) == Some(&b'\n');
+        let declaration = match word {
             "layout" => name,
-            "use" => rest.len() < self.text.len() - at - word.len() && (name || rest.starts_with('"')),
+            "use" => name || next.starts_with('"'),
             _ => false,
         };
-        if starts && self.open.iter().all(|open| open.bracket == b'{' || open.belongs.is_some()) {
+        if unindented && declaration {
             self.close_down_to(0, at, Some(at));
+            return;
+        }
+        let field = next.starts_with('=') && !next.starts_with("==");
+        let statement = STATEMENT_WORDS.contains(&word) && !next.starts_with(['.', ',', ')', ']']);
+        let ended = self.open.iter().rposition(|open| open.bracket == b'{').map_or(0, |brace| brace + 1);
+        if (field || statement) && self.open.last().is_some_and(|open| open.belongs.is_some()) {
+            self.close_down_to(ended, at, Some(at));
         }
     }
 

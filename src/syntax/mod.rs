@@ -8,14 +8,19 @@
 mod build;
 mod expected;
 mod expression;
+mod format;
 mod guard;
 mod nearest;
 mod origin;
 mod recover;
 mod statement;
 pub mod tree;
+mod words;
 
+#[cfg(test)]
+mod tests;
 
+pub use format::format;
 pub use guard::{MAX_BYTES, MAX_DEPTH};
 pub use nearest::nearest;
 
@@ -81,6 +86,8 @@ struct Report {
     mended: Vec<usize>,
     /// Mistakes that were not looked at any more.
     dropped: usize,
+    /// Whether a statement outside of a layout has been reported; one such message is enough.
+    outside: bool,
     /// How many bad lines are being looked into, one inside the other.
     nested: usize,
 }
@@ -89,7 +96,7 @@ impl Report {
     fn new(file: FileId, diagnostics: Vec<Diagnostic>, mended: impl Iterator<Item = usize>) -> Self {
         let mut mended: Vec<usize> = mended.collect();
         mended.sort_unstable();
-        Report { file, diagnostics, mended, dropped: 0, nested: 0 }
+        Report { file, diagnostics, mended, dropped: 0, outside: false, nested: 0 }
     }
 
     fn is_full(&self) -> bool {
@@ -101,6 +108,13 @@ impl Report {
             self.dropped += 1;
         } else {
             self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Adds the message that a statement stands outside of a layout, once.
+    fn add_outside(&mut self, diagnostic: Diagnostic) {
+        if !std::mem::replace(&mut self.outside, true) {
+            self.add(diagnostic);
         }
     }
 

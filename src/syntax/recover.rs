@@ -6,7 +6,7 @@ use super::expected::{Context, Failure};
 use super::nearest::nearest;
 use super::origin::{Edit, Origin};
 use super::{Grammar, Rule};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Label};
 use crate::source::Span;
 use pest::Parser;
 use pest::iterators::Pair;
@@ -70,8 +70,12 @@ impl Builder<'_> {
             let failure = Failure::new(&text, &error);
             let problem =
                 failure.diagnostic(context, &text, |from, to| Span::new(file, origin.back(from), origin.back(to)));
+            if failure.is_outside(context, &text) {
+                self.report.add_outside(problem);
+                return None;
+            }
             let edit = if text.len() <= MAX_REPAIR_BYTES && round + 1 < MAX_REPAIRS {
-                failure.candidates(&text).into_iter().find(|edit| helps(context, &text, &failure, edit))
+                failure.candidates(context, &text).into_iter().find(|edit| helps(context, &text, &failure, edit))
             } else {
                 None
             };
@@ -80,7 +84,8 @@ impl Builder<'_> {
                 return None;
             };
             let span = Span::new(file, origin.back(edit.at), origin.back(edit.at + edit.removed));
-            self.report.add(with_fix(problem, &text, &edit, span));
+            let earlier = edit.at + edit.removed < failure.at || edit.at + edit.removed == text.len();
+            self.report.add(with_fix(problem, &text, &edit, span, earlier));
             text = origin.edit(&text, vec![edit]);
         }
         None
@@ -96,7 +101,7 @@ impl Builder<'_> {
     ) -> Option<T> {
         match Grammar::parse(context.entry(), text) {
             Ok(mut pairs) => {
-                let line = pairs.next()?.into_inner().next()?;
+                let line = pairs.next()?;
                 build(&mut Builder { file: self.file, text, origin, report: self.report }, line)
             }
             Err(error) => {
@@ -122,7 +127,7 @@ impl Builder<'_> {
             _ => Rule::only_fields,
         };
         let Ok(mut pairs) = Grammar::parse(entry, inner) else { return };
-        let Some(block) = pairs.next().and_then(|pair| pair.into_inner().next()) else { return };
+        let Some(block) = pairs.next() else { return };
         let origin = Origin::slice(self.origin, start + brace);
         let mut builder = Builder { file: self.file, text: inner, origin: &origin, report: self.report };
         if layout {
@@ -148,7 +153,8 @@ fn helps(context: Context, text: &str, failure: &Failure, edit: &Edit) -> bool {
     }
 }
 
-fn with_fix(mut problem: Diagnostic, text: &str, edit: &Edit, span: Span) -> Diagnostic {
+/// `earlier`: the word before the one where the grammar stopped was the wrong one.
+fn with_fix(mut problem: Diagnostic, text: &str, edit: &Edit, span: Span, earlier: bool) -> Diagnostic {
     let removed = text[edit.at..edit.at + edit.removed].trim();
     let inserted = edit.inserted.trim();
     if removed.is_empty() {
@@ -158,6 +164,11 @@ fn with_fix(mut problem: Diagnostic, text: &str, edit: &Edit, span: Span) -> Dia
     } else if inserted.is_empty() {
         problem.help = Some(format!("leave `{removed}` out"));
     } else {
+        if earlier && problem.label.span != span {
+            problem.message = format!("expected `{inserted}`, found `{removed}`");
+            problem.label = Label { span, text: "not expected here".to_string() };
+            problem = problem.expected(format!("`{inserted}`"), format!("`{removed}`"));
+        }
         problem.help = Some(format!("did you mean `{inserted}`?"));
     }
     problem.fix(span, edit.inserted.clone())

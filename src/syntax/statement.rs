@@ -1,7 +1,7 @@
 //! pest's pairs to the statements of a layout.
 
 use super::Rule;
-use super::build::{Builder, kind, take};
+use super::build::{Builder, take};
 use super::tree::*;
 use crate::diagnostic::{Code, Diagnostic};
 use pest::iterators::{Pair, Pairs};
@@ -16,7 +16,8 @@ impl Builder<'_> {
         let parts = &mut parts;
         Some(match rule {
             Rule::component => {
-                let kind = kind(take(parts, Rule::component_kind)?.as_str())?;
+                let word = take(parts, Rule::component_kind)?;
+                let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
                 Statement::Component { kind, reference: self.reference(take(parts, Rule::reference)?)? }
             }
             Rule::speed => Statement::Speed(self.value(parts)?),
@@ -48,10 +49,9 @@ impl Builder<'_> {
             },
             Rule::pass => Statement::Pass {
                 obstacle: self.next_name(parts)?,
-                side: match take(parts, Rule::side)?.as_str() {
-                    "left" => SideWord::Left,
-                    "right" => SideWord::Right,
-                    _ => SideWord::Either,
+                side: {
+                    let word = take(parts, Rule::side)?;
+                    SideWord::ALL.into_iter().find(|side| side.word() == word.as_str())?
                 },
             },
             Rule::level => {
@@ -140,7 +140,10 @@ impl Builder<'_> {
                 let mut kinds = Vec::new();
                 for part in parts {
                     match part.as_rule() {
-                        Rule::fix_kind => kinds.push((fix_kind(part.as_str()), self.span_of(&part))),
+                        Rule::fix_kind => {
+                            let kind = FixKind::ALL.into_iter().find(|kind| kind.word() == part.as_str())?;
+                            kinds.push((kind, self.span_of(&part)));
+                        }
                         Rule::target => return Some(Statement::FixSection { kinds, target: self.target(part)? }),
                         _ => {}
                     }
@@ -225,14 +228,14 @@ impl Builder<'_> {
                     for part in part.into_inner() {
                         match part.as_rule() {
                             Rule::weight => weight = Some(self.expression(part)?),
-                            Rule::goal => terms.push((weight.take(), goal(part.as_str()), span)),
+                            Rule::goal => terms.push((weight.take(), goal(&part)?, span)),
                             _ => {}
                         }
                     }
                 }
                 Rule::within => {
                     let mut parts = part.into_inner();
-                    let goal = goal(take(&mut parts, Rule::goal)?.as_str());
+                    let goal = goal(&take(&mut parts, Rule::goal)?)?;
                     within = Some((goal, self.value(&mut parts)?));
                 }
                 _ => {}
@@ -242,21 +245,6 @@ impl Builder<'_> {
     }
 }
 
-fn fix_kind(word: &str) -> FixKind {
-    match word {
-        "length" => FixKind::Length,
-        "rotation" => FixKind::Rotation,
-        "parallel" => FixKind::Parallel,
-        "perpendicular" => FixKind::Perpendicular,
-        _ => FixKind::All,
-    }
-}
-
-fn goal(word: &str) -> Goal {
-    match word {
-        "length" => Goal::Length,
-        "cost" => Goal::Cost,
-        "polygon_action" => Goal::PolygonAction,
-        _ => Goal::Nothing,
-    }
+fn goal(pair: &Pair<Rule>) -> Option<Goal> {
+    Goal::ALL.into_iter().find(|goal| goal.word() == pair.as_str())
 }
