@@ -4,7 +4,7 @@
 //!
 //! 1. [`source`] reads files,
 //! 2. [`syntax`] turns text into a tree and back,
-//! 3. `semantics` resolves names, imports and dimensions: tree to [`model`],
+//! 3. [`semantics`] resolves names, imports and dimensions: tree to [`model`],
 //! 4. [`geometry`] gives the model lines, arcs, clearances and contact areas,
 //! 5. `problem` states the optimisation problem without a solver,
 //! 6. `solve` solves it in stages,
@@ -19,6 +19,7 @@ pub mod emit;
 pub mod geometry;
 pub mod model;
 pub mod problem;
+pub mod semantics;
 pub mod solve;
 pub mod source;
 pub mod syntax;

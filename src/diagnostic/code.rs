@@ -1,4 +1,4 @@
-//! The stable codes. E01 text and syntax, E02 names and imports, E03 values and dimensions, E04 the layout's
+//! The stable codes. E01 text and syntax, E02 files, names and imports, E03 values and dimensions, E04 the layout's
 //! geometry, E05 constraints, E06 solving, W07 warnings.
 
 use super::Severity;
@@ -28,6 +28,68 @@ macro_rules! codes {
 
 codes! {
     E0101 "unexpected-token",
+    E0102 "unknown-statement",
+    E0103 "unclosed-bracket",
+    E0104 "unclosed-text",
+    E0105 "too-deep",
+    E0106 "too-large",
+    E0107 "stray-character",
+    E0108 "bad-number",
+    E0109 "stray-bracket",
+    E0110 "bad-unit-spelling",
+    E0111 "bad-escape",
+    E0112 "too-many-mistakes",
+
+    E0201 "invalid-utf8",
+    E0202 "file-too-large",
+    E0203 "import-not-found",
+    E0204 "import-outside-root",
+    E0205 "import-cycle",
+    E0206 "unknown-import",
+    E0207 "unknown-name",
+    E0208 "unknown-vertex",
+    E0209 "unknown-obstacle",
+    E0210 "unknown-field",
+    E0211 "unknown-parameter",
+    E0212 "unknown-function",
+    E0213 "repeated-name",
+    E0214 "repeated-statement",
+    E0215 "missing-statement",
+    E0216 "missing-field",
+    E0217 "recursive-definition",
+    E0218 "no-such-layout",
+
+    E0301 "dimension-mismatch",
+    E0302 "missing-unit",
+    E0303 "unknown-unit",
+    E0304 "wrong-kind-of-value",
+    E0305 "not-finite",
+    E0306 "out-of-range",
+    E0307 "wrong-arguments",
+    E0308 "not-constant",
+    E0309 "limit-exceeded",
+    E0310 "cart-length-not-offered",
+    E0311 "inverted-range",
+
+    E0401 "too-few-vertices",
+    E0402 "coincident-vertices",
+    E0403 "not-neighbours",
+    E0404 "fillets-overlap",
+    E0405 "loop-crosses-itself",
+    E0406 "polygon-not-simple",
+    E0407 "outside-building",
+    E0408 "degenerate-turn",
+    E0409 "off-the-straight",
+
+    E0501 "constraint-never-holds",
+    E0502 "contradicting-statements",
+
+    E0650 "not-built-yet",
+
+    W0701 "unused-import",
+    W0702 "turn-outside-catalogue",
+    W0703 "radius-outside-catalogue",
+    W0704 "redundant-statement",
     W0710 "not-in-catalog",
 }
 

@@ -4,6 +4,9 @@
 //! `json` for machines. Every [`Code`] is stable and has a page, shown by `lss explain`.
 
 mod code;
+mod excerpt;
+pub mod json;
+pub mod text;
 
 pub use code::Code;
 

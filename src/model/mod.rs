@@ -4,6 +4,7 @@
 mod components;
 mod constraint;
 mod equipment;
+mod print;
 #[cfg(test)]
 pub mod fixture;
 #[cfg(test)]
@@ -12,6 +13,7 @@ pub mod instances;
 pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
+pub use print::print;
 
 use crate::geometry::{Corner, Point, Polygon};
 use crate::source::{Span, Spanned};

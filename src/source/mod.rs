@@ -3,6 +3,10 @@
 //! A [`SourceMap`] owns every text that a compilation has read. A [`Span`] names a byte range in one of them
 //! and is what every later stage carries so that a message can point at the line it came from.
 
+mod loader;
+
+pub use loader::{LoadError, Loader, SIZE_LIMIT, STDLIB};
+
 use serde::Serialize;
 
 /// Index of a file in its [`SourceMap`].
@@ -57,6 +61,18 @@ impl SourceFile {
             .chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32 + 1))
             .collect();
         SourceFile { name, text, line_starts }
+    }
+
+    /// Number of lines, at least one.
+    pub fn line_count(&self) -> usize {
+        self.line_starts.len()
+    }
+
+    /// Byte offset where a line (zero-based) begins, and its text without the line break.
+    pub fn line(&self, index: usize) -> Option<(u32, &str)> {
+        let start = *self.line_starts.get(index)?;
+        let end = self.line_starts.get(index + 1).map_or(self.text.len(), |next| *next as usize);
+        Some((start, self.text[start as usize..end].trim_end_matches(['\n', '\r'])))
     }
 
     /// One-based line and column (in characters) of a byte offset.

@@ -26,7 +26,8 @@ pub struct Node<T> {
     pub span: Span,
 }
 
-/// Items between braces, brackets or parentheses, and the comments after the last one.
+/// Items between braces, brackets or parentheses, and the comments after the last one (an empty string stands for a
+/// blank line there too).
 #[derive(Clone, Debug)]
 pub struct Block<T> {
     pub nodes: Vec<Node<T>>,
@@ -37,6 +38,37 @@ pub struct Block<T> {
     /// Whether the writer put it on several lines (lists and arguments keep that choice).
     pub multiline: bool,
     pub span: Span,
+}
+
+impl<T> Block<T> {
+    /// A block that was not written: nothing between brackets that are not there.
+    pub fn absent(span: Span) -> Self {
+        Block {
+            nodes: Vec::new(),
+            tail: Vec::new(),
+            beside_open: None,
+            multiline: false,
+            span: Span { end: span.start, ..span },
+        }
+    }
+
+    /// Whether the brackets themselves were left out.
+    pub fn is_absent(&self) -> bool {
+        self.span.start == self.span.end
+    }
+
+    /// The items without their comments.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &T> + ExactSizeIterator {
+        self.nodes.iter().map(|node| &node.value)
+    }
+
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +87,7 @@ pub enum Item {
     Bad,
 }
 
-/// `use std.tracks.standard` or `use "../shared/carts.lss"`.
+/// `use std.tracks.standard` (the path as written, with `std`) or `use "../shared/carts.lss"`.
 #[derive(Clone, Debug)]
 pub enum Use {
     Std { path: Vec<Name>, span: Span },
@@ -81,13 +113,13 @@ pub enum Kind {
     Sensor,
 }
 
-/// `cart heavy(length: 1250 mm) from tilt_tray(length: length) { mass = 52 kg }`.
+/// `cart heavy(length: 1250 mm) from tilt_tray(length: length) { mass = 52 kg }`. With `from` the body may be absent.
 #[derive(Clone, Debug)]
 pub struct Declaration {
     pub kind: Kind,
     pub kind_span: Span,
     pub name: Name,
-    pub params: Vec<Param>,
+    pub params: Block<Param>,
     pub from: Option<Reference>,
     pub fields: Block<Field>,
     pub span: Span,
@@ -130,11 +162,11 @@ pub enum Field {
     Bad,
 }
 
-/// `layout west_b from west_a { ... }`.
+/// `layout west_b from west_a { ... }`. With `from` the body may be absent.
 #[derive(Clone, Debug)]
 pub struct LayoutDeclaration {
     pub name: Name,
-    pub params: Vec<Param>,
+    pub params: Block<Param>,
     pub from: Option<Reference>,
     pub body: Block<Statement>,
     pub span: Span,

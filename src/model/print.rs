@@ -1,0 +1,438 @@
+//! The checked layout as text, with every default filled in: `lss build --emit model`.
+//!
+//! The text is a layout again: checked, it gives the same model (but for the spans).
+
+use std::fmt::Write;
+
+use super::*;
+use crate::geometry::trig;
+
+/// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses nothing.
+pub fn print(layout: &Layout) -> String {
+    let mut out = Printer::default();
+    out.catalog(&layout.catalog);
+    out.cart(&layout.cart);
+    out.drive(layout);
+    out.layout(layout);
+    out.text
+}
+
+#[derive(Default)]
+struct Printer {
+    text: String,
+    depth: usize,
+}
+
+impl Printer {
+    fn line(&mut self, text: impl AsRef<str>) {
+        for _ in 0..self.depth {
+            self.text.push_str("  ");
+        }
+        self.text.push_str(text.as_ref());
+        self.text.push('\n');
+    }
+
+    fn block(&mut self, head: impl AsRef<str>, body: impl FnOnce(&mut Self)) {
+        self.line(format!("{} {{", head.as_ref()));
+        self.depth += 1;
+        body(self);
+        self.depth -= 1;
+        self.line("}");
+    }
+
+    fn field(&mut self, name: &str, value: impl AsRef<str>) {
+        self.line(format!("{name} = {}", value.as_ref()));
+    }
+
+    fn catalog(&mut self, catalog: &Catalog) {
+        self.block(format!("catalog {}", catalog.name), |out| {
+            out.field("take_up", metres(catalog.take_up));
+            let straight = &catalog.straight;
+            out.block("straight", |out| {
+                out.field("article", quoted(&straight.article));
+                out.field("stock", list(&straight.stock));
+                if let Some(cut) = straight.cut {
+                    out.field("cut", range(cut, metres));
+                }
+                out.field("cut_price", unit(straight.cut_price, "EUR"));
+                out.field("shortest", metres(straight.shortest));
+                out.rates(straight.price, straight.mass);
+            });
+            let curve = &catalog.curve;
+            out.block("curve", |out| {
+                out.field("article", quoted(&curve.article));
+                out.field("radii", list(&curve.radii));
+                out.field("angle_step", degrees(curve.angle_step));
+                out.field("largest", degrees(curve.largest));
+                out.field("turns", range(curve.turns, degrees));
+                out.rates(curve.price, curve.mass);
+            });
+            if let Some(stock) = &catalog.vertical {
+                out.block("vertical", |out| {
+                    out.slopes(&stock.article, &stock.radii, stock.angle_step, stock.steepest);
+                    out.rates(stock.price, stock.mass);
+                });
+            }
+            if let Some(stock) = &catalog.spiral {
+                out.block("spiral", |out| {
+                    out.slopes(&stock.article, &stock.radii, stock.angle_step, stock.steepest);
+                    out.rates(stock.price, stock.mass);
+                });
+            }
+        });
+        self.text.push('\n');
+    }
+
+    fn slopes(&mut self, article: &str, radii: &[f64], step: f64, steepest: f64) {
+        self.field("article", quoted(article));
+        self.field("radii", list(radii));
+        self.field("angle_step", degrees(step));
+        self.field("steepest", number(steepest));
+    }
+
+    fn rates(&mut self, price: Rate, mass: Rate) {
+        self.field("piece_price", unit(price.per_piece, "EUR"));
+        self.field("metre_price", unit(price.per_metre, "EUR/m"));
+        self.field("piece_mass", unit(mass.per_piece, "kg"));
+        self.field("metre_mass", unit(mass.per_metre, "kg/m"));
+    }
+
+    fn cart(&mut self, cart: &Cart) {
+        self.wheel(&cart.steering, &cart.steering.name);
+        // One declaration may serve both with different arguments.
+        let running = if cart.running.name == cart.steering.name && !same_wheel(&cart.running, &cart.steering) {
+            format!("{}_running", cart.running.name)
+        } else {
+            cart.running.name.clone()
+        };
+        if running != cart.steering.name {
+            self.wheel(&cart.running, &running);
+        }
+        let joint = &cart.joint;
+        self.block(format!("joint {}", joint.name), |out| {
+            out.field("approach_floor", unit(joint.approach_floor, "m/s"));
+            out.block("axial", |out| out.contact(&joint.axial));
+            out.block("radial", |out| out.contact(&joint.radial));
+        });
+        self.text.push('\n');
+        self.block(format!("cart {}", cart.name), |out| {
+            out.field("length", metres(cart.length));
+            out.field("mass", unit(cart.mass, "kg"));
+            out.field("inertia", format!("({})", cart.inertia.map(|i| unit(i, "kg*m^2")).join(", ")));
+            out.field("centre_of_mass", format!("({})", cart.centre_of_mass.map(metres).join(", ")));
+            out.field("steering", &cart.steering.name);
+            out.field("running", &running);
+            out.field("joint", &joint.name);
+            out.field("motor_height", metres(cart.motor_height));
+        });
+        self.text.push('\n');
+    }
+
+    fn wheel(&mut self, wheel: &Wheel, name: &str) {
+        self.block(format!("wheel {name}"), |out| {
+            out.field("radius", metres(wheel.radius));
+            out.field("half_spacing", metres(wheel.half_spacing));
+            out.field("height", metres(wheel.height));
+            out.field("gap", metres(wheel.gap));
+            out.contact(&wheel.contact);
+            out.field("rolling_resistance", number(wheel.rolling_resistance));
+        });
+        self.text.push('\n');
+    }
+
+    fn contact(&mut self, contact: &Contact) {
+        let exponent = if contact.exponent == 1.0 { String::new() } else { format!("^{}", contact.exponent) };
+        self.field("stiffness", unit(contact.stiffness, &format!("N/m{exponent}")));
+        self.field("exponent", number(contact.exponent));
+        self.field("restitution", number(contact.restitution));
+    }
+
+    fn drive(&mut self, layout: &Layout) {
+        let (motor, controller, sensor) = (&layout.drive.motor, &layout.drive.controller, &layout.sensor);
+        self.block(format!("motor {}", motor.name), |out| {
+            out.field("length", metres(motor.length));
+            out.field("force", unit(motor.force, "N"));
+        });
+        self.text.push('\n');
+        self.block(format!("controller {}", controller.name), |out| {
+            out.field("proportional", unit(controller.proportional, "N*s/m"));
+            out.field("integral", unit(controller.integral, "N/m"));
+            out.field("derivative", unit(controller.derivative, "N*s^2/m"));
+            out.field("period", unit(controller.period, "s"));
+        });
+        self.text.push('\n');
+        self.block(format!("sensor {}", sensor.name), |out| {
+            out.field("lowpass", unit(sensor.lowpass, "Hz"));
+            out.field("rate", unit(sensor.rate, "Hz"));
+            out.field("trigger_length", metres(sensor.trigger_length));
+        });
+        self.text.push('\n');
+    }
+
+    fn layout(&mut self, layout: &Layout) {
+        let names: Vec<&str> = layout.vertices.iter().map(|v| v.name.as_str()).collect();
+        self.block(format!("layout {}", layout.name), |out| {
+            out.line(format!("catalog {}", layout.catalog.name));
+            out.line(format!("cart {}", layout.cart.name));
+            out.line(format!("motor {}", layout.drive.motor.name));
+            out.line(format!("controller {}", layout.drive.controller.name));
+            out.line(format!("sensor {}", layout.sensor.name));
+            out.line(format!("speed {}", unit(layout.speed.value, "m/s")));
+            out.line(format!("width {}", metres(layout.width.value)));
+            out.line(format!("turns {}", range(layout.turns.value, degrees)));
+            out.line(format!("radii {}", range(layout.radii.value, metres)));
+            out.text.push('\n');
+            for vertex in &layout.vertices {
+                let radius = metres(vertex.radius.value);
+                out.line(format!("vertex {} {} radius {radius}", vertex.name, point(vertex.point)));
+            }
+            out.text.push('\n');
+            out.regions(layout);
+            for constraint in &layout.constraints {
+                out.line(constraint_text(constraint, layout, &names));
+            }
+            out.equipment(layout, &names);
+            out.line(objective_text(&layout.objective));
+        });
+    }
+
+    fn regions(&mut self, layout: &Layout) {
+        let polygon = |p: &Polygon| p.points().iter().map(|p| point(*p)).collect::<Vec<_>>().join(", ");
+        if let Some(building) = &layout.building {
+            let clearance = metres(building.clearance);
+            self.line(format!("building [{}] clearance {clearance}", polygon(&building.polygon)));
+        }
+        for obstacle in &layout.obstacles {
+            let clearance = metres(obstacle.clearance);
+            self.line(format!("obstacle {} [{}] clearance {clearance}", obstacle.name, polygon(&obstacle.polygon)));
+            let side = match obstacle.side {
+                Side::Left => "left",
+                Side::Right => "right",
+                Side::Either => "either",
+            };
+            self.line(format!("pass {} {side}", obstacle.name));
+        }
+    }
+
+    fn equipment(&mut self, layout: &Layout, names: &[&str]) {
+        let section = |i: usize| section_text(i, names);
+        let place = |p: &Place| format!("on {} at {}", section(p.section), metres(p.at));
+        let row = |r: &Row| {
+            let (from, every) = (metres(r.place.at), metres(r.every));
+            format!("on {} from {from} every {every} count {}", section(r.place.section), r.count)
+        };
+        let equipment = &layout.equipment;
+        for level in &layout.levels {
+            self.line(format!("level {}..{} {}", names[level.from], names[level.to], metres(level.height)));
+        }
+        for ramp in &layout.ramps {
+            let mut text = format!("ramp {}", section(ramp.section));
+            let parts = [("from", ramp.from.map(metres)), ("slope", ramp.slope.map(number)), ("radius", ramp.radius.map(metres))];
+            for (word, value) in parts {
+                if let Some(value) = value {
+                    let _ = write!(text, " {word} {value}");
+                }
+            }
+            self.line(text);
+        }
+        if let Some(start) = &equipment.start {
+            self.line(format!("start {}", place(start)));
+        }
+        if let Some(photocell) = &equipment.photocell {
+            self.line(format!("photocell {}", place(photocell)));
+        }
+        for induction in &equipment.inductions {
+            self.line(format!("induction {} {}", induction.name, place(&induction.place)));
+        }
+        for chutes in &equipment.chutes {
+            self.line(format!("chutes {} {}", chutes.name, row(&chutes.row)));
+        }
+        match &equipment.motors {
+            Motors::Evenly { count } => self.line(format!("motors {count} evenly")),
+            Motors::Rows(rows) => rows.iter().for_each(|r| self.line(format!("motors {}", row(r)))),
+        }
+        if let Some(supports) = &equipment.supports {
+            self.line(format!("supports every {}", metres(supports.value)));
+        }
+        self.line(format!("sensor_cart at cart {}", equipment.sensor_cart));
+        self.line(format!("chain tension {}", unit(layout.chain.tension, "N")));
+        if let Some(closes) = &layout.chain.closes_within {
+            self.line(format!("chain closes within {}", metres(closes.value)));
+        }
+        for effect in &layout.effects {
+            let strengths: Vec<String> = effect.strengths.iter().map(|(n, v)| format!("{n}: {}", number(*v))).collect();
+            self.line(format!("effect {}({})", effect.name, strengths.join(", ")));
+        }
+    }
+}
+
+fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> String {
+    match &constraint.kind {
+        ConstraintKind::FixSection { target, kinds } => {
+            let words: Vec<&str> = kinds
+                .iter()
+                .map(|k| match k {
+                    FixKind::Length => "length",
+                    FixKind::Rotation => "rotation",
+                    FixKind::Parallel => "parallel",
+                    FixKind::Perpendicular => "perpendicular",
+                })
+                .collect();
+            let words = if words.len() == 4 { "all".to_string() } else { words.join(", ") };
+            format!("fix {words} {}", target_text(*target, names))
+        }
+        ConstraintKind::FixVertex { vertex } => format!("fix {}", names[*vertex]),
+        ConstraintKind::FixRadius { vertex } => format!("fix radius {}", names[*vertex]),
+        ConstraintKind::Require { formula, low, high, unit } => {
+            let shown = |value: f64| match unit {
+                Unit::Metre => metres(value),
+                Unit::Radian => degrees(value),
+                Unit::SquareMetre => self::unit(value, "m^2"),
+                Unit::One | Unit::Other => number(value),
+            };
+            let formula = formula_text(formula, *unit, layout, names);
+            let row = if low == high {
+                format!("{formula} == {}", shown(*low))
+            } else if high.is_infinite() {
+                format!("{formula} >= {}", shown(*low))
+            } else if low.is_infinite() {
+                format!("{formula} <= {}", shown(*high))
+            } else {
+                format!("{} <= {formula} <= {}", shown(*low), shown(*high))
+            };
+            let reason = constraint.reason.as_ref().map(|r| format!(" {}", quoted(r))).unwrap_or_default();
+            format!("require {row}{reason}")
+        }
+    }
+}
+
+/// A formula in the language. Constants inside sums carry the unit of the whole; inside products they are plain
+/// numbers, and so are constants of a dimension without a unit of its own.
+fn formula_text(formula: &Formula, unit: Unit, layout: &Layout, names: &[&str]) -> String {
+    let inner = |f: &Formula| formula_text(f, unit, layout, names);
+    let all = |items: &[Formula]| items.iter().map(inner).collect::<Vec<_>>().join(", ");
+    let plain = |f: &Formula| match f {
+        Formula::Constant(value) => number(*value),
+        Formula::Sum(_) => format!("({})", inner(f)),
+        other => inner(other),
+    };
+    match formula {
+        Formula::Constant(value) => match unit {
+            Unit::Metre => metres(*value),
+            Unit::Radian => degrees(*value),
+            Unit::SquareMetre => self::unit(*value, "m^2"),
+            Unit::One | Unit::Other => number(*value),
+        },
+        Formula::X(i) => format!("x({})", names[*i]),
+        Formula::Y(i) => format!("y({})", names[*i]),
+        Formula::Radius(i) => format!("radius({})", names[*i]),
+        Formula::Length(target) => format!("length({})", target_text(*target, names)),
+        Formula::Heading(i) => format!("heading({})", section_text(*i, names)),
+        Formula::Angle(i) => format!("angle({})", names[*i]),
+        Formula::DistanceVertices(a, b) => format!("distance({}, {})", names[*a], names[*b]),
+        Formula::DistanceObstacle(i, o) => format!("distance({}, {})", names[*i], layout.obstacles[*o].name),
+        Formula::DistanceBuilding(i) => format!("distance({}, building)", names[*i]),
+        Formula::Sum(terms) => terms.iter().enumerate().fold(String::new(), |text, (i, term)| match (i, term) {
+            (0, term) => inner(term),
+            (_, Formula::Negative(term)) => match **term {
+                Formula::Sum(_) => format!("{text} - ({})", inner(term)),
+                _ => format!("{text} - {}", inner(term)),
+            },
+            (_, Formula::Constant(value)) if *value < 0.0 => format!("{text} - {}", inner(&Formula::Constant(-value))),
+            (_, term) => format!("{text} + {}", inner(term)),
+        }),
+        Formula::Product(factors) => factors.iter().enumerate().fold(String::new(), |text, (i, factor)| match (i, factor) {
+            (0, Formula::Reciprocal(divisor)) => format!("1 / {}", grouped(divisor, &plain)),
+            (0, factor) => plain(factor),
+            (_, Formula::Reciprocal(divisor)) => format!("{text} / {}", grouped(divisor, &plain)),
+            (_, factor) => format!("{text} * {}", plain(factor)),
+        }),
+        Formula::Negative(of) => format!("-{}", grouped(of, &plain)),
+        Formula::Reciprocal(of) => format!("1 / {}", grouped(of, &plain)),
+        Formula::Absolute(of) => format!("abs({})", inner(of)),
+        Formula::SquareRoot(of) => format!("sqrt({})", inner(of)),
+        Formula::Smallest(items) => format!("min({})", all(items)),
+        Formula::Largest(items) => format!("max({})", all(items)),
+    }
+}
+
+/// A product in parentheses, where it would otherwise come apart.
+fn grouped(formula: &Formula, plain: &dyn Fn(&Formula) -> String) -> String {
+    match formula {
+        Formula::Product(_) => format!("({})", plain(formula)),
+        other => plain(other),
+    }
+}
+
+fn objective_text(objective: &Objective) -> String {
+    let word = |goal: Goal| match goal {
+        Goal::Length => "length",
+        Goal::Cost => "cost",
+        Goal::PolygonAction => "polygon_action",
+    };
+    let terms: Vec<String> = objective
+        .terms
+        .iter()
+        .map(|(weight, goal)| match *weight == 1.0 {
+            true => word(*goal).to_string(),
+            false => format!("{} * {}", number(*weight), word(*goal)),
+        })
+        .collect();
+    let terms = if terms.is_empty() { "nothing".to_string() } else { terms.join(" + ") };
+    match objective.within {
+        Some((goal, ratio)) => format!("optimise {terms} within {} + {}", word(goal), number(ratio)),
+        None => format!("optimise {terms}"),
+    }
+}
+
+fn section_text(from: usize, names: &[&str]) -> String {
+    format!("{}..{}", names[from], names[(from + 1) % names.len()])
+}
+
+fn target_text(target: Target, names: &[&str]) -> String {
+    let section = section_text(target.from, names);
+    if target.straight { format!("straight({section})") } else { section }
+}
+
+fn same_wheel(a: &Wheel, b: &Wheel) -> bool {
+    let numbers = |w: &Wheel| [w.radius, w.half_spacing, w.height, w.gap, w.rolling_resistance];
+    numbers(a) == numbers(b) && a.contact == b.contact
+}
+
+/// The shortest digits that give the same number again; no negative zero.
+fn number(value: f64) -> String {
+    format!("{}", value + 0.0)
+}
+
+fn unit(value: f64, unit: &str) -> String {
+    format!("{} {unit}", number(value))
+}
+
+fn metres(value: f64) -> String {
+    unit(value, "m")
+}
+
+/// In degrees when reading them gives the same angle again, else in radians.
+fn degrees(value: f64) -> String {
+    let short = (value * (180.0 / trig::PI) * 1e9).round() / 1e9;
+    match short * (trig::PI / 180.0) == value {
+        true => unit(short, "deg"),
+        false => unit(value, "rad"),
+    }
+}
+
+fn range(interval: Interval, show: fn(f64) -> String) -> String {
+    format!("{} .. {}", show(interval.low), show(interval.high))
+}
+
+fn list(lengths: &[f64]) -> String {
+    format!("[{}]", lengths.iter().map(|l| metres(*l)).collect::<Vec<_>>().join(", "))
+}
+
+fn point(p: Point) -> String {
+    format!("({}, {})", metres(p.x), metres(p.y))
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}

@@ -1,0 +1,45 @@
+//! Equipment beyond the straight that it stands on.
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::Track;
+use crate::model::{Equipment, Motors, Place, Ramp, Row};
+use crate::semantics::scope::{Context, Named};
+use crate::semantics::value::metres;
+
+impl Context<'_> {
+    pub fn check_equipment(&self, equipment: &Equipment, ramps: &[Ramp], track: &Track, named: &Named) {
+        for place in equipment.start.iter().chain(&equipment.photocell) {
+            self.check_reach(place, place.at, track, named);
+        }
+        for induction in &equipment.inductions {
+            self.check_reach(&induction.place, induction.place.at, track, named);
+        }
+        let rows = match &equipment.motors {
+            Motors::Rows(rows) => rows.as_slice(),
+            Motors::Evenly { .. } => &[],
+        };
+        let last = |row: &Row| row.place.at + row.every * (row.count.max(1) - 1) as f64;
+        for row in equipment.chutes.iter().map(|c| &c.row).chain(rows) {
+            self.check_reach(&row.place, last(row), track, named);
+        }
+        for ramp in ramps {
+            if let Some(at) = ramp.from {
+                self.check_reach(&Place { section: ramp.section, at, span: ramp.span }, at, track, named);
+            }
+        }
+    }
+
+    /// Whether the written straight reaches as far as the place (or the last of a row).
+    fn check_reach(&self, place: &Place, reach: f64, track: &Track, named: &Named) {
+        let length = track.straight(place.section).length;
+        if reach <= length + 1e-9 {
+            return;
+        }
+        let n = named.order.len();
+        let (a, b) = (named.order[place.section], named.order[(place.section + 1) % n]);
+        self.report(
+            Diagnostic::new(Code::E0409, format!("this lies beyond the straight of `{a}..{b}`"), place.span, format!("reaches {}", metres(reach)))
+                .expected(format!("at most {} from the tangent point where the straight begins", metres(length)), metres(reach)),
+        );
+    }
+}

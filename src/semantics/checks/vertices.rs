@@ -1,0 +1,155 @@
+//! Vertices: coincident neighbours, turns, radii, and fillets that overlap.
+
+use super::Facts;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::{PieceKind, Track, trig};
+use crate::model::Vertex;
+use crate::semantics::scope::Context;
+use crate::semantics::value::{degrees, metres};
+
+/// Vertices closer than this coincide, m.
+const COINCIDENT: f64 = 1e-6;
+/// Turns below this have no direction, and turns this close to a half turn throw their tangent points to infinity, rad.
+const LEAST_TURN: f64 = 0.05 * trig::PI / 180.0;
+const LARGEST_TURN: f64 = 175.0 * trig::PI / 180.0;
+/// Rounding of written numbers, m or rad.
+const SLACK: f64 = 1e-9;
+
+impl Context<'_> {
+    /// Whether neighbouring vertices differ.
+    pub(super) fn check_neighbours(&self, vertices: &[Vertex]) -> bool {
+        let mut sound = true;
+        for (i, vertex) in vertices.iter().enumerate() {
+            let next = &vertices[(i + 1) % vertices.len()];
+            if vertex.point.distance(next.point) < COINCIDENT {
+                let message = format!("`{}` and `{}` are the same point", vertex.name, next.name);
+                let mut diagnostic = Diagnostic::new(Code::E0402, message, next.point_span, "the same point again")
+                    .related(vertex.point_span, "the vertex before")
+                    .expected("neighbours that differ", format!("({}, {}) twice", metres(next.point.x), metres(next.point.y)));
+                if i + 1 == vertices.len() {
+                    diagnostic = diagnostic.help("the loop closes by itself: the first vertex is not repeated at the end");
+                }
+                self.report(diagnostic);
+                sound = false;
+            }
+        }
+        sound
+    }
+
+    /// Whether every vertex turns by an angle that a fillet can round; warns of turns outside the limits.
+    pub(super) fn check_turns(&self, vertices: &[Vertex], track: &Track, facts: &Facts) -> bool {
+        let mut sound = true;
+        for (vertex, fillet) in vertices.iter().zip(&track.fillets) {
+            let (turn, limits) = (fillet.turn.abs(), facts.turns.value);
+            let found = degrees(turn);
+            if !(LEAST_TURN..=LARGEST_TURN).contains(&turn) {
+                let (message, help) = if turn < 1.0 {
+                    (format!("the track does not turn at `{}`", vertex.name), "remove the vertex, or move it off the line")
+                } else {
+                    (format!("the track turns back at `{}`", vertex.name), "split the turn over two vertices")
+                };
+                self.report(
+                    Diagnostic::new(Code::E0408, message, vertex.point_span, format!("turns by {found}"))
+                        .expected(format!("a turn of {} .. {}", degrees(limits.low), degrees(limits.high)), found)
+                        .help(help),
+                );
+                sound = false;
+            } else if turn < limits.low - SLACK || turn > limits.high + SLACK {
+                let message = format!("the turn at `{}` is outside its limits", vertex.name);
+                self.report(
+                    Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
+                        .related(facts.turns.span, "the limits")
+                        .expected(format!("{} .. {}", degrees(limits.low), degrees(limits.high)), found)
+                        .help(mended(facts)),
+                );
+            } else if let (true, Some(catalog)) = (facts.as_written(), facts.catalog) {
+                let steps = turn / catalog.curve.angle_step;
+                if (steps - steps.round()).abs() * catalog.curve.angle_step > 1e-7 {
+                    let step = degrees(catalog.curve.angle_step);
+                    let message = format!("`{}` has no curve for the turn at `{}`", catalog.name, vertex.name);
+                    self.report(
+                        Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
+                            .expected(format!("a multiple of {step}"), found)
+                            .help(mended(facts)),
+                    );
+                }
+            }
+        }
+        sound
+    }
+
+    /// Warns of radii outside the limits, or not in the catalogue when nothing will change them.
+    pub(super) fn check_radii(&self, vertices: &[Vertex], facts: &Facts) {
+        let limits = facts.radii.value;
+        for vertex in vertices {
+            let (radius, found) = (vertex.radius.value, metres(vertex.radius.value));
+            let missing = facts.as_written()
+                && facts.catalog.is_some_and(|c| !c.curve.radii.iter().any(|r| (r - radius).abs() < SLACK));
+            if radius < limits.low - SLACK || radius > limits.high + SLACK {
+                let message = format!("the radius at `{}` is outside its limits", vertex.name);
+                self.report(
+                    Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
+                        .related(facts.radii.span, "the limits")
+                        .expected(format!("{} .. {}", metres(limits.low), metres(limits.high)), found)
+                        .help(mended(facts)),
+                );
+            } else if let (true, Some(catalog)) = (missing, facts.catalog) {
+                let listed = catalog.curve.radii.iter().map(|r| metres(*r)).collect::<Vec<_>>().join(", ");
+                let message = format!("`{}` has no curve for the radius at `{}`", catalog.name, vertex.name);
+                self.report(
+                    Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
+                        .expected(listed, found)
+                        .help(mended(facts)),
+                );
+            }
+        }
+    }
+
+    /// Whether the fillets leave room for each other on every section.
+    pub(super) fn check_fillets(&self, vertices: &[Vertex], track: &Track) -> bool {
+        let n = vertices.len();
+        let mut sound = true;
+        for piece in track.pieces.iter().filter(|p| p.kind == PieceKind::Straight && p.length < -SLACK) {
+            sound = false;
+            let (i, j) = (piece.vertex, (piece.vertex + 1) % n);
+            // The larger fillet is the one to change; when it is too large for both its sections, it is said once.
+            let (large, small) = if track.fillets[i].tangent > track.fillets[j].tangent { (i, j) } else { (j, i) };
+            let room = [(large + n - 1) % n, large].map(|section| {
+                let other = if section == large { (large + 1) % n } else { section };
+                let length = vertices[section].point.distance(vertices[(section + 1) % n].point);
+                length - track.fillets[other].tangent
+            });
+            let largest = room[0].min(room[1]) / trig::tan(track.fillets[large].turn.abs() / 2.0);
+            let section = piece.length + track.fillets[i].tangent + track.fillets[j].tangent;
+            let overlap = -piece.length;
+            let (a, b) = (&vertices[large], &vertices[small]);
+            let help = if largest > 0.01 {
+                let rounded = (largest * 1000.0).floor() / 1000.0;
+                format!("the largest radius that fits at `{}` is {}", a.name, metres(rounded))
+            } else {
+                let factor = section / (section + overlap);
+                let both = |v: &Vertex| metres((v.radius.value * factor * 1000.0).floor() / 1000.0);
+                format!("radii up to {} at `{}` and {} at `{}` fit together", both(a), a.name, both(b), b.name)
+            };
+            let message = format!("the fillets of `{}` and `{}` overlap", vertices[i].name, vertices[j].name);
+            let tangents = metres(section + overlap);
+            self.report(
+                Diagnostic::new(Code::E0404, message, a.radius.span, format!("too large by {}", metres(overlap)))
+                    .related(b.span, "its neighbour")
+                    .expected(
+                        format!("tangents that fit into the {} between the vertices", metres(section)),
+                        format!("tangents of {tangents}"),
+                    )
+                    .help(help),
+            );
+        }
+        sound
+    }
+}
+
+fn mended(facts: &Facts) -> &'static str {
+    match facts.as_written() {
+        true => "the layout is compiled as written, with an element that the catalogue lacks",
+        false => "the optimiser starts from here and must bring it within the limits",
+    }
+}

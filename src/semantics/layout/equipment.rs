@@ -1,0 +1,166 @@
+//! What stands along the track, levels, ramps and effects.
+
+use super::draft::{Draft, Placed};
+use super::vertices::Geometry;
+use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::semantics::dimension::Dimension;
+use crate::semantics::fields::{Bounds, COORDINATE};
+use crate::semantics::scope::{Context, Scope};
+use crate::semantics::value::Value;
+use crate::source::Spanned;
+use crate::syntax::tree::{self, Expr, Statement};
+
+/// Distances along a straight, m.
+const ALONG: Bounds = Bounds::between(0.0, 1e5);
+
+impl<'t> Context<'t> {
+    /// Everything along the track, unless something of it has a mistake.
+    pub(super) fn equipment(&self, draft: &Draft<'t>, geometry: &Geometry<'t>) -> Option<Equipment> {
+        let mut equipment = Equipment {
+            start: None,
+            photocell: None,
+            inductions: Vec::new(),
+            chutes: Vec::new(),
+            motors: Motors::Evenly { count: 0 },
+            supports: None,
+            sensor_cart: 1,
+        };
+        let mut rows = Vec::new();
+        let mut sound = true;
+        for placed in &draft.statements {
+            sound &= self.equip(placed, geometry, &mut equipment, &mut rows).is_some();
+        }
+        if let Some((_, place)) = rows.first() {
+            if let Some(evenly) = draft.once("motors") {
+                self.report(
+                    Diagnostic::new(Code::E0214, "motors are placed evenly and in rows", evenly.span, "evenly")
+                        .related(*place, "in a row")
+                        .help("remove one of the two"),
+                );
+                return None;
+            }
+            equipment.motors = Motors::Rows(rows.into_iter().map(|(row, _)| row).collect());
+        }
+        sound.then_some(equipment)
+    }
+
+    /// Adds what one statement places; `None` is a mistake.
+    fn equip(
+        &self,
+        placed: &Placed<'t>,
+        geometry: &Geometry<'t>,
+        equipment: &mut Equipment,
+        rows: &mut Vec<(Row, crate::source::Span)>,
+    ) -> Option<()> {
+        match placed.statement {
+            Statement::Start(place) => equipment.start = Some(self.along(placed, geometry, place)?),
+            Statement::Photocell(place) => equipment.photocell = Some(self.along(placed, geometry, place)?),
+            Statement::Induction { name, place } => {
+                let place = self.along(placed, geometry, place)?;
+                equipment.inductions.push(Induction { name: name.text.clone(), place });
+            }
+            Statement::Chutes { name, row } => {
+                let row = self.row_of(placed, geometry, row)?;
+                equipment.chutes.push(Chutes { name: name.text.clone(), row });
+            }
+            Statement::MotorsEvenly { count } => {
+                let count = self.count(&placed.env, count, "the number of motors", 0)?;
+                equipment.motors = Motors::Evenly { count };
+            }
+            Statement::MotorsRow(row) => rows.push((self.row_of(placed, geometry, row)?, placed.span)),
+            Statement::Supports { every } => {
+                let bounds = Bounds::between(0.01, 1e3);
+                let every = self.bounded_constant(&placed.env, every, Dimension::LENGTH, "the distance of supports", bounds)?;
+                equipment.supports = Some(Spanned::new(every.value, placed.span));
+            }
+            Statement::SensorCart { cart } => {
+                equipment.sensor_cart = self.count(&placed.env, cart, "the number of the cart", 1)?;
+            }
+            _ => {}
+        }
+        Some(())
+    }
+
+    fn along(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, place: &'t tree::Place) -> Option<Place> {
+        let section = self.section(&geometry.named, &place.section);
+        let at = self.bounded_constant(&placed.env, &place.at, Dimension::LENGTH, "the distance along the straight", ALONG);
+        Some(Place { section: section?, at: at?.value, span: placed.span })
+    }
+
+    fn row_of(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, row: &'t tree::Row) -> Option<Row> {
+        let section = self.section(&geometry.named, &row.section);
+        let length = |expr: &'t Expr, what: &str, bounds| {
+            self.bounded_constant(&placed.env, expr, Dimension::LENGTH, what, bounds).map(|v| v.value)
+        };
+        let at = length(&row.from, "the distance along the straight", ALONG);
+        let every = length(&row.every, "the distance between two", Bounds::above(0.0, 1e5));
+        let count = self.count(&placed.env, &row.count, "the count", 1);
+        let place = Place { section: section?, at: at?, span: placed.span };
+        Some(Row { place, every: every?, count: count? })
+    }
+
+    /// Heights of runs of sections.
+    pub(super) fn levels(&self, draft: &Draft<'t>, geometry: &Geometry<'t>) -> Option<Vec<Level>> {
+        let mut levels = Vec::new();
+        let mut sound = true;
+        for placed in &draft.statements {
+            let Statement::Level { from, to, height } = placed.statement else { continue };
+            let (a, b) = (self.vertex(&geometry.named, from), self.vertex(&geometry.named, to));
+            let height = self.bounded_constant(&placed.env, height, Dimension::LENGTH, "the height", COORDINATE);
+            match (a, b, height) {
+                (Some(from), Some(to), Some(height)) => {
+                    levels.push(Level { from, to, height: height.value, span: placed.span });
+                }
+                _ => sound = false,
+            }
+        }
+        sound.then_some(levels)
+    }
+
+    /// Ramps; one with a mistake has been reported and is left out.
+    pub(super) fn ramps(&self, draft: &Draft<'t>, geometry: &Geometry<'t>) -> Vec<Ramp> {
+        let ramp = |placed: &Placed<'t>| {
+            let Statement::Ramp { section, from, slope, radius } = placed.statement else { return None };
+            let optional = |expr: &'t Option<Expr>, dimension, what: &str, bounds| match expr {
+                None => Some(None),
+                Some(expr) => self.bounded_constant(&placed.env, expr, dimension, what, bounds).map(|v| Some(v.value)),
+            };
+            let section = self.section(&geometry.named, section);
+            let from = optional(from, Dimension::LENGTH, "the distance along the straight", ALONG);
+            let slope = optional(slope, Dimension::NONE, "the slope", Bounds::above(0.0, 1.0));
+            let radius = optional(radius, Dimension::LENGTH, "the radius", Bounds::above(0.0, 1e3));
+            Some(Ramp { section: section?, from: from?, slope: slope?, radius: radius?, span: placed.span })
+        };
+        draft.statements.iter().filter_map(ramp).collect()
+    }
+
+    /// Effects: a later stage knows which there are; here their strengths must be constants.
+    pub(super) fn effects(&self, draft: &Draft<'t>) -> Vec<Effect> {
+        let effect = |placed: &Placed<'t>| {
+            let Statement::Effect(reference) = placed.statement else { return None };
+            let args = match &reference.args {
+                Some(block) => self.arguments(&placed.env, &reference.name, block),
+                None => Default::default(),
+            };
+            let strengths = args.into_iter().filter_map(|(name, (value, _, span))| match &value {
+                Value::Quantity(q) => {
+                    let value = self.expect_constant(&value, span, q.dimension, &format!("`{name}`"))?;
+                    Some((name.to_string(), value))
+                }
+                Value::Poison => None,
+                other => {
+                    self.expect_constant(other, span, Dimension::NONE, &format!("`{name}`"));
+                    None
+                }
+            });
+            Some(Effect { name: reference.name.text.clone(), strengths: strengths.collect(), span: placed.span })
+        };
+        draft.statements.iter().filter_map(effect).collect()
+    }
+
+    /// A scope without geometry.
+    pub(super) fn plain<'a>(&self, placed: &'a Placed<'t>) -> Scope<'a, 't> {
+        Scope { env: &placed.env, geometry: None }
+    }
+}

@@ -1,0 +1,48 @@
+//! What the language has and `build` cannot yet do: nothing of it is silently ignored.
+
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{Goal, Layout, Side};
+use crate::source::Span;
+
+/// One diagnostic for each part of a checked layout that cannot be built yet.
+pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let mut say = |span: Span, what: &str, instead: &str| {
+        let message = format!("{what} is checked, but not built yet");
+        found.push(
+            Diagnostic::new(Code::E0650, message, span, "not built yet")
+                .help(format!("to build now, {instead}; `lss check` accepts it as it is")),
+        );
+    };
+    let objective = &layout.objective;
+    let written = objective.span.unwrap_or(layout.span);
+    if objective.within.is_some() {
+        say(written, "a goal within a budget", "write `optimise length`");
+    } else if objective.terms.len() > 1 {
+        say(written, "a weighted sum of goals", "write `optimise length`");
+    } else {
+        match objective.terms.first() {
+            Some((_, Goal::Cost)) => say(written, "`optimise cost`", "write `optimise length`"),
+            Some((_, Goal::PolygonAction)) => say(written, "`optimise polygon_action`", "write `optimise length`"),
+            Some((_, Goal::Length)) | None => {}
+        }
+    }
+    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either) {
+        let what = format!("`pass {} either`", obstacle.name);
+        say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
+    }
+    for level in &layout.levels {
+        say(level.span, "`level`", "remove it: the track is built in one plane");
+    }
+    for ramp in &layout.ramps {
+        say(ramp.span, "`ramp`", "remove it: the track is built in one plane");
+    }
+    if let Some(closes) = &layout.chain.closes_within {
+        say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");
+    }
+    for effect in &layout.effects {
+        say(effect.span, "`effect`", "remove it: nothing is simulated yet");
+    }
+    found.sort_by_key(|d| d.label.span);
+    found
+}

@@ -1,0 +1,169 @@
+//! What an expression means.
+
+use super::dimension::Dimension;
+use crate::model::Formula;
+use crate::source::Spanned;
+
+/// A value, or the mark of a mistake that has been reported.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    /// Already reported: whatever is computed from it says nothing more.
+    Poison,
+    Quantity(Quantity),
+    Text(String),
+    List(Vec<Spanned<Value>>),
+    Tuple(Vec<Spanned<Value>>),
+    Range(Box<RangeValue>),
+}
+
+/// A number with its dimension: a constant, or a formula over the layout's geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Quantity {
+    pub formula: Formula,
+    pub dimension: Dimension,
+}
+
+/// `low .. high` or `low .. high step s`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct RangeValue {
+    pub low: Spanned<Value>,
+    pub high: Spanned<Value>,
+    pub step: Option<Spanned<Value>>,
+}
+
+impl Value {
+    pub fn constant(value: f64, dimension: Dimension) -> Value {
+        Value::Quantity(Quantity { formula: Formula::Constant(value), dimension })
+    }
+
+    /// What a message calls it.
+    pub fn described(&self) -> String {
+        match self {
+            Value::Poison => "a mistake".into(),
+            Value::Quantity(q) => q.dimension.with_article(),
+            Value::Text(_) => "a text".into(),
+            Value::List(_) => "a list".into(),
+            Value::Tuple(_) => "a tuple".into(),
+            Value::Range(_) => "a range".into(),
+        }
+    }
+}
+
+impl Quantity {
+    pub fn as_constant(&self) -> Option<f64> {
+        match self.formula {
+            Formula::Constant(value) => Some(value),
+            _ => None,
+        }
+    }
+}
+
+/// Sum with constants folded; flat.
+pub(super) fn sum(terms: Vec<Formula>) -> Formula {
+    fold(terms, 0.0, |a, b| a + b, Formula::Sum)
+}
+
+/// Product with constants folded; flat.
+pub(super) fn product(factors: Vec<Formula>) -> Formula {
+    fold(factors, 1.0, |a, b| a * b, Formula::Product)
+}
+
+/// Constants go together into one, which stands last; an identity is left out.
+fn fold(
+    parts: Vec<Formula>,
+    identity: f64,
+    with: fn(f64, f64) -> f64,
+    variant: fn(Vec<Formula>) -> Formula,
+) -> Formula {
+    let mut constant = identity;
+    let mut rest = Vec::new();
+    for part in parts {
+        match part {
+            Formula::Constant(value) => constant = with(constant, value),
+            other => rest.push(other),
+        }
+    }
+    if rest.is_empty() {
+        return Formula::Constant(constant);
+    }
+    if constant != identity {
+        rest.push(Formula::Constant(constant));
+    }
+    match rest.pop() {
+        Some(only) if rest.is_empty() => only,
+        Some(last) => {
+            rest.push(last);
+            variant(rest)
+        }
+        None => Formula::Constant(constant),
+    }
+}
+
+pub(super) fn negative(formula: Formula) -> Formula {
+    match formula {
+        Formula::Constant(value) => Formula::Constant(-value),
+        Formula::Negative(inner) => *inner,
+        other => Formula::Negative(Box::new(other)),
+    }
+}
+
+/// A number as messages show it: six significant digits, no trailing zeros, no negative zero.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 { "0".into() } else { format!("{value}") };
+    }
+    let magnitude = libm::floor(libm::log10(value.abs())) as i32;
+    if !(-6..15).contains(&magnitude) {
+        return format!("{value:.5e}");
+    }
+    let text = format!("{value:.*}", (5 - magnitude).max(0) as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
+}
+
+/// A quantity as messages show it, in the unit that its dimension is usually written in.
+pub(super) fn shown(value: f64, dimension: Dimension) -> String {
+    if dimension == Dimension::ANGLE {
+        return format!("{} deg", number(value.to_degrees()));
+    }
+    if dimension == Dimension::TEMPERATURE {
+        return format!("{} °C", number(value - 273.15));
+    }
+    match dimension.unit() {
+        Some(unit) => format!("{} {unit}", number(value)),
+        None if dimension == Dimension::NONE => number(value),
+        None => format!("{} {}", number(value), dimension.spelled()),
+    }
+}
+
+pub(super) fn metres(value: f64) -> String {
+    shown(value, Dimension::LENGTH)
+}
+
+pub(super) fn degrees(value: f64) -> String {
+    shown(value, Dimension::ANGLE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_plain() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (12.0, "12"),
+            (1.25, "1.25"),
+            (0.1 + 0.2, "0.3"),
+            (1234567.0, "1234567"),
+            (-0.0005, "-0.0005"),
+            (1e30, "1.00000e30"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!(shown(std::f64::consts::FRAC_PI_2, Dimension::ANGLE), "90 deg");
+    }
+}

@@ -1,0 +1,261 @@
+//! Reading inputs: the main file, files imported by relative paths inside the project root, and the standard
+//! library. No other module opens an input.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+
+use super::{FileId, SourceMap};
+
+/// Largest input file, bytes.
+pub const SIZE_LIMIT: u64 = 8 * 1024 * 1024;
+
+/// The embedded standard library: module name and text.
+pub const STDLIB: &[(&str, &str)] = &[
+    ("carts", include_str!("../../stdlib/carts.lss")),
+    ("drives", include_str!("../../stdlib/drives.lss")),
+    ("joints", include_str!("../../stdlib/joints.lss")),
+    ("sensors", include_str!("../../stdlib/sensors.lss")),
+    ("tracks", include_str!("../../stdlib/tracks.lss")),
+    ("wheels", include_str!("../../stdlib/wheels.lss")),
+];
+
+/// Why a file could not become a source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LoadError {
+    /// Not there, not a regular file, or unreadable; the system's reason.
+    Unreadable(String),
+    /// Its path leads out of the project root (shown), directly or through a symbolic link.
+    OutsideRoot(String),
+    /// Larger than [`SIZE_LIMIT`], bytes.
+    TooLarge(u64),
+    /// Not UTF-8 from this byte on. The text up to there is in the source map, for messages.
+    NotUtf8 { file: FileId, byte: usize },
+}
+
+/// Where files come from.
+#[derive(Clone, Debug)]
+enum Origin {
+    Disk { root: PathBuf },
+    Memory { files: BTreeMap<String, Vec<u8>> },
+}
+
+/// Reads files into a [`SourceMap`], each once.
+#[derive(Clone, Debug)]
+pub struct Loader {
+    origin: Origin,
+    /// Canonical place of each file that was read, and its id.
+    read: BTreeMap<PathBuf, FileId>,
+    /// The same the other way round; a file without a place imports nothing from its folder.
+    places: BTreeMap<FileId, PathBuf>,
+    standard: BTreeMap<&'static str, FileId>,
+}
+
+impl Loader {
+    /// Reads the main file from the disk. The project root is the nearest folder upwards that holds `lss.toml` or
+    /// `.git`, else the file's own folder.
+    pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, FileId), LoadError> {
+        let place = path.canonicalize().map_err(|e| LoadError::Unreadable(e.to_string()))?;
+        let folder = place.parent().unwrap_or(Path::new("/"));
+        let root = folder
+            .ancestors()
+            .find(|f| f.join("lss.toml").exists() || f.join(".git").exists())
+            .unwrap_or(folder)
+            .to_path_buf();
+        let mut loader = Loader::new(Origin::Disk { root });
+        let main = loader.read(sources, place, path.to_string_lossy().into_owned())?;
+        Ok((loader, main))
+    }
+
+    /// Takes files from memory, by their paths relative to a root. The first one is the main file.
+    pub fn memory(sources: &mut SourceMap, files: &[(&str, &[u8])]) -> Result<(Loader, FileId), LoadError> {
+        let main = files.first().map_or("main.lss", |(name, _)| *name);
+        let files = files.iter().map(|(name, bytes)| (name.to_string(), bytes.to_vec())).collect();
+        let mut loader = Loader::new(Origin::Memory { files });
+        let id = loader.read(sources, PathBuf::from(main), main.to_string())?;
+        Ok((loader, id))
+    }
+
+    fn new(origin: Origin) -> Self {
+        Loader { origin, read: BTreeMap::new(), places: BTreeMap::new(), standard: BTreeMap::new() }
+    }
+
+    /// Reads the file that `importer` names with a relative path.
+    pub fn import(&mut self, sources: &mut SourceMap, importer: FileId, path: &str) -> Result<FileId, LoadError> {
+        let Some(from) = self.places.get(&importer) else {
+            return Err(LoadError::Unreadable("the standard library imports no files".into()));
+        };
+        let folder = from.parent().unwrap_or(Path::new(""));
+        let root = match &self.origin {
+            Origin::Disk { root } => root.clone(),
+            Origin::Memory { .. } => PathBuf::new(),
+        };
+        let outside = || LoadError::OutsideRoot(shown_root(&root));
+        let wanted = normalise(&folder.join(path)).filter(|p| p.starts_with(&root)).ok_or_else(outside)?;
+        let place = match &self.origin {
+            Origin::Memory { .. } => wanted,
+            Origin::Disk { .. } => wanted.canonicalize().map_err(|e| LoadError::Unreadable(e.to_string()))?,
+        };
+        if !place.starts_with(&root) || Path::new(path).is_absolute() {
+            return Err(outside());
+        }
+        let beside = Path::new(&sources.file(importer).name).parent().map(|f| f.join(path));
+        let name = beside.map_or_else(|| path.to_string(), |p| shorten(&p).to_string_lossy().into_owned());
+        self.read(sources, place, name)
+    }
+
+    /// A module of the standard library, shown as `std/tracks.lss`.
+    pub fn standard(&mut self, sources: &mut SourceMap, module: &str) -> Option<FileId> {
+        let (name, text) = STDLIB.iter().find(|(name, _)| *name == module)?;
+        Some(*self.standard.entry(name).or_insert_with(|| sources.add(format!("std/{name}.lss"), *text)))
+    }
+
+    /// Whether the file belongs to the standard library.
+    pub fn is_standard(&self, file: FileId) -> bool {
+        self.standard.values().any(|id| *id == file)
+    }
+
+    fn read(&mut self, sources: &mut SourceMap, place: PathBuf, name: String) -> Result<FileId, LoadError> {
+        if let Some(id) = self.read.get(&place) {
+            return Ok(*id);
+        }
+        let bytes = match &self.origin {
+            Origin::Disk { .. } => read_disk(&place)?,
+            Origin::Memory { files } => files
+                .get(place.to_string_lossy().as_ref())
+                .cloned()
+                .ok_or_else(|| LoadError::Unreadable("no such file".into()))?,
+        };
+        if bytes.len() as u64 > SIZE_LIMIT {
+            return Err(LoadError::TooLarge(bytes.len() as u64));
+        }
+        match String::from_utf8(bytes) {
+            Ok(text) => {
+                let id = sources.add(name, text);
+                self.read.insert(place.clone(), id);
+                self.places.insert(id, place);
+                Ok(id)
+            }
+            Err(error) => {
+                let byte = error.utf8_error().valid_up_to();
+                let file = sources.add(name, String::from_utf8_lossy(error.as_bytes()));
+                Err(LoadError::NotUtf8 { file, byte })
+            }
+        }
+    }
+}
+
+fn read_disk(place: &Path) -> Result<Vec<u8>, LoadError> {
+    let unreadable = |e: std::io::Error| LoadError::Unreadable(e.to_string());
+    let facts = std::fs::metadata(place).map_err(unreadable)?;
+    if !facts.is_file() {
+        return Err(LoadError::Unreadable("not a regular file".into()));
+    }
+    if facts.len() > SIZE_LIMIT {
+        return Err(LoadError::TooLarge(facts.len()));
+    }
+    let mut bytes = Vec::with_capacity(facts.len() as usize);
+    let file = std::fs::File::open(place).map_err(unreadable)?;
+    file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
+/// Resolves `.` and `..` by name alone; `None` when that leads above the beginning.
+fn normalise(path: &Path) -> Option<PathBuf> {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                if !out.pop() {
+                    return None;
+                }
+            }
+            other => out.push(other),
+        }
+    }
+    Some(out)
+}
+
+/// `a/../b.lss` as `b.lss`; leading `..` stay.
+fn shorten(path: &Path) -> PathBuf {
+    let mut out: Vec<Component> = Vec::new();
+    for part in path.components() {
+        match (part, out.last()) {
+            (Component::CurDir, _) => {}
+            (Component::ParentDir, Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            _ => out.push(part),
+        }
+    }
+    out.iter().collect()
+}
+
+fn shown_root(root: &Path) -> String {
+    root.file_name().map_or_else(|| "the project".into(), |n| n.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn write(path: PathBuf, text: impl AsRef<[u8]>) {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+
+    #[test]
+    fn root_is_the_nearest_marked_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        write(dir.path().join("lss.toml"), "");
+        write(dir.path().join("layouts/west/a.lss"), "");
+        write(dir.path().join("shared/carts.lss"), "// carts");
+        let mut sources = SourceMap::default();
+        let (mut loader, main) = Loader::open(&mut sources, &dir.path().join("layouts/west/a.lss")).unwrap();
+        let id = loader.import(&mut sources, main, "../../shared/carts.lss").unwrap();
+        assert_eq!(sources.file(id).text, "// carts");
+        assert!(sources.file(id).name.ends_with("/shared/carts.lss") && !sources.file(id).name.contains(".."));
+        assert_eq!(loader.import(&mut sources, main, "../.././shared/carts.lss"), Ok(id), "read once");
+    }
+
+    #[test]
+    fn without_a_marker_the_own_folder_is_the_root() {
+        let dir = tempfile::tempdir().unwrap();
+        write(dir.path().join("a/main.lss"), "");
+        write(dir.path().join("b.lss"), "");
+        let mut sources = SourceMap::default();
+        let (mut loader, main) = Loader::open(&mut sources, &dir.path().join("a/main.lss")).unwrap();
+        // Whether the file exists must not matter: that would tell what lies outside.
+        for path in ["../b.lss", "../missing.lss", "/etc/hostname"] {
+            assert!(matches!(loader.import(&mut sources, main, path), Err(LoadError::OutsideRoot(_))), "{path}");
+        }
+        assert!(matches!(loader.import(&mut sources, main, "missing.lss"), Err(LoadError::Unreadable(_))));
+        assert!(matches!(loader.import(&mut sources, main, "."), Err(LoadError::Unreadable(_))));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_does_not_lead_out() {
+        let dir = tempfile::tempdir().unwrap();
+        write(dir.path().join("project/main.lss"), "");
+        write(dir.path().join("secret.lss"), "");
+        std::os::unix::fs::symlink(dir.path().join("secret.lss"), dir.path().join("project/link.lss")).unwrap();
+        let mut sources = SourceMap::default();
+        let (mut loader, main) = Loader::open(&mut sources, &dir.path().join("project/main.lss")).unwrap();
+        assert!(matches!(loader.import(&mut sources, main, "link.lss"), Err(LoadError::OutsideRoot(_))));
+    }
+
+    #[test]
+    fn memory_has_the_same_rules() {
+        let mut sources = SourceMap::default();
+        let files: &[(&str, &[u8])] =
+            &[("a/main.lss", b""), ("b.lss", b"// b"), ("c.lss", b"ok \xff"), ("big.lss", &[b' '; 9 << 20])];
+        let (mut loader, main) = Loader::memory(&mut sources, files).unwrap();
+        assert!(loader.import(&mut sources, main, "../b.lss").is_ok());
+        assert!(matches!(loader.import(&mut sources, main, "../../b.lss"), Err(LoadError::OutsideRoot(_))));
+        assert!(matches!(loader.import(&mut sources, main, "../c.lss"), Err(LoadError::NotUtf8 { byte: 3, .. })));
+        assert_eq!(loader.import(&mut sources, main, "../big.lss"), Err(LoadError::TooLarge(9 << 20)));
+    }
+}

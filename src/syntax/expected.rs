@@ -1,0 +1,451 @@
+//! What should have stood where the grammar gave up, in words that a CAD engineer reads, and what may mend it.
+
+use super::Rule;
+use super::nearest::nearest;
+use super::origin::Edit;
+use super::tree::{FixKind, Goal, Kind, SideWord};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::Span;
+use pest::error::{Error, ErrorVariant, InputLocation};
+
+/// What a line is read as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Context {
+    Item,
+    Statement,
+    Field,
+}
+
+impl Context {
+    /// The rule that reads one such line and nothing else.
+    pub fn entry(self) -> Rule {
+        match self {
+            Context::Item => Rule::only_item,
+            Context::Statement => Rule::only_statement,
+            Context::Field => Rule::only_field,
+        }
+    }
+
+    /// What such a line can be.
+    fn phrase(self) -> &'static str {
+        match self {
+            Context::Item => "`layout`, `use`, `let` or a declaration such as `cart`",
+            Context::Statement => "a statement such as `vertex P1 (2 m, 1.5 m)`",
+            Context::Field => "a field such as `mass = 52 kg`",
+        }
+    }
+}
+
+/// Where the grammar could not go on, and what it would have taken there.
+#[derive(Debug)]
+pub struct Failure {
+    pub at: usize,
+    rules: Vec<Rule>,
+}
+
+impl Failure {
+    pub fn new(text: &str, error: &Error<Rule>) -> Self {
+        let at = match error.location {
+            InputLocation::Pos(at) | InputLocation::Span((at, _)) => at.min(text.len()),
+        };
+        let mut rules = match &error.variant {
+            ErrorVariant::ParsingError { positives, .. } => positives.clone(),
+            ErrorVariant::CustomError { .. } => Vec::new(),
+        };
+        rules.retain(|rule| !matches!(rule, Rule::comment | Rule::bad_item | Rule::bad_statement | Rule::bad_field));
+        // After a complete value an operator could follow, but hardly anybody forgot one there.
+        // Some rules can follow nearly everything: they are named only if nothing else could stand here.
+        keep_if_any(&mut rules, |rule| !may_follow_anything(rule));
+        keep_if_any(&mut rules, |rule| rule != Rule::dots);
+        Failure { at, rules }
+    }
+
+    /// The message, without a fix. `span` leads from positions in `text` to the user's.
+    pub fn diagnostic(&self, context: Context, text: &str, span: impl Fn(usize, usize) -> Span) -> Diagnostic {
+        let token = token_at(text, self.at);
+        let place = span(self.at, self.at + token.len());
+        let found = found(token);
+        if let Some(c) = token.chars().next().filter(|c| is_foreign(*c)) {
+            let problem =
+                Diagnostic::new(Code::E0107, format!("unexpected character `{c}`"), place, "not part of the language");
+            return match c {
+                '“' | '”' | '„' | '\'' => problem.help("texts stand between straight double quotes: \"...\""),
+                _ if self.at == 0 => problem.expected(context.phrase(), found),
+                _ => problem.expected(self.expected(text), found),
+            };
+        }
+        if self.at == 0 {
+            return self.unknown(context, token, place, found);
+        }
+        let expected = self.expected(text);
+        let label = if token.is_empty() { "the line ends here" } else { "not expected here" };
+        if first_word(text) == "fix" && token == ".." {
+            let kinds = "length, rotation, parallel, perpendicular or all";
+            let message = "it is not said what of the section is fixed";
+            return Diagnostic::new(Code::E0101, message, place, "a section, so a kind must come before it")
+                .expected(kinds, "a section")
+                .help(format!("write one of {kinds} between `fix` and the section"));
+        }
+        Diagnostic::new(Code::E0101, format!("expected {expected}, found {found}"), place, label)
+            .expected(expected, found)
+    }
+
+    /// Whether a statement of a layout stands where only declarations can.
+    pub fn is_outside(&self, context: Context, text: &str) -> bool {
+        context == Context::Item && self.at == 0 && STATEMENT_WORDS.contains(&first_word(text))
+    }
+
+    fn unknown(&self, context: Context, token: &str, place: Span, found: String) -> Diagnostic {
+        let what = if context == Context::Item { "declaration" } else { "statement" };
+        let whole = context.phrase();
+        if self.is_outside(context, token) {
+            let message = format!("the statement {found} stands outside of a layout");
+            return Diagnostic::new(Code::E0102, message, place, "not inside the braces of a layout")
+                .expected(whole, found)
+                .help("put it and its like into `layout NAME { ... }`");
+        }
+        if context == Context::Field || !token.starts_with(is_letter) {
+            let message = format!("expected {whole}, found {found}");
+            return Diagnostic::new(Code::E0101, message, place, "not expected here").expected(whole, found);
+        }
+        let problem = Diagnostic::new(Code::E0102, format!("unknown {what} {found}"), place, format!("not a {what}"))
+            .expected(whole, found);
+        match (context, token) {
+            (Context::Statement, "layout" | "use") => {
+                problem.help(format!("`{token}` stands outside of a layout's braces"))
+            }
+            (Context::Statement, "wheel" | "joint") => problem
+                .help(format!("a {token} is a part of a cart: name it in a `cart` declaration outside of the layout")),
+            (Context::Statement, _) => problem.help(format!("a layout's statements are {}", self.listed_words())),
+            _ => problem,
+        }
+    }
+
+    /// What was expected, as a phrase.
+    fn expected(&self, text: &str) -> String {
+        let mut phrases: Vec<String> = Vec::new();
+        for rule in &self.rules {
+            for phrase in phrases_of(*rule, text, self.at) {
+                if !phrases.contains(&phrase) {
+                    phrases.push(phrase);
+                }
+            }
+        }
+        // The end of the line comes last.
+        let end = phrases.iter().position(|phrase| phrase == END);
+        if let Some(end) = end {
+            let end = phrases.remove(end);
+            phrases.push(end);
+        }
+        match phrases.split_last() {
+            None => "something else".to_string(),
+            Some((only, [])) => only.clone(),
+            Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        }
+    }
+
+    /// The keywords that could stand here.
+    fn words(&self) -> Vec<String> {
+        let mut words: Vec<String> = self.rules.iter().flat_map(|rule| words_of(*rule)).collect();
+        words.sort_unstable();
+        words.dedup();
+        words
+    }
+
+    fn listed_words(&self) -> String {
+        self.words().join(", ")
+    }
+
+    /// Edits of `text` that may mend the failure, the likeliest first. They are tried before one is proposed.
+    pub fn candidates(&self, context: Context, text: &str) -> Vec<Edit> {
+        let token = token_at(text, self.at);
+        let before = text[..self.at].trim_end();
+        let replace = |with: &str| Edit { at: self.at, removed: token.len(), inserted: with.to_string() };
+        let mut edits = Vec::new();
+        let mut words = self.words();
+        if token.starts_with(is_letter)
+            && let Some(word) = nearest(token, words.iter().map(String::as_str))
+        {
+            edits.push(replace(word));
+        }
+        // Words that were taken for names.
+        match first_word(text) {
+            "fix" => {
+                words.extend(words_of(Rule::fix_kind));
+                words.push("radius".to_string());
+            }
+            "optimise" | "optimize" => words.extend(words_of(Rule::goal)),
+            _ => {}
+        }
+        let last = last_word(before);
+        if last.len() < before.len()
+            && let Some(word) = nearest(last, words.iter().map(String::as_str))
+            && word != last
+        {
+            edits.push(Edit { at: before.len() - last.len(), removed: last.len(), inserted: word.to_string() });
+        }
+        if let Some(meant) = token.chars().next().and_then(lookalike) {
+            edits.push(replace(meant));
+        }
+        let literals = self.literals(context, token);
+        // A sign in another's place: `P1-P2` for `P1..P2`, `mass: 5 kg` for `mass = 5 kg`.
+        if !token.is_empty() && token.bytes().all(|b| b.is_ascii_punctuation()) && !is_bracket(token) {
+            edits.extend(
+                literals.iter().rev().filter(|literal| !literal.starts_with(is_letter)).map(|sign| replace(sign)),
+            );
+        }
+        edits.extend(literals.into_iter().map(|literal| match literal.as_str() {
+            "," | ":" => Edit { at: before.len(), removed: 0, inserted: literal },
+            ".." => Edit { at: before.len(), removed: self.at - before.len(), inserted: literal },
+            _ => Edit { at: self.at, removed: 0, inserted: format!("{literal} ") },
+        }));
+        if self.rules.iter().any(|rule| matches!(rule, Rule::end_of_line | Rule::EOI))
+            && matches!(token, ";" | "," | ".")
+        {
+            edits.push(replace(""));
+        }
+        edits
+    }
+
+    /// The literals that could have been left out before `token`.
+    fn literals(&self, context: Context, token: &str) -> Vec<String> {
+        let mut literals = Vec::new();
+        if token.is_empty() || self.at == 0 {
+            return literals;
+        }
+        let inside = |rule: &Rule| matches!(rule, Rule::comma | Rule::close_bracket | Rule::close_paren);
+        let value =
+            token.starts_with(|c: char| is_letter(c) || c.is_ascii_digit() || matches!(c, '(' | '[' | '"' | '-'));
+        if self.rules.contains(&Rule::comma) || (value && self.rules.iter().any(inside)) {
+            literals.push(",".to_string());
+        }
+        for rule in &self.rules {
+            match rule {
+                Rule::equals | Rule::dots | Rule::colon => literals.extend(literal_of(*rule).map(str::to_string)),
+                _ if context == Context::Statement && is_keyword(*rule) => literals.extend(words_of(*rule)),
+                _ => {}
+            }
+        }
+        literals
+    }
+}
+
+/// The words that start a statement of a layout.
+pub const STATEMENT_WORDS: [&str; 31] = [
+    "building",
+    "cart",
+    "catalog",
+    "chain",
+    "chutes",
+    "controller",
+    "effect",
+    "equal",
+    "fix",
+    "induction",
+    "let",
+    "level",
+    "mirror",
+    "motor",
+    "motors",
+    "obstacle",
+    "optimise",
+    "optimize",
+    "pass",
+    "photocell",
+    "radii",
+    "ramp",
+    "require",
+    "sensor",
+    "sensor_cart",
+    "speed",
+    "start",
+    "supports",
+    "turns",
+    "vertex",
+    "width",
+];
+
+const END: &str = "the end of the line";
+
+fn may_follow_anything(rule: Rule) -> bool {
+    matches!(rule, Rule::add_op | Rule::mul_op | Rule::args | Rule::params | Rule::unit | Rule::open_paren)
+}
+
+fn keep_if_any(rules: &mut Vec<Rule>, keep: impl Fn(Rule) -> bool) {
+    if rules.iter().any(|rule| keep(*rule)) {
+        rules.retain(|rule| keep(*rule));
+    }
+}
+
+fn is_keyword(rule: Rule) -> bool {
+    format!("{rule:?}").starts_with("kw_")
+}
+
+/// The keywords that a rule takes. The name of a keyword's rule is `kw_` and the keyword.
+fn words_of(rule: Rule) -> Vec<String> {
+    let words: Vec<&str> = match rule {
+        Rule::kind => Kind::ALL.map(Kind::word).to_vec(),
+        Rule::component | Rule::component_kind => vec!["cart", "catalog", "controller", "motor", "sensor"],
+        Rule::fix_kind => FixKind::ALL.map(FixKind::word).to_vec(),
+        Rule::axis => vec!["x", "y"],
+        Rule::side => SideWord::ALL.map(SideWord::word).to_vec(),
+        Rule::goal | Rule::goal_term | Rule::objective => Goal::ALL.map(Goal::word).to_vec(),
+        Rule::chain_tension => vec!["tension"],
+        Rule::chain_closes => vec!["closes"],
+        _ => {
+            let name = format!("{rule:?}");
+            return name.strip_prefix("kw_").map(str::to_string).into_iter().collect();
+        }
+    };
+    words.into_iter().map(str::to_string).collect()
+}
+
+fn literal_of(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::comma => ",",
+        Rule::colon => ":",
+        Rule::equals => "=",
+        Rule::dot => ".",
+        Rule::dots => "..",
+        Rule::plus => "+",
+        Rule::open_paren | Rule::args | Rule::params => "(",
+        Rule::close_paren => ")",
+        Rule::open_bracket => "[",
+        Rule::close_bracket => "]",
+        Rule::open_brace | Rule::body | Rule::fields => "{",
+        Rule::close_brace => "}",
+        _ => return None,
+    })
+}
+
+fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
+    if let Some(literal) = literal_of(rule) {
+        return vec![format!("`{literal}`")];
+    }
+    let words = words_of(rule);
+    if !words.is_empty() {
+        return words.iter().map(|word| format!("`{word}`")).collect();
+    }
+    let phrase = match rule {
+        Rule::EOI | Rule::end_of_line => END,
+        Rule::section | Rule::target | Rule::straight => "a section such as `P4..P5`",
+        Rule::point => "a point such as `(28 m, 1.5 m)`",
+        Rule::polygon => "a list of points such as `[(0 m, 0 m), (9 m, 0 m), (9 m, 4 m)]`",
+        Rule::place => "a place such as `on P1..P2 at 3 m`",
+        Rule::row => "a row such as `on P7..P8 from 2 m every 1.25 m count 12`",
+        Rule::relation => "one of `<`, `<=`, `==`, `>=`, `>`",
+        Rule::text => "a text in quotes",
+        Rule::std_path => "a library such as `std.tracks.standard`",
+        Rule::name | Rule::fix_vertex => "a name such as `P1`",
+        Rule::reference => "a name such as `tilt_tray`",
+        Rule::param => "a parameter such as `length: 1250 mm`",
+        Rule::number
+        | Rule::quantity
+        | Rule::value
+        | Rule::expr
+        | Rule::arg
+        | Rule::weight
+        | Rule::minus
+        | Rule::list
+        | Rule::paren => value_phrase(text, at),
+        Rule::times => "`* length` or another goal",
+        Rule::add_op => "`+` or `-`",
+        Rule::mul_op => "`*` or `/`",
+        Rule::unit => "a unit such as `m`",
+        Rule::fix_section => "a kind such as `length`",
+        Rule::fix => "what to fix, such as `length P4..P5`",
+        _ => "something else",
+    };
+    vec![phrase.to_string()]
+}
+
+/// A value as the words before it suggest.
+fn value_phrase(text: &str, at: usize) -> &'static str {
+    let before = text[..at].trim_end();
+    match (first_word(text), last_word(before)) {
+        ("turns", _) => "an angle such as `5 deg`",
+        (_, "radius" | "clearance" | "width" | "at" | "from" | "every" | "radii" | "within") => {
+            "a length such as `4 m`"
+        }
+        ("vertex" | "building" | "obstacle" | "radii" | "level", _) => "a length such as `4 m`",
+        (_, "speed") => "a speed such as `2 m/s`",
+        (_, "count" | "motors" | "cart") => "a count such as `12`",
+        (_, "tension") => "a force such as `500 N`",
+        (_, "slope") => "a ratio such as `0.14`",
+        ("require", _) => "a value such as `length(P4..P5)` or `18 m`",
+        _ => "a value such as `4 m`",
+    }
+}
+
+fn found(token: &str) -> String {
+    match token {
+        "" | "\n" | "\r\n" => END.to_string(),
+        "//" => "a comment".to_string(),
+        _ => match token.char_indices().nth(40) {
+            Some((cut, _)) => format!("`{}…`", &token[..cut]),
+            None => format!("`{token}`"),
+        },
+    }
+}
+
+/// The token that starts at a position; empty at the end of the text.
+fn token_at(text: &str, at: usize) -> &str {
+    let rest = &text[at..];
+    let Some(first) = rest.chars().next() else { return "" };
+    let run = |inside: fn(char) -> bool| &rest[..rest.find(|c| !inside(c)).unwrap_or(rest.len())];
+    match first {
+        _ if is_letter(first) => run(|c| is_letter(c) || c.is_ascii_digit()),
+        _ if first.is_ascii_digit() => run(|c| c.is_ascii_digit() || c == '_' || c == '.').trim_end_matches('.'),
+        '"' => {
+            let line = rest.lines().next().unwrap_or(rest);
+            line.get(1..).and_then(|inner| inner.find('"')).map_or(line, |end| &line[..end + 2])
+        }
+        _ => ["..", "//", "<=", ">=", "==", "!=", "\r\n"]
+            .into_iter()
+            .find(|sign| rest.starts_with(sign))
+            .map_or(&rest[..first.len_utf8()], |sign| &rest[..sign.len()]),
+    }
+}
+
+fn first_word(text: &str) -> &str {
+    let text = text.trim_start();
+    &text[..text.find(|c: char| !is_letter(c) && !c.is_ascii_digit()).unwrap_or(text.len())]
+}
+
+fn last_word(text: &str) -> &str {
+    let start = text.rfind(|c: char| !is_letter(c) && !c.is_ascii_digit());
+    &text[start.and_then(|at| text[at..].chars().next().map(|c| at + c.len_utf8())).unwrap_or(0)..]
+}
+
+fn is_letter(c: char) -> bool {
+    c.is_alphabetic() || c == '_'
+}
+
+fn is_bracket(token: &str) -> bool {
+    matches!(token, "(" | ")" | "[" | "]" | "{" | "}")
+}
+
+/// Characters that no token starts with.
+fn is_foreign(c: char) -> bool {
+    if c.is_ascii() {
+        matches!(c, '@' | '#' | '$' | '&' | '?' | '`' | '\'' | '~' | '|' | '\\' | '!' | ';' | '^')
+    } else {
+        !is_letter(c) && !"°µμΩ€²³·≤≥".contains(c)
+    }
+}
+
+/// What a word processor or another keyboard made of a sign.
+fn lookalike(c: char) -> Option<&'static str> {
+    Some(match c {
+        '−' | '–' | '—' => "-",
+        '×' | '·' => "*",
+        '÷' | '∕' => "/",
+        '…' => "..",
+        '；' | '，' => ",",
+        '（' => "(",
+        '）' => ")",
+        '＝' => "=",
+        '：' => ":",
+        _ => return None,
+    })
+}

@@ -1,0 +1,182 @@
+//! Statements of a layout as text.
+
+use super::Writer;
+use crate::source::Span;
+use crate::syntax::tree::*;
+
+impl Writer<'_> {
+    pub fn statement(&mut self, statement: &Statement, span: Span) {
+        match statement {
+            Statement::Let(line) => self.let_line(line),
+            Statement::Component { kind, reference } => {
+                self.push(kind.word());
+                self.push(" ");
+                self.reference(reference);
+            }
+            Statement::Speed(value) => self.word_value("speed ", value),
+            Statement::Width(value) => self.word_value("width ", value),
+            Statement::Vertex { name, point, radius } => {
+                self.words(&["vertex ", &name.text, " "]);
+                self.point(point);
+                self.clause(" radius ", radius);
+            }
+            Statement::Building { polygon, clearance } => {
+                self.push("building ");
+                self.polygon(polygon);
+                self.clause(" clearance ", clearance);
+            }
+            Statement::Obstacle { name, polygon, clearance } => {
+                self.words(&["obstacle ", &name.text, " "]);
+                self.polygon(polygon);
+                self.clause(" clearance ", clearance);
+            }
+            Statement::Turns { low, high } => {
+                self.word_value("turns ", low);
+                self.word_value(" .. ", high);
+            }
+            Statement::Radii { low, high } => {
+                self.word_value("radii ", low);
+                self.word_value(" .. ", high);
+            }
+            Statement::FixSection { kinds, target } => {
+                self.push("fix ");
+                for (index, (kind, _)) in kinds.iter().enumerate() {
+                    self.words(&[if index > 0 { ", " } else { "" }, kind.word()]);
+                }
+                self.push(if target.straight { " straight(" } else { " " });
+                self.section(&target.section);
+                self.push(if target.straight { ")" } else { "" });
+            }
+            Statement::FixVertex { vertex } => self.words(&["fix ", &vertex.text]),
+            Statement::FixRadius { vertex } => self.words(&["fix radius ", &vertex.text]),
+            Statement::Require { first, rest, reason } => {
+                self.word_value("require ", first);
+                for (relation, _, value) in rest {
+                    self.words(&[" ", relation.sign(), " "]);
+                    self.expr(value);
+                }
+                if let Some(reason) = reason {
+                    self.push(" ");
+                    self.text(reason);
+                }
+            }
+            Statement::Equal { values } => {
+                for (index, value) in values.iter().enumerate() {
+                    self.word_value(if index > 0 { ", " } else { "equal " }, value);
+                }
+            }
+            Statement::Mirror { first, second, axis, at } => {
+                let axis = if *axis == Axis::X { "x" } else { "y" };
+                self.words(&["mirror ", &first.text, ", ", &second.text, " about ", axis, " = "]);
+                self.expr(at);
+            }
+            Statement::Pass { obstacle, side } => self.words(&["pass ", &obstacle.text, " ", side.word()]),
+            Statement::Level { from, to, height } => {
+                self.words(&["level ", &from.text, "..", &to.text, " "]);
+                self.expr(height);
+            }
+            Statement::Ramp { section, from, slope, radius } => {
+                self.push("ramp ");
+                self.section(section);
+                self.clause(" from ", from);
+                self.clause(" slope ", slope);
+                self.clause(" radius ", radius);
+            }
+            Statement::Start(place) => {
+                self.push("start");
+                self.place(place);
+            }
+            Statement::Photocell(place) => {
+                self.push("photocell");
+                self.place(place);
+            }
+            Statement::Induction { name, place } => {
+                self.words(&["induction ", &name.text]);
+                self.place(place);
+            }
+            Statement::Chutes { name, row } => {
+                self.words(&["chutes ", &name.text]);
+                self.row(row);
+            }
+            Statement::MotorsEvenly { count } => {
+                self.word_value("motors ", count);
+                self.push(" evenly");
+            }
+            Statement::MotorsRow(row) => {
+                self.push("motors");
+                self.row(row);
+            }
+            Statement::Supports { every } => self.word_value("supports every ", every),
+            Statement::SensorCart { cart } => self.word_value("sensor_cart at cart ", cart),
+            Statement::ChainTension(force) => self.word_value("chain tension ", force),
+            Statement::ChainCloses(gap) => self.word_value("chain closes within ", gap),
+            Statement::Effect(reference) => {
+                self.push("effect ");
+                self.reference(reference);
+            }
+            Statement::Optimise(objective) => self.objective(objective),
+            Statement::Bad => self.verbatim(span),
+        }
+    }
+
+    fn words(&mut self, words: &[&str]) {
+        for word in words {
+            self.push(word);
+        }
+    }
+
+    fn word_value(&mut self, word: &str, value: &Expr) {
+        self.push(word);
+        self.expr(value);
+    }
+
+    fn clause(&mut self, word: &str, value: &Option<Expr>) {
+        if let Some(value) = value {
+            self.word_value(word, value);
+        }
+    }
+
+    fn point(&mut self, point: &Point) {
+        self.word_value("(", &point.x);
+        self.word_value(", ", &point.y);
+        self.push(")");
+    }
+
+    fn polygon(&mut self, polygon: &Block<Point>) {
+        self.list("[", polygon, "]", false, |writer, point, _| writer.point(point));
+    }
+
+    fn section(&mut self, section: &Section) {
+        self.words(&[&section.from.text, "..", &section.to.text]);
+    }
+
+    fn place(&mut self, place: &Place) {
+        self.push(" on ");
+        self.section(&place.section);
+        self.word_value(" at ", &place.at);
+    }
+
+    fn row(&mut self, row: &Row) {
+        self.push(" on ");
+        self.section(&row.section);
+        self.word_value(" from ", &row.from);
+        self.word_value(" every ", &row.every);
+        self.word_value(" count ", &row.count);
+    }
+
+    fn objective(&mut self, objective: &Objective) {
+        self.push("optimise ");
+        for (index, (weight, goal, _)) in objective.terms.iter().enumerate() {
+            self.push(if index > 0 { " + " } else { "" });
+            if let Some(weight) = weight {
+                self.expr(weight);
+                self.push(" * ");
+            }
+            self.push(goal.word());
+        }
+        if let Some((goal, slack)) = &objective.within {
+            self.words(&[" within ", goal.word(), " + "]);
+            self.expr(slack);
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! pest's pairs to the statements of a layout.
+
+use super::Rule;
+use super::build::{Builder, take};
+use super::tree::*;
+use crate::diagnostic::{Code, Diagnostic};
+use pest::iterators::{Pair, Pairs};
+
+impl Builder<'_> {
+    pub fn statement(&mut self, pair: Pair<Rule>) -> Option<Statement> {
+        let rule = pair.as_rule();
+        if rule == Rule::let_line {
+            return self.let_line(pair).map(Statement::Let);
+        }
+        let mut parts = pair.into_inner();
+        let parts = &mut parts;
+        Some(match rule {
+            Rule::component => {
+                let word = take(parts, Rule::component_kind)?;
+                let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
+                Statement::Component { kind, reference: self.reference(take(parts, Rule::reference)?)? }
+            }
+            Rule::speed => Statement::Speed(self.value(parts)?),
+            Rule::width => Statement::Width(self.value(parts)?),
+            Rule::turns => Statement::Turns { low: self.value(parts)?, high: self.value(parts)? },
+            Rule::radii => Statement::Radii { low: self.value(parts)?, high: self.value(parts)? },
+            Rule::vertex => Statement::Vertex {
+                name: self.next_name(parts)?,
+                point: self.point(take(parts, Rule::point)?)?,
+                radius: self.value(parts),
+            },
+            Rule::building => Statement::Building { polygon: self.polygon(parts)?, clearance: self.value(parts) },
+            Rule::obstacle => Statement::Obstacle {
+                name: self.next_name(parts)?,
+                polygon: self.polygon(parts)?,
+                clearance: self.value(parts),
+            },
+            Rule::fix => self.fix(parts)?,
+            Rule::require => self.require(parts)?,
+            Rule::equal => {
+                let values = std::iter::from_fn(|| self.value(parts)).collect();
+                Statement::Equal { values }
+            }
+            Rule::mirror => Statement::Mirror {
+                first: self.next_name(parts)?,
+                second: self.next_name(parts)?,
+                axis: if take(parts, Rule::axis)?.as_str() == "x" { Axis::X } else { Axis::Y },
+                at: self.value(parts)?,
+            },
+            Rule::pass => Statement::Pass {
+                obstacle: self.next_name(parts)?,
+                side: {
+                    let word = take(parts, Rule::side)?;
+                    SideWord::ALL.into_iter().find(|side| side.word() == word.as_str())?
+                },
+            },
+            Rule::level => {
+                let Section { from, to, .. } = self.section(parts)?;
+                Statement::Level { from, to, height: self.value(parts)? }
+            }
+            Rule::ramp => self.ramp(parts)?,
+            Rule::start => Statement::Start(self.place(parts)?),
+            Rule::photocell => Statement::Photocell(self.place(parts)?),
+            Rule::induction => Statement::Induction { name: self.next_name(parts)?, place: self.place(parts)? },
+            Rule::chutes => Statement::Chutes { name: self.next_name(parts)?, row: self.row(take(parts, Rule::row)?)? },
+            Rule::motors => match parts.find(|part| matches!(part.as_rule(), Rule::row | Rule::value))? {
+                row if row.as_rule() == Rule::row => Statement::MotorsRow(self.row(row)?),
+                count => Statement::MotorsEvenly { count: self.expression(count)? },
+            },
+            Rule::supports => Statement::Supports { every: self.value(parts)? },
+            Rule::sensor_cart => Statement::SensorCart { cart: self.value(parts)? },
+            Rule::chain => {
+                let what = parts.find(|part| matches!(part.as_rule(), Rule::chain_tension | Rule::chain_closes))?;
+                let rule = what.as_rule();
+                let value = self.value(&mut what.into_inner())?;
+                if rule == Rule::chain_tension { Statement::ChainTension(value) } else { Statement::ChainCloses(value) }
+            }
+            Rule::effect => Statement::Effect(self.reference(take(parts, Rule::reference)?)?),
+            Rule::optimise => Statement::Optimise(self.objective(take(parts, Rule::objective)?)?),
+            _ => return None,
+        })
+    }
+
+    fn value(&mut self, parts: &mut Pairs<Rule>) -> Option<Expr> {
+        take(parts, Rule::value).and_then(|pair| self.expression(pair))
+    }
+
+    fn next_name(&mut self, parts: &mut Pairs<Rule>) -> Option<Name> {
+        take(parts, Rule::name).map(|pair| self.name(&pair))
+    }
+
+    fn section(&mut self, parts: &mut Pairs<Rule>) -> Option<Section> {
+        self.section_of(take(parts, Rule::section)?)
+    }
+
+    fn section_of(&mut self, pair: Pair<Rule>) -> Option<Section> {
+        let span = self.span_of(&pair);
+        let mut names = pair.into_inner();
+        Some(Section { from: self.next_name(&mut names)?, to: self.next_name(&mut names)?, span })
+    }
+
+    fn point(&mut self, pair: Pair<Rule>) -> Option<Point> {
+        let span = self.span_of(&pair);
+        let mut parts = pair.into_inner();
+        Some(Point { x: self.value(&mut parts)?, y: self.value(&mut parts)?, span })
+    }
+
+    fn polygon(&mut self, parts: &mut Pairs<Rule>) -> Option<Block<Point>> {
+        let pair = take(parts, Rule::polygon)?;
+        Some(self.block(pair, 1, |builder, pair| match pair.as_rule() {
+            Rule::point => builder.point(pair),
+            _ => None,
+        }))
+    }
+
+    fn place(&mut self, parts: &mut Pairs<Rule>) -> Option<Place> {
+        let mut parts = take(parts, Rule::place)?.into_inner();
+        Some(Place { section: self.section(&mut parts)?, at: self.value(&mut parts)? })
+    }
+
+    fn row(&mut self, pair: Pair<Rule>) -> Option<Row> {
+        let mut parts = pair.into_inner();
+        Some(Row {
+            section: self.section(&mut parts)?,
+            from: self.value(&mut parts)?,
+            every: self.value(&mut parts)?,
+            count: self.value(&mut parts)?,
+        })
+    }
+
+    fn fix(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {
+        let what =
+            parts.find(|part| matches!(part.as_rule(), Rule::fix_radius | Rule::fix_section | Rule::fix_vertex))?;
+        let rule = what.as_rule();
+        let mut parts = what.into_inner();
+        match rule {
+            Rule::fix_radius => Some(Statement::FixRadius { vertex: self.next_name(&mut parts)? }),
+            Rule::fix_vertex => Some(Statement::FixVertex { vertex: self.next_name(&mut parts)? }),
+            _ => {
+                let mut kinds = Vec::new();
+                for part in parts {
+                    match part.as_rule() {
+                        Rule::fix_kind => {
+                            let kind = FixKind::ALL.into_iter().find(|kind| kind.word() == part.as_str())?;
+                            kinds.push((kind, self.span_of(&part)));
+                        }
+                        Rule::target => return Some(Statement::FixSection { kinds, target: self.target(part)? }),
+                        _ => {}
+                    }
+                }
+                None
+            }
+        }
+    }
+
+    fn target(&mut self, pair: Pair<Rule>) -> Option<Target> {
+        let span = self.span_of(&pair);
+        let what = pair.into_inner().next()?;
+        let straight = what.as_rule() == Rule::straight;
+        let section = if straight { self.section(&mut what.into_inner())? } else { self.section_of(what)? };
+        Some(Target { section, straight, span })
+    }
+
+    fn ramp(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {
+        let section = self.section(parts)?;
+        let (mut from, mut slope, mut radius) = (None, None, None);
+        for part in parts {
+            let to = match part.as_rule() {
+                Rule::ramp_from => &mut from,
+                Rule::ramp_slope => &mut slope,
+                Rule::ramp_radius => &mut radius,
+                _ => continue,
+            };
+            *to = Some(self.value(&mut part.into_inner())?);
+        }
+        Some(Statement::Ramp { section, from, slope, radius })
+    }
+
+    fn require(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {
+        let first = self.value(parts)?;
+        let mut rest = Vec::new();
+        let mut reason = None;
+        let mut relation = None;
+        for part in parts {
+            match part.as_rule() {
+                Rule::relation => relation = Some((self.relation(&part), self.span_of(&part))),
+                Rule::value => {
+                    let (relation, span) = relation.take()?;
+                    rest.push((relation, span, self.expression(part)?));
+                }
+                Rule::text => reason = Some(self.unescape(&part)),
+                _ => {}
+            }
+        }
+        Some(Statement::Require { first, rest, reason })
+    }
+
+    fn relation(&mut self, pair: &Pair<Rule>) -> Relation {
+        let written = pair.as_str();
+        let (relation, meant) = match written {
+            "<" => (Relation::Less, "<"),
+            "<=" | "≤" | "=<" => (Relation::LessEqual, "<="),
+            ">=" | "≥" | "=>" => (Relation::GreaterEqual, ">="),
+            ">" => (Relation::Greater, ">"),
+            _ => (Relation::Equal, "=="),
+        };
+        if matches!(written, "=" | "=<" | "=>") {
+            let span = self.span_of(pair);
+            let message = format!("a requirement compares with `{meant}`, not `{written}`");
+            self.report.add(
+                Diagnostic::new(Code::E0101, message, span, format!("write `{meant}`"))
+                    .expected(format!("`{meant}`"), format!("`{written}`"))
+                    .fix(span, meant),
+            );
+        }
+        relation
+    }
+
+    fn objective(&mut self, pair: Pair<Rule>) -> Option<Objective> {
+        let span = self.span_of(&pair);
+        let mut terms = Vec::new();
+        let mut within = None;
+        for part in pair.into_inner() {
+            let span = self.span_of(&part);
+            match part.as_rule() {
+                Rule::goal_term => {
+                    let mut weight = None;
+                    for part in part.into_inner() {
+                        match part.as_rule() {
+                            Rule::weight => weight = Some(self.expression(part)?),
+                            Rule::goal => terms.push((weight.take(), goal(&part)?, span)),
+                            _ => {}
+                        }
+                    }
+                }
+                Rule::within => {
+                    let mut parts = part.into_inner();
+                    let goal = goal(&take(&mut parts, Rule::goal)?)?;
+                    within = Some((goal, self.value(&mut parts)?));
+                }
+                _ => {}
+            }
+        }
+        Some(Objective { terms, within, span })
+    }
+}
+
+fn goal(pair: &Pair<Rule>) -> Option<Goal> {
+    Goal::ALL.into_iter().find(|goal| goal.word() == pair.as_str())
+}

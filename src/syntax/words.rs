@@ -1,0 +1,72 @@
+//! The keywords of the tree's enumerations: how each is written.
+
+use super::tree::*;
+
+impl Kind {
+    pub const ALL: [Kind; 7] =
+        [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Catalog => "catalog",
+            Kind::Cart => "cart",
+            Kind::Wheel => "wheel",
+            Kind::Joint => "joint",
+            Kind::Motor => "motor",
+            Kind::Controller => "controller",
+            Kind::Sensor => "sensor",
+        }
+    }
+}
+
+impl FixKind {
+    pub const ALL: [FixKind; 5] =
+        [FixKind::Length, FixKind::Rotation, FixKind::Parallel, FixKind::Perpendicular, FixKind::All];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            FixKind::Length => "length",
+            FixKind::Rotation => "rotation",
+            FixKind::Parallel => "parallel",
+            FixKind::Perpendicular => "perpendicular",
+            FixKind::All => "all",
+        }
+    }
+}
+
+impl Goal {
+    pub const ALL: [Goal; 4] = [Goal::Length, Goal::Cost, Goal::PolygonAction, Goal::Nothing];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            Goal::Length => "length",
+            Goal::Cost => "cost",
+            Goal::PolygonAction => "polygon_action",
+            Goal::Nothing => "nothing",
+        }
+    }
+}
+
+impl SideWord {
+    pub const ALL: [SideWord; 3] = [SideWord::Left, SideWord::Right, SideWord::Either];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            SideWord::Left => "left",
+            SideWord::Right => "right",
+            SideWord::Either => "either",
+        }
+    }
+}
+
+impl Relation {
+    pub fn sign(self) -> &'static str {
+        match self {
+            Relation::Less => "<",
+            Relation::LessEqual => "<=",
+            Relation::Equal => "==",
+            Relation::GreaterEqual => ">=",
+            Relation::Greater => ">",
+        }
+    }
+}
