@@ -84,6 +84,8 @@ codes! {
     E0501 "constraint-never-holds",
     E0502 "contradicting-statements",
 
+    E0601 "no-feasible-layout",
+    E0602 "not-met-as-written",
     E0650 "not-built-yet",
 
     W0701 "unused-import",
@@ -91,6 +93,7 @@ codes! {
     W0703 "radius-outside-catalogue",
     W0704 "redundant-statement",
     W0710 "not-in-catalog",
+    W0711 "not-optimal",
 }
 
 impl Code {

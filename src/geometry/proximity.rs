@@ -4,8 +4,8 @@
 //! minimum: against a straight, against the outer side of another arc, or from within another arc. Strands that cross
 //! do not meet in this sense; [`self_crossings`](super::self_crossings) finds those.
 
-use super::clearance::Part;
 use super::Track;
+use super::clearance::Part;
 
 /// A local minimum of the distance between two parts of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq)]

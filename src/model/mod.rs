@@ -4,11 +4,11 @@
 mod components;
 mod constraint;
 mod equipment;
-mod print;
 #[cfg(test)]
 pub mod fixture;
 #[cfg(test)]
 pub mod instances;
+mod print;
 
 pub use components::*;
 pub use constraint::*;

@@ -227,7 +227,11 @@ impl Printer {
         }
         for ramp in &layout.ramps {
             let mut text = format!("ramp {}", section(ramp.section));
-            let parts = [("from", ramp.from.map(metres)), ("slope", ramp.slope.map(number)), ("radius", ramp.radius.map(metres))];
+            let parts = [
+                ("from", ramp.from.map(metres)),
+                ("slope", ramp.slope.map(number)),
+                ("radius", ramp.radius.map(metres)),
+            ];
             for (word, value) in parts {
                 if let Some(value) = value {
                     let _ = write!(text, " {word} {value}");
@@ -341,12 +345,14 @@ fn formula_text(formula: &Formula, unit: Unit, layout: &Layout, names: &[&str]) 
             (_, Formula::Constant(value)) if *value < 0.0 => format!("{text} - {}", inner(&Formula::Constant(-value))),
             (_, term) => format!("{text} + {}", inner(term)),
         }),
-        Formula::Product(factors) => factors.iter().enumerate().fold(String::new(), |text, (i, factor)| match (i, factor) {
-            (0, Formula::Reciprocal(divisor)) => format!("1 / {}", grouped(divisor, &plain)),
-            (0, factor) => plain(factor),
-            (_, Formula::Reciprocal(divisor)) => format!("{text} / {}", grouped(divisor, &plain)),
-            (_, factor) => format!("{text} * {}", plain(factor)),
-        }),
+        Formula::Product(factors) => {
+            factors.iter().enumerate().fold(String::new(), |text, (i, factor)| match (i, factor) {
+                (0, Formula::Reciprocal(divisor)) => format!("1 / {}", grouped(divisor, &plain)),
+                (0, factor) => plain(factor),
+                (_, Formula::Reciprocal(divisor)) => format!("{text} / {}", grouped(divisor, &plain)),
+                (_, factor) => format!("{text} * {}", plain(factor)),
+            })
+        }
         Formula::Negative(of) => format!("-{}", grouped(of, &plain)),
         Formula::Reciprocal(of) => format!("1 / {}", grouped(of, &plain)),
         Formula::Absolute(of) => format!("abs({})", inner(of)),

@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::syntax::nearest;
 use super::sink::Sink;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{FileId, LoadError, Loader, SIZE_LIMIT, STDLIB, SourceMap, Span};
+use crate::syntax::nearest;
 use crate::syntax::{
     self,
     tree::{Item, Kind, Name, Tree, Use},

@@ -5,10 +5,12 @@ mod convex;
 mod discrete;
 mod outcome;
 mod perturb;
+mod report;
 pub mod sqp;
 mod stages;
 mod subproblem;
 
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
+pub use report::diagnose;
 pub use stages::{Discretise, Options, Progress, Solver, solve, solve_with};
