@@ -1,12 +1,12 @@
-//! Covering one straight with stock lengths and a cut piece, and one turn with curve pieces.
+//! Covering one straight with stock lengths and cut pieces, and one turn with curve pieces.
 //!
-//! A straight's price is a part per piece, a part per metre and a surcharge for a cut, so of all covers with the same
-//! length only the number of pieces and whether one is cut matter. Two searches are enough: the fewest stock lengths
-//! that add up to the straight, and the fewest that leave a remainder which may be cut.
+//! A straight's price is a part per piece, a part per metre and a surcharge per cut, so of all covers with the same
+//! length only the numbers of pieces and of cuts matter: for each number of cuts the fewest stock lengths that leave a
+//! remainder which that many cut pieces can make.
 
 use std::collections::BTreeMap;
 
-use crate::model::{Goal, Layout, StraightStock};
+use crate::model::{Goal, Interval, Layout, StraightStock};
 
 /// Two lengths are alike, m.
 const EXACT: f64 = 1e-10;
@@ -43,7 +43,7 @@ pub struct Part {
     pub cut: bool,
 }
 
-/// The pieces that cover a straight of this length (m), stock lengths first and longest first, then the cut piece;
+/// The pieces that cover a straight of this length (m), stock lengths first and longest first, then the cut pieces;
 /// `None` when the stock cannot cover it. Among equally good covers the one with the longest stock pieces is taken.
 pub fn straight(length: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
     best(length, EXACT, stock, cover)
@@ -57,42 +57,64 @@ pub fn nearest_stock(length: f64, tolerance: f64, stock: &StraightStock, cover: 
 
 /// The best cover, where stock lengths alone need only come within `tolerance`.
 fn best(length: f64, tolerance: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
-    let cut = stock.cut.and_then(|cut| {
-        // What remains is a piece, so it is longer than nothing.
-        let high = (length - cut.low + EXACT).min(length - 2.0 * EXACT);
-        let lengths = fewest(&stock.stock, (length - cut.high - EXACT).max(0.0), high, MOST_PIECES)?;
-        let rest = length - lengths.iter().sum::<f64>();
-        Some(parts(&lengths, Some(rest)))
-    });
-    // More stock lengths than this are worse than the cut.
-    let most = match (&cut, cover) {
-        (None, _) => MOST_PIECES,
-        (Some(cut), Cover::Fewest) => cut.len(),
-        (Some(_), Cover::Cheapest) if stock.price.per_piece <= 0.0 => MOST_PIECES,
-        (Some(cut), Cover::Cheapest) => cut.len() + (stock.cut_price / stock.price.per_piece).floor() as usize,
+    let price = |pieces: usize, cuts: usize| stock.price.per_piece * pieces as f64 + stock.cut_price * cuts as f64;
+    // Worth of a cover by its numbers of pieces and cuts: less is better.
+    let worth = |pieces: usize, cuts: usize| match cover {
+        Cover::Fewest => (pieces as f64, price(pieces, cuts)),
+        Cover::Cheapest => (price(pieces, cuts), pieces as f64),
     };
-    let whole = fewest(&stock.stock, length - tolerance, length + tolerance, most).map(|lengths| parts(&lengths, None));
-    let price = |parts: &[Part]| {
-        let cuts = if parts.iter().any(|p| p.cut) { stock.cut_price } else { 0.0 };
-        stock.price.per_piece * parts.len() as f64 + cuts
-    };
-    match (whole, cut) {
-        (Some(whole), Some(cut)) => {
-            let pieces = whole.len().cmp(&cut.len());
-            let money = price(&whole).total_cmp(&price(&cut));
-            let order = match cover {
-                Cover::Fewest => pieces.then(money),
-                Cover::Cheapest => money.then(pieces),
-            };
-            Some(if order.is_le() { whole } else { cut })
+    let mut best: Option<Vec<Part>> = None;
+    for cuts in 0..=MOST_PIECES {
+        // More cuts alone are already worse, or longer than the straight.
+        let hopeless = best.as_ref().is_some_and(|b| {
+            let cut = b.iter().filter(|p| p.cut).count();
+            worth(cuts, cuts) >= worth(b.len(), cut)
+        });
+        let range = stock.cut.filter(|_| cuts > 0);
+        let beyond = cuts > 0 && range.is_none_or(|r| cuts as f64 * r.low > length + EXACT || r.high <= EXACT);
+        let enough = range.is_some_and(|r| (cuts - 1) as f64 * r.high > length);
+        if hopeless || beyond || enough {
+            break;
         }
-        (whole, cut) => whole.or(cut),
+        let (low, high) = match range {
+            None => (length - tolerance, length + tolerance),
+            // What remains is a piece, so it is longer than nothing.
+            Some(range) => (
+                (length - cuts as f64 * range.high - EXACT).max(0.0),
+                (length - cuts as f64 * range.low + EXACT).min(length - 2.0 * EXACT),
+            ),
+        };
+        let Some(lengths) = fewest(&stock.stock, low, high, MOST_PIECES) else { continue };
+        let pieces = lengths.len() + cuts;
+        let better =
+            best.as_ref().is_none_or(|b| worth(pieces, cuts) < worth(b.len(), b.iter().filter(|p| p.cut).count()));
+        if better {
+            let rest = length - lengths.iter().sum::<f64>();
+            let whole = lengths.iter().map(|&length| Part { length, cut: false });
+            let cut = range.map_or(Vec::new(), |range| split(rest, cuts, range));
+            best = Some(whole.chain(cut.into_iter().map(|length| Part { length, cut: true })).collect());
+        }
     }
+    best
 }
 
-fn parts(lengths: &[f64], rest: Option<f64>) -> Vec<Part> {
-    let whole = lengths.iter().map(|&length| Part { length, cut: false });
-    whole.chain(rest.map(|length| Part { length, cut: true })).collect()
+/// A remainder as cut pieces: the longest there are and one for the rest, which shares with its neighbour when it alone
+/// would be too short.
+fn split(rest: f64, cuts: usize, range: Interval) -> Vec<f64> {
+    let mut pieces = Vec::with_capacity(cuts);
+    let mut left = rest;
+    for remaining in (1..=cuts).rev() {
+        let others = (remaining - 1) as f64 * range.low;
+        let piece = if remaining == 2 && left - range.high < range.low - EXACT {
+            left / 2.0
+        } else {
+            range.high.min(left - others)
+        };
+        let piece = if remaining == 1 { left } else { piece };
+        pieces.push(piece);
+        left -= piece;
+    }
+    pieces
 }
 
 /// Numbers of angle steps of the pieces that make a turn of `steps`, in driving order.
@@ -214,7 +236,7 @@ fn gcd(mut a: u64, mut b: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Interval, Rate};
+    use crate::model::Rate;
     use proptest::prelude::*;
 
     fn stock(lengths: &[f64], cut: Option<(f64, f64)>, cut_price: f64) -> StraightStock {
@@ -254,17 +276,19 @@ mod tests {
     #[test]
     fn known_straights() {
         type Case = (&'static [f64], Option<(f64, f64)>, f64, Option<&'static [f64]>);
-        let cases: [Case; 9] = [
+        let cases: [Case; 11] = [
             (&[1.0, 2.0, 3.0], None, 12.0, Some(&[3.0; 4])),
             (&[1.0, 2.0, 3.0], None, 7.0, Some(&[3.0, 3.0, 1.0])),
             (&[1.0, 2.0, 3.0], None, 7.5, None),
             (&[1.0, 2.0, 3.0], Some((0.2, 3.0)), 7.5, Some(&[3.0, 3.0, 1.5])),
             // A greedy choice would leave 0.1 m, which cannot be cut.
-            (&[2.0, 3.0], Some((0.2, 0.9)), 6.1, None),
+            (&[2.0, 3.0], Some((0.2, 0.9)), 6.1, Some(&[3.0, 2.0, 0.9, 0.2])),
             (&[2.0, 3.0], Some((0.2, 1.2)), 6.1, Some(&[3.0, 2.0, 1.1])),
             // The longest first is not the fewest: 3 x 4 m beats 5 + 5 + 1 + 1.
             (&[1.0, 4.0, 5.0], None, 12.0, Some(&[4.0; 3])),
             (&[], Some((0.0, 3.0)), 2.5, Some(&[2.5])),
+            (&[], Some((0.0, 3.0)), 7.5, Some(&[3.0, 3.0, 1.5])),
+            (&[], Some((0.5, 3.0)), 6.25, Some(&[3.0, 1.625, 1.625])),
             (&[], Some((0.5, 3.0)), 0.3, None),
         ];
         for (stocked, cut, length, expected) in cases {
@@ -329,12 +353,16 @@ mod tests {
             let stocked = stock(&metres, bounds, f64::from(cut_price));
             let whole = brute(&kinds, length.into(), length.into());
             // The cut piece may have any real length; with integers a shortest one of 1 stands for all above 0.
-            let part = cut.filter(|c| c.1 > 0).and_then(|(low, high)| {
+            let price = |count: usize, cuts: usize| 40 * count + cuts * cut_price as usize;
+            let mut options: Vec<(usize, usize)> = whole.map(|n| (n, price(n, 0))).into_iter().collect();
+            if let Some((low, high)) = cut.filter(|c| c.1 > 0) {
                 let (length, low, high) = (i64::from(length), i64::from(low.max(1)), i64::from(high));
-                brute(&kinds, length - high, length - low).map(|count| count + 1)
-            });
-            let price = |count: usize, cut: bool| 40 * count + if cut { cut_price as usize } else { 0 };
-            let options = [whole.map(|n| (n, price(n, false))), part.map(|n| (n, price(n, true)))];
+                for cuts in 1..=length {
+                    let count = brute(&kinds, length - cuts * high, length - cuts * low);
+                    options.extend(count.map(|n| (n + cuts as usize, price(n + cuts as usize, cuts as usize))));
+                    if (cuts - 1) * high > length { break; }
+                }
+            }
             for cover in [Cover::Fewest, Cover::Cheapest] {
                 let found = straight(f64::from(length) / 100.0, &stocked, cover);
                 if let Some(parts) = &found {
@@ -347,10 +375,9 @@ mod tests {
                         };
                         prop_assert!(allowed, "{part:?}");
                     }
-                    prop_assert!(parts.iter().filter(|p| p.cut).count() <= 1);
                 }
-                let found = found.map(|p| (p.len(), price(p.len(), p.iter().any(|p| p.cut))));
-                let best = options.into_iter().flatten();
+                let found = found.map(|p| (p.len(), price(p.len(), p.iter().filter(|p| p.cut).count())));
+                let best = options.iter().copied();
                 let best = match cover {
                     Cover::Fewest => best.min(),
                     Cover::Cheapest => best.map(|(n, p)| (p, n)).min().map(|(p, n)| (n, p)),
