@@ -4,6 +4,8 @@
 mod components;
 mod constraint;
 mod equipment;
+#[cfg(test)]
+pub mod fixture;
 
 pub use components::*;
 pub use constraint::*;
