@@ -1,5 +1,13 @@
 //! Writers: everything a build leaves behind, from one plain value, [`Compiled`].
 
+mod drawing;
+pub mod dxf;
+mod plan;
+pub mod png;
+pub mod svg;
+
+pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
+
 use crate::elements::{Bill, Sequence};
 use crate::geometry::Track;
 use crate::model::Layout;

@@ -7,4 +7,4 @@ pub mod trig;
 
 pub use fillet::{Corner, Fillet, Piece, PieceKind, Track};
 pub use point::Point;
-pub use polygon::Polygon;
+pub use polygon::{Polygon, bounds};
