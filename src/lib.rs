@@ -18,6 +18,7 @@ pub mod elements;
 pub mod emit;
 pub mod geometry;
 pub mod model;
+pub mod problem;
 pub mod solve;
 pub mod source;
 pub mod syntax;

@@ -28,6 +28,7 @@ macro_rules! codes {
 
 codes! {
     E0101 "unexpected-token",
+    W0710 "not-in-catalog",
 }
 
 impl Code {

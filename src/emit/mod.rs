@@ -1,12 +1,25 @@
 //! Writers: everything a build leaves behind, from one plain value, [`Compiled`].
 
+pub mod bom;
+mod document;
 mod drawing;
 pub mod dxf;
+mod files;
+#[cfg(test)]
+mod fixture;
+pub mod layout;
+pub mod number;
 mod plan;
 pub mod png;
+mod schemas;
+pub mod simulation;
+mod station;
 pub mod svg;
 
 pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
+pub use files::{Files, WriteError};
+pub use schemas::schemas;
+pub use station::Station;
 
 use crate::elements::{Bill, Sequence};
 use crate::geometry::Track;
@@ -49,4 +62,14 @@ pub struct Contact {
     pub clearance: f64,
     /// What the layout asks for, m.
     pub required: f64,
+}
+
+/// The data outputs, name and content: `layout.json`, `simulation.json`, `bom.csv` and `bom.json`.
+pub fn data_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {
+    vec![
+        ("layout.json".to_owned(), layout::json(compiled)),
+        ("simulation.json".to_owned(), simulation::json(compiled)),
+        ("bom.csv".to_owned(), bom::csv(compiled)),
+        ("bom.json".to_owned(), bom::json(compiled)),
+    ]
 }

@@ -31,6 +31,14 @@ impl Fillet {
     pub fn length(&self) -> f64 {
         self.radius * self.turn.abs()
     }
+
+    /// Whether the ray from the centre along `direction` meets the arc.
+    pub fn faces(&self, direction: Point) -> bool {
+        let slack = -1e-12 * (1.0 + direction.x.abs() + direction.y.abs());
+        let side = if self.turn < 0.0 { -1.0 } else { 1.0 };
+        side * (self.begin - self.centre).cross(direction) >= slack
+            && side * direction.cross(self.end - self.centre) >= slack
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! Plane geometry of a track: vertices with fillet radii become lines and true arcs (thesis §3.2).
 
+pub mod clearance;
 mod fillet;
 mod point;
 mod polygon;

@@ -64,7 +64,7 @@ pub fn drawing(compiled: &Compiled) -> String {
         dxf.text("TEXT", corner.point + Point::new(0.0, 1.5 * height), 0.0, &vertex.name);
     }
     dimensions(&mut dxf, compiled, half + height);
-    for mark in plan::marks(layout, track) {
+    for mark in plan::marks(compiled) {
         equipment(&mut dxf, compiled, &mark, half, height);
     }
     dxf.finish()

@@ -286,7 +286,8 @@ impl Writer {
         tags.int(70, 0);
         tags.end_table();
         let owner = tags.table("BLOCK_RECORD", 2);
-        for (handle, name, layout) in [(MODEL_SPACE, "*Model_Space", MODEL_LAYOUT), (PAPER_SPACE, "*Paper_Space", PAPER_LAYOUT)]
+        for (handle, name, layout) in
+            [(MODEL_SPACE, "*Model_Space", MODEL_LAYOUT), (PAPER_SPACE, "*Paper_Space", PAPER_LAYOUT)]
         {
             tags.record_with("BLOCK_RECORD", handle, owner, "AcDbBlockTableRecord", name);
             tags.handle(340, layout);
@@ -309,7 +310,9 @@ fn header(tags: &mut Tags, low: Point, high: Point, seed: u32, text_height: f64)
         tags.point(10, p);
     }
     // Metres, decimal, metric; vertices show as crosses.
-    for (name, value) in [("$INSUNITS", 6), ("$MEASUREMENT", 1), ("$LUNITS", 2), ("$LUPREC", 3), ("$AUNITS", 0), ("$PDMODE", 2)] {
+    for (name, value) in
+        [("$INSUNITS", 6), ("$MEASUREMENT", 1), ("$LUNITS", 2), ("$LUPREC", 3), ("$AUNITS", 0), ("$PDMODE", 2)]
+    {
         tags.text(9, name);
         tags.int(70, value);
     }

@@ -3,6 +3,8 @@
 
 mod marks;
 mod offset;
+#[cfg(test)]
+pub mod samples;
 
 pub use marks::{Mark, MarkKind, marks};
 pub use offset::{inset, outset};
@@ -12,9 +14,17 @@ use crate::geometry::{Piece, PieceKind, Point, Track, trig};
 /// A line or a circular arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Curve {
-    Line { begin: Point, end: Point },
+    Line {
+        begin: Point,
+        end: Point,
+    },
     /// Angles in rad from +x; the sweep is signed, left positive.
-    Arc { centre: Point, radius: f64, start: f64, sweep: f64 },
+    Arc {
+        centre: Point,
+        radius: f64,
+        start: f64,
+        sweep: f64,
+    },
 }
 
 impl Curve {
@@ -33,6 +43,7 @@ impl Curve {
     }
 
     /// m
+    #[cfg(test)]
     pub fn length(&self) -> f64 {
         match *self {
             Curve::Line { begin, end } => begin.distance(end),
@@ -136,7 +147,14 @@ mod tests {
 
     #[test]
     fn sides_are_connected_and_at_their_distance() {
-        let corners = [(0.0, 0.0, 3.0), (30.0, 0.0, 4.0), (30.0, 9.0, 3.0), (18.0, 9.0, 2.0), (18.0, 20.0, 3.0), (0.0, 20.0, 5.0)];
+        let corners = [
+            (0.0, 0.0, 3.0),
+            (30.0, 0.0, 4.0),
+            (30.0, 9.0, 3.0),
+            (18.0, 9.0, 2.0),
+            (18.0, 20.0, 3.0),
+            (0.0, 20.0, 5.0),
+        ];
         let track = Track::new(&fixture::loop_through("ell", &corners).corners());
         for shift in [-0.6, 0.6] {
             let curves = side(&track, shift);

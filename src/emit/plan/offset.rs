@@ -139,7 +139,8 @@ mod tests {
 
     #[test]
     fn a_slot_narrower_than_twice_the_distance_closes() {
-        let slot = polygon(&[(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (3.0, 4.0), (3.0, 1.0), (2.0, 1.0), (2.0, 4.0), (0.0, 4.0)]);
+        let slot =
+            polygon(&[(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (3.0, 4.0), (3.0, 1.0), (2.0, 1.0), (2.0, 4.0), (0.0, 4.0)]);
         for distance in [0.3, 0.6, 2.0] {
             let curves = outset(&slot, distance);
             for curve in &curves {

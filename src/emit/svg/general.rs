@@ -7,12 +7,13 @@ use crate::model::ConstraintKind;
 use crate::solve::Stage;
 
 use super::labels::{self, Labels};
-use super::place::{Field, Layer};
+use super::place::Field;
 use super::sheet::Sheet;
 use super::strip::{self, Key};
 use super::text::{self, Height};
-use super::xml::{Element, fixed};
+use super::xml::Element;
 use super::{Theme, extent, root, track};
+use crate::emit::number::trimmed;
 
 /// The layout on its sheet: building, obstacles, track, equipment, dimensions, legend and title block.
 ///
@@ -23,7 +24,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let line = &compiled.track;
     let failed: Option<&Stage> = compiled.stages.last().filter(|_| compiled.failed());
     let sheet = Sheet::choose(&extent(layout, &[line], strip::notes_height(failed)))?;
-    let marks = plan::marks(layout, line);
+    let marks = plan::marks(compiled);
     let elements = &compiled.sequence.elements;
 
     let inside = Point::new(6.0, 6.0);
@@ -33,11 +34,11 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let description = format!(
         "General arrangement of {}: {} m of track in {} elements through {} vertices, band {} m wide, scale 1:{}.{}",
         layout.name,
-        fixed(line.length, 3),
+        trimmed(line.length, 3),
         compiled.bill.count,
         line.corners.len(),
-        fixed(layout.width.value, 3),
-        fixed(sheet.scale, 1),
+        trimmed(layout.width.value, 3),
+        trimmed(sheet.scale, 1),
         if failed.is_some() { " Not feasible." } else { "" }
     );
     let mut svg = root(&sheet, theme, &layout.name, &description);
@@ -107,7 +108,7 @@ fn entries(compiled: &Compiled, marks: &[Mark]) -> Vec<(Key, String)> {
     let motors = marks.iter().filter(|mark| mark.kind == MarkKind::Motor).count();
     add(motors > 0, Key::Mark(MarkKind::Motor), &format!("motor ({motors})"));
     let every = layout.equipment.supports.map_or(0.0, |every| every.value);
-    add(any(MarkKind::Support), Key::Mark(MarkKind::Support), &format!("support, every {} m", fixed(every, 3)));
+    add(any(MarkKind::Support), Key::Mark(MarkKind::Support), &format!("support, every {} m", trimmed(every, 3)));
     entries
 }
 

@@ -8,10 +8,11 @@ use crate::model::{Layout, Obstacle};
 
 use super::place::{Box, Candidate, Field, Layer, around};
 use super::sheet::{Sheet, path, path_line, reading_angle};
+use super::symbol;
 use super::text::{self, Height};
 use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
-use super::xml::{Element, fixed};
-use super::symbol;
+use super::xml::Element;
+use crate::emit::number::trimmed;
 
 /// How far a label may go from what it names, mm.
 const REACH: f64 = 90.0;
@@ -86,8 +87,8 @@ impl<'a> Labels<'a> {
         }
         let degrees = piece.heading * 180.0 / trig::PI;
         let off_axis = (degrees / 90.0 - (degrees / 90.0).round()).abs() > 1e-7;
-        let heading = if off_axis { format!(" ∠ {}°", fixed(degrees, 2)) } else { String::new() };
-        let text = format!("{}{heading}", fixed(piece.length, 3));
+        let heading = if off_axis { format!(" ∠ {}°", trimmed(degrees, 2)) } else { String::new() };
+        let text = format!("{}{heading}", trimmed(piece.length, 3));
         let size = extent(&text, Height::H25);
         let (a, b) = (self.sheet.at(piece.begin), self.sheet.at(piece.end));
         let length = self.sheet.mm(piece.length);
@@ -128,9 +129,9 @@ impl<'a> Labels<'a> {
     /// Radius and turn of a vertex' curve.
     pub fn curve(&mut self, vertex: usize) {
         let fillet = self.track.fillets[vertex];
-        let turn = fixed(fillet.turn.abs() * 180.0 / trig::PI, 3);
+        let turn = trimmed(fillet.turn.abs() * 180.0 / trig::PI, 3);
         let fix = if is_fixed_radius(self.layout, vertex) { " fix" } else { "" };
-        let text = format!("R{}{fix} {turn}°", fixed(fillet.radius, 3));
+        let text = format!("R{}{fix} {turn}°", trimmed(fillet.radius, 3));
         let size = extent(&text, Height::H25);
         let half = self.layout.width.value / 2.0;
         let outward = (self.track.corners[vertex].point - fillet.centre).heading();
@@ -240,7 +241,8 @@ impl<'a> Labels<'a> {
         // Inside the loop first: dimensions stand outside.
         for (side, cost) in [(-out, 0.0), (out, 0.5)] {
             let anchor = self.sheet.at(at) + side * half;
-            let both = beside(anchor, along, side, size, 0.8).into_iter().chain(around(anchor, side, size, 1.0, REACH / 2.0));
+            let both =
+                beside(anchor, along, side, size, 0.8).into_iter().chain(around(anchor, side, size, 1.0, REACH / 2.0));
             candidates.extend(both.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
         }
         self.put_or_count(text, height, class, &candidates);
@@ -269,7 +271,11 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
             let across = gap + size.y * (0.5 + f64::from(row));
             let centre = anchor + side * across + along * (shift * size.x);
             let item = Box { centre, half: size * 0.5, axis: along };
-            candidates.push(Candidate { boxes: vec![item], leader: None, cost: 2.0 * shift.abs() + 4.0 * f64::from(row) });
+            candidates.push(Candidate {
+                boxes: vec![item],
+                leader: None,
+                cost: 2.0 * shift.abs() + 4.0 * f64::from(row),
+            });
         }
     }
     candidates

@@ -70,7 +70,11 @@ fn extent(layout: &Layout, tracks: &[&Track], notes: f64) -> Extent {
             }
         }
     }
-    let polygons = layout.obstacles.iter().map(|o| (&o.polygon, o.clearance)).chain(layout.building.iter().map(|b| (&b.polygon, 0.0)));
+    let polygons = layout
+        .obstacles
+        .iter()
+        .map(|o| (&o.polygon, o.clearance))
+        .chain(layout.building.iter().map(|b| (&b.polygon, 0.0)));
     for (polygon, clearance) in polygons {
         let (low, high) = polygon.bounds();
         let reach = Point::new(clearance, clearance);
@@ -78,7 +82,8 @@ fn extent(layout: &Layout, tracks: &[&Track], notes: f64) -> Extent {
     }
     // Coordinates that are no number would vanish in the minimum.
     let broken = points.iter().any(|p| !p.x.is_finite() || !p.y.is_finite());
-    let (low, high) = if broken { (Point::new(f64::NAN, f64::NAN), Point::default()) } else { bounds(points.into_iter()) };
+    let (low, high) =
+        if broken { (Point::new(f64::NAN, f64::NAN), Point::default()) } else { bounds(points.into_iter()) };
     let (length, sections) = tracks.first().map_or((0.0, 1), |track| (track.length, track.corners.len()));
     Extent { low, high, length, sections, notes }
 }

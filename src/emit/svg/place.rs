@@ -127,11 +127,6 @@ impl Field {
         Some(chosen)
     }
 
-    /// Whether nothing of these layers is under the box, and it lies within the area.
-    pub fn is_free(&self, item: &Box, layers: &[Layer]) -> bool {
-        self.within(item) && !self.under(item).any(|layer| layers.contains(&layer))
-    }
-
     fn extra_cost(&self, candidate: &Candidate) -> Option<f64> {
         let mut cost = 0.0;
         for item in &candidate.boxes {
@@ -175,7 +170,8 @@ impl Field {
     fn cells_of(&self, item: &Box) -> impl Iterator<Item = usize> + use<> {
         let (low, high) = bounds(item.corners().into_iter());
         let rows = self.cells.len() / self.columns;
-        let index = |x: f64, origin: f64, count: usize| (((x - origin) / CELL).floor().max(0.0) as usize).min(count - 1);
+        let index =
+            |x: f64, origin: f64, count: usize| (((x - origin) / CELL).floor().max(0.0) as usize).min(count - 1);
         let columns = self.columns;
         let (left, right) = (index(low.x, self.low.x, columns), index(high.x, self.low.x, columns));
         let (top, bottom) = (index(low.y, self.low.y, rows), index(high.y, self.low.y, rows));
@@ -194,9 +190,8 @@ pub fn around(anchor: Point, prefer: Point, size: Point, gap: f64, reach: f64) -
             let direction = Point::unit(trig::TAU * k as f64 / DIRECTIONS as f64);
             // From the anchor to the box's near side, then half the box on.
             let half = (size.x / 2.0 * direction.x.abs()).max(size.y / 2.0 * direction.y.abs());
-            let centre = anchor
-                + direction * distance
-                + Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
+            let centre =
+                anchor + direction * distance + Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
             let turn = 1.0 - direction.dot(prefer);
             let leader = (distance > gap + 2.5).then(|| {
                 let end = Point::new(

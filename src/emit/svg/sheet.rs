@@ -133,9 +133,7 @@ impl Sheet {
     /// The frame with its centring marks and reference grid.
     pub fn frame(&self) -> Element {
         let mut group = Element::group("sheet");
-        group.push(
-            Element::new("rect").attr("class", "ground").num("width", self.width).num("height", self.height),
-        );
+        group.push(Element::new("rect").attr("class", "ground").num("width", self.width).num("height", self.height));
         let (low, high) = (self.drawing.low, self.strip.high);
         group.push(rectangle(low, high, "frame"));
         let (outer_low, outer_high) = (low - Point::new(5.0, 5.0), high + Point::new(5.0, 5.0));
@@ -256,9 +254,10 @@ mod tests {
             assert!(low.x >= sheet.drawing.low.x + MARGIN - 1e-9 && high.x <= sheet.drawing.high.x - MARGIN + 1e-9);
             assert!(high.y >= sheet.drawing.low.y + MARGIN - 1e-9 && low.y <= sheet.drawing.high.y - MARGIN + 1e-9);
         }
-        assert_eq!([7.0, 11.0, 21.0, 49.0, 250.0, 251.0, 1001.0].map(standard_scale), [
-            10.0, 20.0, 25.0, 50.0, 250.0, 500.0, 2000.0
-        ]);
+        assert_eq!(
+            [7.0, 11.0, 21.0, 49.0, 250.0, 251.0, 1001.0].map(standard_scale),
+            [10.0, 20.0, 25.0, 50.0, 250.0, 500.0, 2000.0]
+        );
     }
 
     #[test]

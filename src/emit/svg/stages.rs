@@ -5,12 +5,13 @@ use crate::emit::{Compiled, DrawError};
 use crate::geometry::{Corner, Point, Track};
 use crate::solve::Status;
 
-use super::place::{Box, Field, Layer, around};
+use super::place::{Box, Field, around};
 use super::sheet::{Sheet, path, reading_angle};
 use super::strip::{self, Key, field};
 use super::text::{self, Height};
-use super::xml::{Element, fixed};
+use super::xml::Element;
 use super::{Theme, extent, root, symbol, track};
+use crate::emit::number::trimmed;
 
 /// Centre lines of the written layout and of every stage.
 ///
@@ -21,7 +22,8 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     let lines: Vec<(String, Track)> = std::iter::once(("start, as written".to_owned(), Track::new(written)))
         .chain(compiled.stages.iter().filter(|stage| stage.status != Status::AsWritten).map(|stage| {
             let failed = if stage.status == Status::Infeasible { ", not feasible" } else { "" };
-            let name = stage.name.strip_prefix("stage").map_or(stage.name.to_owned(), |number| format!("stage {number}"));
+            let name =
+                stage.name.strip_prefix("stage").map_or(stage.name.to_owned(), |number| format!("stage {number}"));
             (name + failed, Track::new(&stage.corners))
         }))
         .collect();
@@ -60,7 +62,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     let mut entries: Vec<(Key, String)> = lines
         .iter()
         .enumerate()
-        .map(|(i, (name, line))| (Key::Stage(i.min(3)), format!("{name}: {} m", fixed(line.length, 3))))
+        .map(|(i, (name, line))| (Key::Stage(i.min(3)), format!("{name}: {} m", trimmed(line.length, 3))))
         .collect();
     if layout.building.is_some() {
         entries.push((Key::Wall, "wall".to_owned()));
@@ -71,10 +73,10 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     svg.push(strip::legend(&sheet, &entries));
     svg.push(strip::scale_bar(&sheet));
     let rows = vec![vec![
-        field("scale", format!("1 : {}", fixed(sheet.scale, 1))),
+        field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
         field("sheet", sheet.size),
         field("units", "m, degrees"),
-        field("width of band", format!("{} m", fixed(layout.width.value, 3))),
+        field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
         field("vertices", layout.vertices.len().to_string()),
     ]];
     svg.push(strip::title(&sheet, &layout.name, "stages of the optimisation", &rows));
@@ -82,10 +84,14 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
 }
 
 fn name_at(group: &mut Element, area: &mut Field, at: Point, prefer: Point, name: &str, class: &str, gap: f64) {
-    let size = Point::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
+    let size =
+        Point::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
     let mut candidates = around(at, prefer, size, gap, 60.0);
     if gap == 0.0 {
-        candidates.insert(0, super::place::Candidate { boxes: vec![Box::upright(at, size.x, size.y)], leader: None, cost: -9.0 });
+        candidates.insert(
+            0,
+            super::place::Candidate { boxes: vec![Box::upright(at, size.x, size.y)], leader: None, cost: -9.0 },
+        );
     }
     if let Some(chosen) = area.place(&candidates) {
         if let Some((a, b)) = chosen.leader {

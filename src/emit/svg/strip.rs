@@ -9,7 +9,8 @@ use super::place::Box;
 use super::sheet::{Area, Sheet, path, path_line, polygon, rectangle};
 use super::symbol::{self, Spot};
 use super::text::{self, Height};
-use super::xml::{Element, fixed};
+use super::xml::Element;
+use crate::emit::number::trimmed;
 
 const TITLE_WIDTH: f64 = 180.0;
 const SCALE_WIDTH: f64 = 56.0;
@@ -53,7 +54,10 @@ pub fn field(label: &'static str, value: impl Into<String>) -> Field {
 
 /// Legend entries in columns.
 pub fn legend(sheet: &Sheet, entries: &[(Key, String)]) -> Element {
-    let area = Area { low: sheet.strip.low, high: Point::new(sheet.strip.high.x - TITLE_WIDTH - SCALE_WIDTH, sheet.strip.high.y) };
+    let area = Area {
+        low: sheet.strip.low,
+        high: Point::new(sheet.strip.high.x - TITLE_WIDTH - SCALE_WIDTH, sheet.strip.high.y),
+    };
     let mut group = Element::group("legend").with(rectangle(area.low, area.high, "rule"));
     let rows = ((area.height() - 4.0) / ROW).floor().max(1.0) as usize;
     let columns = entries.len().div_ceil(rows).max(1);
@@ -82,9 +86,9 @@ fn key_symbol(key: Key, at: Point) -> Element {
     let tick = |reach: f64, class: &str| band(1.3).with(path(&path_line(along(6.0, -reach), along(6.0, reach)), class));
     let sample = |text: &str, height: Height, class: &str| text::centred(middle, 0.0, text, height, class);
     match key {
-        Key::Track => {
-            band(1.6).with(line("centre")).with(path(&symbol::arrow(along(8.5, 0.0), Point::new(1.0, 0.0), 3.5, 1.6), "arrow"))
-        }
+        Key::Track => band(1.6)
+            .with(line("centre"))
+            .with(path(&symbol::arrow(along(8.5, 0.0), Point::new(1.0, 0.0), 3.5, 1.6), "arrow")),
         Key::Joint => tick(1.3, "joint"),
         Key::Change => tick(2.1, "change"),
         Key::Article => sample("3× A", Height::H18, "quiet"),
@@ -114,16 +118,15 @@ fn key_symbol(key: Key, at: Point) -> Element {
         }
         Key::Obstacle => rectangle(along(0.0, -1.6), along(12.0, 1.6), "obstacle"),
         Key::Clearance => line("clearance"),
-        Key::Mark(MarkKind::Motor) => {
-            band(1.8).with(rectangle(along(3.0, -0.8), along(9.0, 0.8), "motor"))
-        }
+        Key::Mark(MarkKind::Motor) => band(1.8).with(rectangle(along(3.0, -0.8), along(9.0, 0.8), "motor")),
         Key::Mark(kind) => {
             let drop = match kind {
                 MarkKind::Induction | MarkKind::Chute => 1.9,
                 MarkKind::Photocell => 0.7,
                 _ => 0.0,
             };
-            let spot = Spot { at: along(6.0, drop), along: Point::new(1.0, 0.0), out: Point::new(0.0, -1.0), half: 0.7 };
+            let spot =
+                Spot { at: along(6.0, drop), along: Point::new(1.0, 0.0), out: Point::new(0.0, -1.0), half: 0.7 };
             let edges = path_line(along(0.0, drop - 0.7), along(12.0, drop - 0.7))
                 + &path_line(along(0.0, drop + 0.7), along(12.0, drop + 0.7));
             let small = Spot { half: 0.7, ..spot };
@@ -136,7 +139,8 @@ fn key_symbol(key: Key, at: Point) -> Element {
 /// A bar of a round length, and the axes.
 pub fn scale_bar(sheet: &Sheet) -> Element {
     let right = sheet.strip.high.x - TITLE_WIDTH;
-    let area = Area { low: Point::new(right - SCALE_WIDTH, sheet.strip.low.y), high: Point::new(right, sheet.strip.high.y) };
+    let area =
+        Area { low: Point::new(right - SCALE_WIDTH, sheet.strip.low.y), high: Point::new(right, sheet.strip.high.y) };
     let mut group = Element::group("scale").with(rectangle(area.low, area.high, "rule"));
     group.push(symbol::axes(area.low + Point::new(8.0, 26.0)));
     // Five parts of 1, 2 or 5 times a power of ten, at most 42 mm in all.
@@ -150,16 +154,20 @@ pub fn scale_bar(sheet: &Sheet) -> Element {
     let mm = sheet.mm(part);
     for i in 0..5 {
         let from = low + Point::new(mm * f64::from(i), 0.0);
-        group.push(rectangle(from, from + Point::new(mm, 1.6), if i % 2 == 0 { "rule dimension-arrow" } else { "rule" }));
+        group.push(rectangle(
+            from,
+            from + Point::new(mm, 1.6),
+            if i % 2 == 0 { "rule dimension-arrow" } else { "rule" },
+        ));
     }
     for i in [0, 1, 5] {
         let at = low + Point::new(mm * f64::from(i), -2.2);
         let unit = if i == 5 { " m" } else { "" };
-        let value = fixed(part * f64::from(i), 4) + unit;
+        let value = trimmed(part * f64::from(i), 4) + unit;
         group.push(text::centred(at, 0.0, value, Height::H18, ""));
     }
     let note = Point::new((area.low.x + area.high.x) / 2.0, area.high.y - 7.0);
-    group.push(text::centred(note, 0.0, format!("1 : {}", fixed(sheet.scale, 1)), Height::H35, ""));
+    group.push(text::centred(note, 0.0, format!("1 : {}", trimmed(sheet.scale, 1)), Height::H35, ""));
     group
 }
 
@@ -209,21 +217,21 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
     let cell = Field { columns: 2, warn: compiled.failed(), ..field("status", status) };
     vec![
         vec![
-            field("length of track", format!("{} m", fixed(compiled.track.length, 3))),
+            field("length of track", format!("{} m", trimmed(compiled.track.length, 3))),
             field("elements", compiled.bill.count.to_string()),
-            field("footprint", format!("{} m²", fixed(compiled.footprint, 2))),
-            field("width of band", format!("{} m", fixed(layout.width.value, 3))),
-            field("speed", format!("{} m/s", fixed(layout.speed.value, 3))),
+            field("footprint", format!("{} m²", trimmed(compiled.footprint, 2))),
+            field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
+            field("speed", format!("{} m/s", trimmed(layout.speed.value, 3))),
         ],
         vec![
             field("cart", layout.cart.name.clone()),
-            field("cart length", format!("{} m", fixed(layout.cart.length, 3))),
+            field("cart length", format!("{} m", trimmed(layout.cart.length, 3))),
             field("catalogue", layout.catalog.name.clone()),
-            field("price of elements", format!("{} EUR", fixed(compiled.bill.price, 2))),
-            field("mass of elements", format!("{} kg", fixed(compiled.bill.mass, 1))),
+            field("price of elements", format!("{} EUR", trimmed(compiled.bill.price, 2))),
+            field("mass of elements", format!("{} kg", trimmed(compiled.bill.mass, 1))),
         ],
         vec![
-            field("scale", format!("1 : {}", fixed(sheet.scale, 1))),
+            field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
             field("sheet", sheet.size),
             field("units", "m, degrees"),
             cell,
@@ -268,7 +276,7 @@ pub fn notes(sheet: &Sheet, stage: &Stage) -> Element {
 /// A violation as a reader says it: angles in degrees.
 fn amount(value: f64, unit: &str) -> String {
     match unit {
-        "rad" => format!("{}°", fixed(value * 180.0 / std::f64::consts::PI, 4)),
-        unit => format!("{} {unit}", fixed(value, 6)),
+        "rad" => format!("{}°", trimmed(value * 180.0 / std::f64::consts::PI, 4)),
+        unit => format!("{} {unit}", trimmed(value, 6)),
     }
 }

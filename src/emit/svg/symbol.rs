@@ -29,7 +29,11 @@ impl Spot {
     }
 
     fn taken(&self, along: f64, from: f64, to: f64) -> Box {
-        Box { centre: self.point(0.0, (from + to) / 2.0), half: Point::new(along, (to - from).abs() / 2.0), axis: self.along }
+        Box {
+            centre: self.point(0.0, (from + to) / 2.0),
+            half: Point::new(along, (to - from).abs() / 2.0),
+            axis: self.along,
+        }
     }
 }
 
@@ -55,8 +59,12 @@ pub fn mark(kind: MarkKind, spot: &Spot, pitch: f64) -> (Element, Box) {
         }
         MarkKind::Chute => {
             let half = (0.35 * pitch).clamp(0.5, 1.5);
-            let points =
-                [spot.point(-half, h), spot.point(half, h), spot.point(0.6 * half, h + 3.5), spot.point(-0.6 * half, h + 3.5)];
+            let points = [
+                spot.point(-half, h),
+                spot.point(half, h),
+                spot.point(0.6 * half, h + 3.5),
+                spot.point(-0.6 * half, h + 3.5),
+            ];
             (path(&polygon(&points), "chute"), spot.taken(half + 0.2, h, h + 3.8))
         }
         MarkKind::Motor => {

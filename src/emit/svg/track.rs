@@ -60,8 +60,7 @@ pub fn floor(sheet: &Sheet, layout: &Layout) -> Element {
 
 /// The band between its two sides.
 pub fn band(sheet: &Sheet, track: &Track, width: f64) -> Element {
-    let sides: Vec<String> =
-        [0.5, -0.5].iter().map(|k| curves(sheet, &plan::side(track, k * width)) + "Z").collect();
+    let sides: Vec<String> = [0.5, -0.5].iter().map(|k| curves(sheet, &plan::side(track, k * width)) + "Z").collect();
     Element::group("track").with(path(&sides.concat(), "band")).with(path(&sides.concat(), "edge"))
 }
 

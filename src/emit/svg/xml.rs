@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::emit::number::trimmed;
+
 /// An XML element.
 #[derive(Clone, Debug)]
 pub struct Element {
@@ -58,10 +60,6 @@ impl Element {
         self.children.push(Node::Element(child));
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.children.is_empty()
-    }
-
     /// The document with this root, one element a line.
     pub fn document(&self) -> String {
         let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
@@ -100,16 +98,7 @@ impl Element {
 
 /// Up to three decimals: on paper a micrometre.
 pub fn number(value: f64) -> String {
-    fixed(value, 3)
-}
-
-/// At most `decimals` places, no trailing zeros, no negative zero.
-pub fn fixed(value: f64, decimals: usize) -> String {
-    let mut text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
-    }
-    if text == "-0" { "0".to_owned() } else { text }
+    trimmed(value, 3)
 }
 
 fn escape(text: &str, out: &mut String) {

@@ -1,0 +1,158 @@
+//! A problem at given variables: objective, rows and clearance rows, with exact first and second derivatives.
+
+use super::expansion::Expansion;
+use super::measures::{Measures, to_corners};
+use super::{Function, Problem, clearance, formula};
+use crate::geometry::clearance::{Approach, Feature, Part};
+use crate::geometry::{Track, trig};
+use crate::model::Formula;
+use crate::source::Span;
+
+/// Identifies a row from one evaluation to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RowKey {
+    /// Index into `Problem::rows`.
+    Listed(usize),
+    /// Index into `Problem::keepouts`, and the approach.
+    Clearance(usize, Feature, Part),
+}
+
+/// A row at some variables.
+#[derive(Clone, Debug)]
+pub struct RowValue {
+    pub key: RowKey,
+    pub expansion: Expansion,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl RowValue {
+    /// How far outside its limits, in the row's unit.
+    pub fn violation(&self) -> f64 {
+        (self.low - self.expansion.value).max(self.expansion.value - self.high).max(0.0)
+    }
+}
+
+/// Everything a solver needs at one point.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    pub track: Track,
+    /// Terms of the objective, m.
+    pub objective: Vec<Expansion>,
+    pub rows: Vec<RowValue>,
+}
+
+impl Evaluation {
+    /// m
+    pub fn length(&self) -> f64 {
+        self.objective.iter().map(|e| e.value).sum()
+    }
+}
+
+impl Problem {
+    /// Evaluates at `variables`, with the clearance rows of every approach closer than its limit plus `reach`.
+    pub fn evaluate(&self, variables: &[f64], reach: f64) -> Evaluation {
+        let track = Track::new(&to_corners(variables));
+        let keys = self
+            .keepouts
+            .iter()
+            .enumerate()
+            .flat_map(|(k, keepout)| {
+                let approaches = keepout.region.approaches(&track, keepout.distance + reach);
+                approaches.into_iter().map(move |a| RowKey::Clearance(k, a.feature, a.part))
+            })
+            .collect::<Vec<_>>();
+        self.evaluate_rows(variables, track, keys.into_iter())
+    }
+
+    /// Evaluates at `variables` with the clearance rows of an evaluation elsewhere.
+    pub fn evaluate_like(&self, variables: &[f64], other: &Evaluation) -> Evaluation {
+        let keys = other.rows.iter().map(|r| r.key).filter(|k| matches!(k, RowKey::Clearance(..)));
+        self.evaluate_rows(variables, Track::new(&to_corners(variables)), keys)
+    }
+
+    fn evaluate_rows(&self, variables: &[f64], track: Track, clearances: impl Iterator<Item = RowKey>) -> Evaluation {
+        let measures = Measures::new(variables, &self.signs);
+        let listed = self.rows.iter().enumerate().map(|(i, row)| RowValue {
+            key: RowKey::Listed(i),
+            expansion: self.expand(&row.function, row.low, row.high, variables, &measures),
+            low: row.low,
+            high: row.high,
+        });
+        let mut rows: Vec<RowValue> = listed.collect();
+        for key in clearances {
+            let RowKey::Clearance(k, feature, part) = key else { continue };
+            let keepout = &self.keepouts[k];
+            let approach = Approach { feature, part, distance: 0.0 };
+            let expansion = clearance::distance(&keepout.region, &approach, &track, &measures, &self.signs);
+            rows.push(RowValue { key, expansion, low: keepout.distance, high: f64::INFINITY });
+        }
+        Evaluation { track, objective: measures.track_length(), rows }
+    }
+
+    fn expand(&self, function: &Function, low: f64, high: f64, variables: &[f64], measures: &Measures) -> Expansion {
+        match function {
+            Function::Turn(i) => measures.at(*i, |m| m.turn),
+            Function::Section(i) => measures.section(*i),
+            Function::Straight(i) => measures.straight(*i),
+            Function::Linear(terms) => {
+                let terms: Vec<_> = terms.iter().map(|&(k, c)| (k, c, variables[k])).collect();
+                Expansion::linear(0.0, &terms)
+            }
+            Function::StraightMiddle { section, direction } => {
+                let end = |v: usize, begin: bool| {
+                    measures.at(v, |m| {
+                        let p = if begin { m.begin } else { m.end };
+                        p.x.scale(direction.x) + p.y.scale(direction.y)
+                    })
+                };
+                end(*section, false).add(&end(measures.next(*section), true)).scale(0.5)
+            }
+            Function::Formula(f) => {
+                let e = formula::expand(f, measures, &self.signs, &self.places);
+                match f {
+                    // A heading is known up to full turns: the one nearest to what is asked.
+                    Formula::Heading(_) => {
+                        let aim = match (low.is_finite(), high.is_finite()) {
+                            (true, true) => (low + high) / 2.0,
+                            _ => return e,
+                        };
+                        let turned = aim + trig::wrap(e.value - aim) - e.value;
+                        e.shift(turned)
+                    }
+                    _ => e,
+                }
+            }
+        }
+    }
+
+    /// What a row is called, and its line.
+    pub fn describe(&self, key: RowKey) -> (String, Span) {
+        match key {
+            RowKey::Listed(i) => {
+                let row = &self.rows[i];
+                let label = match &row.reason {
+                    Some(reason) => format!("{} ({reason})", row.label),
+                    None => row.label.clone(),
+                };
+                (label, row.span)
+            }
+            RowKey::Clearance(k, _, part) => {
+                let keepout = &self.keepouts[k];
+                let part = match part {
+                    Part::Straight(i) => format!("the straight {}", self.section_name(i)),
+                    Part::Arc(i) => format!("the curve at {}", self.vertices[i]),
+                };
+                (format!("clearance of {} to {part}", keepout.name), keepout.span)
+            }
+        }
+    }
+
+    /// `rad` for rows that measure angles, else `m`.
+    pub fn unit(&self, key: RowKey) -> &'static str {
+        match key {
+            RowKey::Listed(i) if self.rows[i].angle => "rad",
+            _ => "m",
+        }
+    }
+}

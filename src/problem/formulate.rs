@@ -1,0 +1,160 @@
+//! A checked layout to its optimisation problem.
+
+use super::formula::Places;
+use super::measures::{radius, to_variables, x, y};
+use super::{Function, Keepout, Problem, Row, Scope};
+use crate::geometry::clearance::Region;
+use crate::geometry::{Point, Track};
+use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout, Side, Target, Unit};
+use crate::source::Span;
+
+impl Problem {
+    /// States the problem of one stage. Fixed values are the written ones.
+    pub fn new(layout: &Layout, scope: Scope) -> Self {
+        let corners = layout.corners();
+        let track = Track::new(&corners);
+        let n = corners.len();
+        let start = to_variables(&corners);
+        let free = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        let bounds = (0..n).flat_map(|_| [free, free, layout.radii.value]).collect();
+        let mut problem = Problem {
+            layout: layout.name.clone(),
+            vertices: layout.vertices.iter().map(|v| v.name.clone()).collect(),
+            signs: track.fillets.iter().map(|f| if f.turn < 0.0 { -1.0 } else { 1.0 }).collect(),
+            start,
+            bounds,
+            rows: Vec::new(),
+            keepouts: keepouts(layout, &track, scope),
+            half_width: layout.width.value / 2.0,
+            places: Places {
+                obstacles: layout.obstacles.iter().map(|o| o.polygon.clone()).collect(),
+                building: layout.building.as_ref().map(|b| b.polygon.clone()),
+            },
+        };
+        for (i, vertex) in layout.vertices.iter().enumerate() {
+            let turns = layout.turns.value;
+            problem.row(
+                Function::Turn(i),
+                turns.low,
+                turns.high,
+                true,
+                format!("turn at {}", vertex.name),
+                vertex.span,
+            );
+        }
+        for (i, vertex) in layout.vertices.iter().enumerate() {
+            let label = format!("straight {}", problem.section_name(i));
+            let shortest = layout.catalog.straight.shortest;
+            problem.row(Function::Straight(i), shortest, f64::INFINITY, false, label, vertex.span);
+        }
+        for constraint in &layout.constraints {
+            problem.constrain(constraint, &track);
+        }
+        problem
+    }
+
+    /// `P4..P5`
+    pub fn section_name(&self, i: usize) -> String {
+        format!("{}..{}", self.vertices[i], self.vertices[(i + 1) % self.vertices.len()])
+    }
+
+    fn row(&mut self, function: Function, low: f64, high: f64, angle: bool, label: String, span: Span) {
+        self.rows.push(Row { function, low, high, angle, weight: None, label, span, reason: None });
+    }
+
+    fn fix(&mut self, variable: usize) {
+        let value = self.start[variable];
+        self.bounds[variable] = Interval { low: value, high: value };
+    }
+
+    fn constrain(&mut self, constraint: &Constraint, track: &Track) {
+        let span = constraint.span;
+        let first = self.rows.len();
+        match &constraint.kind {
+            ConstraintKind::FixVertex { vertex } => {
+                self.fix(x(*vertex));
+                self.fix(y(*vertex));
+            }
+            ConstraintKind::FixRadius { vertex } => self.fix(radius(*vertex)),
+            ConstraintKind::FixSection { target, kinds } => self.fix_section(*target, kinds, track, span),
+            ConstraintKind::Require { formula, low, high, unit } => {
+                let angle = *unit == Unit::Radian;
+                self.row(Function::Formula(formula.clone()), *low, *high, angle, "require".into(), span);
+            }
+        }
+        for row in &mut self.rows[first..] {
+            row.reason = constraint.reason.clone();
+        }
+    }
+
+    /// The thesis' five kinds: what is fixed keeps its written value.
+    fn fix_section(&mut self, target: Target, kinds: &[FixKind], track: &Track, span: Span) {
+        let i = target.from;
+        let j = (i + 1) % self.vertices.len();
+        let (a, b) = (track.corners[i].point, track.corners[j].point);
+        let along = (b - a) * (1.0 / a.distance(b));
+        let has = |kind| kinds.contains(&kind);
+        let name = if target.straight { format!("straight({})", self.section_name(i)) } else { self.section_name(i) };
+        if !target.straight && kinds.len() == 4 {
+            [x(i), y(i), x(j), y(j)].into_iter().for_each(|k| self.fix(k));
+            return;
+        }
+        let across = along.left();
+        let difference = |d: Point| vec![(x(i), -d.x), (y(i), -d.y), (x(j), d.x), (y(j), d.y)];
+        let mut equal = |function, value, kind: &str| {
+            self.row(function, value, value, false, format!("fix {kind} {name}"), span);
+        };
+        if has(FixKind::Length) {
+            if target.straight {
+                equal(Function::Straight(i), track.straight(i).length, "length");
+            } else if has(FixKind::Rotation) {
+                equal(Function::Linear(difference(along)), a.distance(b), "length");
+            } else {
+                equal(Function::Section(i), a.distance(b), "length");
+            }
+        }
+        if has(FixKind::Rotation) {
+            equal(Function::Linear(difference(across)), 0.0, "rotation");
+        }
+        for (kind, direction, word) in
+            [(FixKind::Parallel, along, "parallel"), (FixKind::Perpendicular, across, "perpendicular")]
+        {
+            if !has(kind) {
+                continue;
+            }
+            if target.straight {
+                let straight = track.straight(i);
+                let middle = straight.begin.lerp(straight.end, 0.5);
+                equal(Function::StraightMiddle { section: i, direction }, direction.dot(middle), word);
+            } else {
+                let half = direction * 0.5;
+                let terms = vec![(x(i), half.x), (y(i), half.y), (x(j), half.x), (y(j), half.y)];
+                equal(Function::Linear(terms), direction.dot(a.lerp(b, 0.5)), word);
+            }
+        }
+    }
+}
+
+fn keepouts(layout: &Layout, track: &Track, scope: Scope) -> Vec<Keepout> {
+    let half = layout.width.value / 2.0;
+    // A simple loop has its outside to the right of travel when it runs counter-clockwise.
+    let turned: f64 = track.fillets.iter().map(|f| f.turn).sum();
+    let outside = if turned < 0.0 { 1.0 } else { -1.0 };
+    let building = layout.building.iter().map(|b| Keepout {
+        name: "building".into(),
+        region: Region { polygon: b.polygon.clone(), outside: true, lies: outside },
+        distance: half + b.clearance,
+        span: b.span,
+    });
+    let obstacles = layout.obstacles.iter().filter(|_| scope == Scope::Obstacles).map(|o| Keepout {
+        name: o.name.clone(),
+        region: Region {
+            polygon: o.polygon.clone(),
+            outside: false,
+            lies: if o.side == Side::Right { -1.0 } else { 1.0 },
+        },
+        distance: half + o.clearance,
+        span: o.span,
+    });
+    building.chain(obstacles).collect()
+}

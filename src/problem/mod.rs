@@ -1,0 +1,112 @@
+//! The optimisation problem of a layout, without a solver: variables, rows, regions to keep out of, objective
+//! (thesis Eq. 3.1). Every row knows the line of source it comes from.
+//!
+//! Variables are the thesis' three a vertex, x, y and R. Clearance rows are not listed: there is one for every local
+//! minimum of the distance between track and region, which depends on where the track runs, so they are made
+//! from [`Keepout`]s when the problem is evaluated.
+
+mod clearance;
+mod evaluate;
+mod expansion;
+mod formula;
+mod formulate;
+mod jet;
+pub mod measures;
+mod print;
+
+pub use evaluate::{Evaluation, RowKey, RowValue};
+pub use expansion::Expansion;
+pub use print::{print, relation};
+
+use crate::geometry::clearance::Region;
+use crate::model::{Formula, Interval};
+use crate::source::Span;
+use serde::Serialize;
+
+/// What a stage takes into account (thesis §3.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// Stage 1: user constraints and the building.
+    Building,
+    /// Stage 2: obstacles too.
+    Obstacles,
+}
+
+/// A layout's optimisation problem.
+#[derive(Clone, Debug, Serialize)]
+pub struct Problem {
+    pub layout: String,
+    /// Vertex names, in driving order.
+    pub vertices: Vec<String>,
+    /// Written turn directions, +1 left and -1 right, which no solver may flip.
+    pub signs: Vec<f64>,
+    /// x, y, R of each vertex as written.
+    pub start: Vec<f64>,
+    /// Limits of each variable; fixed where both are alike.
+    pub bounds: Vec<Interval>,
+    pub rows: Vec<Row>,
+    #[serde(skip)]
+    pub keepouts: Vec<Keepout>,
+    /// Half the track's width, m.
+    pub half_width: f64,
+    pub places: formula::Places,
+}
+
+/// `low <= function <= high`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    pub function: Function,
+    pub low: f64,
+    pub high: f64,
+    pub angle: bool,
+    /// `None` for a hard row; otherwise what a unit of violation costs (m a unit), and the row is a penalty.
+    pub weight: Option<f64>,
+    /// `turn at P3`, `fix length P4..P5`.
+    pub label: String,
+    pub span: Span,
+    /// The user's words.
+    pub reason: Option<String>,
+}
+
+/// What a row measures. All are m but turns and formulas of angles, which are rad.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Function {
+    /// Turn at a vertex in its written direction.
+    Turn(usize),
+    /// Length of a section between vertices.
+    Section(usize),
+    /// Length of the straight between a section's tangent points.
+    Straight(usize),
+    /// Σ k·variable.
+    Linear(Vec<(usize, f64)>),
+    /// Coordinate of the midpoint of a section's straight along a unit direction.
+    StraightMiddle {
+        section: usize,
+        direction: crate::geometry::Point,
+    },
+    Formula(Formula),
+}
+
+/// A region that the centre line keeps a distance from.
+#[derive(Clone, Debug)]
+pub struct Keepout {
+    /// The obstacle's name, or `building`.
+    pub name: String,
+    pub region: Region,
+    /// Half the track's width plus the clearance, m.
+    pub distance: f64,
+    pub span: Span,
+}
+
+impl Problem {
+    /// The variables that may move.
+    pub fn free(&self) -> Vec<usize> {
+        (0..self.bounds.len()).filter(|&k| self.bounds[k].low < self.bounds[k].high).collect()
+    }
+
+    /// `P3.x`
+    pub fn variable_name(&self, k: usize) -> String {
+        format!("{}.{}", self.vertices[k / 3], ["x", "y", "R"][k % 3])
+    }
+}

@@ -1,0 +1,108 @@
+//! The Hessian of the Lagrangian, made convex for the quadratic subproblem without losing its curvature where the
+//! step may go.
+//!
+//! Adding ρ a aᵀ for a row a·d = b that stays active changes nothing on that row's plane when the linear term
+//! moves with it (Nocedal and Wright 2006, §17.3), so curvature that is negative only across active rows costs no
+//! convergence. What is left negative is lifted by τ I. Definiteness is read off a sparse LDLᵀ factorisation.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettingsBuilder};
+use std::collections::BTreeMap;
+
+/// A symmetric sparse matrix by its upper triangle, (column, row) to value.
+#[derive(Clone, Debug, Default)]
+pub struct Symmetric {
+    pub size: usize,
+    entries: BTreeMap<(usize, usize), f64>,
+}
+
+/// An active row of the subproblem: a·d = target, as (index, coefficient).
+pub struct ActiveRow {
+    pub coefficients: Vec<(usize, f64)>,
+    pub target: f64,
+}
+
+/// A convex quadratic model ½ dᵀPd + q·d.
+pub struct Quadratic {
+    pub matrix: Symmetric,
+    pub linear: Vec<f64>,
+}
+
+impl Symmetric {
+    pub fn new(size: usize) -> Self {
+        Symmetric { size, entries: BTreeMap::new() }
+    }
+
+    /// Adds to entry (i, j); call once for each pair in either order, or for both triangles with `i <= j` only.
+    pub fn add(&mut self, i: usize, j: usize, value: f64) {
+        if i <= j {
+            *self.entries.entry((j, i)).or_insert(0.0) += value;
+        }
+    }
+
+    /// xᵀ M x
+    pub fn quadratic_form(&self, x: &[f64]) -> f64 {
+        self.entries
+            .iter()
+            .map(|(&(j, i), value)| if i == j { value * x[i] * x[i] } else { 2.0 * value * x[i] * x[j] })
+            .sum()
+    }
+
+    /// Upper triangle in compressed columns, with `extra` further empty columns.
+    pub fn to_csc(&self, extra: usize) -> CscMatrix<f64> {
+        let size = self.size + extra;
+        let mut starts = vec![0; size + 1];
+        let (mut rows, mut values) = (Vec::with_capacity(self.entries.len()), Vec::with_capacity(self.entries.len()));
+        for (&(j, i), &value) in &self.entries {
+            starts[j + 1] += 1;
+            rows.push(i);
+            values.push(value);
+        }
+        for j in 0..size {
+            starts[j + 1] += starts[j];
+        }
+        CscMatrix::new(size, size, starts, rows, values)
+    }
+
+    fn is_positive_definite(&self) -> bool {
+        let Ok(settings) = QDLDLSettingsBuilder::default().regularize_enable(false).build() else { return false };
+        QDLDLFactorisation::new(&self.to_csc(0), Some(settings)).is_ok_and(|f| f.D.iter().all(|&d| d > 1e-9))
+    }
+}
+
+/// The model with Hessian `hessian` and gradient `gradient`, made strictly convex.
+pub fn convexify(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow]) -> Quadratic {
+    for penalty in [0.0, 1.0, 10.0] {
+        let model = augmented(hessian, gradient, active, penalty, 1e-8);
+        if model.matrix.is_positive_definite() {
+            return model;
+        }
+    }
+    let mut lift = 1e-3;
+    loop {
+        let model = augmented(hessian, gradient, active, 1.0, lift);
+        if lift > 1e9 || model.matrix.is_positive_definite() {
+            return model;
+        }
+        lift *= 5.0;
+    }
+}
+
+fn augmented(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow], penalty: f64, lift: f64) -> Quadratic {
+    let mut matrix = hessian.clone();
+    let mut linear = gradient.to_vec();
+    for k in 0..matrix.size {
+        matrix.add(k, k, lift);
+    }
+    if penalty > 0.0 {
+        for row in active {
+            for &(i, a) in &row.coefficients {
+                linear[i] -= penalty * row.target * a;
+                for &(j, b) in &row.coefficients {
+                    matrix.add(i, j, penalty * a * b);
+                }
+            }
+        }
+    }
+    Quadratic { matrix, linear }
+}
