@@ -62,7 +62,8 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     svg.push(labels.finish());
     if omitted > 0 {
         let at = Point::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
-        let text = format!("{omitted} labels found no room on this sheet");
+        let labels = if omitted == 1 { "label" } else { "labels" };
+        let text = format!("{omitted} {labels} found no room on this sheet");
         svg.push(text::line(at, text, Height::H18, "quiet"));
     }
     if let Some(stage) = failed {

@@ -1,7 +1,7 @@
 //! What is written beside the track: dimensions, radii, names, articles. Every label has candidates; the greedy
 //! choice of [`place`](super::place) keeps them off each other and off the track.
 
-use crate::elements::Element as Piece;
+use crate::elements::{Element as Piece, Shape};
 use crate::emit::plan::{self, Mark, MarkKind};
 use crate::geometry::{PieceKind, Point, Track, trig};
 use crate::model::{Layout, Obstacle};
@@ -16,6 +16,8 @@ use crate::emit::number::trimmed;
 
 /// How far a label may go from what it names, mm.
 const REACH: f64 = 90.0;
+/// Room left and right of a text together, mm.
+const PADDING: f64 = 1.6;
 /// Longest text of a label, mm; longer names are cut.
 const LONGEST: f64 = 70.0;
 
@@ -67,7 +69,7 @@ impl<'a> Labels<'a> {
         let mut candidates = Vec::new();
         if obstacle.polygon.contains(middle) && size.x + 2.0 < paper.x && size.y + 1.0 < paper.y {
             let item = Box::upright(self.sheet.at(middle), size.x, size.y);
-            candidates.push(Candidate { boxes: vec![item], leader: None, cost: 0.0 });
+            candidates.push(Candidate { boxes: vec![item], lines: Vec::new(), leader: None, cost: 0.0 });
         }
         let gap = paper.x.min(paper.y) / 2.0 + 1.0;
         for mut candidate in around(self.sheet.at(middle), Point::new(0.0, -1.0), size, gap, gap + REACH) {
@@ -129,7 +131,7 @@ impl<'a> Labels<'a> {
     /// Radius and turn of a vertex' curve.
     pub fn curve(&mut self, vertex: usize) {
         let fillet = self.track.fillets[vertex];
-        let turn = trimmed(fillet.turn.abs() * 180.0 / trig::PI, 3);
+        let turn = trimmed(fillet.turn.abs() * 180.0 / trig::PI, 2);
         let fix = if is_fixed_radius(self.layout, vertex) { " fix" } else { "" };
         let text = format!("R{}{fix} {turn}°", trimmed(fillet.radius, 3));
         let size = extent(&text, Height::H25);
@@ -155,7 +157,7 @@ impl<'a> Labels<'a> {
     pub fn vertex(&mut self, vertex: usize) {
         let Some(item) = self.layout.vertices.get(vertex) else { return };
         let name = text::fitted(&item.name, Height::H25, true, LONGEST);
-        let size = Point::new(text::width(&name, Height::H25.size(), true) + 0.8, extent(&name, Height::H25).y);
+        let size = Point::new(text::width(&name, Height::H25.size(), true) + PADDING, extent(&name, Height::H25).y);
         let fillet = self.track.fillets[vertex];
         let out = self.track.corners[vertex].point - fillet.centre;
         let prefer = self.sheet.direction(out.heading());
@@ -176,7 +178,7 @@ impl<'a> Labels<'a> {
         };
         let text = text::fitted(label, height, false, LONGEST);
         let bold = class == "bold";
-        let size = Point::new(text::width(&text, height.size(), bold) + 0.8, extent(&text, height).y);
+        let size = Point::new(text::width(&text, height.size(), bold) + PADDING, extent(&text, height).y);
         let middle = Mark { s: mark.s + mark.length / 2.0, ..mark.clone() };
         let (point, heading) = self.track.at(middle.s);
         let spot = spot(self.sheet, self.track, &Mark { point, heading, ..middle }, self.layout.width.value);
@@ -207,7 +209,7 @@ impl<'a> Labels<'a> {
         for (section, text) in fixed_sections(self.layout) {
             let piece = *self.track.straight(section);
             let at = piece.at(piece.length.max(0.0) / 2.0).0;
-            self.beside_track(at, piece.heading, &text, Height::H18, "fixed-text");
+            self.beside_track(at, piece.heading, &text, "fixed-text", true);
         }
     }
 
@@ -228,12 +230,15 @@ impl<'a> Labels<'a> {
             let text = if count == 1 { head.article.clone() } else { format!("{count}× {}", head.article) };
             let class = if head.in_catalog { "quiet" } else { "warn" };
             let text = text::fitted(&text, Height::H18, false, LONGEST);
-            self.beside_track(at, heading, &text, Height::H18, class);
+            let straight = matches!(head.shape, Shape::Straight { .. });
+            self.beside_track(at, heading, &text, class, straight);
             i += count;
         }
     }
 
-    fn beside_track(&mut self, at: Point, heading: f64, text: &str, height: Height, class: &str) {
+    /// A small text near a place of the track, along it where that is straight.
+    fn beside_track(&mut self, at: Point, heading: f64, text: &str, class: &str, straight: bool) {
+        let height = Height::H18;
         let size = extent(text, height);
         let half = self.sheet.mm(self.layout.width.value) / 2.0;
         let (along, out) = (self.sheet.direction(heading), self.out(heading));
@@ -241,9 +246,9 @@ impl<'a> Labels<'a> {
         // Inside the loop first: dimensions stand outside.
         for (side, cost) in [(-out, 0.0), (out, 0.5)] {
             let anchor = self.sheet.at(at) + side * half;
-            let both =
-                beside(anchor, along, side, size, 0.8).into_iter().chain(around(anchor, side, size, 1.0, REACH / 2.0));
-            candidates.extend(both.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
+            let turned = if straight { beside(anchor, along, side, size, 0.8) } else { Vec::new() };
+            let all = turned.into_iter().chain(around(anchor, side, size, 1.0, REACH / 2.0));
+            candidates.extend(all.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
         }
         self.put_or_count(text, height, class, &candidates);
     }
@@ -260,7 +265,7 @@ fn same_run(a: &Piece, b: &Piece) -> bool {
 
 /// Width and height of a label's box, mm.
 fn extent(text: &str, height: Height) -> Point {
-    Point::new(text::width(text, height.size(), false) + 0.8, 1.24 * height.size())
+    Point::new(text::width(text, height.size(), false) + PADDING, 1.24 * height.size())
 }
 
 /// Text along the track, beside it, shifted by up to a text's length either way.
@@ -273,6 +278,7 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
             let item = Box { centre, half: size * 0.5, axis: along };
             candidates.push(Candidate {
                 boxes: vec![item],
+                lines: Vec::new(),
                 leader: None,
                 cost: 2.0 * shift.abs() + 4.0 * f64::from(row),
             });
@@ -296,9 +302,14 @@ fn dimension_candidates(a: Point, b: Point, along: Point, out: Point, half: f64,
                 let room = (line.half.x - size.x / 2.0 - 2.5).max(0.0);
                 let centre = line.centre + up * (size.y / 2.0 + 0.2) + along * (shift * 2.0 * room);
                 let text = Box { centre, half: size * 0.5, axis: along };
-                let cost = side_cost + 2.0 * f64::from(step) + shift.abs();
-                let extension = |p: Point| Box::line(p + side * (half + 1.0), p + across + side * 1.2, 0.4);
-                candidates.push(Candidate { boxes: vec![text, line, extension(a), extension(b)], leader: None, cost });
+                let cost = side_cost + 3.0 * f64::from(step) + shift.abs();
+                let extension = |p: Point| (p + side * (half + 1.0), p + across + side * 1.2);
+                candidates.push(Candidate {
+                    boxes: vec![text, line],
+                    lines: vec![extension(a), extension(b)],
+                    leader: None,
+                    cost,
+                });
             }
         }
     }

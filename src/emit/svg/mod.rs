@@ -85,5 +85,5 @@ fn extent(layout: &Layout, tracks: &[&Track], notes: f64) -> Extent {
     let (low, high) =
         if broken { (Point::new(f64::NAN, f64::NAN), Point::default()) } else { bounds(points.into_iter()) };
     let (length, sections) = tracks.first().map_or((0.0, 1), |track| (track.length, track.corners.len()));
-    Extent { low, high, length, sections, notes }
+    Extent { low, high, length, sections, band: layout.width.value, notes }
 }

@@ -10,11 +10,13 @@ use super::xml::{Element, number};
 /// Height of the strip under the drawing, which holds legend, scale bar and title block, mm.
 pub const STRIP: f64 = 56.0;
 /// Paper left free between the layout and the drawing area's edge for what is written around it, mm.
-const MARGIN: f64 = 22.0;
+const MARGIN: f64 = 18.0;
 /// A layout that fills this share of the drawing area in one direction needs no larger sheet.
-const FILLED: f64 = 0.62;
+const FILLED: f64 = 0.5;
 /// Mean length of a section, mm on paper, under which a larger sheet is taken.
-const SECTION: f64 = 32.0;
+const SECTION: f64 = 36.0;
+/// Width of the band on paper that shows what lies in it, mm.
+const BAND: f64 = 4.0;
 
 /// Name, width and height, mm; landscape.
 const SIZES: [(&str, f64, f64); 4] =
@@ -48,6 +50,8 @@ pub struct Extent {
     /// Of the track, m.
     pub length: f64,
     pub sections: usize,
+    /// Of the band, m.
+    pub band: f64,
     /// Height that notes take away from the drawing area, mm.
     pub notes: f64,
 }
@@ -80,11 +84,12 @@ impl Sheet {
             let sheet = Sheet::fit(size, width, height, extent, span);
             let fill = sheet.fill(span);
             let section = 1000.0 * extent.length / extent.sections.max(1) as f64 / sheet.scale;
-            if fill >= FILLED && section >= SECTION {
+            let band = sheet.mm(extent.band);
+            if fill >= FILLED && section >= SECTION && band >= BAND {
                 return Ok(sheet);
             }
-            // Room for every section comes before a filled sheet.
-            let merit = (section / SECTION).min(1.0) + 0.1 * fill;
+            // Room for every section and a band that can be read come before a filled sheet.
+            let merit = (section / SECTION).min(1.0) + (band / BAND).min(1.0) + 0.1 * fill;
             if best.is_none_or(|(least, _)| merit > least + 1e-9) {
                 best = Some((merit, sheet));
             }
@@ -242,7 +247,14 @@ mod tests {
     use super::*;
 
     fn extent(width: f64, height: f64, length: f64, sections: usize) -> Extent {
-        Extent { low: Point::new(-1.0, 2.0), high: Point::new(width - 1.0, height + 2.0), length, sections, notes: 0.0 }
+        Extent {
+            low: Point::new(-1.0, 2.0),
+            high: Point::new(width - 1.0, height + 2.0),
+            length,
+            sections,
+            band: 1.2,
+            notes: 0.0,
+        }
     }
 
     #[test]

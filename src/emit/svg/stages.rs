@@ -19,7 +19,7 @@ use crate::emit::number::trimmed;
 /// [`DrawError::Extent`] when no standard sheet and scale can show the layouts.
 pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<String, DrawError> {
     let layout = &compiled.layout;
-    let lines: Vec<(String, Track)> = std::iter::once(("start, as written".to_owned(), Track::new(written)))
+    let lines: Vec<(String, Track)> = std::iter::once(("start".to_owned(), Track::new(written)))
         .chain(compiled.stages.iter().filter(|stage| stage.status != Status::AsWritten).map(|stage| {
             let failed = if stage.status == Status::Infeasible { ", not feasible" } else { "" };
             let name =
@@ -72,14 +72,19 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     }
     svg.push(strip::legend(&sheet, &entries));
     svg.push(strip::scale_bar(&sheet));
-    let rows = vec![vec![
+    let mut rows = vec![vec![
         field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
         field("sheet", sheet.size),
         field("units", "m, degrees"),
         field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
         field("vertices", layout.vertices.len().to_string()),
     ]];
-    svg.push(strip::title(&sheet, &layout.name, "stages of the optimisation", &rows));
+    let lengths = lines.iter().map(|(name, line)| strip::Field {
+        warn: name.ends_with("not feasible"),
+        ..field(name.clone(), format!("{} m", trimmed(line.length, 3)))
+    });
+    rows.push(lengths.take(5).collect());
+    svg.push(strip::title(&sheet, &layout.name, "stages of the optimisation, lengths of the centre line", &rows));
     Ok(svg.document())
 }
 
@@ -90,7 +95,12 @@ fn name_at(group: &mut Element, area: &mut Field, at: Point, prefer: Point, name
     if gap == 0.0 {
         candidates.insert(
             0,
-            super::place::Candidate { boxes: vec![Box::upright(at, size.x, size.y)], leader: None, cost: -9.0 },
+            super::place::Candidate {
+                boxes: vec![Box::upright(at, size.x, size.y)],
+                lines: Vec::new(),
+                leader: None,
+                cost: -9.0,
+            },
         );
     }
     if let Some(chosen) = area.place(&candidates) {

@@ -14,7 +14,7 @@ use crate::emit::number::trimmed;
 
 const TITLE_WIDTH: f64 = 180.0;
 const SCALE_WIDTH: f64 = 56.0;
-const ROW: f64 = 5.3;
+const ROW: f64 = 4.9;
 /// Rows of the list of violations, mm.
 const NOTE_ROW: f64 = 4.4;
 const MOST_NOTES: usize = 16;
@@ -42,14 +42,14 @@ pub enum Key {
 
 /// A cell of the title block: what it says and how many of the five columns it takes.
 pub struct Field {
-    pub label: &'static str,
+    pub label: String,
     pub value: String,
     pub columns: usize,
     pub warn: bool,
 }
 
-pub fn field(label: &'static str, value: impl Into<String>) -> Field {
-    Field { label, value: value.into(), columns: 1, warn: false }
+pub fn field(label: impl Into<String>, value: impl Into<String>) -> Field {
+    Field { label: label.into(), value: value.into(), columns: 1, warn: false }
 }
 
 /// Legend entries in columns.
@@ -65,7 +65,7 @@ pub fn legend(sheet: &Sheet, entries: &[(Key, String)]) -> Element {
     let lines = entries.len().div_ceil(columns);
     for (i, (key, text)) in entries.iter().enumerate() {
         let (column, row) = (i / lines.max(1), i % lines.max(1));
-        let at = area.low + Point::new(4.0 + wide * column as f64, 5.0 + ROW * row as f64);
+        let at = area.low + Point::new(4.0 + wide * column as f64, 4.6 + ROW * row as f64);
         group.push(key_symbol(*key, at));
         let text = text::fitted(text, Height::H18, false, wide - 20.0);
         group.push(text::line(at + Point::new(15.0, Height::H18.capitals() / 2.0), text, Height::H18, ""));
@@ -120,17 +120,18 @@ fn key_symbol(key: Key, at: Point) -> Element {
         Key::Clearance => line("clearance"),
         Key::Mark(MarkKind::Motor) => band(1.8).with(rectangle(along(3.0, -0.8), along(9.0, 0.8), "motor")),
         Key::Mark(kind) => {
-            let drop = match kind {
-                MarkKind::Induction | MarkKind::Chute => 1.9,
-                MarkKind::Photocell => 0.7,
-                _ => 0.0,
+            // Symbols that stand beside the band are lowered into the row's middle.
+            let (drop, half) = match kind {
+                MarkKind::Induction | MarkKind::Chute => (1.9, 0.7),
+                MarkKind::Photocell => (1.0, 0.2),
+                MarkKind::Start => (0.0, 0.0),
+                _ => (0.0, 0.7),
             };
-            let spot =
-                Spot { at: along(6.0, drop), along: Point::new(1.0, 0.0), out: Point::new(0.0, -1.0), half: 0.7 };
+            let (along_x, out) = (Point::new(1.0, 0.0), Point::new(0.0, -1.0));
+            let spot = Spot { at: along(6.0, drop), along: along_x, out, half };
             let edges = path_line(along(0.0, drop - 0.7), along(12.0, drop - 0.7))
                 + &path_line(along(0.0, drop + 0.7), along(12.0, drop + 0.7));
-            let small = Spot { half: 0.7, ..spot };
-            Element::group("key").with(path(&edges, "edge")).with(symbol::mark(kind, &small, 10.0).0)
+            Element::group("key").with(path(&edges, "edge")).with(symbol::mark(kind, &spot, 10.0).0)
         }
         Key::Stage(i) => line(["stage-0", "stage-1", "stage-2", "stage-3"][i.min(3)]),
     }
@@ -193,7 +194,7 @@ pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<Field>]) -> E
             if column > 0 {
                 rules.push_str(&path_line(at, at + Point::new(0.0, tall)));
             }
-            group.push(label(at, cell.label));
+            group.push(label(at, &cell.label));
             let value = text::fitted(&cell.value, Height::H25, cell.warn, wide * cell.columns as f64 - 3.6);
             let class = if cell.warn { "bold warn" } else { "" };
             group.push(text::line(at + Point::new(1.8, tall - 3.0), value, Height::H25, class));
