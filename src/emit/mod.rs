@@ -2,17 +2,23 @@
 
 pub mod bom;
 mod compiled;
+mod drawing;
+pub mod dxf;
 mod files;
 #[cfg(test)]
 mod fixture;
 mod json;
 pub mod layout;
 pub mod number;
+mod plan;
+pub mod png;
 mod schemas;
 pub mod simulation;
 mod station;
+pub mod svg;
 
 pub use compiled::Compiled;
+pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
 pub use files::{Files, WriteError};
 pub use schemas::schemas;
 pub use station::Station;
