@@ -106,7 +106,7 @@ impl<'t> Context<'t> {
             return None;
         }
         let diagnostic =
-            Diagnostic::new(Code::E0207, format!("there is no {} `{}`", space.word(), name.text), name.span, "not known here");
+            Diagnostic::new(Code::E0206, format!("there is no {} `{}`", space.word(), name.text), name.span, "not known here");
         let kinds = [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor];
         let mut spaces = kinds.map(Space::Component).into_iter().chain([Space::Let, Space::Layout]);
         let diagnostic = match spaces.find(|other| seen.find(*other, &name.text).is_some()) {
@@ -204,7 +204,7 @@ impl<'t> Context<'t> {
         for (_, name, _) in args.values() {
             let known: Vec<&str> = locals.keys().copied().collect();
             let message = format!("`{}` has no parameter `{}`", owner.text, name.text);
-            let diagnostic = Diagnostic::new(Code::E0211, message, name.span, "not a parameter");
+            let diagnostic = Diagnostic::new(Code::E0210, message, name.span, "not a parameter");
             let listed = match known.is_empty() {
                 true => "no arguments".to_string(),
                 false => known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", "),
@@ -225,12 +225,13 @@ impl<'t> Context<'t> {
         if self.instantiating.borrow().contains(&symbol) {
             self.report(
                 Diagnostic::new(
-                    Code::E0217,
+                    Code::E0216,
                     format!("`{}` extends itself", declaration.name.text),
                     used_at,
                     "needed to declare itself",
                 )
-                .related(declaration.name.span, "declared here"),
+                .related(declaration.name.span, "declared here")
+                .help("extend another declaration, or write all fields"),
             );
             return None;
         }
@@ -345,7 +346,7 @@ impl<'t> Context<'t> {
         let is_group = fields(kind).iter().any(|f| f.path.starts_with(group));
         let is_value = fields(kind).iter().any(|f| f.path == format!("{prefix}{}", name.text));
         let message = format!("{owner} has no field `{}`", name.text);
-        let diagnostic = Diagnostic::new(Code::E0210, message, name.span, "not a field");
+        let diagnostic = Diagnostic::new(Code::E0209, message, name.span, "not a field");
         self.report(match (is_group, is_value) {
             (true, _) => Diagnostic { message: format!("`{}` is a group of fields", name.text), ..diagnostic }
                 .expected(format!("`{} {{ ... }}`", name.text), "a single value"),
@@ -555,7 +556,7 @@ impl<'t> Context<'t> {
         let more = if listed.len() > shown { format!(" and {} more", listed.len() - shown) } else { String::new() };
         let name = &declaration.name;
         self.report(
-            Diagnostic::new(Code::E0216, what, name.span, format!("in this {}", Space::Component(kind).word()))
+            Diagnostic::new(Code::E0215, what, name.span, format!("in this {}", Space::Component(kind).word()))
                 .expected(format!("{}{more}", listed[..shown].join(", ")), "nothing")
                 .help("or extend a declaration that has them, with `from`"),
         );

@@ -48,7 +48,7 @@ impl<'t> Context<'t> {
         }
         let Some((_, usage)) = known(GEOMETRY) else {
             let diagnostic =
-                Diagnostic::new(Code::E0212, format!("there is no function `{}`", name.text), name.span, "not known");
+                Diagnostic::new(Code::E0211, format!("there is no function `{}`", name.text), name.span, "not known");
             let all = ARITHMETIC.iter().chain(GEOMETRY).map(|(n, _)| *n);
             let listed = all.clone().collect::<Vec<_>>().join(", ");
             let diagnostic = diagnostic.expected(listed, format!("`{}`", name.text));
@@ -206,7 +206,7 @@ impl<'t> Context<'t> {
     pub fn vertex(&self, geometry: &Named<'t>, name: &Name) -> Option<usize> {
         let found = geometry.vertices.get(name.text.as_str()).copied();
         if found.is_none() && !mentions(&geometry.bad, &name.text) {
-            let diagnostic = Diagnostic::new(Code::E0208, format!("there is no vertex `{}`", name.text), name.span, "not a vertex");
+            let diagnostic = Diagnostic::new(Code::E0207, format!("there is no vertex `{}`", name.text), name.span, "not a vertex");
             self.report(self.with_nearest(diagnostic, name, geometry.order.iter().copied()));
         }
         found

@@ -198,7 +198,7 @@ impl<'t> Context<'t> {
         if bad_here || module.bad_mentions(name) {
             return;
         }
-        let mut diagnostic = Diagnostic::new(Code::E0207, format!("there is no value `{name}`"), span, "not known here");
+        let mut diagnostic = Diagnostic::new(Code::E0206, format!("there is no value `{name}`"), span, "not known here");
         let vertex = scope.geometry.is_some_and(|g| g.vertices.contains_key(name));
         if vertex {
             diagnostic = diagnostic.help(format!("`{name}` is a vertex: `x({name})`, `y({name})` and `radius({name})` are values"));
