@@ -5,7 +5,7 @@ use super::progress::Line;
 use super::{MessageFormat, Outcome, could_not, report};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
-use crate::emit::{self, Compiled, Files};
+use crate::emit::{self, Compiled, DrawError, Files};
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::{analyse, unsupported};
@@ -138,7 +138,7 @@ impl Build {
             return self.report(&sources, &said);
         }
         let compiled = self.solve(layout);
-        said.extend(solve::diagnose(layout, &compiled.stages));
+        said.extend(solve::diagnose(&compiled.stages));
         said.extend(elements::lacking(&compiled.sequence, layout));
         if let Some(folder) = &self.output {
             let files = match self.files(&compiled) {
@@ -169,10 +169,12 @@ impl Build {
         Compiled::new(layout.clone(), stages)
     }
 
-    fn files(&self, compiled: &Compiled) -> Result<Files, String> {
-        let mut files = Files::default();
-        for (name, content) in emit::data_files(compiled) {
-            files.push(name, content);
+    fn files(&self, compiled: &Compiled) -> Result<Files, DrawError> {
+        let mut files: Files = emit::data_files(compiled).into_iter().chain(emit::drawing_files(compiled)?).collect();
+        if self.stages {
+            let written = compiled.layout.corners();
+            files.push("stages.svg", emit::stages_svg(compiled, &written)?);
+            files.push("stages.png", emit::stages_png(compiled, &written)?);
         }
         Ok(files)
     }
@@ -217,7 +219,7 @@ fn text(summary: &Summary, output: Option<&PathBuf>) -> String {
     for stage in &summary.stages {
         let state = match stage.status {
             solve::Status::Converged => "optimal",
-            solve::Status::Feasible => "feasible",
+            solve::Status::Feasible => "feasible, but out of iterations before it was optimal",
             solve::Status::Infeasible => "NOT FEASIBLE",
             solve::Status::AsWritten => "as written",
         };

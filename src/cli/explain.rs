@@ -20,7 +20,7 @@ impl Explain {
         let matches = |code: &&Code| code.as_str().eq_ignore_ascii_case(wanted) || code.name() == wanted;
         match Code::ALL.iter().find(matches) {
             Some(code) => {
-                report::print(code.name());
+                report::print(code.page());
                 Outcome::Clean
             }
             None => {

@@ -22,6 +22,11 @@ macro_rules! codes {
             pub fn name(self) -> &'static str {
                 match self { $(Code::$code => $name,)* }
             }
+
+            /// Its page in Markdown: what, why, an example, how to mend it. Shown by `lss explain`.
+            pub fn page(self) -> &'static str {
+                match self { $(Code::$code => include_str!(concat!("pages/", stringify!($code), ".md")),)* }
+            }
         }
     };
 }
@@ -41,23 +46,22 @@ codes! {
     E0112 "too-many-mistakes",
 
     E0201 "invalid-utf8",
-    E0202 "file-too-large",
-    E0203 "import-not-found",
-    E0204 "import-outside-root",
-    E0205 "import-cycle",
-    E0206 "unknown-import",
-    E0207 "unknown-name",
-    E0208 "unknown-vertex",
-    E0209 "unknown-obstacle",
-    E0210 "unknown-field",
-    E0211 "unknown-parameter",
-    E0212 "unknown-function",
-    E0213 "repeated-name",
-    E0214 "repeated-statement",
-    E0215 "missing-statement",
-    E0216 "missing-field",
-    E0217 "recursive-definition",
-    E0218 "no-such-layout",
+    E0202 "import-not-found",
+    E0203 "import-outside-root",
+    E0204 "import-cycle",
+    E0205 "unknown-import",
+    E0206 "unknown-name",
+    E0207 "unknown-vertex",
+    E0208 "unknown-obstacle",
+    E0209 "unknown-field",
+    E0210 "unknown-parameter",
+    E0211 "unknown-function",
+    E0212 "repeated-name",
+    E0213 "repeated-statement",
+    E0214 "missing-statement",
+    E0215 "missing-field",
+    E0216 "recursive-definition",
+    E0217 "no-such-layout",
 
     E0301 "dimension-mismatch",
     E0302 "missing-unit",
@@ -93,10 +97,14 @@ codes! {
     W0703 "radius-outside-catalogue",
     W0704 "redundant-statement",
     W0710 "not-in-catalog",
-    W0711 "not-optimal",
 }
 
 impl Code {
+    /// The code of that name: `E0301`, `e0301` or `dimension-mismatch`.
+    pub fn find(name: &str) -> Option<Code> {
+        Code::ALL.iter().copied().find(|c| c.as_str().eq_ignore_ascii_case(name) || c.name() == name)
+    }
+
     pub fn severity(self) -> Severity {
         if self.as_str().starts_with('W') { Severity::Warning } else { Severity::Error }
     }

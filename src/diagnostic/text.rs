@@ -120,7 +120,8 @@ fn help(sources: &SourceMap, diagnostic: &Diagnostic) -> Option<String> {
     lines.extend(diagnostic.help.clone());
     if let Some(fix) = &diagnostic.fix {
         let quoted = format!("`{}`", fix.replacement);
-        if !diagnostic.help.as_ref().is_some_and(|h| h.contains(&quoted)) && !fix.replacement.contains('\n') {
+        let said = |help: &String| help.contains(&quoted) || fix.replacement.is_empty();
+        if !diagnostic.help.as_ref().is_some_and(said) && !fix.replacement.contains('\n') {
             lines.push(match sources.text(fix.span) {
                 "" => format!("insert {quoted}"),
                 _ if fix.replacement.is_empty() => "remove it".to_string(),

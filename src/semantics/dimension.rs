@@ -169,6 +169,31 @@ pub fn symbols() -> impl Iterator<Item = &'static str> {
     UNITS.iter().map(|(symbol, ..)| *symbol)
 }
 
+/// Other spellings that people use.
+const ALIASES: &[(&str, &str)] = &[
+    ("metre", "m"),
+    ("metres", "m"),
+    ("meter", "m"),
+    ("meters", "m"),
+    ("mps", "m/s"),
+    ("kph", "km/h"),
+    ("kmh", "km/h"),
+    ("sec", "s"),
+    ("hr", "h"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("euro", "EUR"),
+    ("€", "EUR"),
+    ("C", "°C"),
+    ("percent", "%"),
+];
+
+/// The symbol that was probably meant by an unknown one.
+pub fn meant(symbol: &str) -> Option<&'static str> {
+    let same = symbols().find(|s| s.eq_ignore_ascii_case(symbol));
+    same.or_else(|| ALIASES.iter().find(|(alias, _)| alias.eq_ignore_ascii_case(symbol)).map(|(_, unit)| *unit))
+}
+
 /// Why a unit cannot be understood.
 #[derive(Clone, Debug, PartialEq)]
 pub enum UnitError {

@@ -152,7 +152,7 @@ impl<'t> Context<'t> {
                 let mut diagnostic =
                     Diagnostic::new(Code::E0303, format!("`{symbol}` is not a unit"), name.span, "not known")
                         .expected(dimension::symbols().collect::<Vec<_>>().join(", "), format!("`{symbol}`"));
-                if let Some(near) = crate::syntax::nearest(&symbol, dimension::symbols()) {
+                if let Some(near) = dimension::meant(&symbol) {
                     diagnostic = diagnostic.fix(name.span, name.text.replacen(&symbol, near, 1));
                 }
                 diagnostic
@@ -198,12 +198,13 @@ impl<'t> Context<'t> {
             State::Busy => {
                 self.report(
                     Diagnostic::new(
-                        Code::E0217,
+                        Code::E0216,
                         format!("`{}` depends on itself", slot.name.text),
                         used_at,
                         "needed to compute itself",
                     )
-                    .related(slot.name.span, "defined here"),
+                    .related(slot.name.span, "defined here")
+                    .help("break the circle: write one of the values as a number"),
                 );
                 Value::Poison
             }

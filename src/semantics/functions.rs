@@ -1,8 +1,8 @@
 //! Functions: arithmetic ones on any number, and those that ask the layout's geometry.
 
 use super::dimension::Dimension;
-use super::program::mentions;
 use super::scope::{Context, Named, Scope};
+use super::program::mentions;
 use super::value::{Quantity, Value};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::trig;
@@ -48,7 +48,7 @@ impl<'t> Context<'t> {
         }
         let Some((_, usage)) = known(GEOMETRY) else {
             let diagnostic =
-                Diagnostic::new(Code::E0212, format!("there is no function `{}`", name.text), name.span, "not known");
+                Diagnostic::new(Code::E0211, format!("there is no function `{}`", name.text), name.span, "not known");
             let all = ARITHMETIC.iter().chain(GEOMETRY).map(|(n, _)| *n);
             let listed = all.clone().collect::<Vec<_>>().join(", ");
             let diagnostic = diagnostic.expected(listed, format!("`{}`", name.text));
@@ -57,14 +57,9 @@ impl<'t> Context<'t> {
         };
         let Some(geometry) = scope.geometry else {
             self.report(
-                Diagnostic::new(
-                    Code::E0308,
-                    format!("`{}` is not known here", name.text),
-                    span,
-                    "depends on the geometry",
-                )
-                .expected("a constant", "a formula over the layout's geometry")
-                .help("formulas over the geometry belong in `require` and `equal`"),
+                Diagnostic::new(Code::E0308, format!("`{}` is not known here", name.text), span, "depends on the geometry")
+                    .expected("a constant", "a formula over the layout's geometry")
+                    .help("formulas over the geometry belong in `require` and `equal`"),
             );
             return Value::Poison;
         };
@@ -80,13 +75,8 @@ impl<'t> Context<'t> {
 
     fn wrong_arguments(&self, name: &str, span: Span, usage: &str) {
         self.report(
-            Diagnostic::new(
-                Code::E0307,
-                format!("`{name}` is called in a way it does not know"),
-                span,
-                "these arguments",
-            )
-            .expected(format!("`{}`", usage.replace(" or ", "` or `")), format!("`{}`", clip(self.sources.text(span)))),
+            Diagnostic::new(Code::E0307, format!("`{name}` is called in a way it does not know"), span, "these arguments")
+                .expected(format!("`{}`", usage.replace(" or ", "` or `")), format!("`{}`", clip(self.sources.text(span)))),
         );
     }
 
@@ -149,13 +139,8 @@ impl<'t> Context<'t> {
     fn square_root(&self, of: Quantity, span: Span) -> Value {
         let Some(dimension) = of.dimension.square_root() else {
             self.report(
-                Diagnostic::new(
-                    Code::E0301,
-                    "this has no square root with a dimension",
-                    span,
-                    of.dimension.with_article(),
-                )
-                .expected("a square, such as an area", of.dimension.to_string()),
+                Diagnostic::new(Code::E0301, "this has no square root with a dimension", span, of.dimension.with_article())
+                    .expected("a square, such as an area", of.dimension.to_string()),
             );
             return Value::Poison;
         };
@@ -221,8 +206,7 @@ impl<'t> Context<'t> {
     pub fn vertex(&self, geometry: &Named<'t>, name: &Name) -> Option<usize> {
         let found = geometry.vertices.get(name.text.as_str()).copied();
         if found.is_none() && !mentions(&geometry.bad, &name.text) {
-            let diagnostic =
-                Diagnostic::new(Code::E0208, format!("there is no vertex `{}`", name.text), name.span, "not a vertex");
+            let diagnostic = Diagnostic::new(Code::E0207, format!("there is no vertex `{}`", name.text), name.span, "not a vertex");
             self.report(self.with_nearest(diagnostic, name, geometry.order.iter().copied()));
         }
         found
@@ -239,20 +223,13 @@ impl<'t> Context<'t> {
         let (a, b) = (&section.from.text, &section.to.text);
         let (before, after) = (geometry.order[(from + n - 1) % n], geometry.order[(from + 1) % n]);
         let diagnostic = if (to + 1) % n == from {
-            Diagnostic::new(
-                Code::E0403,
-                format!("the section runs from `{b}` to `{a}`"),
-                section.span,
-                "against driving order",
-            )
-            .expected(format!("`{b}..{a}`"), format!("`{a}..{b}`"))
-            .fix(section.span, format!("{b}..{a}"))
+            Diagnostic::new(Code::E0403, format!("the section runs from `{b}` to `{a}`"), section.span, "against driving order")
+                .expected(format!("`{b}..{a}`"), format!("`{a}..{b}`"))
+                .fix(section.span, format!("{b}..{a}"))
         } else {
             Diagnostic::new(Code::E0403, format!("`{a}` and `{b}` are not neighbours"), section.span, "not a section")
                 .expected("two vertices that follow each other in driving order", format!("`{a}..{b}`"))
-                .help(format!(
-                    "`{a}` lies between `{before}` and `{after}`: its sections are `{before}..{a}` and `{a}..{after}`"
-                ))
+                .help(format!("`{a}` lies between `{before}` and `{after}`: its sections are `{before}..{a}` and `{a}..{after}`"))
         };
         self.report(diagnostic);
         None

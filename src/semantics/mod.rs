@@ -144,7 +144,7 @@ impl<'t> Context<'t> {
             (Some(name), []) => (None, Some(none_at_all(file).expected(format!("a layout `{name}`"), "none"))),
             (Some(name), [first, ..]) => {
                 let message = format!("there is no layout `{name}` in this file");
-                let diagnostic = Diagnostic::new(Code::E0218, message, first.span, "the first layout of the file")
+                let diagnostic = Diagnostic::new(Code::E0217, message, first.span, "the first layout of the file")
                     .expected(listed, format!("`{name}`"));
                 let near = self.suggest(name, names.iter().map(|n| n.text.as_str()));
                 (
@@ -159,7 +159,7 @@ impl<'t> Context<'t> {
             (None, []) => (None, Some(none_at_all(file).expected("a layout", "none"))),
             (None, [first, rest @ ..]) => {
                 let message = format!("the file has {} layouts", names.len());
-                let mut diagnostic = Diagnostic::new(Code::E0218, message, first.span, "this one?");
+                let mut diagnostic = Diagnostic::new(Code::E0217, message, first.span, "this one?");
                 for name in rest {
                     diagnostic = diagnostic.related(name.span, "or this one?");
                 }
@@ -177,6 +177,6 @@ impl<'t> Context<'t> {
 }
 
 fn none_at_all(file: FileId) -> Diagnostic {
-    Diagnostic::new(Code::E0218, "the file has no layout", Span::new(file, 0, 0), "nothing to build")
+    Diagnostic::new(Code::E0217, "the file has no layout", Span::new(file, 0, 0), "nothing to build")
         .help("a layout is a block `layout name { ... }`; files without one are imported by others")
 }

@@ -199,7 +199,7 @@ impl Reading<'_> {
 
     fn standard(&mut self, path: &[Name], span: Span) -> Option<Import> {
         let shown = path.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join(".");
-        let unknown = |at: Span, message: String| Diagnostic::new(Code::E0206, message, at, "not there");
+        let unknown = |at: Span, message: String| Diagnostic::new(Code::E0205, message, at, "not there");
         let modules = || STDLIB.iter().map(|(name, _)| *name);
         let (first, module, item) = match path {
             [first, module] => (first, module, None),
@@ -272,11 +272,11 @@ impl Reading<'_> {
 fn load_diagnostic(sources: &SourceMap, error: LoadError, path: &str, span: Span) -> Diagnostic {
     match error {
         LoadError::Unreadable(reason) => {
-            Diagnostic::new(Code::E0203, format!("cannot read `{path}`"), span, "imported here")
+            Diagnostic::new(Code::E0202, format!("cannot read `{path}`"), span, "imported here")
                 .expected("a file, relative to the folder of this one", reason)
         }
         LoadError::OutsideRoot(root) => {
-            Diagnostic::new(Code::E0204, format!("`{path}` leaves the project"), span, "leads outside")
+            Diagnostic::new(Code::E0203, format!("`{path}` leaves the project"), span, "leads outside")
                 .expected(format!("a file inside `{root}`"), "one outside it")
                 .help(
                     "the project root is the nearest folder upwards with an `lss.toml` or `.git`, else the file's own \
@@ -301,7 +301,7 @@ pub(super) fn main_diagnostic(sources: &mut SourceMap, error: &LoadError, path: 
 }
 
 fn too_large(bytes: u64, path: &str, span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0202, format!("`{path}` is too large"), span, "not read")
+    Diagnostic::new(Code::E0106, format!("`{path}` is too large"), span, "not read")
         .expected(format!("at most {} MiB", SIZE_LIMIT >> 20), format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64))
 }
 
@@ -347,7 +347,7 @@ pub(super) fn named(item: &Item) -> Option<(Space, &Name)> {
 }
 
 pub(super) fn repeated(what: &str, name: &Name, first: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0213, format!("the {what} `{}` is declared twice", name.text), name.span, "declared again")
+    Diagnostic::new(Code::E0212, format!("the {what} `{}` is declared twice", name.text), name.span, "declared again")
         .related(first, "first declared here")
         .help("rename one of the two")
 }
@@ -363,7 +363,7 @@ fn see(modules: &[Module], of: usize, sink: &mut Sink) -> BTreeMap<(Space, Strin
             }
             let clash = |span: Span, what: &str| {
                 Diagnostic::new(
-                    Code::E0213,
+                    Code::E0212,
                     format!("{} brings a second {} `{}`", import.shown, key.0.word(), key.1),
                     import.span,
                     "imported again",
@@ -409,7 +409,7 @@ fn report_cycles(modules: &[Module], sink: &mut Sink) {
                     1 => format!("{} imports itself", import.shown),
                     _ => format!("{} closes a cycle of imports", import.shown),
                 };
-                let mut diagnostic = Diagnostic::new(Code::E0205, message, import.span, "leads back");
+                let mut diagnostic = Diagnostic::new(Code::E0204, message, import.span, "leads back");
                 for (module, next) in &path[at..path.len() - 1] {
                     diagnostic = diagnostic.related(modules[*module].imports[*next - 1].span, "which imports");
                 }

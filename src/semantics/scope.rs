@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use super::declaration::Component;
+use crate::syntax::nearest;
 use super::program::{Program, Space, Symbol, mentions};
 use super::sink::Sink;
 use super::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{SourceMap, Span};
-use crate::syntax::nearest;
 use crate::syntax::tree::{Expr, Item, Let, Name};
 
 /// Nesting of expressions and definitions that is followed.
@@ -198,12 +198,10 @@ impl<'t> Context<'t> {
         if bad_here || module.bad_mentions(name) {
             return;
         }
-        let mut diagnostic =
-            Diagnostic::new(Code::E0207, format!("there is no value `{name}`"), span, "not known here");
+        let mut diagnostic = Diagnostic::new(Code::E0206, format!("there is no value `{name}`"), span, "not known here");
         let vertex = scope.geometry.is_some_and(|g| g.vertices.contains_key(name));
         if vertex {
-            diagnostic = diagnostic
-                .help(format!("`{name}` is a vertex: `x({name})`, `y({name})` and `radius({name})` are values"));
+            diagnostic = diagnostic.help(format!("`{name}` is a vertex: `x({name})`, `y({name})` and `radius({name})` are values"));
         } else if let Some(unit) = super::dimension::symbols().find(|u| *u == name) {
             diagnostic = diagnostic.help(format!("a unit follows its number: `1 {unit}`"));
         } else {

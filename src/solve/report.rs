@@ -4,13 +4,12 @@ use super::{Stage, Status, Violation};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::number::trimmed;
 use crate::geometry::trig::PI;
-use crate::model::Layout;
 
 /// Rows named in one message besides the worst.
 const MOST_RELATED: usize = 7;
 
 /// Diagnostics of the last stage: none for a clean result.
-pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
+pub fn diagnose(stages: &[Stage]) -> Vec<Diagnostic> {
     let Some(last) = stages.last() else { return Vec::new() };
     let (code, message) = match last.status {
         Status::Infeasible => {
@@ -23,19 +22,6 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
         }
         Status::AsWritten if !last.violations.is_empty() => {
             (Code::E0602, "the written layout does not meet its constraints".to_owned())
-        }
-        Status::Feasible => {
-            let message = format!("{} stopped after {} iterations before it was optimal", last.name, last.iterations);
-            let span = layout.objective.span.unwrap_or(layout.span);
-            return vec![
-                Diagnostic::new(
-                    Code::W0711,
-                    message,
-                    span,
-                    "this layout meets every constraint but may be longer than need be",
-                )
-                .help("start from a better layout: write the vertices of the result, and build again"),
-            ];
         }
         _ => return Vec::new(),
     };

@@ -138,10 +138,9 @@ impl Context<'_> {
     ) -> bool {
         let mut holds = Vec::new();
         let reach = known.range(formula, &mut holds);
-        let slack = |bound: f64| SLACK * bound.abs().max(1.0);
         let constant = matches!(formula, Formula::Constant(_));
         let never = reach.low > wanted.high + slack(wanted.high) || reach.high < wanted.low - slack(wanted.low);
-        let always = wanted.low <= reach.low + slack(reach.low) && reach.high <= wanted.high + slack(reach.high);
+        let always = wanted.low <= reach.low + slack(reach.low) && reach.high <= wanted.high + slack(wanted.high);
         if !never && (!always || known.as_written && !constant) {
             return true;
         }
@@ -165,7 +164,7 @@ impl Context<'_> {
         let limits = [(Formula::Radius as fn(usize) -> Formula, facts.radii.span), (Formula::Angle, facts.turns.span)];
         for (of, span) in limits {
             if holds.is_empty() && mentions(formula, &of) && !known.as_written {
-                diagnostic = diagnostic.related(span, "the limits");
+                diagnostic = diagnostic.related(span, facts.source_of(span));
             }
         }
         for span in holds {
@@ -192,7 +191,6 @@ impl Context<'_> {
             bounded.insert(key.to_string(), Bounded { low: (wanted.low, span), high: (wanted.high, span) });
             return;
         };
-        let slack = |bound: f64| SLACK * bound.abs().max(1.0);
         let contradiction = if wanted.low > before.high.0 + slack(wanted.low) {
             Some((before.high.1, Interval { low: f64::NEG_INFINITY, high: before.high.0 }))
         } else if wanted.high < before.low.0 - slack(wanted.high) {
@@ -230,6 +228,11 @@ impl Context<'_> {
             before.high = (wanted.high, span);
         }
     }
+}
+
+/// What a bound may be missed by.
+fn slack(bound: f64) -> f64 {
+    if bound.is_finite() { SLACK * bound.abs().max(1.0) } else { 0.0 }
 }
 
 fn kind_name(held: &Held) -> Option<&'static str> {

@@ -12,7 +12,8 @@ const TOUCH: f64 = 1e-9;
 const MOST: usize = 10;
 
 impl Context<'_> {
-    pub(super) fn check_crossings(&self, vertices: &[Vertex], track: &Track, levels: &[Level]) {
+    /// Whether the loop stays clear of itself on each level.
+    pub(super) fn check_crossings(&self, vertices: &[Vertex], track: &Track, levels: &[Level]) -> bool {
         let heights = Heights::new(vertices.len(), levels);
         let name = |piece: &Piece| {
             let (at, next) = (&vertices[piece.vertex].name, &vertices[(piece.vertex + 1) % vertices.len()].name);
@@ -21,7 +22,8 @@ impl Context<'_> {
                 PieceKind::Arc { .. } => format!("the curve at `{at}`"),
             }
         };
-        for (a, b) in crossings(track, &heights) {
+        let found = crossings(track, &heights);
+        for (a, b) in &found {
             let message = format!("the loop crosses itself: {} meets {}", name(a), name(b));
             let place = |piece: &Piece| vertices[piece.vertex].span;
             let mut diagnostic = Diagnostic::new(Code::E0405, message, place(b), format!("{} crosses", name(b)))
@@ -33,6 +35,7 @@ impl Context<'_> {
             }
             self.report(diagnostic);
         }
+        found.is_empty()
     }
 }
 

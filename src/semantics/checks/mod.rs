@@ -12,7 +12,7 @@ use super::layout::Geometry;
 use super::scope::Context;
 use crate::geometry::{Corner, Track};
 use crate::model::{Catalog, Interval, Level, Objective};
-use crate::source::Spanned;
+use crate::source::{Span, Spanned};
 
 /// What the checks go by, besides the geometry.
 pub(super) struct Facts<'a> {
@@ -24,6 +24,14 @@ pub(super) struct Facts<'a> {
 }
 
 impl Facts<'_> {
+    /// What a message calls the place that limits come from.
+    fn source_of(&self, limits: Span) -> &'static str {
+        match self.catalog.is_some_and(|c| c.span == limits) {
+            true => "the limits of this catalogue",
+            false => "the limits",
+        }
+    }
+
     /// Whether the layout is compiled as written.
     pub fn as_written(&self) -> bool {
         self.objective.is_some_and(|o| o.terms.is_empty())
@@ -39,14 +47,16 @@ impl<'t> Context<'t> {
         }
         let corners: Vec<Corner> = vertices.iter().map(|v| Corner { point: v.point, radius: v.radius.value }).collect();
         let track = Track::new(&corners);
-        if !self.check_turns(vertices, &track, facts) {
+        if !self.check_turns(vertices, &track, facts.turns.value) {
             return;
         }
-        self.check_radii(vertices, facts);
         if !self.check_fillets(vertices, &track) {
             return;
         }
-        self.check_crossings(vertices, &track, facts.levels);
+        // A loop that crosses itself often comes from a wrong order, which bends every turn.
+        if self.check_crossings(vertices, &track, facts.levels) {
+            self.check_limits(vertices, &track, facts);
+        }
         if let Some(building) = &geometry.building {
             self.check_building(vertices, &track, building);
         }

@@ -3,7 +3,7 @@
 use super::Facts;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{PieceKind, Track, trig};
-use crate::model::Vertex;
+use crate::model::{Interval, Vertex};
 use crate::semantics::scope::Context;
 use crate::semantics::value::{degrees, metres};
 
@@ -40,11 +40,11 @@ impl Context<'_> {
         sound
     }
 
-    /// Whether every vertex turns by an angle that a fillet can round; warns of turns outside the limits.
-    pub(super) fn check_turns(&self, vertices: &[Vertex], track: &Track, facts: &Facts) -> bool {
+    /// Whether every vertex turns by an angle that a fillet can round.
+    pub(super) fn check_turns(&self, vertices: &[Vertex], track: &Track, limits: Interval) -> bool {
         let mut sound = true;
         for (vertex, fillet) in vertices.iter().zip(&track.fillets) {
-            let (turn, limits) = (fillet.turn.abs(), facts.turns.value);
+            let turn = fillet.turn.abs();
             let found = degrees(turn);
             if !(LEAST_TURN..=LARGEST_TURN).contains(&turn) {
                 let (message, help) = if turn < 1.0 {
@@ -61,11 +61,21 @@ impl Context<'_> {
                         .help(help),
                 );
                 sound = false;
-            } else if turn < limits.low - SLACK || turn > limits.high + SLACK {
+            }
+        }
+        sound
+    }
+
+    /// Warns of turns and radii outside their limits, or not in the catalogue when nothing will change them.
+    pub(super) fn check_limits(&self, vertices: &[Vertex], track: &Track, facts: &Facts) {
+        for (vertex, fillet) in vertices.iter().zip(&track.fillets) {
+            let (turn, limits) = (fillet.turn.abs(), facts.turns.value);
+            let found = degrees(turn);
+            if turn < limits.low - SLACK || turn > limits.high + SLACK {
                 let message = format!("the turn at `{}` is outside its limits", vertex.name);
                 self.report(
                     Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
-                        .related(facts.turns.span, "the limits")
+                        .related(facts.turns.span, facts.source_of(facts.turns.span))
                         .expected(format!("{} .. {}", degrees(limits.low), degrees(limits.high)), found)
                         .help(mended(facts)),
                 );
@@ -82,11 +92,10 @@ impl Context<'_> {
                 }
             }
         }
-        sound
+        self.check_radii(vertices, facts);
     }
 
-    /// Warns of radii outside the limits, or not in the catalogue when nothing will change them.
-    pub(super) fn check_radii(&self, vertices: &[Vertex], facts: &Facts) {
+    fn check_radii(&self, vertices: &[Vertex], facts: &Facts) {
         let limits = facts.radii.value;
         for vertex in vertices {
             let (radius, found) = (vertex.radius.value, metres(vertex.radius.value));
@@ -96,7 +105,7 @@ impl Context<'_> {
                 let message = format!("the radius at `{}` is outside its limits", vertex.name);
                 self.report(
                     Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
-                        .related(facts.radii.span, "the limits")
+                        .related(facts.radii.span, facts.source_of(facts.radii.span))
                         .expected(format!("{} .. {}", metres(limits.low), metres(limits.high)), found)
                         .help(mended(facts)),
                 );

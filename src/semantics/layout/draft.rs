@@ -44,6 +44,8 @@ pub(super) struct Draft<'t> {
     /// The innermost environment, for lets.
     env: Rc<Env<'t>>,
     layer: usize,
+    /// A vertex' name was given twice: which of the two the others mean is not known.
+    pub doubtful: bool,
     /// False when `from` could not be resolved: nothing is missing then.
     pub base_known: bool,
 }
@@ -99,8 +101,9 @@ impl<'t> Context<'t> {
         if self.instantiating.borrow().contains(&symbol) {
             let message = format!("the layout `{}` extends itself", layout.name.text);
             self.report(
-                Diagnostic::new(Code::E0217, message, used_at, "needed to declare itself")
-                    .related(layout.name.span, "declared here"),
+                Diagnostic::new(Code::E0216, message, used_at, "needed to declare itself")
+                    .related(layout.name.span, "declared here")
+                    .help("extend another layout, or none"),
             );
             return None;
         }
@@ -141,6 +144,7 @@ impl<'t> Context<'t> {
             bad: Vec::new(),
             env: env.clone(),
             layer: 0,
+            doubtful: false,
             base_known: true,
         });
         draft.layer += usize::from(layout.from.is_some());
@@ -193,17 +197,20 @@ impl<'t> Context<'t> {
             draft.statements[index] = placed;
             return;
         }
-        let first = &draft.statements[index];
+        let first = draft.statements[index].clone();
         match (key, name) {
             (Key::Once(keyword), _) => self.report(
-                Diagnostic::new(Code::E0214, format!("`{keyword}` is said twice"), span, "said again")
+                Diagnostic::new(Code::E0213, format!("`{keyword}` is said twice"), span, "said again")
                     .related(first.span, "first said here")
                     .help("remove one of the two"),
             ),
             (Key::Pass(_), _) => self.passed_twice(first.statement, first.span, statement, span),
             (_, Some(name)) => {
                 let what = match key {
-                    Key::Vertex(_) => "vertex",
+                    Key::Vertex(_) => {
+                        draft.doubtful = true;
+                        "vertex"
+                    }
                     Key::Obstacle(_) => "obstacle",
                     Key::Induction(_) => "induction",
                     _ => "row of chutes",

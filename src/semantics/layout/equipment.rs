@@ -34,7 +34,7 @@ impl<'t> Context<'t> {
         if let Some((_, place)) = rows.first() {
             if let Some(evenly) = draft.once("motors") {
                 self.report(
-                    Diagnostic::new(Code::E0214, "motors are placed evenly and in rows", evenly.span, "evenly")
+                    Diagnostic::new(Code::E0213, "motors are placed evenly and in rows", evenly.span, "evenly")
                         .related(*place, "in a row")
                         .help("remove one of the two"),
                 );

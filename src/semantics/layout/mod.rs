@@ -34,7 +34,7 @@ impl<'t> Context<'t> {
         let sensor = self.sensor(&draft);
         let speed = self.required(&draft, "speed", Dimension::SPEED, Bounds::above(0.0, 100.0));
         let width = self.required(&draft, "width", Dimension::LENGTH, Bounds::above(0.0, 50.0));
-        let chain = self.chain(&draft, cart.as_ref().and_then(|(c, _)| c.number("tension")));
+        let chain = self.chain(&draft);
         let turns = self.limits(&draft, catalog.as_ref(), "turns", Dimension::ANGLE, |c| c.curve.turns);
         let radii = self.limits(&draft, catalog.as_ref(), "radii", Dimension::LENGTH, |c| Interval {
             low: c.curve.radii.first().copied().unwrap_or(0.0),
@@ -65,7 +65,7 @@ impl<'t> Context<'t> {
             name: declaration.name.text.clone(),
             span: declaration.name.span,
             catalog: catalog?,
-            cart: cart?.1,
+            cart: cart?,
             drive: drive?,
             sensor: sensor?,
             speed: speed?,
@@ -104,7 +104,7 @@ impl<'t> Context<'t> {
         }
         let message = format!("the layout `{}` has no `{keyword}`", draft.name.text);
         self.report(
-            Diagnostic::new(Code::E0215, message, draft.name.span, "in this layout")
+            Diagnostic::new(Code::E0214, message, draft.name.span, "in this layout")
                 .expected(format!("a line `{keyword} ...`"), "none")
                 .help(format!("for example `{example}`")),
         );
@@ -206,7 +206,7 @@ impl<'t> Context<'t> {
         self.report(Diagnostic::new(Code::E0306, message, span, "empty").expected("at least one value", "none"));
     }
 
-    fn cart(&self, draft: &Draft<'t>) -> Option<(Rc<Component>, Cart)> {
+    fn cart(&self, draft: &Draft<'t>) -> Option<Cart> {
         if draft.once("cart").is_none() {
             self.missing(draft, "cart", "cart tilt_tray(length: 1250 mm)");
             return None;
@@ -234,7 +234,7 @@ impl<'t> Context<'t> {
             self.report(diagnostic);
             return None;
         }
-        Some((component, cart))
+        Some(cart)
     }
 
     fn drive(&self, draft: &Draft<'t>) -> Option<Drive> {
@@ -259,7 +259,7 @@ impl<'t> Context<'t> {
         self.with_defaults(symbol, declaration)
     }
 
-    fn chain(&self, draft: &Draft<'t>, usual: Option<f64>) -> Option<Chain> {
+    fn chain(&self, draft: &Draft<'t>) -> Option<Chain> {
         let closes_within = match draft.once("chain closes") {
             Some(Placed { statement: Statement::ChainCloses(expr), env, .. }) => {
                 let bounds = Bounds::between(0.0, 100.0);
@@ -270,13 +270,16 @@ impl<'t> Context<'t> {
         let tension = match draft.once("chain tension") {
             Some(Placed { statement: Statement::ChainTension(expr), env, .. }) => {
                 let bounds = Bounds::between(0.0, 1e6);
-                Some(self.bounded_constant(env, expr, Dimension::FORCE, "the chain's tension", bounds)?.value)
+                self.bounded_constant(env, expr, Dimension::FORCE, "the chain's tension", bounds).map(|t| t.value)
             }
-            _ => usual,
+            _ => {
+                let usual = self.stated(draft, Kind::Cart)?.0.number("tension");
+                if usual.is_none() {
+                    self.missing(draft, "chain tension", "chain tension 500 N");
+                }
+                usual
+            }
         };
-        if tension.is_none() && draft.once("cart").is_some() && self.stated(draft, Kind::Cart).is_some() {
-            self.missing(draft, "chain tension", "chain tension 500 N");
-        }
         Some(Chain { tension: tension?, closes_within })
     }
 

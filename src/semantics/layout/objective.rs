@@ -28,7 +28,7 @@ impl<'t> Context<'t> {
                 (Some(weight), Some(goal)) => match terms.iter().any(|(_, g)| *g == goal) {
                     true => {
                         self.report(
-                            Diagnostic::new(Code::E0214, "a goal is named twice", *place, "named again")
+                            Diagnostic::new(Code::E0213, "a goal is named twice", *place, "named again")
                                 .help("add its weights instead"),
                         );
                         sound = false;

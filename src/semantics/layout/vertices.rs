@@ -32,7 +32,7 @@ impl<'t> Context<'t> {
     pub(super) fn geometry(&self, draft: &Draft<'t>, radii: Option<Spanned<Interval>>) -> Geometry<'t> {
         let mut geometry = Geometry::default();
         let mut vertices: Vec<Option<Vertex>> = Vec::new();
-        let incomplete = !draft.base_known || mentions(&draft.bad, "vertex");
+        let incomplete = !draft.base_known || draft.doubtful || mentions(&draft.bad, "vertex");
         for placed in &draft.statements {
             match placed.statement {
                 Statement::Vertex { name, point, radius } => {
@@ -171,7 +171,7 @@ impl<'t> Context<'t> {
             let Some(index) = geometry.named.obstacles.get(obstacle.text.as_str()).copied() else {
                 if draft.base_known && !mentions(&draft.bad, &obstacle.text) {
                     let message = format!("there is no obstacle `{}`", obstacle.text);
-                    let diagnostic = Diagnostic::new(Code::E0209, message, obstacle.span, "not an obstacle");
+                    let diagnostic = Diagnostic::new(Code::E0208, message, obstacle.span, "not an obstacle");
                     self.report(self.with_nearest(diagnostic, obstacle, geometry.named.obstacles.keys().copied()));
                 }
                 continue;

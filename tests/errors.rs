@@ -1,0 +1,107 @@
+//! Every code has a page and a case. The case is the page's example; its snapshot shows the source and then the message.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use lss::diagnostic::{Code, Diagnostic, text};
+use lss::semantics::{analyse, unsupported};
+use lss::solve;
+use lss::source::{Loader, SourceMap};
+
+fn folder(code: Code) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())
+}
+
+/// The case's files, `input.lss` first. `NAME.spaces` holds the number of spaces that the file NAME is made of.
+fn files(code: Code) -> Vec<(String, Vec<u8>)> {
+    let input = fs::read(folder(code).join("input.lss")).unwrap_or_else(|_| panic!("{code:?} has no case"));
+    let mut files = vec![("input.lss".to_string(), input)];
+    for entry in fs::read_dir(folder(code)).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        match name.strip_suffix(".spaces") {
+            Some(name) => {
+                let count: usize = fs::read_to_string(&path).unwrap().trim().parse().unwrap();
+                files.push((name.to_string(), vec![b' '; count]));
+            }
+            None if name.ends_with(".lss") && name != "input.lss" => files.push((name, fs::read(&path).unwrap())),
+            None => {}
+        }
+    }
+    files
+}
+
+/// What checking the case says, and building it where that is what the code is about.
+fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
+    let files = files(code);
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
+    let mut sources = SourceMap::default();
+    let (mut loader, main) = Loader::memory(&mut sources, &files).expect("input.lss is text");
+    let analysis = analyse(&mut sources, &mut loader, main, None);
+    let mut diagnostics = analysis.diagnostics.clone();
+    match (code, analysis.chosen()) {
+        (Code::E0217, Err(diagnostic)) => diagnostics.push(diagnostic),
+        (Code::E0650, Ok(Some(layout))) => diagnostics.extend(unsupported(layout)),
+        (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
+            diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
+        }
+        _ => {}
+    }
+    (sources, diagnostics)
+}
+
+/// The first example in a page.
+fn example(page: &str) -> Option<&str> {
+    let (_, rest) = page.split_once("```lss\n")?;
+    rest.split_once("```").map(|(example, _)| example)
+}
+
+#[test]
+fn every_code_reports_its_page_example_and_nothing_else() {
+    let mut failures = Vec::new();
+    for code in Code::ALL {
+        let input = fs::read_to_string(folder(*code).join("input.lss")).unwrap_or_else(|_| panic!("{code:?} has no case"));
+        if example(code.page()) != Some(input.as_str()) {
+            failures.push(format!("{code:?}: page and case differ"));
+        }
+        let (sources, diagnostics) = run(*code);
+        let report: String = diagnostics.iter().map(|d| text::render(&sources, d, text::Style::Plain)).collect();
+        if !diagnostics.iter().any(|d| d.code == *code) {
+            failures.push(format!("{code:?} is not raised by its case:\n{report}"));
+        }
+        // E0112 stands for mistakes that are not shown, and so comes with others.
+        if *code != Code::E0112 && diagnostics.iter().any(|d| d.code != *code) {
+            failures.push(format!("{code:?}: the case has other mistakes too:\n{report}"));
+        }
+        let shown: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.code == *code).collect();
+        let report: String = shown.iter().map(|d| text::render(&sources, d, text::Style::Plain)).collect();
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path(folder(*code));
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.bind(|| insta::assert_snapshot!("report", format!("{input}\n{}\n{report}", "─".repeat(100))));
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn pages_have_one_form() {
+    for code in Code::ALL {
+        let page = code.page();
+        let title = format!("# {} {}\n", code.as_str(), code.name());
+        assert!(page.starts_with(&title), "{code:?}: the title is not {title:?}");
+        for heading in ["\n## Why\n", "\n## Example\n", "\n## How to mend it\n"] {
+            assert!(page.contains(heading), "{code:?} lacks {heading:?}");
+        }
+    }
+}
+
+#[test]
+fn every_diagnostic_says_what_was_expected_and_found() {
+    for code in Code::ALL.iter().filter(|c| c.as_str() >= "E02") {
+        for diagnostic in run(*code).1 {
+            let mended = diagnostic.help.is_some() || diagnostic.fix.is_some() || diagnostic.expected.is_some();
+            assert!(mended, "{code:?}: {} shows no way out", diagnostic.message);
+        }
+    }
+}
