@@ -4,9 +4,9 @@
 mod components;
 mod constraint;
 mod equipment;
-mod print;
 #[cfg(test)]
 pub mod fixture;
+mod print;
 #[cfg(test)]
 pub mod thesis10;
 

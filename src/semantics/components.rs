@@ -3,8 +3,8 @@
 
 use super::declaration::Component;
 use crate::model::{
-    Cart, Catalog, Contact, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock, VerticalStock,
-    Wheel,
+    Cart, Catalog, Contact, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock,
+    VerticalStock, Wheel,
 };
 use crate::source::Span;
 

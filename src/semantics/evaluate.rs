@@ -3,8 +3,8 @@
 use std::rc::Rc;
 
 use super::dimension::{self, Dimension, UnitError, parse_unit};
-use super::scope::{Context, Env, Local, Scope, Slot, State};
 use super::program::Space;
+use super::scope::{Context, Env, Local, Scope, Slot, State};
 use super::value::{Quantity, RangeValue, Value, negative, product, sum};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Formula;
@@ -88,15 +88,21 @@ impl<'t> Context<'t> {
     }
 
     fn not_constant(&self, span: Span, what: &str) -> Diagnostic {
-        Diagnostic::new(Code::E0308, format!("{what} must be known before the layout is solved"), span, "depends on the geometry")
-            .expected("a constant", "a formula over the layout's geometry")
-            .help("formulas over the geometry belong in `require` and `equal`")
+        Diagnostic::new(
+            Code::E0308,
+            format!("{what} must be known before the layout is solved"),
+            span,
+            "depends on the geometry",
+        )
+        .expected("a constant", "a formula over the layout's geometry")
+        .help("formulas over the geometry belong in `require` and `equal`")
     }
 
     /// What to say about a quantity of another dimension.
     pub fn wrong_dimension(&self, quantity: &Quantity, span: Span, wanted: Dimension, what: &str) -> Diagnostic {
         let text = self.sources.text(span);
-        let bare = text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E' | b'_' | b' '));
+        let bare =
+            text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E' | b'_' | b' '));
         if let (true, Dimension::NONE, Some(unit)) = (bare, quantity.dimension, wanted.unit()) {
             let fix = format!("{} {unit}", text.trim());
             return Diagnostic::new(Code::E0302, format!("{what} needs a unit"), span, "a bare number")
@@ -104,8 +110,13 @@ impl<'t> Context<'t> {
                 .help(format!("write `{fix}`"))
                 .fix(span, fix);
         }
-        Diagnostic::new(Code::E0301, format!("{what} must be {}", wanted.with_article()), span, quantity.dimension.with_article())
-            .expected(wanted.to_string(), quantity.dimension.to_string())
+        Diagnostic::new(
+            Code::E0301,
+            format!("{what} must be {}", wanted.with_article()),
+            span,
+            quantity.dimension.with_article(),
+        )
+        .expected(wanted.to_string(), quantity.dimension.to_string())
     }
 
     fn number(&self, digits: &str, unit: Option<&Name>, span: Span) -> Value {
@@ -130,10 +141,13 @@ impl<'t> Context<'t> {
 
     fn bad_unit(&self, error: UnitError, name: &Name) -> Diagnostic {
         match error {
-            UnitError::Exponent(part) => {
-                Diagnostic::new(Code::E0303, format!("the unit `{part}` has an odd exponent"), name.span, "not understood")
-                    .expected("exponents in steps of 0.5, from -6 to 6", format!("`{part}`"))
-            }
+            UnitError::Exponent(part) => Diagnostic::new(
+                Code::E0303,
+                format!("the unit `{part}` has an odd exponent"),
+                name.span,
+                "not understood",
+            )
+            .expected("exponents in steps of 0.5, from -6 to 6", format!("`{part}`")),
             UnitError::Unknown(symbol) => {
                 let mut diagnostic =
                     Diagnostic::new(Code::E0303, format!("`{symbol}` is not a unit"), name.span, "not known")

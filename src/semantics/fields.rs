@@ -100,7 +100,12 @@ const CATALOG: &[FieldSpec] = &[
     field("curve.metre_mass", Number("kg/m", NOT_NEGATIVE), Required, "mass of a metre of centre line"),
     field("vertical.article", Text, InGroup, "article number prefix"),
     field("vertical.radii", Numbers("m", LENGTH), InGroup, "radii of vertical curves"),
-    field("vertical.angle_step", Number("rad", Bounds::between(0.0, 1.6)), InGroup, "step of the slope angle, 0 for any"),
+    field(
+        "vertical.angle_step",
+        Number("rad", Bounds::between(0.0, 1.6)),
+        InGroup,
+        "step of the slope angle, 0 for any",
+    ),
     field("vertical.steepest", Number("", SLOPE), InGroup, "largest slope, rise over run"),
     field("vertical.piece_price", Number("EUR", NOT_NEGATIVE), InGroup, "price of a piece, besides its length"),
     field("vertical.metre_price", Number("EUR/m", NOT_NEGATIVE), InGroup, "price of a metre of centre line"),
@@ -121,7 +126,12 @@ const CART: &[FieldSpec] = &[
     field("lengths", Numbers("m", LENGTH), Optional, "lengths that the family is made in"),
     field("mass", Number("kg", Bounds::above(0.0, 1e5)), Required, "of the cart with its carrier"),
     field("inertia", Tuple("kg*m^2", POSITIVE, 3), Required, "about the centre of mass: roll, pitch, yaw"),
-    field("centre_of_mass", Tuple("m", Bounds::between(-20.0, 20.0), 2), Required, "forward of and above the front joint"),
+    field(
+        "centre_of_mass",
+        Tuple("m", Bounds::between(-20.0, 20.0), 2),
+        Required,
+        "forward of and above the front joint",
+    ),
     field("steering", Reference(Kind::Wheel), Required, "the steering wheels"),
     field("running", Reference(Kind::Wheel), Required, "the running wheels"),
     field("joint", Reference(Kind::Joint), Required, "the joint to the next cart"),
@@ -165,7 +175,12 @@ const CONTROLLER: &[FieldSpec] = &[
 const SENSOR: &[FieldSpec] = &[
     field("lowpass", Number("Hz", Bounds::above(0.0, 1e6)), Required, "corner frequency of the low-pass"),
     field("rate", Number("Hz", Bounds::above(0.0, 1e6)), Required, "samples a second"),
-    field("trigger_length", Number("m", Bounds::above(0.0, 100.0)), Required, "past the photocell, where the trigger reads 1"),
+    field(
+        "trigger_length",
+        Number("m", Bounds::above(0.0, 100.0)),
+        Required,
+        "past the photocell, where the trigger reads 1",
+    ),
 ];
 
 /// The fields of a kind.
@@ -191,15 +206,7 @@ mod tests {
 
     #[test]
     fn tables_are_sound() {
-        for kind in [
-            Kind::Catalog,
-            Kind::Cart,
-            Kind::Wheel,
-            Kind::Joint,
-            Kind::Motor,
-            Kind::Controller,
-            Kind::Sensor,
-        ] {
+        for kind in [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor] {
             let mut paths: Vec<&str> = fields(kind).iter().map(|f| f.path).collect();
             paths.sort_unstable();
             assert!(paths.windows(2).all(|w| w[0] != w[1]), "{kind:?} repeats a field");

@@ -147,10 +147,13 @@ impl<'t> Context<'t> {
                 let diagnostic = Diagnostic::new(Code::E0217, message, first.span, "the first layout of the file")
                     .expected(listed, format!("`{name}`"));
                 let near = self.suggest(name, names.iter().map(|n| n.text.as_str()));
-                (None, Some(match near {
-                    Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
-                    None => diagnostic,
-                }))
+                (
+                    None,
+                    Some(match near {
+                        Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
+                        None => diagnostic,
+                    }),
+                )
             }
             (None, [only]) => (Some(only.text.clone()), None),
             (None, []) => (None, Some(none_at_all(file).expected("a layout", "none"))),
@@ -160,7 +163,14 @@ impl<'t> Context<'t> {
                 for name in rest {
                     diagnostic = diagnostic.related(name.span, "or this one?");
                 }
-                (None, Some(diagnostic.expected(format!("one of {listed}"), "no choice").help("choose with `--layout NAME`")))
+                (
+                    None,
+                    Some(
+                        diagnostic
+                            .expected(format!("one of {listed}"), "no choice")
+                            .help("choose with `--layout NAME`"),
+                    ),
+                )
             }
         }
     }

@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::syntax::nearest;
 use super::sink::Sink;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{FileId, LoadError, Loader, SIZE_LIMIT, STDLIB, SourceMap, Span};
+use crate::syntax::nearest;
 use crate::syntax::{
     self,
     tree::{Item, Kind, Name, Tree, Use},
@@ -277,7 +277,7 @@ fn load_diagnostic(sources: &SourceMap, error: LoadError, path: &str, span: Span
         }
         LoadError::OutsideRoot(root) => {
             Diagnostic::new(Code::E0203, format!("`{path}` leaves the project"), span, "leads outside")
-                .expected(format!("a file inside `{root}`"), "one outside it")
+                .expected(format!("a file inside {root}"), "one outside it")
                 .help(
                     "the project root is the nearest folder upwards with an `lss.toml` or `.git`, else the file's own \
                      folder: an empty `lss.toml` further up widens it",

@@ -47,10 +47,14 @@ impl Context<'_> {
             true => format!("tangent points up to {} outside", metres(farthest)),
             false => "a wall in its way".to_string(),
         };
-        let mut diagnostic =
-            Diagnostic::new(Code::E0407, "the written layout leaves the building", vertices[first.vertex].span, name(first))
-                .expected("a centre line inside the walls", found)
-                .related(building.span, "the building");
+        let mut diagnostic = Diagnostic::new(
+            Code::E0407,
+            "the written layout leaves the building",
+            vertices[first.vertex].span,
+            name(first),
+        )
+        .expected("a centre line inside the walls", found)
+        .related(building.span, "the building");
         let mut said = vec![first.vertex];
         for piece in outside.iter().skip(1) {
             if !said.contains(&piece.vertex) && said.len() < 20 {

@@ -31,7 +31,13 @@ struct Bounded {
 }
 
 impl Context<'_> {
-    pub fn check_constraints(&self, constraints: &[Constraint], vertices: &[Vertex], geometry: &Geometry, facts: &Facts) {
+    pub fn check_constraints(
+        &self,
+        constraints: &[Constraint],
+        vertices: &[Vertex],
+        geometry: &Geometry,
+        facts: &Facts,
+    ) {
         let n = vertices.len();
         let name = |i: usize| vertices[i % n].name.as_str();
         let held = self.check_fixes(constraints, n, &name);
@@ -71,7 +77,12 @@ impl Context<'_> {
     }
 
     /// Warns of what is fixed twice; gives everything that is fixed, with the first statement that does it.
-    fn check_fixes<'v>(&self, constraints: &[Constraint], n: usize, name: &dyn Fn(usize) -> &'v str) -> BTreeMap<Held, Span> {
+    fn check_fixes<'v>(
+        &self,
+        constraints: &[Constraint],
+        n: usize,
+        name: &dyn Fn(usize) -> &'v str,
+    ) -> BTreeMap<Held, Span> {
         let mut held: BTreeMap<Held, Span> = BTreeMap::new();
         for constraint in constraints {
             let (items, what): (Vec<Held>, String) = match &constraint.kind {
@@ -138,11 +149,15 @@ impl Context<'_> {
             false => interval(reach, unit),
         };
         let mut diagnostic = match never {
-            true => Diagnostic::new(Code::E0501, "this can never hold", constraint.span, format!("the value is {found}"))
-                .expected(interval(wanted, unit), found),
-            false => Diagnostic::new(Code::W0704, "this always holds", constraint.span, format!("the value is {found}"))
-                .expected("a constraint that rules something out", interval(wanted, unit))
-                .help("remove it, or tighten it"),
+            true => {
+                Diagnostic::new(Code::E0501, "this can never hold", constraint.span, format!("the value is {found}"))
+                    .expected(interval(wanted, unit), found)
+            }
+            false => {
+                Diagnostic::new(Code::W0704, "this always holds", constraint.span, format!("the value is {found}"))
+                    .expected("a constraint that rules something out", interval(wanted, unit))
+                    .help("remove it, or tighten it")
+            }
         };
         holds.sort();
         holds.dedup();
@@ -184,10 +199,14 @@ impl Context<'_> {
             None
         };
         if let Some((other, bound)) = contradiction {
-            let mut diagnostic =
-                Diagnostic::new(Code::E0502, "this contradicts another line", span, format!("wants {}", interval(wanted, unit)))
-                    .related(other, format!("wants {}", interval(bound, unit)))
-                    .expected(interval(bound, unit), interval(wanted, unit));
+            let mut diagnostic = Diagnostic::new(
+                Code::E0502,
+                "this contradicts another line",
+                span,
+                format!("wants {}", interval(wanted, unit)),
+            )
+            .related(other, format!("wants {}", interval(bound, unit)))
+            .expected(interval(bound, unit), interval(wanted, unit));
             if let Some(reason) = &constraint.reason {
                 diagnostic = diagnostic.help(format!("its reason: {reason}"));
             }

@@ -38,8 +38,16 @@ impl Context<'_> {
         let n = named.order.len();
         let (a, b) = (named.order[place.section], named.order[(place.section + 1) % n]);
         self.report(
-            Diagnostic::new(Code::E0409, format!("this lies beyond the straight of `{a}..{b}`"), place.span, format!("reaches {}", metres(reach)))
-                .expected(format!("at most {} from the tangent point where the straight begins", metres(length)), metres(reach)),
+            Diagnostic::new(
+                Code::E0409,
+                format!("this lies beyond the straight of `{a}..{b}`"),
+                place.span,
+                format!("reaches {}", metres(reach)),
+            )
+            .expected(
+                format!("at most {} from the tangent point where the straight begins", metres(length)),
+                metres(reach),
+            ),
         );
     }
 }

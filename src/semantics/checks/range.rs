@@ -32,12 +32,10 @@ impl Known<'_> {
         let mut of = |f: &Formula| self.range(f, holds);
         let range = match formula {
             Formula::Constant(value) => point(*value),
-            Formula::Sum(terms) => {
-                terms.iter().fold(point(0.0), |a, t| {
-                    let b = of(t);
-                    Interval { low: a.low + b.low, high: a.high + b.high }
-                })
-            }
+            Formula::Sum(terms) => terms.iter().fold(point(0.0), |a, t| {
+                let b = of(t);
+                Interval { low: a.low + b.low, high: a.high + b.high }
+            }),
             Formula::Product(factors) => factors.iter().fold(point(1.0), |a, f| times(a, of(f))),
             Formula::Negative(inner) => {
                 let a = of(inner);
@@ -60,14 +58,16 @@ impl Known<'_> {
                 let a = of(inner);
                 Interval { low: libm::sqrt(a.low.max(0.0)), high: libm::sqrt(a.high.max(0.0)) }
             }
-            Formula::Smallest(items) => items.iter().map(of).reduce(|a, b| Interval {
-                low: a.low.min(b.low),
-                high: a.high.min(b.high),
-            }).unwrap_or(ALL),
-            Formula::Largest(items) => items.iter().map(of).reduce(|a, b| Interval {
-                low: a.low.max(b.low),
-                high: a.high.max(b.high),
-            }).unwrap_or(ALL),
+            Formula::Smallest(items) => items
+                .iter()
+                .map(of)
+                .reduce(|a, b| Interval { low: a.low.min(b.low), high: a.high.min(b.high) })
+                .unwrap_or(ALL),
+            Formula::Largest(items) => items
+                .iter()
+                .map(of)
+                .reduce(|a, b| Interval { low: a.low.max(b.low), high: a.high.max(b.high) })
+                .unwrap_or(ALL),
             atom => self.atom(atom, holds),
         };
         if range.low.is_nan() || range.high.is_nan() { ALL } else { range }

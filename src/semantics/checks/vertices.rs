@@ -25,9 +25,13 @@ impl Context<'_> {
                 let message = format!("`{}` and `{}` are the same point", vertex.name, next.name);
                 let mut diagnostic = Diagnostic::new(Code::E0402, message, next.point_span, "the same point again")
                     .related(vertex.point_span, "the vertex before")
-                    .expected("neighbours that differ", format!("({}, {}) twice", metres(next.point.x), metres(next.point.y)));
+                    .expected(
+                        "neighbours that differ",
+                        format!("({}, {}) twice", metres(next.point.x), metres(next.point.y)),
+                    );
                 if i + 1 == vertices.len() {
-                    diagnostic = diagnostic.help("the loop closes by itself: the first vertex is not repeated at the end");
+                    diagnostic =
+                        diagnostic.help("the loop closes by itself: the first vertex is not repeated at the end");
                 }
                 self.report(diagnostic);
                 sound = false;
@@ -44,7 +48,10 @@ impl Context<'_> {
             let found = degrees(turn);
             if !(LEAST_TURN..=LARGEST_TURN).contains(&turn) {
                 let (message, help) = if turn < 1.0 {
-                    (format!("the track does not turn at `{}`", vertex.name), "remove the vertex, or move it off the line")
+                    (
+                        format!("the track does not turn at `{}`", vertex.name),
+                        "remove the vertex, or move it off the line",
+                    )
                 } else {
                     (format!("the track turns back at `{}`", vertex.name), "split the turn over two vertices")
                 };

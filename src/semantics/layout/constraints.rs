@@ -31,11 +31,16 @@ impl<'t> Context<'t> {
         match placed.statement {
             Statement::FixSection { kinds, target } => {
                 let from = self.section(named, &target.section)?;
-                one(ConstraintKind::FixSection { target: Target { from, straight: target.straight }, kinds: fix_kinds(kinds) })
+                one(ConstraintKind::FixSection {
+                    target: Target { from, straight: target.straight },
+                    kinds: fix_kinds(kinds),
+                })
             }
             Statement::FixVertex { vertex } => one(ConstraintKind::FixVertex { vertex: self.vertex(named, vertex)? }),
             Statement::FixRadius { vertex } => one(ConstraintKind::FixRadius { vertex: self.vertex(named, vertex)? }),
-            Statement::Require { first, rest, reason } => self.require(placed, geometry, first, rest, reason.as_deref()),
+            Statement::Require { first, rest, reason } => {
+                self.require(placed, geometry, first, rest, reason.as_deref())
+            }
             Statement::Equal { values } => self.equal(placed, geometry, values),
             Statement::Mirror { first, second, axis, at } => {
                 let at = self.constant(self.scope(placed, geometry), at, Dimension::LENGTH, "the mirror axis");

@@ -2,8 +2,8 @@
 
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
-use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, COORDINATE};
 use crate::semantics::scope::{Context, Scope};
@@ -71,7 +71,8 @@ impl<'t> Context<'t> {
             Statement::MotorsRow(row) => rows.push((self.row_of(placed, geometry, row)?, placed.span)),
             Statement::Supports { every } => {
                 let bounds = Bounds::between(0.01, 1e3);
-                let every = self.bounded_constant(&placed.env, every, Dimension::LENGTH, "the distance of supports", bounds)?;
+                let every =
+                    self.bounded_constant(&placed.env, every, Dimension::LENGTH, "the distance of supports", bounds)?;
                 equipment.supports = Some(Spanned::new(every.value, placed.span));
             }
             Statement::SensorCart { cart } => {
@@ -84,7 +85,8 @@ impl<'t> Context<'t> {
 
     fn along(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, place: &'t tree::Place) -> Option<Place> {
         let section = self.section(&geometry.named, &place.section);
-        let at = self.bounded_constant(&placed.env, &place.at, Dimension::LENGTH, "the distance along the straight", ALONG);
+        let at =
+            self.bounded_constant(&placed.env, &place.at, Dimension::LENGTH, "the distance along the straight", ALONG);
         Some(Place { section: section?, at: at?.value, span: placed.span })
     }
 

@@ -48,7 +48,8 @@ impl<'t> Context<'t> {
         let ramps = self.ramps(&draft, &geometry);
         let effects = self.effects(&draft);
         if let (Some(levels), Some(turns), Some(radii)) = (&levels, turns, radii) {
-            let facts = super::checks::Facts { levels, turns, radii, catalog: catalog.as_ref(), objective: objective.as_ref() };
+            let facts =
+                super::checks::Facts { levels, turns, radii, catalog: catalog.as_ref(), objective: objective.as_ref() };
             self.check_geometry(&mut geometry, &facts);
             if let (Some(constraints), Some(vertices)) = (&constraints, &geometry.vertices) {
                 self.check_constraints(constraints, vertices, &geometry, &facts);
@@ -145,8 +146,13 @@ impl<'t> Context<'t> {
         let value = self.bounded_constant(env, expr, Dimension::NONE, what, bounds)?.value;
         if value.fract() != 0.0 {
             self.report(
-                Diagnostic::new(Code::E0306, format!("{what} is not a whole number"), expr.span, shown(value, Dimension::NONE))
-                    .expected("a whole number", shown(value, Dimension::NONE)),
+                Diagnostic::new(
+                    Code::E0306,
+                    format!("{what} is not a whole number"),
+                    expr.span,
+                    shown(value, Dimension::NONE),
+                )
+                .expected("a whole number", shown(value, Dimension::NONE)),
             );
             return None;
         }
@@ -182,9 +188,14 @@ impl<'t> Context<'t> {
             let step = shown(catalog.curve.angle_step, Dimension::ANGLE);
             let found = shown(catalog.curve.largest, Dimension::ANGLE);
             self.report(
-                Diagnostic::new(Code::E0306, "the largest curve is not a multiple of the step", place("curve.largest"), &found)
-                    .expected(format!("a multiple of {step}"), found.clone())
-                    .related(place("curve.angle_step"), "the step"),
+                Diagnostic::new(
+                    Code::E0306,
+                    "the largest curve is not a multiple of the step",
+                    place("curve.largest"),
+                    &found,
+                )
+                .expected(format!("a multiple of {step}"), found.clone())
+                .related(place("curve.angle_step"), "the step"),
             );
             return None;
         }
@@ -211,7 +222,8 @@ impl<'t> Context<'t> {
                 .flat_map(|a| &a.nodes)
                 .find(|n| n.value.name.as_ref().is_some_and(|n| n.text == "length"))
                 .map_or(reference.span, |n| n.value.value.span);
-            let near = lengths.iter().copied().min_by(|a, b| (a - cart.length).abs().total_cmp(&(b - cart.length).abs()));
+            let near =
+                lengths.iter().copied().min_by(|a, b| (a - cart.length).abs().total_cmp(&(b - cart.length).abs()));
             let message = format!("`{}` is not made {} long", component.name, metres(cart.length));
             let mut diagnostic = Diagnostic::new(Code::E0310, message, place, "not in the product line")
                 .expected(offered(lengths), metres(cart.length))
@@ -238,13 +250,7 @@ impl<'t> Context<'t> {
     }
 
     /// What the layout states, else the standard library's.
-    fn stated_or(
-        &self,
-        draft: &Draft<'t>,
-        kind: Kind,
-        module: Option<usize>,
-        default: &str,
-    ) -> Option<Rc<Component>> {
+    fn stated_or(&self, draft: &Draft<'t>, kind: Kind, module: Option<usize>, default: &str) -> Option<Rc<Component>> {
         if draft.once(keyword(kind)).is_some() {
             return self.stated(draft, kind).map(|(component, ..)| component);
         }
@@ -304,16 +310,20 @@ impl<'t> Context<'t> {
         if low_value < offered.low - slack || high_value > offered.high + slack {
             let range = |i: Interval| format!("{} .. {}", shown(i.low, dimension), shown(i.high, dimension));
             self.report(
-                Diagnostic::new(Code::E0306, format!("`{keyword}` go beyond the catalogue"), span, "may only be narrower")
-                    .expected(
-                        format!("within {}", range(offered)),
-                        range(Interval { low: low_value, high: high_value }),
-                    )
-                    .related(catalog.span, "the catalogue"),
+                Diagnostic::new(
+                    Code::E0306,
+                    format!("`{keyword}` go beyond the catalogue"),
+                    span,
+                    "may only be narrower",
+                )
+                .expected(format!("within {}", range(offered)), range(Interval { low: low_value, high: high_value }))
+                .related(catalog.span, "the catalogue"),
             );
             return None;
         }
-        if keyword == "radii" && !catalog.curve.radii.iter().any(|r| (low_value - slack..=high_value + slack).contains(r)) {
+        if keyword == "radii"
+            && !catalog.curve.radii.iter().any(|r| (low_value - slack..=high_value + slack).contains(r))
+        {
             self.report(
                 Diagnostic::new(Code::E0306, "no radius of the catalogue is left", span, "between two of them")
                     .expected(format!("one of {}", offered_text(&catalog.curve.radii)), "none")

@@ -49,9 +49,9 @@ impl<'t> Context<'t> {
         let within = match &written.within {
             None => None,
             Some((goal, budget)) => {
-                let ratio = self
-                    .constant(self.plain(placed), budget, Dimension::NONE, "the budget")
-                    .and_then(|b| self.within(b, budget.span, "the budget", Dimension::NONE, Bounds::between(0.0, 10.0)));
+                let ratio = self.constant(self.plain(placed), budget, Dimension::NONE, "the budget").and_then(|b| {
+                    self.within(b, budget.span, "the budget", Dimension::NONE, Bounds::between(0.0, 10.0))
+                });
                 let goal = meant(*goal);
                 if goal.is_none() {
                     self.report(

@@ -92,8 +92,9 @@ impl<'t> Context<'t> {
         geometry.named.incomplete = incomplete;
         geometry.named.bad = draft.bad.clone();
         if vertices.len() < 3 && !incomplete {
-            let diagnostic = Diagnostic::new(Code::E0401, "a loop needs at least three vertices", draft.name.span, "in this layout")
-                .expected("at least 3", vertices.len().to_string());
+            let diagnostic =
+                Diagnostic::new(Code::E0401, "a loop needs at least three vertices", draft.name.span, "in this layout")
+                    .expected("at least 3", vertices.len().to_string());
             self.report(diagnostic.help("for example `vertex P1 (2 m, 1.5 m) radius 4 m`, in driving order"));
         }
         let known = vertices.len() >= 3 && !incomplete;
@@ -136,17 +137,22 @@ impl<'t> Context<'t> {
             Ok(polygon) => return Some(polygon),
             Err(reason) => reason,
         };
-        let diagnostic = |span: Span, label: &str| Diagnostic::new(Code::E0406, format!("{what} is not a simple polygon"), span, label);
+        let diagnostic = |span: Span, label: &str| {
+            Diagnostic::new(Code::E0406, format!("{what} is not a simple polygon"), span, label)
+        };
         let n = points.len();
         let shown = |i: usize| format!("({}, {})", metres(points[i % n].x), metres(points[i % n].y));
         self.report(match reason {
-            NotSimple::TooFewPoints => diagnostic(block.span, "an outline needs area")
-                .expected("at least 3 points", n.to_string()),
+            NotSimple::TooFewPoints => {
+                diagnostic(block.span, "an outline needs area").expected("at least 3 points", n.to_string())
+            }
             NotSimple::Repeated(i) => diagnostic(place(i + 1), "the same point again")
                 .related(place(i), "the point before")
                 .expected("neighbours that differ", format!("{} twice", shown(i)))
                 .help("the outline closes by itself: the first point is not repeated at the end"),
-            NotSimple::Flat => diagnostic(block.span, "all points lie on one line").expected("an outline with area", "none"),
+            NotSimple::Flat => {
+                diagnostic(block.span, "all points lie on one line").expected("an outline with area", "none")
+            }
             NotSimple::Crossing(i, j) => diagnostic(place(j), "the edge that begins here")
                 .related(place(i), "crosses or touches the edge that begins here")
                 .expected(
