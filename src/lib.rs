@@ -13,6 +13,7 @@
 //!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
+pub mod cli;
 pub mod diagnostic;
 pub mod elements;
 pub mod emit;

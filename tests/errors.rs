@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lss::diagnostic::{Code, Diagnostic, text};
 use lss::semantics::{analyse, unsupported};
+use lss::solve;
 use lss::source::{Loader, SourceMap};
 
 fn folder(code: Code) -> PathBuf {
@@ -41,6 +42,9 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
     match (code, analysis.chosen()) {
         (Code::E0217, Err(diagnostic)) => diagnostics.push(diagnostic),
         (Code::E0650, Ok(Some(layout))) => diagnostics.extend(unsupported(layout)),
+        (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
+            diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
+        }
         _ => {}
     }
     (sources, diagnostics)

@@ -88,12 +88,15 @@ codes! {
     E0501 "constraint-never-holds",
     E0502 "contradicting-statements",
 
+    E0601 "no-feasible-layout",
+    E0602 "not-met-as-written",
     E0650 "not-built-yet",
 
     W0701 "unused-import",
     W0702 "turn-outside-catalogue",
     W0703 "radius-outside-catalogue",
     W0704 "redundant-statement",
+    W0710 "not-in-catalog",
 }
 
 impl Code {

@@ -1,6 +1,21 @@
 //! Standard track elements: the sequence along the track, its closure, and the bill of elements.
+//!
+//! A solved layout lies on the catalogue's grid to within the solver's tolerance. [`sequence`] puts it there exactly,
+//! closes the loop again and covers every straight and every fillet with pieces that can be ordered; [`bill`] counts
+//! them; [`lacking`] says what the catalogue does not have.
 
-use crate::geometry::Point;
+mod bill;
+mod course;
+mod cover;
+mod lacking;
+mod sequence;
+
+pub use bill::{Bill, BillLine, bill};
+pub use cover::Cover;
+pub use lacking::lacking;
+pub use sequence::sequence;
+
+use crate::geometry::{Point, trig};
 use serde::Serialize;
 
 /// What a piece is.
@@ -11,6 +26,29 @@ pub enum Shape {
     Straight { length: f64, cut: bool },
     /// Metres and radians (left positive).
     Curve { radius: f64, turn: f64 },
+}
+
+impl Shape {
+    /// Of the centre line, m.
+    pub fn length(&self) -> f64 {
+        match *self {
+            Shape::Straight { length, .. } => length,
+            Shape::Curve { radius, turn } => radius * turn.abs(),
+        }
+    }
+
+    /// Position and heading (rad in (-π, π]) at the end of a piece that begins at these.
+    pub fn advance(&self, position: Point, heading: f64) -> (Point, f64) {
+        match *self {
+            Shape::Straight { length, .. } => (position + Point::unit(heading) * length, heading),
+            Shape::Curve { radius, turn } => {
+                let end = heading + turn;
+                let signed = radius * turn.signum();
+                let across = Point::unit(heading).left() - Point::unit(end).left();
+                (position + across * signed, trig::wrap(end))
+            }
+        }
+    }
 }
 
 /// One orderable piece at its place.
@@ -42,27 +80,9 @@ pub struct Sequence {
     pub closure_heading: f64,
 }
 
-/// One article of the bill.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BillLine {
-    pub article: String,
-    pub description: String,
-    pub shape: Shape,
-    pub count: usize,
-    /// EUR a piece and in all.
-    pub unit_price: f64,
-    pub price: f64,
-    /// kg a piece and in all.
-    pub unit_mass: f64,
-    pub mass: f64,
-    pub in_catalog: bool,
-}
-
-/// The bill of elements: articles in a fixed order (straights by length, then curves by radius and angle).
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Bill {
-    pub lines: Vec<BillLine>,
-    pub count: usize,
-    pub price: f64,
-    pub mass: f64,
+impl Sequence {
+    /// Of all elements, m.
+    pub fn length(&self) -> f64 {
+        self.elements.iter().map(|e| e.length).sum()
+    }
 }

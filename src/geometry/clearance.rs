@@ -6,7 +6,9 @@
 //! with a derivative, which is what steers the optimiser; the overlap area of thesis §3.3.1 cannot, because its
 //! gradient is zero wherever the constraint holds.
 
-use super::{PieceKind, Point, Polygon, Track};
+use super::contact::line_circle;
+use super::polygon::segments_meet;
+use super::{Piece, PieceKind, Point, Polygon, Track};
 
 /// A polygon that the centre line keeps a distance from.
 #[derive(Clone, Debug)]
@@ -84,13 +86,31 @@ impl Region {
         for i in 0..count {
             self.edge_approaches(track, i, reach, &mut found);
         }
+        for index in self.pierced(track) {
+            self.piercing_approaches(track, index, &mut found);
+        }
         found
+    }
+
+    /// The track's pieces that cut or touch the outline.
+    pub fn pierced(&self, track: &Track) -> Vec<usize> {
+        let (low, high) = self.polygon.bounds();
+        let meets = |piece: &Piece| {
+            let arc = matches!(piece.kind, PieceKind::Arc { .. });
+            let swell = if arc { piece.length / 2.0 } else { 0.0 };
+            let (near, far) = super::polygon::bounds([piece.begin, piece.end].into_iter());
+            let apart =
+                near.x - swell > high.x || far.x + swell < low.x || near.y - swell > high.y || far.y + swell < low.y;
+            !apart && self.polygon.edges().any(|(a, b)| piece_meets(track, piece, a, b))
+        };
+        (0..track.pieces.len()).filter(|&i| track.pieces[i].length > 0.0 && meets(&track.pieces[i])).collect()
     }
 
     /// Signed distance from the centre line to the forbidden part, m.
     pub fn distance(&self, track: &Track) -> f64 {
         let near = |reach| self.approaches(track, reach).iter().map(|a| a.distance).fold(f64::INFINITY, f64::min);
-        near(f64::INFINITY)
+        let distance = near(f64::INFINITY);
+        if distance > 0.0 && !self.pierced(track).is_empty() { 0.0 } else { distance }
     }
 
     fn corner_approaches(&self, track: &Track, i: usize, reach: f64, found: &mut Vec<Approach>) {
@@ -108,6 +128,21 @@ impl Region {
             }
         }
         found.extend(nearest.filter(|n| n.distance < 0.0));
+    }
+
+    /// Where a piece cuts through, the corners on its wrong side count for it, whatever else is nearer to them: a strand
+    /// that crosses an obstacle may leave every corner on the right side of some other strand.
+    fn piercing_approaches(&self, track: &Track, index: usize, found: &mut Vec<Approach>) {
+        let count = track.pieces.len();
+        let around = [index, (index + 1) % count, (index + count - 1) % count];
+        for (i, &q) in self.polygon.points().iter().enumerate().filter(|(i, _)| self.faces(*i)) {
+            let Some((part, offset)) = around.iter().find_map(|&k| offset(track, k, q)) else { continue };
+            let approach = Approach { feature: Feature::Corner(i), part, distance: self.lies * offset };
+            let known = |a: &Approach| a.feature == approach.feature && a.part == part;
+            if approach.distance < 0.0 && !found.iter().any(known) {
+                found.push(approach);
+            }
+        }
     }
 
     fn edge_approaches(&self, track: &Track, i: usize, reach: f64, found: &mut Vec<Approach>) {
@@ -141,6 +176,18 @@ impl Region {
             }
         }
         best.1
+    }
+}
+
+/// Whether a piece and the edge `a`..`b` have a point in common.
+fn piece_meets(track: &Track, piece: &Piece, a: Point, b: Point) -> bool {
+    match piece.kind {
+        PieceKind::Straight => segments_meet(piece.begin, piece.end, a, b),
+        PieceKind::Arc { centre, radius, .. } => {
+            let fillet = &track.fillets[piece.vertex];
+            let within = |p: &Point| (*p - a).dot(*p - b) <= 0.0 && fillet.faces(*p - centre);
+            line_circle(a, b, centre, radius).is_some_and(|points| points.iter().any(within))
+        }
     }
 }
 
@@ -240,6 +287,17 @@ mod tests {
         let region = Region { polygon: wedge, outside: false, lies: -1.0 };
         let expected = (6.2 / 2f64.sqrt()) - 3.0;
         assert!((region.distance(&track) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_bar_across_the_loop_is_pierced() {
+        let track = loop_20_by_10();
+        let p = Point::new;
+        // All four corners lie outside, to the right of the strand nearest to each.
+        let bar = vec![p(9.0, -5.0), p(11.0, -5.0), p(11.0, 15.0), p(9.0, 15.0)];
+        let region = Region { polygon: Polygon::new(bar).unwrap(), outside: false, lies: -1.0 };
+        assert_eq!(region.pierced(&track), [0, 4]);
+        assert!((region.distance(&track) + 15.0).abs() < 1e-12);
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod crossing;
 mod fillet;
 mod point;
 mod polygon;
+pub mod proximity;
 mod side;
 pub mod trig;
 
@@ -13,5 +14,5 @@ pub use contact::{contact_area, outside_area};
 pub use crossing::{band_overlaps, piece_distance, point_piece, self_crossings};
 pub use fillet::{Corner, Fillet, Piece, PieceKind, Track};
 pub use point::Point;
-pub use polygon::{NotSimple, Polygon};
+pub use polygon::{NotSimple, Polygon, bounds};
 pub use side::{Curve, Hand, Outline};

@@ -8,7 +8,8 @@ mod equipment;
 pub mod fixture;
 mod print;
 #[cfg(test)]
-pub mod thesis10;
+pub mod instances;
+mod print;
 
 pub use components::*;
 pub use constraint::*;

@@ -1,4 +1,4 @@
-//! Clearance rows: the signed distance of an [`Approach`] with its derivatives.
+//! Clearance rows: the signed distance of an [`Approach`] or a [`Meeting`] with its derivatives.
 //!
 //! A row stays valid while the nearest point slides from one part of the track to the next, because the signed
 //! distance to a smooth curve is itself smooth there: every evaluation picks the part beside the corner anew among
@@ -6,8 +6,9 @@
 
 use super::expansion::Expansion;
 use super::jet::{Jet, Vector};
-use super::measures::Measures;
+use super::measures::{self, AtVertex, Measures};
 use crate::geometry::clearance::{Approach, Feature, Part, Region, offset};
+use crate::geometry::proximity::Meeting;
 use crate::geometry::{Point, Track};
 
 /// How many parts before and after the one a row was found at are searched for the nearest point.
@@ -69,5 +70,44 @@ fn lateral(part: Part, q: Point, measures: &Measures, signs: &[f64]) -> Expansio
             let from_q = Vector { x: m.centre.x + Jet::constant(-q.x), y: m.centre.y + Jet::constant(-q.y) };
             (Jet::variable(measures.corners[i].radius, 4) - from_q.norm()).scale(signs[i])
         }),
+    }
+}
+
+/// Distance between two parts of the centre line, m.
+pub fn own_distance(meeting: &Meeting, track: &Track, measures: &Measures, signs: &[f64]) -> Expansion {
+    let arc = meeting.arc;
+    let coordinates =
+        |v: usize, pick: fn(&AtVertex) -> Vector<7>| (measures.at(v, |m| pick(m).x), measures.at(v, |m| pick(m).y));
+    let (x, y) = coordinates(arc, |m| m.centre);
+    let radius = |v: usize| Expansion::variable(measures.corners[v].radius, measures::radius(v));
+    match meeting.other {
+        Part::Straight(i) => {
+            let [a, b] = measures.section_ends(i);
+            let along = (b - a).times(&measures.sections[i].reciprocal());
+            let on_line = |jet: &Jet<4>| Expansion::from_jet(jet, &measures.section_variables(i));
+            let (ux, uy, ax, ay) = (on_line(&along.x), on_line(&along.y), on_line(&a.x), on_line(&a.y));
+            let lateral =
+                |x: &Expansion, y: &Expansion| ux.mul(&y.sub(&ay)).sub(&uy.mul(&x.sub(&ax))).scale(meeting.side);
+            let straight = track.straight(i);
+            let towards = (straight.end - straight.begin).left() * -meeting.side;
+            if track.fillets[arc].faces(towards) {
+                return lateral(&x, &y).sub(&radius(arc));
+            }
+            // The arc's end that is nearer to the line.
+            let [begin, end] =
+                [coordinates(arc, |m| m.begin), coordinates(arc, |m| m.end)].map(|(x, y)| lateral(&x, &y));
+            if begin.value < end.value { begin } else { end }
+        }
+        Part::Arc(other) => {
+            let (u, v) = coordinates(other, |m| m.centre);
+            let (dx, dy) = (x.sub(&u), y.sub(&v));
+            let squared = dx.mul(&dx).add(&dy.mul(&dy));
+            let between = squared.square_root();
+            if meeting.side == signs[other] {
+                radius(other).sub(&between).sub(&radius(arc))
+            } else {
+                between.sub(&radius(other)).sub(&radius(arc))
+            }
+        }
     }
 }

@@ -4,7 +4,8 @@ use super::expansion::Expansion;
 use super::measures::{Measures, to_corners};
 use super::{Function, Problem, clearance, formula};
 use crate::geometry::clearance::{Approach, Feature, Part};
-use crate::geometry::{Track, trig};
+use crate::geometry::proximity::{self, Meeting};
+use crate::geometry::{Piece, PieceKind, Track, trig};
 use crate::model::Formula;
 use crate::source::Span;
 
@@ -15,6 +16,15 @@ pub enum RowKey {
     Listed(usize),
     /// Index into `Problem::keepouts`, and the approach.
     Clearance(usize, Feature, Part),
+    /// Vertex of an arc of the track, another part of it, and whether the arc lies to the left of that.
+    Own(usize, Part, bool),
+}
+
+impl RowKey {
+    /// Whether the row is in `Problem::rows`, rather than made where the track runs.
+    pub fn is_listed(self) -> bool {
+        matches!(self, RowKey::Listed(_))
+    }
 }
 
 /// A row at some variables.
@@ -61,14 +71,21 @@ impl Problem {
                 let approaches = keepout.region.approaches(&track, keepout.distance + reach);
                 approaches.into_iter().map(move |a| RowKey::Clearance(k, a.feature, a.part))
             })
+            .chain(self.own_keys(&track, reach))
             .collect::<Vec<_>>();
         self.evaluate_rows(variables, track, keys.into_iter())
     }
 
     /// Evaluates at `variables` with the clearance rows of an evaluation elsewhere.
     pub fn evaluate_like(&self, variables: &[f64], other: &Evaluation) -> Evaluation {
-        let keys = other.rows.iter().map(|r| r.key).filter(|k| matches!(k, RowKey::Clearance(..)));
+        let keys = other.rows.iter().map(|r| r.key).filter(|k| !k.is_listed());
         self.evaluate_rows(variables, Track::new(&to_corners(variables)), keys)
+    }
+
+    /// Rows that keep the band off itself.
+    fn own_keys(&self, track: &Track, reach: f64) -> impl Iterator<Item = RowKey> {
+        let meetings = proximity::meetings(track, 2.0 * self.half_width + reach);
+        meetings.into_iter().map(|m| RowKey::Own(m.arc, m.other, m.side > 0.0))
     }
 
     fn evaluate_rows(&self, variables: &[f64], track: Track, clearances: impl Iterator<Item = RowKey>) -> Evaluation {
@@ -81,11 +98,20 @@ impl Problem {
         });
         let mut rows: Vec<RowValue> = listed.collect();
         for key in clearances {
-            let RowKey::Clearance(k, feature, part) = key else { continue };
-            let keepout = &self.keepouts[k];
-            let approach = Approach { feature, part, distance: 0.0 };
-            let expansion = clearance::distance(&keepout.region, &approach, &track, &measures, &self.signs);
-            rows.push(RowValue { key, expansion, low: keepout.distance, high: f64::INFINITY });
+            let (expansion, low) = match key {
+                RowKey::Listed(_) => continue,
+                RowKey::Clearance(k, feature, part) => {
+                    let keepout = &self.keepouts[k];
+                    let approach = Approach { feature, part, distance: 0.0 };
+                    let region = &keepout.region;
+                    (clearance::distance(region, &approach, &track, &measures, &self.signs), keepout.distance)
+                }
+                RowKey::Own(arc, other, left) => {
+                    let meeting = Meeting { arc, other, side: if left { 1.0 } else { -1.0 }, distance: 0.0 };
+                    (clearance::own_distance(&meeting, &track, &measures, &self.signs), 2.0 * self.half_width)
+                }
+            };
+            rows.push(RowValue { key, expansion, low, high: f64::INFINITY });
         }
         Evaluation { track, objective: measures.track_length(), rows }
     }
@@ -139,12 +165,32 @@ impl Problem {
             }
             RowKey::Clearance(k, _, part) => {
                 let keepout = &self.keepouts[k];
-                let part = match part {
-                    Part::Straight(i) => format!("the straight {}", self.section_name(i)),
-                    Part::Arc(i) => format!("the curve at {}", self.vertices[i]),
-                };
-                (format!("clearance of {} to {part}", keepout.name), keepout.span)
+                (format!("clearance of {} to {}", keepout.name, self.part_name(part)), keepout.span)
             }
+            RowKey::Own(arc, other, _) => {
+                let (arc_name, other) = (self.part_name(Part::Arc(arc)), self.part_name(other));
+                (format!("the track's own width between {arc_name} and {other}"), self.vertex_span(arc))
+            }
+        }
+    }
+
+    /// The straight or curve that a piece is.
+    pub fn piece_name(&self, piece: &Piece) -> String {
+        match piece.kind {
+            PieceKind::Straight => self.part_name(Part::Straight(piece.vertex)),
+            PieceKind::Arc { .. } => self.part_name(Part::Arc(piece.vertex)),
+        }
+    }
+
+    /// Where a vertex is written: rows begin with a turn a vertex.
+    pub fn vertex_span(&self, vertex: usize) -> Span {
+        self.rows[vertex].span
+    }
+
+    fn part_name(&self, part: Part) -> String {
+        match part {
+            Part::Straight(i) => format!("the straight {}", self.section_name(i)),
+            Part::Arc(i) => format!("the curve at {}", self.vertices[i]),
         }
     }
 

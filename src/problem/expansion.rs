@@ -117,6 +117,13 @@ impl Expansion {
         out
     }
 
+    /// The square root, its slope kept finite at 0.
+    pub fn square_root(&self) -> Self {
+        let root = self.value.max(0.0).sqrt();
+        let safe = root.max(1e-12);
+        self.chain(root, 0.5 / safe, -0.25 / (safe * safe * safe))
+    }
+
     /// f(self) from f and its first two derivatives at `self.value`.
     pub fn chain(&self, f: f64, f1: f64, f2: f64) -> Self {
         let k = self.variables.len();

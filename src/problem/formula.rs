@@ -36,7 +36,7 @@ pub fn expand(formula: &Formula, m: &Measures, signs: &[f64], places: &Places) -
             };
             let (p, q) = (m.corners[*a].point, m.corners[*b].point);
             let (dx, dy) = (delta(x, p.x, q.x), delta(y, p.y, q.y));
-            root(&dx.mul(&dx).add(&dy.mul(&dy)))
+            dx.mul(&dx).add(&dy.mul(&dy)).square_root()
         }
         Formula::DistanceObstacle(i, k) => to_outline(*i, &places.obstacles[*k], m),
         Formula::DistanceBuilding(i) => match &places.building {
@@ -55,16 +55,10 @@ pub fn expand(formula: &Formula, m: &Measures, signs: &[f64], places: &Places) -
             let e = sub(f);
             if e.value < 0.0 { e.scale(-1.0) } else { e }
         }
-        Formula::SquareRoot(f) => root(&sub(f)),
+        Formula::SquareRoot(f) => sub(f).square_root(),
         Formula::Smallest(terms) => pick(terms.iter().map(sub), |a, b| b.value < a.value),
         Formula::Largest(terms) => pick(terms.iter().map(sub), |a, b| b.value > a.value),
     }
-}
-
-fn root(e: &Expansion) -> Expansion {
-    let r = e.value.max(0.0).sqrt();
-    let safe = r.max(1e-12);
-    e.chain(r, 0.5 / safe, -0.25 / (safe * safe * safe))
 }
 
 fn pick(mut terms: impl Iterator<Item = Expansion>, better: impl Fn(&Expansion, &Expansion) -> bool) -> Expansion {

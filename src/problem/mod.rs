@@ -6,6 +6,8 @@
 //! from [`Keepout`]s when the problem is evaluated.
 
 mod clearance;
+#[cfg(test)]
+mod derivatives;
 mod evaluate;
 mod expansion;
 mod formula;
@@ -16,7 +18,7 @@ mod print;
 
 pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
-pub use print::print;
+pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;
 use crate::model::{Formula, Interval};

@@ -31,6 +31,8 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
             None => writeln!(out),
         };
     }
+    let width = number(2.0 * problem.half_width);
+    let _ = writeln!(out, "\nkeep strands of the track at least {width} m apart, its width");
     if !problem.keepouts.is_empty() {
         let _ =
             writeln!(out, "\nkeep the centre line away from (m; a row for every place where the track comes close)");
@@ -50,7 +52,8 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
     out
 }
 
-fn relation(problem: &Problem, row: &Row) -> String {
+/// A row as text: `length(P7..P8) >= 18`; angles in degrees.
+pub fn relation(problem: &Problem, row: &Row) -> String {
     let scale = if row.angle { 180.0 / crate::geometry::trig::PI } else { 1.0 };
     let name = match &row.function {
         Function::Turn(i) => format!("turn({})", problem.vertices[*i]),

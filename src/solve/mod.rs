@@ -1,11 +1,16 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
+mod complex;
 mod convex;
 mod discrete;
 mod outcome;
 mod perturb;
+mod report;
 pub mod sqp;
 mod stages;
 mod subproblem;
 
 pub use outcome::{Stage, Status, Violation};
+pub use perturb::perturbed;
+pub use report::diagnose;
+pub use stages::{Discretise, Options, Progress, Solver, solve, solve_with};

@@ -127,7 +127,7 @@ impl<'p> Run<'p> {
     fn scale(&self, key: RowKey) -> f64 {
         match key {
             RowKey::Listed(i) => self.scales[i],
-            RowKey::Clearance(..) => 1.0,
+            RowKey::Clearance(..) | RowKey::Own(..) => 1.0,
         }
     }
 
@@ -135,7 +135,7 @@ impl<'p> Run<'p> {
     fn row_price(&self, key: RowKey) -> f64 {
         match key {
             RowKey::Listed(i) => self.problem.rows[i].weight.unwrap_or(self.price * self.scales[i]),
-            RowKey::Clearance(..) => self.price,
+            RowKey::Clearance(..) | RowKey::Own(..) => self.price,
         }
     }
 

@@ -59,7 +59,7 @@ pub fn solve(model: &Quadratic, box_low: &[f64], box_high: &[f64], rows: &[Linea
     }
     let inequalities = table.b.len() - equalities;
     let p = model.matrix.to_csc(linear.len() - n);
-    let a = table.to_csc(linear.len());
+    let (a, b) = table.into_cone_program(linear.len());
     let cones = [SupportedConeT::ZeroConeT(equalities), SupportedConeT::NonnegativeConeT(inequalities)];
     let settings = DefaultSettings::<f64> {
         verbose: false,
@@ -71,7 +71,7 @@ pub fn solve(model: &Quadratic, box_low: &[f64], box_high: &[f64], rows: &[Linea
         direct_solve_method: "qdldl".into(),
         ..Default::default()
     };
-    let mut solver = DefaultSolver::new(&p, &linear, &a, &table.b, &cones, settings).ok()?;
+    let mut solver = DefaultSolver::new(&p, &linear, &a, &b, &cones, settings).ok()?;
     solver.solve();
     let solution = &solver.solution;
     let usable = matches!(
@@ -128,7 +128,8 @@ impl Table {
         self.b.push(b);
     }
 
-    fn to_csc(&mut self, columns: usize) -> CscMatrix<f64> {
+    /// A in compressed columns, and b.
+    fn into_cone_program(mut self, columns: usize) -> (CscMatrix<f64>, Vec<f64>) {
         self.entries.sort_unstable_by_key(|&(column, row, _)| (column, row));
         let mut starts = vec![0; columns + 1];
         for &(column, ..) in &self.entries {
@@ -138,6 +139,6 @@ impl Table {
             starts[k + 1] += starts[k];
         }
         let (rows, values) = self.entries.iter().map(|&(_, row, value)| (row, value)).unzip();
-        CscMatrix::new(self.b.len(), columns, starts, rows, values)
+        (CscMatrix::new(self.b.len(), columns, starts, rows, values), self.b)
     }
 }

@@ -55,7 +55,8 @@ impl Failure {
         rules.retain(|rule| !matches!(rule, Rule::comment | Rule::bad_item | Rule::bad_statement | Rule::bad_field));
         // After a complete value an operator could follow, but hardly anybody forgot one there.
         // Some rules can follow nearly everything: they are named only if nothing else could stand here.
-        keep_if_any(&mut rules, |rule| !may_follow_anything(rule));
+        let after_word = text[..at].trim_end().ends_with(|c: char| is_letter(c) || c.is_ascii_digit());
+        keep_if_any(&mut rules, |rule| !(may_follow_anything(rule) || rule == Rule::open_paren && after_word));
         keep_if_any(&mut rules, |rule| rule != Rule::dots);
         Failure { at, rules }
     }
@@ -268,7 +269,7 @@ pub const STATEMENT_WORDS: [&str; 31] = [
 const END: &str = "the end of the line";
 
 fn may_follow_anything(rule: Rule) -> bool {
-    matches!(rule, Rule::add_op | Rule::mul_op | Rule::args | Rule::params | Rule::unit | Rule::open_paren)
+    matches!(rule, Rule::op | Rule::args | Rule::params | Rule::unit)
 }
 
 fn keep_if_any(rules: &mut Vec<Rule>, keep: impl Fn(Rule) -> bool) {
@@ -319,6 +320,13 @@ fn literal_of(rule: Rule) -> Option<&'static str> {
 }
 
 fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
+    // pest names the first token of a rule where nothing else could stand.
+    let rule = match (first_word(text), rule) {
+        (_, Rule::name) if matches!(last_word(text[..at].trim_end()), "level" | "ramp" | "on") => Rule::section,
+        ("vertex" | "building" | "obstacle", Rule::open_paren) => Rule::point,
+        ("building" | "obstacle", Rule::open_bracket) => Rule::polygon,
+        _ => rule,
+    };
     if let Some(literal) = literal_of(rule) {
         return vec![format!("`{literal}`")];
     }
@@ -339,18 +347,11 @@ fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
         Rule::name | Rule::fix_vertex => "a name such as `P1`",
         Rule::reference => "a name such as `tilt_tray`",
         Rule::param => "a parameter such as `length: 1250 mm`",
-        Rule::number
-        | Rule::quantity
-        | Rule::value
-        | Rule::expr
-        | Rule::arg
-        | Rule::weight
-        | Rule::minus
-        | Rule::list
-        | Rule::paren => value_phrase(text, at),
+        Rule::number | Rule::value | Rule::expr | Rule::arg | Rule::weight | Rule::minus | Rule::list | Rule::paren => {
+            value_phrase(text, at)
+        }
         Rule::times => "`* length` or another goal",
-        Rule::add_op => "`+` or `-`",
-        Rule::mul_op => "`*` or `/`",
+        Rule::op => "one of `+`, `-`, `*`, `/`",
         Rule::unit => "a unit such as `m`",
         Rule::fix_section => "a kind such as `length`",
         Rule::fix => "what to fix, such as `length P4..P5`",
@@ -400,7 +401,7 @@ fn token_at(text: &str, at: usize) -> &str {
             let line = rest.lines().next().unwrap_or(rest);
             line.get(1..).and_then(|inner| inner.find('"')).map_or(line, |end| &line[..end + 2])
         }
-        _ => ["..", "//", "<=", ">=", "==", "!=", "\r\n"]
+        _ => ["...", "..", "//", "<=", ">=", "==", "!=", ":=", "->", "\r\n"]
             .into_iter()
             .find(|sign| rest.starts_with(sign))
             .map_or(&rest[..first.len_utf8()], |sign| &rest[..sign.len()]),

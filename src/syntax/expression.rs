@@ -15,15 +15,23 @@ fn next_is(parts: &mut Parts, rule: Rule) -> bool {
     parts.peek().is_some_and(|part| part.as_rule() == rule)
 }
 
+/// Takes the next operator if it is one of those wanted.
+fn next_op<T>(parts: &mut Parts, wanted: impl Fn(&str) -> Option<T>) -> Option<T> {
+    let next = parts.peek().filter(|part| part.as_rule() == Rule::op)?;
+    let op = wanted(next.as_str())?;
+    parts.next();
+    Some(op)
+}
+
 impl Builder<'_> {
     /// An `expr`, `value` or `weight`.
     pub fn expression(&mut self, pair: Pair<Rule>) -> Option<Expr> {
         let mut parts = pair.into_inner().peekable();
         let low = self.sum(&mut parts)?;
-        if !next_is(&mut parts, Rule::dots) {
-            return Some(low);
+        let Some(next) = parts.next() else { return Some(low) };
+        if next.as_rule() != Rule::dots {
+            return None;
         }
-        parts.next();
         let high = self.sum(&mut parts)?;
         let mut step = None;
         if next_is(&mut parts, Rule::kw_step) {
@@ -38,8 +46,11 @@ impl Builder<'_> {
     fn sum(&mut self, parts: &mut Parts) -> Option<Expr> {
         let first = self.product(parts)?;
         let mut rest = Vec::new();
-        while next_is(parts, Rule::add_op) {
-            let op = if parts.next()?.as_str() == "+" { SumOp::Plus } else { SumOp::Minus };
+        while let Some(op) = next_op(parts, |sign| match sign {
+            "+" => Some(SumOp::Plus),
+            "-" => Some(SumOp::Minus),
+            _ => None,
+        }) {
             rest.push((op, self.product(parts)?));
         }
         let Some((_, last)) = rest.last() else { return Some(first) };
@@ -50,8 +61,11 @@ impl Builder<'_> {
     fn product(&mut self, parts: &mut Parts) -> Option<Expr> {
         let first = self.factor(parts)?;
         let mut rest = Vec::new();
-        while next_is(parts, Rule::mul_op) {
-            let op = if parts.next()?.as_str() == "*" { ProductOp::Times } else { ProductOp::Divide };
+        while let Some(op) = next_op(parts, |sign| match sign {
+            "*" => Some(ProductOp::Times),
+            "/" => Some(ProductOp::Divide),
+            _ => None,
+        }) {
             rest.push((op, self.factor(parts)?));
         }
         let Some((_, last)) = rest.last() else { return Some(first) };
@@ -73,7 +87,12 @@ impl Builder<'_> {
             }
         }
         let operand = parts.next()?;
-        let mut expr = self.operand(operand)?;
+        let mut expr = if operand.as_rule() == Rule::number {
+            let unit = parts.next_if(|part| part.as_rule() == Rule::unit);
+            self.quantity(&operand, unit)
+        } else {
+            self.operand(operand)?
+        };
         for sign in signs.into_iter().rev() {
             let span = sign.to(expr.span);
             expr = Expr { kind: ExprKind::Negative(Box::new(expr)), span };
@@ -84,7 +103,6 @@ impl Builder<'_> {
     fn operand(&mut self, pair: Pair<Rule>) -> Option<Expr> {
         let span = self.span_of(&pair);
         let kind = match pair.as_rule() {
-            Rule::quantity => self.quantity(pair)?,
             Rule::text => ExprKind::Text(self.unescape(&pair)),
             Rule::reference => self.name_or_call(pair, span)?,
             Rule::list => ExprKind::List(self.block(pair, 1, |builder, pair| match pair.as_rule() {
@@ -126,12 +144,12 @@ impl Builder<'_> {
         Some(ExprKind::Name(name.text))
     }
 
-    fn quantity(&mut self, pair: Pair<Rule>) -> Option<ExprKind> {
-        let mut parts = pair.into_inner();
-        let number = take(&mut parts, Rule::number)?;
-        let digits = self.digits(&number);
-        let unit = take(&mut parts, Rule::unit).map(|unit| self.unit(&unit));
-        Some(ExprKind::Number { digits, unit })
+    fn quantity(&mut self, number: &Pair<Rule>, unit: Option<Pair<Rule>>) -> Expr {
+        let span = self.span_of(number);
+        let digits = self.digits(number);
+        let unit = unit.map(|unit| self.unit(&unit));
+        let span = unit.as_ref().map_or(span, |unit| span.to(unit.span));
+        Expr { kind: ExprKind::Number { digits, unit }, span }
     }
 
     /// The digits as written, or what they should have been.

@@ -4,6 +4,7 @@
 //! always works on balanced text of bounded nesting: its recursion is safe, and one forgotten bracket does not hide
 //! the rest of the file.
 
+use super::MAX_REPORTS;
 use super::expected::STATEMENT_WORDS;
 use super::origin::Edit;
 use crate::diagnostic::{Code, Diagnostic};
@@ -13,13 +14,13 @@ use crate::source::{FileId, Span};
 pub const MAX_BYTES: usize = 8 << 20;
 /// How deep brackets may nest.
 pub const MAX_DEPTH: usize = 64;
-/// As many problems as are reported one by one.
-const MAX_REPORTS: usize = 50;
 
 /// What the guard found.
 #[derive(Debug, Default)]
 pub struct Verdict {
     pub diagnostics: Vec<Diagnostic>,
+    /// Problems beyond those that are reported one by one.
+    pub dropped: usize,
     /// Repairs that balance the text.
     pub edits: Vec<Edit>,
     /// The text cannot be parsed at all.
@@ -32,7 +33,7 @@ pub fn check(file: FileId, text: &str) -> Verdict {
         let message = format!("the file has {} MiB; at most {} MiB are read", text.len() >> 20, MAX_BYTES >> 20);
         let problem = Diagnostic::new(Code::E0106, message, Span::new(file, 0, 0), "this file")
             .help("split it into several files and import them with `use`");
-        return Verdict { diagnostics: vec![problem], edits: Vec::new(), fatal: true };
+        return Verdict { diagnostics: vec![problem], fatal: true, ..Verdict::default() };
     }
     let mut guard = Guard {
         file,
@@ -230,7 +231,8 @@ impl Guard<'_> {
         let mut belongs = None;
         while self.open.len() > depth {
             let Some(open) = self.open.pop() else { return };
-            let here = open.belongs.or(belongs).unwrap_or(at);
+            let end = if open.bracket == b'{' { at } else { self.significant.clamp(open.at + 1, at) };
+            let here = open.belongs.or(belongs).unwrap_or(end);
             belongs = Some(here);
             let closing = closing(open.bracket);
             let message = format!("`{}` is never closed", char::from(open.bracket));
@@ -288,11 +290,17 @@ impl Guard<'_> {
             self.close_down_to(0, at, Some(at));
             return;
         }
+        // A word, a blank and another word or number: no element of a list looks like that, but statements do.
+        let statement = STATEMENT_WORDS.contains(&word)
+            && next.len() < rest.len()
+            && next.starts_with(|c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '[' | '.'));
         let field = next.starts_with('=') && !next.starts_with("==");
-        let statement = STATEMENT_WORDS.contains(&word) && !next.starts_with(['.', ',', ')', ']']);
-        let ended = self.open.iter().rposition(|open| open.bracket == b'{').map_or(0, |brace| brace + 1);
-        if (field || statement) && self.open.last().is_some_and(|open| open.belongs.is_some()) {
-            self.close_down_to(ended, at, Some(at));
+        // With less to go by, the list must have ended on a line before.
+        let ended = self.open.last().is_some_and(|open| open.belongs.is_some());
+        let bare = STATEMENT_WORDS.contains(&word) && next.starts_with(['\r', '\n', '(', '-']);
+        if statement || ((field || bare) && ended) {
+            let depth = self.open.iter().rposition(|open| open.bracket == b'{').map_or(0, |brace| brace + 1);
+            self.close_down_to(depth, at, Some(at));
         }
     }
 
@@ -315,6 +323,8 @@ impl Guard<'_> {
     fn report(&mut self, problem: Diagnostic) {
         if self.verdict.diagnostics.len() < MAX_REPORTS || self.verdict.fatal {
             self.verdict.diagnostics.push(problem);
+        } else {
+            self.verdict.dropped += 1;
         }
     }
 

@@ -46,7 +46,7 @@ use grammar::{Grammar, Rule};
 /// Parses a file. The tree has everything that could be read; what could not is `Bad` in it and in the diagnostics.
 pub fn parse(file: FileId, text: &str) -> (Tree, Vec<Diagnostic>) {
     let verdict = guard::check(file, text);
-    let mut report = Report::new(file, verdict.diagnostics, verdict.edits.iter().map(|edit| edit.at));
+    let mut report = Report::new(file, &verdict);
     let items = if verdict.fatal {
         None
     } else if verdict.edits.is_empty() {
@@ -93,10 +93,11 @@ struct Report {
 }
 
 impl Report {
-    fn new(file: FileId, diagnostics: Vec<Diagnostic>, mended: impl Iterator<Item = usize>) -> Self {
-        let mut mended: Vec<usize> = mended.collect();
+    fn new(file: FileId, verdict: &guard::Verdict) -> Self {
+        let mut mended: Vec<usize> = verdict.edits.iter().map(|edit| edit.at).collect();
         mended.sort_unstable();
-        Report { file, diagnostics, mended, dropped: 0, outside: false, nested: 0 }
+        let diagnostics = verdict.diagnostics.clone();
+        Report { file, diagnostics, mended, dropped: verdict.dropped, outside: false, nested: 0 }
     }
 
     fn is_full(&self) -> bool {

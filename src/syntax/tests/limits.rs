@@ -65,7 +65,8 @@ fn megabytes_on_a_line_are_quick() {
 
 #[test]
 fn reports_are_capped() {
-    for line in ["vertx P1\n", "speed\n", "speed (\n", "speed )\n", "speed \"\n", "speed 1 m\0/s\n", "speed .5 m/s\n"] {
+    for line in ["vertx P1\n", "speed\n", "speed (1\n", "speed )\n", "speed \"\n", "speed 1 m\0/s\n", "speed .5 m/s\n"]
+    {
         let problems = quickly(&format!("layout a {{\n{}}}\n", line.repeat(20_000)));
         assert_eq!(problems.len(), MAX_REPORTS + 1, "{line}");
         assert_eq!(problems.last().map(|problem| problem.code), Some(Code::E0112));

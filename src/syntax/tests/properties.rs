@@ -143,6 +143,24 @@ fn formatting_the_corpus_keeps_everything() {
     }
 }
 
+#[test]
+fn shipped_files_are_free_of_mistakes() {
+    for folder in ["examples", "stdlib"] {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        for entry in std::fs::read_dir(folder).expect("a folder of the project") {
+            let path = entry.expect("a readable folder").path();
+            if path.extension().is_some_and(|extension| extension == "lss") {
+                let text = std::fs::read_to_string(&path).expect("a readable file");
+                if read(&text).1.is_empty() {
+                    check_formatting(&text, &clean(&text));
+                } else {
+                    assert!(path.ends_with("examples/errors.lss"), "{}", path.display());
+                }
+            }
+        }
+    }
+}
+
 /// Layouts put together from lines of the corpus, at random places, with odd spacing.
 fn shuffled() -> impl Strategy<Value = String> {
     let lines: Vec<String> = EVERYTHING

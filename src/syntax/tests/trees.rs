@@ -49,6 +49,44 @@ fn value(text: &str) -> String {
     }
 }
 
+/// A part of the tree on one line, without spans and empty comments.
+fn line(part: &impl std::fmt::Debug) -> String {
+    let mut text = format!("{part:?}");
+    while let Some(start) = text.find("Span {") {
+        let end = text[start..].find('}').map_or(text.len(), |end| start + end + 1);
+        let field = text[..start].trim_end_matches(|c: char| c.is_alphabetic() || c == '_' || c == ':' || c == ' ');
+        let from = field.trim_end_matches(',').len();
+        text.replace_range(from..end, "");
+    }
+    for empty in [
+        ", beside: None",
+        "above: [], ",
+        "blank_before: false, ",
+        ", tail: []",
+        ", beside_open: None",
+        ", multiline: false",
+    ] {
+        text = text.replace(empty, "");
+    }
+    text
+}
+
+#[test]
+fn every_statement_has_its_tree() {
+    let tree = clean(EVERYTHING);
+    let mut lines = Vec::new();
+    for item in tree.items.iter() {
+        match item {
+            Item::Layout(layout) => {
+                lines.push(format!("layout {:?} {} {}", layout.name.text, line(&layout.params), line(&layout.from)));
+                lines.extend(layout.body.iter().map(|statement| format!("  {}", line(statement))));
+            }
+            other => lines.push(line(other)),
+        }
+    }
+    insta::assert_snapshot!(lines.join("\n"));
+}
+
 #[test]
 fn expressions_have_the_usual_precedence() {
     for (text, meaning) in [

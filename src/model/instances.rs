@@ -1,9 +1,10 @@
-//! The reference instance of the thesis' layout problem (figures 3.3-3.6), built in code for unit tests.
+//! Layouts with a story, built in code for unit tests.
 
 use super::fixture::{loop_through, span};
 use super::*;
 
-/// Ten vertices, building and four obstacles; the same numbers as `examples/thesis10.lss`.
+/// The reference instance of the thesis' layout problem (figures 3.3-3.6): ten vertices, building and four obstacles;
+/// the same numbers as `examples/thesis10.lss`.
 pub fn thesis10() -> Layout {
     let mut layout = loop_through(
         "thesis10",
@@ -49,6 +50,19 @@ pub fn thesis10() -> Layout {
         fix(7, &[Length, Rotation, Parallel, Perpendicular]),
         fix(3, &[Length, Rotation]),
     ];
+    layout
+}
+
+/// A loop around a building's wing that stands in its mouth. Both strands shrink around it, and at the bottom they
+/// would end up on each other.
+pub fn horseshoe() -> Layout {
+    let corners =
+        [(0.0, 0.0), (40.0, 0.0), (40.0, 30.0), (28.0, 30.0), (28.0, 12.0), (12.0, 12.0), (12.0, 30.0), (0.0, 30.0)];
+    let mut layout = loop_through("horseshoe", &corners.map(|(x, y)| (x, y, 3.0)));
+    layout.obstacles = vec![obstacle("mouth", &[(14.0, 14.0), (26.0, 14.0), (26.0, 40.0), (14.0, 40.0)], Side::Right)];
+    layout.constraints = [2, 3, 6, 7]
+        .map(|vertex| Constraint { kind: ConstraintKind::FixVertex { vertex }, span: span(), reason: None })
+        .to_vec();
     layout
 }
 

@@ -1,0 +1,253 @@
+//! `lss build`: a layout to track elements, drawings and a simulation input.
+
+use super::check::{Opened, open};
+use super::progress::Line;
+use super::{MessageFormat, Outcome, could_not, report};
+use crate::diagnostic::Diagnostic;
+use crate::elements;
+use crate::emit::{self, Compiled, DrawError, Files};
+use crate::model::{self, Layout};
+use crate::problem::{self, Problem, Scope};
+use crate::semantics::{analyse, unsupported};
+use crate::solve::{self, Options, Solver};
+use crate::source::SourceMap;
+use clap::ValueEnum;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Optimise a layout and write its elements, drawings and simulation input.
+///
+/// Writes layout.json, simulation.json, bom.csv, bom.json, drawing.svg, drawing.png and drawing.dxf, all of them or
+/// none. When no layout meets the constraints, the best one found is written, marked as not feasible, and the exit code
+/// is 1.
+#[derive(Debug, clap::Args)]
+pub struct Build {
+    /// Layout file.
+    file: PathBuf,
+    /// Folder for the outputs; created if it is missing.
+    #[arg(short, long, value_name = "DIR", required_unless_present = "emit")]
+    output: Option<PathBuf>,
+    /// Which layout, when the file has several.
+    #[arg(long, value_name = "NAME")]
+    layout: Option<String>,
+    /// How the summary is written to standard output.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// How diagnostics are written to standard error.
+    #[arg(long, value_enum, default_value_t)]
+    message_format: MessageFormat,
+    /// Print a stage of the compiler instead of building: the checked layout, or its optimisation problem.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    emit: Option<Emit>,
+    /// Draw start and stages over each other, too: stages.svg and stages.png.
+    #[arg(long)]
+    stages: bool,
+    /// Solver of the continuous stages.
+    #[arg(long, value_enum, default_value_t)]
+    solver: SolverName,
+    /// Start from the written layout with normal noise of this size on free vertices, and radii drawn uniformly.
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    perturb: Option<f64>,
+    /// Seed of --perturb.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Threads to use; the result does not depend on it. All cores when not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    threads: Option<u64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+enum Format {
+    #[default]
+    Text,
+    Json,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Emit {
+    /// The checked layout with every default filled in.
+    Model,
+    /// The optimisation problem, each row with its source line.
+    Problem,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+enum SolverName {
+    /// Sequential quadratic programming.
+    #[default]
+    Sqp,
+    /// Box's complex method, for comparison.
+    Complex,
+}
+
+/// The summary in JSON.
+#[derive(Serialize)]
+struct Summary<'a> {
+    layout: &'a str,
+    stages: Vec<StageSummary<'a>>,
+    length_m: f64,
+    footprint_m2: f64,
+    element_count: usize,
+    closure_m: f64,
+    closure_rad: f64,
+    price_eur: f64,
+    mass_kg: f64,
+    feasible: bool,
+}
+
+#[derive(Serialize)]
+struct StageSummary<'a> {
+    name: &'a str,
+    length_m: f64,
+    max_violation_m: f64,
+    iterations: usize,
+    seconds: f64,
+    status: solve::Status,
+}
+
+impl Build {
+    pub fn run(&self) -> Outcome {
+        let mut sources = SourceMap::default();
+        let (mut loader, main) = match open(&mut sources, &self.file) {
+            Ok(opened) => opened,
+            Err(Opened::Unreadable(why)) => return could_not("read", &self.file, why),
+            Err(Opened::Problem(diagnostic)) => return self.report(&sources, &[*diagnostic]),
+        };
+        let analysis = analyse(&mut sources, &mut loader, main, self.layout.as_deref());
+        let mut said = analysis.diagnostics.clone();
+        let layout = match analysis.chosen() {
+            Ok(Some(layout)) if !analysis.has_errors() => layout,
+            Ok(_) => return self.report(&sources, &said),
+            Err(unclear) => {
+                if !said.contains(&unclear) {
+                    said.push(unclear);
+                }
+                return self.report(&sources, &said);
+            }
+        };
+        if self.emit == Some(Emit::Model) {
+            report::print(&model::print(layout));
+            return self.report(&sources, &said);
+        }
+        said.extend(unsupported(layout));
+        if said.iter().any(Diagnostic::is_error) {
+            return self.report(&sources, &said);
+        }
+        if self.emit == Some(Emit::Problem) {
+            report::print(&problem::print(&Problem::new(layout, Scope::Obstacles), &sources));
+            return self.report(&sources, &said);
+        }
+        let compiled = self.solve(layout);
+        said.extend(solve::diagnose(&compiled.stages));
+        said.extend(elements::lacking(&compiled.sequence, layout));
+        if let Some(folder) = &self.output {
+            let files = match self.files(&compiled) {
+                Ok(files) => files,
+                Err(why) => return could_not("draw", &self.file, why),
+            };
+            if let Err(error) = files.write(folder) {
+                return could_not("write", &error.path, &error.reason);
+            }
+        }
+        self.summarise(&compiled);
+        self.report(&sources, &said)
+    }
+
+    fn solve(&self, layout: &Layout) -> Compiled {
+        let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
+        let options = Options {
+            solver: match self.solver {
+                SolverName::Sqp => Solver::Sqp,
+                SolverName::Complex => Solver::Complex,
+            },
+            perturb: self.perturb.map(|size| (size, self.seed)),
+            threads: self.threads.map_or_else(cores, |n| n as usize),
+        };
+        let line = Line::new();
+        let stages = solve::solve(layout, &options, &|progress| line.show(progress));
+        line.finish();
+        Compiled::new(layout.clone(), stages)
+    }
+
+    fn files(&self, compiled: &Compiled) -> Result<Files, DrawError> {
+        let mut files: Files = emit::data_files(compiled).into_iter().chain(emit::drawing_files(compiled)?).collect();
+        if self.stages {
+            let written = compiled.layout.corners();
+            files.push("stages.svg", emit::stages_svg(compiled, &written)?);
+            files.push("stages.png", emit::stages_png(compiled, &written)?);
+        }
+        Ok(files)
+    }
+
+    fn report(&self, sources: &SourceMap, said: &[Diagnostic]) -> Outcome {
+        report::diagnostics(&mut std::io::stderr(), sources, said, self.message_format);
+        if said.iter().any(Diagnostic::is_error) { Outcome::Problems } else { Outcome::Clean }
+    }
+
+    fn summarise(&self, compiled: &Compiled) {
+        let stage = |s: &'_ solve::Stage| StageSummary {
+            name: s.name,
+            length_m: s.length,
+            max_violation_m: s.max_violation,
+            iterations: s.iterations,
+            seconds: s.seconds,
+            status: s.status,
+        };
+        let summary = Summary {
+            layout: &compiled.layout.name,
+            stages: compiled.stages.iter().map(stage).collect(),
+            length_m: compiled.track.length,
+            footprint_m2: compiled.footprint,
+            element_count: compiled.bill.count,
+            closure_m: compiled.sequence.closure,
+            closure_rad: compiled.sequence.closure_heading,
+            price_eur: compiled.bill.price,
+            mass_kg: compiled.bill.mass,
+            feasible: !compiled.failed(),
+        };
+        let text = match self.format {
+            Format::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
+            Format::Text => text(&summary, self.output.as_ref()),
+        };
+        report::print(&text);
+    }
+}
+
+/// The summary for people.
+fn text(summary: &Summary, output: Option<&PathBuf>) -> String {
+    let mut out = format!("{}\n", summary.layout);
+    for stage in &summary.stages {
+        let state = match stage.status {
+            solve::Status::Converged => "optimal",
+            solve::Status::Feasible => "feasible, but out of iterations before it was optimal",
+            solve::Status::Infeasible => "NOT FEASIBLE",
+            solve::Status::AsWritten => "as written",
+        };
+        out += &format!(
+            "  {:<8} {:>12.5} m  {state}, violation {:.1e}, {} iterations, {:.3} s\n",
+            stage.name, stage.length_m, stage.max_violation_m, stage.iterations, stage.seconds
+        );
+    }
+    out += &format!(
+        "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",
+        summary.element_count, summary.price_eur, summary.mass_kg, summary.footprint_m2, summary.closure_m
+    );
+    if let Some(folder) = output {
+        out += &format!("  written to {}\n", folder.display());
+    }
+    out
+}
+
+/// `1.5m`, `1.5 m`, `300mm`.
+fn length(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (digits, scale) = match (text.strip_suffix("mm"), text.strip_suffix('m')) {
+        (Some(digits), _) => (digits, 1e-3),
+        (None, Some(digits)) => (digits, 1.0),
+        _ => return Err("a length needs a unit, such as 1.5m or 300mm".into()),
+    };
+    match digits.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value * scale),
+        _ => Err(format!("{text} is not a length such as 1.5m")),
+    }
+}

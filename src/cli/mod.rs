@@ -1,0 +1,88 @@
+//! The `lss` command: one file a verb.
+//!
+//! Exit codes: 0 clean (warnings allowed), 1 problems in the input, 2 could not run.
+
+mod build;
+mod check;
+mod explain;
+mod fmt;
+mod generate;
+mod new;
+mod progress;
+mod report;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Compile conveyor track layouts: check, optimise, draw and bill them.
+#[derive(Debug, Parser)]
+#[command(name = "lss", version, arg_required_else_help = true, infer_subcommands = false)]
+pub struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Build(build::Build),
+    Check(check::Check),
+    Fmt(fmt::Fmt),
+    Explain(explain::Explain),
+    New(new::New),
+    Completions(generate::Completions),
+    Man(generate::Man),
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    Clean,
+    Problems,
+    CouldNotRun,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        ExitCode::from(match outcome {
+            Outcome::Clean => 0,
+            Outcome::Problems => 1,
+            Outcome::CouldNotRun => 2,
+        })
+    }
+}
+
+/// How diagnostics are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum MessageFormat {
+    /// For people, with excerpts.
+    #[default]
+    Text,
+    /// One JSON object a line.
+    Json,
+}
+
+/// Runs the command line.
+pub fn main() -> ExitCode {
+    let outcome = match Cli::parse().verb {
+        Verb::Build(verb) => verb.run(),
+        Verb::Check(verb) => verb.run(),
+        Verb::Fmt(verb) => verb.run(),
+        Verb::Explain(verb) => verb.run(),
+        Verb::New(verb) => verb.run(),
+        Verb::Completions(verb) => verb.run(),
+        Verb::Man(verb) => verb.run(),
+    };
+    outcome.into()
+}
+
+/// Says why a run was impossible.
+fn could_not(what: &str, path: &std::path::Path, why: impl std::fmt::Display) -> Outcome {
+    report::error(&format!("could not {what} {}: {why}", path.display()));
+    Outcome::CouldNotRun
+}
+
+/// `-` is standard input where a verb reads one text.
+fn is_stdin(path: &PathBuf) -> bool {
+    path.as_os_str() == "-"
+}

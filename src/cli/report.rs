@@ -1,0 +1,43 @@
+//! Diagnostics and plain messages on the terminal.
+
+use super::MessageFormat;
+use crate::diagnostic::text::Style;
+use crate::diagnostic::{Diagnostic, json, text};
+use crate::source::SourceMap;
+use std::io::{IsTerminal, Write};
+
+/// Writes diagnostics to a stream. Text is coloured on a terminal, unless NO_COLOR is set.
+pub fn diagnostics(out: &mut dyn Write, sources: &SourceMap, diagnostics: &[Diagnostic], format: MessageFormat) {
+    let style = if colour(&std::io::stderr()) { Style::Colour } else { Style::Plain };
+    let mut said = String::new();
+    for diagnostic in diagnostics {
+        match format {
+            MessageFormat::Text => said.push_str(&text::render(sources, diagnostic, style)),
+            MessageFormat::Json => {
+                said.push_str(&json::line(sources, diagnostic));
+                said.push('\n');
+            }
+        }
+    }
+    if let (MessageFormat::Text, Some(summary)) = (format, text::summary(diagnostics)) {
+        said.push_str(&summary);
+        said.push('\n');
+    }
+    // A reader that went away (`lss check | head`) is no error of ours.
+    let _ = out.write_all(said.as_bytes());
+}
+
+/// A one-line error without a place in a source.
+pub fn error(message: &str) {
+    eprintln!("error: {message}");
+}
+
+/// Whether a stream is a terminal that wants colour (<https://no-color.org>).
+pub fn colour(stream: &impl IsTerminal) -> bool {
+    stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
+
+/// Writes a text to standard output.
+pub fn print(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}

@@ -1,0 +1,66 @@
+//! A solved layout with everything that writers need worked out once.
+
+use super::Contact;
+use crate::elements::{self, Bill, Sequence};
+use crate::geometry::clearance::Region;
+use crate::geometry::{Hand, Outline, Track};
+use crate::model::{Layout, Side};
+use crate::solve::{Stage, Status};
+
+/// A layout after solving: what every writer reads.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    pub layout: Layout,
+    /// The centre line that is drawn and ordered (the last stage's, or the best found when a solve failed).
+    pub track: Track,
+    /// The written layout is not among them; the last one is what `track` shows. At least one.
+    pub stages: Vec<Stage>,
+    pub sequence: Sequence,
+    pub bill: Bill,
+    /// Contact areas and clearances per obstacle, in the order of `layout.obstacles`, then the building.
+    pub contacts: Vec<Contact>,
+    /// Floor covered by the track's band, m².
+    pub footprint: f64,
+}
+
+impl Compiled {
+    /// Covers the last stage's layout with elements and measures it. Without a stage, the written layout.
+    pub fn new(layout: Layout, stages: Vec<Stage>) -> Self {
+        let corners = stages.last().map_or_else(|| layout.corners(), |s| s.corners.clone());
+        let track = Track::new(&corners);
+        let sequence = elements::sequence(&track, &layout);
+        Compiled {
+            bill: elements::bill(&sequence, &layout),
+            contacts: contacts(&layout, &track),
+            footprint: track.footprint(layout.width.value),
+            sequence,
+            track,
+            stages,
+            layout,
+        }
+    }
+
+    /// Whether the last stage failed: drawings then carry a watermark and the rows that are violated.
+    pub fn failed(&self) -> bool {
+        self.stages.last().is_some_and(|s| s.status == Status::Infeasible)
+    }
+}
+
+fn contacts(layout: &Layout, track: &Track) -> Vec<Contact> {
+    let half = layout.width.value / 2.0;
+    let sides = [Hand::Left, Hand::Right].map(|hand| Outline::side(track, half, hand));
+    let clearance = |region: Region| region.distance(track) - half;
+    let obstacle = |o: &crate::model::Obstacle| {
+        let lies = if o.side == Side::Right { Hand::Right } else { Hand::Left };
+        let [area_left, area_right] = [0, 1].map(|k| sides[k].contact(&o.polygon, lies));
+        let region = Region { polygon: o.polygon.clone(), outside: false, lies: lies.sign() };
+        Contact { name: o.name.clone(), area_left, area_right, clearance: clearance(region), required: o.clearance }
+    };
+    let building = |b: &crate::model::Building| {
+        let [area_left, area_right] = [0, 1].map(|k| sides[k].area_outside(&b.polygon));
+        let lies = if sides[0].orientation() < 0 { 1.0 } else { -1.0 };
+        let region = Region { polygon: b.polygon.clone(), outside: true, lies };
+        Contact { name: "building".into(), area_left, area_right, clearance: clearance(region), required: b.clearance }
+    };
+    layout.obstacles.iter().map(obstacle).chain(layout.building.iter().map(building)).collect()
+}

@@ -1,0 +1,56 @@
+//! The drawings' files.
+
+use std::fmt;
+
+use super::{Compiled, dxf, png, svg};
+use crate::geometry::Corner;
+
+/// Why there is no drawing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DrawError {
+    /// Coordinates that are not finite, or a layout without extent or beyond 10 000 km.
+    Extent,
+    /// The renderer's words.
+    Raster(String),
+}
+
+impl fmt::Display for DrawError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            DrawError::Extent => write!(f, "no sheet can show the layout's extent"),
+            DrawError::Raster(message) => write!(f, "the drawing could not be rendered: {message}"),
+        }
+    }
+}
+
+impl std::error::Error for DrawError {}
+
+/// `drawing.svg`, `drawing.png` and `drawing.dxf`: names and contents, in this order.
+///
+/// # Errors
+/// As the writers.
+pub fn drawing_files(compiled: &Compiled) -> Result<Vec<(String, Vec<u8>)>, DrawError> {
+    let adaptive = svg::drawing(compiled, svg::Theme::Adaptive)?;
+    let raster = png::render(&svg::drawing(compiled, svg::Theme::Light)?)?;
+    Ok(vec![
+        ("drawing.svg".to_owned(), adaptive.into_bytes()),
+        ("drawing.png".to_owned(), raster),
+        ("drawing.dxf".to_owned(), dxf::drawing(compiled).into_bytes()),
+    ])
+}
+
+/// `stages.svg`: the written layout and every stage over each other.
+///
+/// # Errors
+/// As [`svg::stages`].
+pub fn stages_svg(compiled: &Compiled, written: &[Corner]) -> Result<String, DrawError> {
+    svg::stages(compiled, written, svg::Theme::Adaptive)
+}
+
+/// The same as PNG.
+///
+/// # Errors
+/// As [`svg::stages`] and [`png::render`].
+pub fn stages_png(compiled: &Compiled, written: &[Corner]) -> Result<Vec<u8>, DrawError> {
+    png::render(&svg::stages(compiled, written, svg::Theme::Light)?)
+}

@@ -1,0 +1,143 @@
+//! The file as two other programs read it: the `dxf` crate and, where Python has it, ezdxf with its audit.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+use ::dxf::Drawing;
+use ::dxf::entities::EntityType;
+
+use super::*;
+use crate::emit::plan::samples;
+
+fn samples() -> Vec<(&'static str, Compiled)> {
+    vec![
+        ("rectangle", samples::rectangle()),
+        ("ten_vertices", samples::ten_vertices()),
+        ("crowded", samples::crowded()),
+        ("failed", samples::failed()),
+    ]
+}
+
+/// Number of arcs and length of the lines and arcs of a layer.
+fn arcs_and_length(drawing: &Drawing, layer: &str) -> (usize, f64) {
+    let (mut arcs, mut length) = (0, 0.0);
+    for entity in drawing.entities().filter(|entity| entity.common.layer == layer) {
+        match &entity.specific {
+            EntityType::Line(line) => length += trig::hypot(line.p2.x - line.p1.x, line.p2.y - line.p1.y),
+            EntityType::Arc(arc) => {
+                arcs += 1;
+                length += arc.radius * (arc.end_angle - arc.start_angle).rem_euclid(360.0) * trig::PI / 180.0;
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    (arcs, length)
+}
+
+#[test]
+fn the_centre_line_keeps_its_arcs_and_length() {
+    for (name, compiled) in samples() {
+        let text = drawing(&compiled);
+        let read = Drawing::load(&mut text.as_bytes()).expect("a DXF file");
+        assert_eq!(read.header.default_drawing_units, ::dxf::enums::Units::Meters, "{name}");
+        let (arcs, length) = arcs_and_length(&read, "TRACK_CENTRE");
+        assert_eq!(arcs, compiled.track.corners.len(), "{name}");
+        assert!((length - compiled.track.length).abs() < 1e-9, "{name}: {length}");
+        // Both sides together are twice the centre line: each arc gains outside what it loses inside.
+        let sides = arcs_and_length(&read, "TRACK_LEFT").1 + arcs_and_length(&read, "TRACK_RIGHT").1;
+        assert!((sides - 2.0 * compiled.track.length).abs() < 1e-9, "{name}: {sides}");
+        let there: BTreeSet<&str> = read.layers().map(|layer| layer.name.as_str()).collect();
+        assert!(LAYERS.iter().all(|layer| there.contains(layer.name)), "{name}: {there:?}");
+        let used: BTreeSet<&str> = read.entities().map(|entity| entity.common.layer.as_str()).collect();
+        assert!(used.iter().all(|layer| there.contains(layer)), "{name}: {used:?}");
+    }
+}
+
+#[test]
+fn everything_is_on_its_layer() {
+    let read = Drawing::load(&mut drawing(&samples::crowded()).as_bytes()).expect("a DXF file");
+    let mut count: BTreeMap<&str, usize> = BTreeMap::new();
+    for entity in read.entities() {
+        *count.entry(entity.common.layer.as_str()).or_default() += 1;
+    }
+    for (layer, expected) in
+        [("BUILDING", 1), ("OBSTACLES", 3), ("INDUCTIONS", 2), ("CHUTES", 15), ("VERTICES", 6), ("SENSORS", 3)]
+    {
+        assert_eq!(count.get(layer), Some(&expected), "{layer}");
+    }
+    // 28.57 m of track with a support on both sides every metre.
+    assert_eq!(count.get("SUPPORTS"), Some(&58));
+    let texts: Vec<&str> = read
+        .entities()
+        .filter_map(
+            |entity| if let EntityType::Text(text) = &entity.specific { Some(text.value.as_str()) } else { None },
+        )
+        .collect();
+    for text in ["P1", "control cabinet", "south 9\\U+00D7", "4.000"] {
+        assert!(texts.iter().any(|t| t.replace('×', "\\U+00D7") == text), "{text}: {texts:?}");
+    }
+}
+
+#[test]
+fn the_same_layout_gives_the_same_bytes() {
+    let compiled = samples::crowded();
+    let text = drawing(&compiled);
+    assert_eq!(text, drawing(&compiled.clone()));
+    assert!(text.is_ascii() && !text.contains("NaN") && !text.contains("inf"));
+}
+
+/// Reads a file from standard input, audits it, and prints what the test compares.
+const SCRIPT: &str = r#"
+import io, math, sys
+try:
+    import ezdxf
+    from ezdxf import bbox
+except ImportError:
+    print("missing"); sys.exit(0)
+document = ezdxf.read(io.StringIO(sys.stdin.read()))
+auditor = document.audit()
+problems = [str(e.message) for e in auditor.errors + auditor.fixes]
+centre = document.modelspace().query('*[layer=="TRACK_CENTRE"]')
+length = sum(e.dxf.start.distance(e.dxf.end) if e.dxftype() == "LINE"
+             else math.radians((e.dxf.end_angle - e.dxf.start_angle) % 360) * e.dxf.radius for e in centre)
+box = bbox.extents(document.modelspace().query('*[layer=="TRACK_LEFT" | layer=="TRACK_RIGHT"]'))
+print(len(problems), *problems, sep=" | ")
+print(len(centre.query("ARC")), repr(length), document.units, document.dxfversion)
+print(repr(box.extmin.x), repr(box.extmin.y), repr(box.extmax.x), repr(box.extmax.y))
+"#;
+
+fn ezdxf(text: &str) -> Option<Vec<String>> {
+    let mut child =
+        Command::new("python3").args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
+    // A reader that has gone away has said why on its standard output.
+    let _ = child.stdin.take()?.write_all(text.as_bytes());
+    let output = child.wait_with_output().ok()?;
+    let lines: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect();
+    assert!(output.status.success(), "{lines:?}");
+    (lines[0] != "missing").then_some(lines)
+}
+
+#[test]
+fn ezdxf_finds_no_fault() {
+    for (name, compiled) in samples() {
+        let Some(lines) = ezdxf(&drawing(&compiled)) else {
+            println!("skipped: python3 with ezdxf is not there");
+            return;
+        };
+        assert_eq!(lines[0], "0", "{name}");
+        let words: Vec<&str> = lines[1].split(' ').collect();
+        assert_eq!(words[0].parse(), Ok(compiled.track.corners.len()), "{name}");
+        let length: f64 = words[1].parse().expect("a number");
+        assert!((length - compiled.track.length).abs() < 1e-9, "{name}: {length}");
+        assert_eq!(&words[2..], ["6", "AC1015"], "{name}");
+        let half = compiled.layout.width.value / 2.0;
+        let sides = [half, -half].iter().flat_map(|shift| plan::side(&compiled.track, *shift)).collect::<Vec<_>>();
+        let (low, high) = bounds(sides.iter().flat_map(|curve| <[Point; 2]>::from(curve.bounds())));
+        let read: Vec<f64> = lines[2].split(' ').map(|word| word.parse().expect("a number")).collect();
+        for (read, expected) in read.iter().zip([low.x, low.y, high.x, high.y]) {
+            // ezdxf takes an arc's extent from a polyline.
+            assert!((read - expected).abs() < 0.01, "{name}: {read} {expected}");
+        }
+    }
+}

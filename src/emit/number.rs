@@ -1,0 +1,65 @@
+//! The one way numbers are written: the same digits everywhere, and never a negative zero.
+
+/// With a fixed number of decimals: `1.50`.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.bytes().all(|b| matches!(b, b'0' | b'.')) => digits.to_owned(),
+        _ => text,
+    }
+}
+
+/// With at most this number of decimals, without zeros at the end: `1.5`.
+pub fn trimmed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The fewest digits that read back as the same number, without an exponent: `0.1`.
+pub fn shortest(value: f64) -> String {
+    format!("{}", normal(value))
+}
+
+/// Rounds a computed quantity to 1e-12, which clears away the last bits' noise (12.000000000000002 m) and keeps far
+/// more than any use needs. Large numbers, whose own resolution is coarser, stay as they are.
+pub fn tidy(value: f64) -> f64 {
+    const PARTS: f64 = 1e12;
+    normal(if value.abs() < 1e3 { (value * PARTS).round() / PARTS } else { value })
+}
+
+/// Zero without a sign.
+pub fn normal(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_have_no_sign() {
+        assert_eq!(fixed(-0.004, 2), "0.00");
+        assert_eq!(fixed(-0.0, 0), "0");
+        assert_eq!(trimmed(-0.0004, 3), "0");
+        assert_eq!(shortest(-0.0), "0");
+        assert!(tidy(-1e-14).is_sign_positive());
+    }
+
+    #[test]
+    fn digits_are_kept_and_trimmed() {
+        assert_eq!(fixed(-1.005, 1), "-1.0");
+        assert_eq!(trimmed(1.500, 3), "1.5");
+        assert_eq!(trimmed(2437.5124, 3), "2437.512");
+        assert_eq!(trimmed(100.0, 0), "100");
+        assert_eq!(shortest(0.1), "0.1");
+        assert_eq!(shortest(4.0e7), "40000000");
+        assert_eq!(shortest(1e-7), "0.0000001");
+    }
+
+    #[test]
+    fn noise_is_cleared_and_large_numbers_stay() {
+        assert_eq!(tidy(12.000000000000002), 12.0);
+        assert_eq!(tidy(0.1 + 0.2), 0.3);
+        assert_eq!(tidy(123_456_789.123_456_79), 123_456_789.123_456_79);
+    }
+}

@@ -1,0 +1,106 @@
+//! Places of the equipment on the centre line.
+
+use crate::emit::{Compiled, Station};
+use crate::geometry::Point;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MarkKind {
+    Start,
+    Photocell,
+    Induction,
+    Chute,
+    Motor,
+    Support,
+}
+
+/// One thing on the centre line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    pub kind: MarkKind,
+    /// Arc length from vertex 0's outgoing tangent point, m.
+    pub s: f64,
+    pub point: Point,
+    /// Of travel, rad.
+    pub heading: f64,
+    /// Along the centre line from `s` on, m; 0 for what has no length.
+    pub length: f64,
+    /// What stands beside it: a name or number; in a row of chutes only the middle one has it.
+    pub label: Option<String>,
+}
+
+/// Everything on the track: start, photocell, inductions, chutes, motors, supports, each in driving order.
+pub fn marks(compiled: &Compiled) -> Vec<Mark> {
+    let equipment = &compiled.layout.equipment;
+    let mut marks = Vec::new();
+    let mut add = |kind, station: Station, label| {
+        let length = if kind == MarkKind::Motor { compiled.layout.drive.motor.length } else { 0.0 };
+        let s = (station.s + compiled.start()).rem_euclid(compiled.track.length);
+        marks.push(Mark { kind, s, point: station.point, heading: station.heading, length, label });
+    };
+    add(MarkKind::Start, compiled.station_at(0.0), Some("s = 0".to_owned()));
+    if let Some(place) = equipment.photocell {
+        add(MarkKind::Photocell, compiled.station(place), Some("photocell".to_owned()));
+    }
+    for induction in &equipment.inductions {
+        add(MarkKind::Induction, compiled.station(induction.place), Some(induction.name.clone()));
+    }
+    for chutes in &equipment.chutes {
+        let count = chutes.row.count;
+        let text = if count == 1 { chutes.name.clone() } else { format!("{} {count}×", chutes.name) };
+        for (i, station) in compiled.stations(&chutes.row).into_iter().enumerate() {
+            add(MarkKind::Chute, station, (i == count / 2).then(|| text.clone()));
+        }
+    }
+    for (j, station) in compiled.motors().into_iter().enumerate() {
+        add(MarkKind::Motor, station, Some(format!("M{}", j + 1)));
+    }
+    if let Some(every) = equipment.supports.filter(|every| every.value > 0.0) {
+        // The last one would stand on the first when the length is a multiple.
+        let count = ((compiled.track.length - 1e-6) / every.value).floor() as usize + 1;
+        for i in 0..count {
+            add(MarkKind::Support, compiled.station_at(i as f64 * every.value), None);
+        }
+    }
+    marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emit::fixture::{compile, on};
+    use crate::model::fixture;
+    use crate::source::Spanned;
+
+    #[test]
+    fn motors_and_supports_stand_evenly_from_the_start_mark() {
+        let mut layout = fixture::rectangle(20.0, 10.0, 3.0);
+        layout.equipment.start = Some(on(1, 1.0));
+        layout.equipment.supports = Some(Spanned::new(2.5, fixture::span()));
+        let compiled = compile(layout);
+        let (length, marks) = (compiled.track.length, marks(&compiled));
+        let start = marks.iter().find(|m| m.kind == MarkKind::Start).expect("start");
+        assert!(start.point.distance(Point::new(20.0, 4.0)) < 1e-12);
+        let ahead = |kind: MarkKind| -> Vec<f64> {
+            marks.iter().filter(|m| m.kind == kind).map(|m| (m.s - start.s).rem_euclid(length)).collect()
+        };
+        for (j, s) in ahead(MarkKind::Motor).into_iter().enumerate() {
+            assert!((s - (j as f64 + 0.5) * length / 4.0).abs() < 1e-9);
+        }
+        // 36 + 6π = 54.85 m
+        let supports = ahead(MarkKind::Support);
+        assert_eq!(supports.len(), 22);
+        assert!((supports[21] - 52.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_row_of_chutes_is_named_once() {
+        let mut layout = fixture::rectangle(20.0, 10.0, 3.0);
+        let row = crate::model::Row { place: on(2, 1.0), every: 1.25, count: 7 };
+        layout.equipment.chutes = vec![crate::model::Chutes { name: "row_a".to_owned(), row }];
+        let marks = marks(&compile(layout));
+        let chutes: Vec<&Mark> = marks.iter().filter(|m| m.kind == MarkKind::Chute).collect();
+        assert_eq!(chutes.len(), 7);
+        assert_eq!(chutes.iter().filter_map(|m| m.label.as_deref()).collect::<Vec<_>>(), ["row_a 7×"]);
+        assert!(chutes[6].point.distance(Point::new(17.0 - 1.0 - 7.5, 10.0)) < 1e-9);
+    }
+}

@@ -1,0 +1,61 @@
+//! JSON Schemas of the documents, committed in `docs/schemas/`.
+
+use super::bom::Bom;
+use super::json;
+use super::layout::LayoutFile;
+use super::simulation::Simulation;
+
+/// Names and contents of `docs/schemas/`.
+pub fn schemas() -> [(&'static str, Vec<u8>); 3] {
+    [
+        ("layout.schema.json", json::schema::<LayoutFile>()),
+        ("simulation.schema.json", json::schema::<Simulation>()),
+        ("bom.schema.json", json::schema::<Bom>()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emit::data_files;
+    use crate::emit::fixture::compile;
+    use crate::model::fixture;
+    use serde_json::Value;
+    use std::path::Path;
+
+    /// `UPDATE_SCHEMAS=1 cargo test schemas` writes them anew.
+    #[test]
+    fn committed_schemas_are_up_to_date() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/schemas");
+        for (name, schema) in schemas() {
+            let path = folder.join(name);
+            if std::env::var_os("UPDATE_SCHEMAS").is_some() {
+                std::fs::write(&path, &schema).unwrap();
+            }
+            let committed = std::fs::read(&path).unwrap_or_default();
+            assert!(committed == schema, "{name} is out of date: run UPDATE_SCHEMAS=1 cargo test schemas");
+        }
+    }
+
+    #[test]
+    fn emitted_files_are_valid_and_end_with_a_newline() {
+        let mut special = fixture::rectangle(20.0, 10.0, 4.0);
+        special.vertices[1].radius.value = 4.2;
+        for layout in [fixture::rectangle(20.3, 10.0, 4.0), special] {
+            let files = data_files(&compile(layout));
+            let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+            assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
+            for (name, schema) in schemas() {
+                let validator = jsonschema::validator_for(&serde_json::from_slice(&schema).unwrap()).unwrap();
+                let name = name.replace(".schema", "");
+                let (_, content) = files.iter().find(|(n, _)| *n == name).unwrap();
+                let document: Value = serde_json::from_slice(content).unwrap();
+                let errors: Vec<String> = validator.iter_errors(&document).map(|e| e.to_string()).collect();
+                assert!(errors.is_empty(), "{name}: {errors:?}");
+                assert!(content.ends_with(b"}\n"));
+                // A schema that takes everything would not be one.
+                assert!(!validator.is_valid(&serde_json::json!({ "name": 1 })));
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Arc length as users count it: 0 at the layout's start, which may lie anywhere on a straight.
+
+use super::Compiled;
+use super::number::tidy;
+use crate::geometry::{Point, trig};
+use crate::model::{Motors, Place, Row};
+
+/// A place on the centre line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Station {
+    /// From the layout's start, m.
+    pub s: f64,
+    pub point: Point,
+    /// rad in (-π, π]
+    pub heading: f64,
+}
+
+impl Compiled {
+    /// Arc length of the layout's start from vertex 0's outgoing tangent point, m.
+    pub fn start(&self) -> f64 {
+        self.layout.equipment.start.map_or(0.0, |place| self.past_first_vertex(place))
+    }
+
+    /// Where a place lies.
+    pub fn station(&self, place: Place) -> Station {
+        self.station_at(self.past_first_vertex(place) - self.start())
+    }
+
+    /// The place `s` past the layout's start, m.
+    pub fn station_at(&self, s: f64) -> Station {
+        let (point, heading) = self.track.at(s + self.start());
+        Station { s: self.round_trip(s), point, heading: trig::wrap(heading) }
+    }
+
+    /// The places of a row.
+    pub fn stations(&self, row: &Row) -> Vec<Station> {
+        let place = |i: usize| Place { at: row.place.at + row.every * i as f64, ..row.place };
+        (0..row.count).map(|i| self.station(place(i))).collect()
+    }
+
+    /// Where each motor begins. Motor j of N that stand evenly begins at (j + 1/2) S / N (design: chain model).
+    pub fn motors(&self) -> Vec<Station> {
+        match &self.layout.equipment.motors {
+            Motors::Evenly { count } => {
+                let pitch = self.track.length / *count as f64;
+                (0..*count).map(|j| self.station_at((j as f64 + 0.5) * pitch)).collect()
+            }
+            Motors::Rows(rows) => rows.iter().flat_map(|row| self.stations(row)).collect(),
+        }
+    }
+
+    /// Arc length in [0, S) of one past or before it; what is a full lap to within rounding is 0.
+    pub fn round_trip(&self, s: f64) -> f64 {
+        let s = tidy(s.rem_euclid(self.track.length));
+        if self.track.length - s < 1e-9 { 0.0 } else { s }
+    }
+
+    fn past_first_vertex(&self, place: Place) -> f64 {
+        self.track.straight(place.section).s + place.at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::emit::fixture::{compile, on};
+    use crate::geometry::{Point, trig};
+    use crate::model::{Motors, Row, fixture};
+
+    #[test]
+    fn stations_count_from_the_start() {
+        // Straights of 12 and 2 m, curves of 2π m; the start 1 m into the second straight.
+        let mut layout = fixture::rectangle(20.0, 10.0, 4.0);
+        layout.equipment.start = Some(on(1, 1.0));
+        let compiled = compile(layout);
+        let curve = trig::TAU;
+        assert!((compiled.start() - (12.0 + curve + 1.0)).abs() < 1e-12);
+        let start = compiled.station(on(1, 1.0));
+        assert_eq!(start.s, 0.0);
+        assert!(start.point.distance(Point::new(20.0, 5.0)) < 1e-12);
+        assert!((start.heading - trig::FRAC_PI_2).abs() < 1e-12);
+        // Behind the start, hence almost a lap ahead.
+        assert!((compiled.station(on(1, 0.5)).s - (28.0 + 4.0 * curve - 0.5)).abs() < 1e-9);
+        assert!((compiled.station(on(2, 3.0)).s - (1.0 + curve + 3.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn motors_stand_evenly_or_in_rows() {
+        let mut layout = fixture::rectangle(20.0, 10.0, 4.0);
+        let lap = 28.0 + 4.0 * trig::TAU;
+        for (j, motor) in compile(layout.clone()).motors().iter().enumerate() {
+            assert!((motor.s - (j as f64 + 0.5) * lap / 4.0).abs() < 1e-9);
+        }
+        layout.equipment.motors = Motors::Rows(vec![Row { place: on(0, 1.0), every: 2.5, count: 3 }]);
+        let s: Vec<f64> = compile(layout).motors().iter().map(|m| m.s).collect();
+        assert_eq!(s, [1.0, 3.5, 6.0]);
+    }
+}

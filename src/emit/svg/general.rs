@@ -1,0 +1,126 @@
+//! The general-arrangement drawing.
+
+use crate::emit::plan::{self, Mark, MarkKind};
+use crate::emit::{Compiled, DrawError};
+use crate::geometry::Point;
+use crate::model::ConstraintKind;
+use crate::solve::Stage;
+
+use super::labels::{self, Labels};
+use super::place::Field;
+use super::sheet::Sheet;
+use super::strip::{self, Key};
+use super::text::{self, Height};
+use super::xml::Element;
+use super::{Theme, extent, root, track};
+use crate::emit::number::trimmed;
+
+/// The layout on its sheet: building, obstacles, track, equipment, dimensions, legend and title block.
+///
+/// # Errors
+/// [`DrawError::Extent`] when no standard sheet and scale can show the layout.
+pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
+    let layout = &compiled.layout;
+    let line = &compiled.track;
+    let failed: Option<&Stage> = compiled.stages.last().filter(|_| compiled.failed());
+    let sheet = Sheet::choose(&extent(layout, &[line], strip::notes_height(failed)))?;
+    let marks = plan::marks(compiled);
+    let elements = &compiled.sequence.elements;
+
+    let inside = Point::new(6.0, 6.0);
+    let mut field = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    track::occupy(&sheet, line, layout, &mut field);
+
+    let description = format!(
+        "General arrangement of {}: {} m of track in {} elements through {} vertices, band {} m wide, scale 1:{}.{}",
+        layout.name,
+        trimmed(line.length, 3),
+        compiled.bill.count,
+        line.corners.len(),
+        trimmed(layout.width.value, 3),
+        trimmed(sheet.scale, 1),
+        if failed.is_some() { " Not feasible." } else { "" }
+    );
+    let mut svg = root(&sheet, theme, &layout.name, &description);
+    svg.push(sheet.frame());
+    if failed.is_some() {
+        svg.push(watermark(&sheet));
+    }
+    svg.push(track::floor(&sheet, layout));
+    svg.push(track::band(&sheet, line, layout.width.value));
+    svg.push(track::joints(&sheet, elements, layout.width.value));
+    svg.push(track::fixed(&sheet, line, layout));
+    let equipment = track::equipment(&sheet, line, layout, &marks, &mut field);
+    svg.push(track::centre(&sheet, line));
+    svg.push(equipment);
+    svg.push(track::arrows(&sheet, line, &marks));
+    svg.push(track::vertices(&sheet, line, layout, &mut field));
+
+    let mut labels = Labels::new(&sheet, line, layout, field);
+    labels::all(&mut labels, elements, &marks);
+    let omitted = labels.omitted;
+    svg.push(labels.finish());
+    if omitted > 0 {
+        let at = Point::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
+        let labels = if omitted == 1 { "label" } else { "labels" };
+        let text = format!("{omitted} {labels} found no room on this sheet");
+        svg.push(text::line(at, text, Height::H18, "quiet"));
+    }
+    if let Some(stage) = failed {
+        svg.push(strip::notes(&sheet, stage));
+    }
+    svg.push(strip::legend(&sheet, &entries(compiled, &marks)));
+    svg.push(strip::scale_bar(&sheet));
+    svg.push(strip::title(&sheet, &layout.name, "general arrangement of the track", &strip::fields(&sheet, compiled)));
+    Ok(svg.document())
+}
+
+/// What appears on the drawing, in the legend's order.
+fn entries(compiled: &Compiled, marks: &[Mark]) -> Vec<(Key, String)> {
+    let layout = &compiled.layout;
+    let elements = &compiled.sequence.elements;
+    let mut entries = vec![(Key::Track, "band, centre line, direction of travel".to_owned())];
+    let mut add = |shown: bool, key: Key, text: &str| {
+        if shown {
+            entries.push((key, text.to_owned()));
+        }
+    };
+    let n = elements.len();
+    let changes = (0..n).filter(|&i| elements[i].article != elements[(i + n - 1) % n].article).count();
+    add(changes < n, Key::Joint, "joint of like elements");
+    add(changes > 0, Key::Change, "joint where the article changes");
+    add(elements.iter().any(|e| e.in_catalog), Key::Article, "elements: count × article");
+    add(elements.iter().any(|e| !e.in_catalog), Key::Unlisted, "elements that the catalogue lacks");
+    add(true, Key::Vertex, "vertex");
+    add(true, Key::Dimension, "straight: length ∠ heading");
+    add(true, Key::Radius, "curve: radius, turn");
+    let fixes = |kind: fn(&ConstraintKind) -> bool| layout.constraints.iter().any(|c| kind(&c.kind));
+    add(fixes(|k| matches!(k, ConstraintKind::FixSection { .. })), Key::FixedSection, "section with fixed values");
+    add(fixes(|k| matches!(k, ConstraintKind::FixVertex { .. })), Key::FixedVertex, "fixed vertex");
+    add(layout.building.is_some(), Key::Wall, "wall");
+    add(!layout.obstacles.is_empty(), Key::Obstacle, "obstacle");
+    let clearance = layout.obstacles.iter().map(|o| o.clearance).chain(layout.building.iter().map(|b| b.clearance));
+    add(clearance.fold(0.0, f64::max) > 0.0, Key::Clearance, "clearance");
+    let any = |kind: MarkKind| marks.iter().any(|mark| mark.kind == kind);
+    add(any(MarkKind::Start), Key::Mark(MarkKind::Start), "start of arc length s");
+    add(any(MarkKind::Photocell), Key::Mark(MarkKind::Photocell), "photocell");
+    add(any(MarkKind::Induction), Key::Mark(MarkKind::Induction), "induction");
+    add(any(MarkKind::Chute), Key::Mark(MarkKind::Chute), "chute: row, count");
+    let motors = marks.iter().filter(|mark| mark.kind == MarkKind::Motor).count();
+    add(motors > 0, Key::Mark(MarkKind::Motor), &format!("motor ({motors})"));
+    let every = layout.equipment.supports.map_or(0.0, |every| every.value);
+    add(any(MarkKind::Support), Key::Mark(MarkKind::Support), &format!("support, every {} m", trimmed(every, 3)));
+    entries
+}
+
+fn watermark(sheet: &Sheet) -> Element {
+    let middle = (sheet.drawing.low + sheet.drawing.high) * 0.5;
+    let size = sheet.drawing.width() / 10.0;
+    Element::new("text")
+        .attr("class", "watermark")
+        .num("font-size", size)
+        .num("x", middle.x)
+        .num("y", middle.y + 0.36 * size)
+        .attr("transform", format!("rotate(-16 {} {})", super::number(middle.x), super::number(middle.y)))
+        .text("NOT FEASIBLE")
+}

@@ -1,0 +1,339 @@
+//! What is written beside the track: dimensions, radii, names, articles. Every label has candidates; the greedy
+//! choice of [`place`](super::place) keeps them off each other and off the track.
+
+use crate::elements::{Element as Piece, Shape};
+use crate::emit::plan::{self, Mark, MarkKind};
+use crate::geometry::{PieceKind, Point, Track, trig};
+use crate::model::{Layout, Obstacle};
+
+use super::place::{Box, Candidate, Field, Layer, around};
+use super::sheet::{Sheet, path, path_line, reading_angle};
+use super::symbol;
+use super::text::{self, Height};
+use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
+use super::xml::Element;
+use crate::emit::number::trimmed;
+
+/// How far a label may go from what it names, mm.
+const REACH: f64 = 90.0;
+/// Room left and right of a text together, mm.
+const PADDING: f64 = 1.6;
+/// Longest text of a label, mm; longer names are cut.
+const LONGEST: f64 = 70.0;
+
+/// A drawing's labels while they are placed.
+pub struct Labels<'a> {
+    sheet: &'a Sheet,
+    track: &'a Track,
+    layout: &'a Layout,
+    field: Field,
+    group: Element,
+    /// Labels that found no place.
+    pub omitted: usize,
+}
+
+impl<'a> Labels<'a> {
+    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: Field) -> Self {
+        Labels { sheet, track, layout, field, group: Element::group("labels"), omitted: 0 }
+    }
+
+    pub fn finish(self) -> Element {
+        self.group
+    }
+
+    /// Places an upright or turned text by its candidates, whose first box is the text's.
+    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate]) -> bool {
+        let Some(chosen) = self.field.place(candidates) else { return false };
+        if let Some((a, b)) = chosen.leader {
+            self.group.push(path(&path_line(a, b), "leader"));
+        }
+        let place = &chosen.boxes[0];
+        let class = format!("halo {class}");
+        self.group.push(text::centred(place.centre, reading_angle(place.axis), text, height, class.trim()));
+        true
+    }
+
+    fn put_or_count(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate]) {
+        if !self.put(text, height, class, candidates) {
+            self.omitted += 1;
+        }
+    }
+
+    /// The obstacle's name, inside when it has room there. Other labels then rather keep off the hatch.
+    pub fn obstacle(&mut self, obstacle: &Obstacle) {
+        let name = text::fitted(&obstacle.name, Height::H25, false, LONGEST);
+        let size = extent(&name, Height::H25);
+        let (low, high) = obstacle.polygon.bounds();
+        let middle = (low + high) * 0.5;
+        let paper = Point::new(self.sheet.mm(high.x - low.x), self.sheet.mm(high.y - low.y));
+        let mut candidates = Vec::new();
+        if obstacle.polygon.contains(middle) && size.x + 2.0 < paper.x && size.y + 1.0 < paper.y {
+            let item = Box::upright(self.sheet.at(middle), size.x, size.y);
+            candidates.push(Candidate { boxes: vec![item], lines: Vec::new(), leader: None, cost: 0.0 });
+        }
+        let gap = paper.x.min(paper.y) / 2.0 + 1.0;
+        for mut candidate in around(self.sheet.at(middle), Point::new(0.0, -1.0), size, gap, gap + REACH) {
+            candidate.cost += 5.0;
+            candidates.push(candidate);
+        }
+        self.put_or_count(&name, Height::H25, "", &candidates);
+        self.field.add(Box::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
+    }
+
+    /// The length of a straight, as a dimension line where there is room for one, and its heading unless it lies
+    /// along an axis.
+    pub fn straight(&mut self, section: usize) {
+        let piece = *self.track.straight(section);
+        if piece.length.abs() < 1e-9 {
+            return;
+        }
+        let degrees = piece.heading * 180.0 / trig::PI;
+        let off_axis = (degrees / 90.0 - (degrees / 90.0).round()).abs() > 1e-7;
+        let heading = if off_axis { format!(" ∠ {}°", trimmed(degrees, 2)) } else { String::new() };
+        let text = format!("{}{heading}", trimmed(piece.length, 3));
+        let size = extent(&text, Height::H25);
+        let (a, b) = (self.sheet.at(piece.begin), self.sheet.at(piece.end));
+        let length = self.sheet.mm(piece.length);
+        let along = self.sheet.direction(piece.heading);
+        let half = self.sheet.mm(self.layout.width.value) / 2.0;
+        let out = self.out(piece.heading);
+        if length > size.x + 3.0 {
+            let candidates = dimension_candidates(a, b, along, out, half, size);
+            if let Some(chosen) = self.field.place(&candidates) {
+                self.draw_dimension(&chosen, a, b, along, &text);
+                return;
+            }
+        }
+        let middle = a.lerp(b, 0.5);
+        let mut candidates = Vec::new();
+        for side in [out, -out] {
+            let anchor = middle + side * half;
+            candidates.extend(beside(anchor, along, side, size, 1.0));
+            candidates.extend(around(anchor, side, size, 1.0, REACH));
+        }
+        self.put_or_count(&text, Height::H25, "", &candidates);
+    }
+
+    fn draw_dimension(&mut self, chosen: &Candidate, a: Point, b: Point, along: Point, text: &str) {
+        let line = &chosen.boxes[1];
+        let across = line.centre - a.lerp(b, 0.5);
+        let (from, to) = (a + across, b + across);
+        let side = across * (1.0 / across.norm());
+        let half = self.sheet.mm(self.layout.width.value) / 2.0;
+        let extension = |p: Point, end: Point| path_line(p + side * (half + 1.0), end + side * 1.2);
+        self.group.push(path(&(path_line(from, to) + &extension(a, from) + &extension(b, to)), "dimension"));
+        let heads = symbol::arrow(to, along, 2.5, 0.9) + &symbol::arrow(from, -along, 2.5, 0.9);
+        self.group.push(path(&heads, "dimension-arrow"));
+        let place = &chosen.boxes[0];
+        self.group.push(text::centred(place.centre, reading_angle(place.axis), text, Height::H25, "halo"));
+    }
+
+    /// Radius and turn of a vertex' curve.
+    pub fn curve(&mut self, vertex: usize) {
+        let fillet = self.track.fillets[vertex];
+        let turn = trimmed(fillet.turn.abs() * 180.0 / trig::PI, 2);
+        let fix = if is_fixed_radius(self.layout, vertex) { " fix" } else { "" };
+        let text = format!("R{}{fix} {turn}°", trimmed(fillet.radius, 3));
+        let size = extent(&text, Height::H25);
+        let half = self.layout.width.value / 2.0;
+        let outward = (self.track.corners[vertex].point - fillet.centre).heading();
+        let mut candidates = Vec::new();
+        // Inside the bend first: outside stand the vertex and its name.
+        for (side, cost) in [(-1.0, 0.0), (1.0, 2.0)] {
+            for shift in [0.0, -0.25, 0.25] {
+                let angle = outward + shift * fillet.turn;
+                let reach = (fillet.radius + side * half).max(0.0);
+                let anchor = self.sheet.at(fillet.centre + Point::unit(angle) * reach);
+                let prefer = self.sheet.direction(angle) * side;
+                for mut candidate in around(anchor, prefer, size, 1.0, REACH) {
+                    candidate.cost += cost + 2.0 * shift.abs();
+                    candidates.push(candidate);
+                }
+            }
+        }
+        self.put_or_count(&text, Height::H25, "", &candidates);
+    }
+
+    pub fn vertex(&mut self, vertex: usize) {
+        let Some(item) = self.layout.vertices.get(vertex) else { return };
+        let name = text::fitted(&item.name, Height::H25, true, LONGEST);
+        let size = Point::new(text::width(&name, Height::H25.size(), true) + PADDING, extent(&name, Height::H25).y);
+        let fillet = self.track.fillets[vertex];
+        let out = self.track.corners[vertex].point - fillet.centre;
+        let prefer = self.sheet.direction(out.heading());
+        let anchor = self.sheet.at(self.track.corners[vertex].point);
+        let candidates = around(anchor, prefer, size, 2.2, REACH);
+        let class = if is_fixed_vertex(self.layout, vertex) { "bold fixed-text" } else { "bold" };
+        self.put_or_count(&name, Height::H25, class, &candidates);
+    }
+
+    pub fn mark(&mut self, mark: &Mark) {
+        let Some(label) = &mark.label else { return };
+        let (class, height) = match mark.kind {
+            MarkKind::Start => ("bold", Height::H18),
+            MarkKind::Photocell => ("photocell-text", Height::H18),
+            MarkKind::Induction => ("induction-text", Height::H25),
+            MarkKind::Chute => ("chute-text", Height::H25),
+            MarkKind::Motor | MarkKind::Support => ("motor-text", Height::H18),
+        };
+        let text = text::fitted(label, height, false, LONGEST);
+        let bold = class == "bold";
+        let size = Point::new(text::width(&text, height.size(), bold) + PADDING, extent(&text, height).y);
+        let middle = Mark { s: mark.s + mark.length / 2.0, ..mark.clone() };
+        let (point, heading) = self.track.at(middle.s);
+        let spot = spot(self.sheet, self.track, &Mark { point, heading, ..middle }, self.layout.width.value);
+        let mut candidates = Vec::new();
+        for (side, cost) in [(1.0, 0.0), (-1.0, 1.5)] {
+            let rise = match mark.kind {
+                MarkKind::Induction => 4.8,
+                MarkKind::Chute => 3.8,
+                MarkKind::Start => 2.5,
+                MarkKind::Photocell => 3.7,
+                MarkKind::Motor | MarkKind::Support => 0.3,
+            };
+            // The symbol of these stands on one side only.
+            if side < 0.0 && matches!(mark.kind, MarkKind::Induction | MarkKind::Chute) {
+                continue;
+            }
+            let anchor = spot.at + spot.out * (side * (spot.half + rise));
+            for mut candidate in around(anchor, spot.out * side, size, 0.6, REACH) {
+                candidate.cost += cost;
+                candidates.push(candidate);
+            }
+        }
+        self.put_or_count(&text, height, class, &candidates);
+    }
+
+    /// Words beside the fixed sections.
+    pub fn fixes(&mut self) {
+        for (section, text) in fixed_sections(self.layout) {
+            let piece = *self.track.straight(section);
+            let at = piece.at(piece.length.max(0.0) / 2.0).0;
+            self.beside_track(at, piece.heading, &text, "fixed-text", true);
+        }
+    }
+
+    /// One label for each run of like elements: how many of which article.
+    pub fn runs(&mut self, elements: &[Piece]) {
+        let n = elements.len();
+        // Begin where an article begins, so that no run is cut at the end of the list.
+        let first = (0..n).find(|&i| elements[(i + n - 1) % n].article != elements[i].article).unwrap_or(0);
+        let mut i = 0;
+        while i < n {
+            let head = &elements[(first + i) % n];
+            let mut count = 1;
+            while i + count < n && same_run(head, &elements[(first + i + count) % n]) {
+                count += 1;
+            }
+            let length: f64 = (0..count).map(|k| elements[(first + i + k) % n].length).sum();
+            let (at, heading) = self.track.at(head.s + length / 2.0);
+            let text = if count == 1 { head.article.clone() } else { format!("{count}× {}", head.article) };
+            let class = if head.in_catalog { "quiet" } else { "warn" };
+            let text = text::fitted(&text, Height::H18, false, LONGEST);
+            let straight = matches!(head.shape, Shape::Straight { .. });
+            self.beside_track(at, heading, &text, class, straight);
+            i += count;
+        }
+    }
+
+    /// A small text near a place of the track, along it where that is straight.
+    fn beside_track(&mut self, at: Point, heading: f64, text: &str, class: &str, straight: bool) {
+        let height = Height::H18;
+        let size = extent(text, height);
+        let half = self.sheet.mm(self.layout.width.value) / 2.0;
+        let (along, out) = (self.sheet.direction(heading), self.out(heading));
+        let mut candidates = Vec::new();
+        // Inside the loop first: dimensions stand outside.
+        for (side, cost) in [(-out, 0.0), (out, 0.5)] {
+            let anchor = self.sheet.at(at) + side * half;
+            let turned = if straight { beside(anchor, along, side, size, 0.8) } else { Vec::new() };
+            let all = turned.into_iter().chain(around(anchor, side, size, 1.0, REACH / 2.0));
+            candidates.extend(all.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
+        }
+        self.put_or_count(text, height, class, &candidates);
+    }
+
+    /// Unit vector on paper out of the loop, across this heading.
+    fn out(&self, heading: f64) -> Point {
+        self.sheet.direction(heading - plan::winding(self.track) * trig::FRAC_PI_2)
+    }
+}
+
+fn same_run(a: &Piece, b: &Piece) -> bool {
+    a.article == b.article && a.vertex == b.vertex
+}
+
+/// Width and height of a label's box, mm.
+fn extent(text: &str, height: Height) -> Point {
+    Point::new(text::width(text, height.size(), false) + PADDING, 1.24 * height.size())
+}
+
+/// Text along the track, beside it, shifted by up to a text's length either way.
+fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Vec<Candidate> {
+    let mut candidates = Vec::new();
+    for row in 0..3 {
+        for shift in [0.0, 0.25, -0.25, 0.5, -0.5, 0.8, -0.8] {
+            let across = gap + size.y * (0.5 + f64::from(row));
+            let centre = anchor + side * across + along * (shift * size.x);
+            let item = Box { centre, half: size * 0.5, axis: along };
+            candidates.push(Candidate {
+                boxes: vec![item],
+                lines: Vec::new(),
+                leader: None,
+                cost: 2.0 * shift.abs() + 4.0 * f64::from(row),
+            });
+        }
+    }
+    candidates
+}
+
+/// Dimension lines parallel to a straight: text above the line, the line with its arrows, two extension lines.
+fn dimension_candidates(a: Point, b: Point, along: Point, out: Point, half: f64, size: Point) -> Vec<Candidate> {
+    let angle = reading_angle(along) * trig::PI / 180.0;
+    // Above the line as the text reads.
+    let up = Point::new(trig::sin(angle), -trig::cos(angle));
+    let mut candidates = Vec::new();
+    for (side, side_cost) in [(out, 0.0), (-out, 1.0)] {
+        for step in 0..6 {
+            let offset = 6.5 + 4.5 * f64::from(step);
+            let across = side * (half + offset);
+            let line = Box::line(a + across, b + across, 1.0);
+            for shift in [0.0, 0.3, -0.3] {
+                let room = (line.half.x - size.x / 2.0 - 2.5).max(0.0);
+                let centre = line.centre + up * (size.y / 2.0 + 0.2) + along * (shift * 2.0 * room);
+                let text = Box { centre, half: size * 0.5, axis: along };
+                let cost = side_cost + 3.0 * f64::from(step) + shift.abs();
+                let extension = |p: Point| (p + side * (half + 1.0), p + across + side * 1.2);
+                candidates.push(Candidate {
+                    boxes: vec![text, line],
+                    lines: vec![extension(a), extension(b)],
+                    leader: None,
+                    cost,
+                });
+            }
+        }
+    }
+    candidates
+}
+
+/// Every label of a drawing, the most wanted first.
+pub fn all(labels: &mut Labels, elements: &[Piece], marks: &[Mark]) {
+    let layout = labels.layout;
+    for obstacle in &layout.obstacles {
+        labels.obstacle(obstacle);
+    }
+    for mark in marks.iter().filter(|mark| !matches!(mark.kind, MarkKind::Motor)) {
+        labels.mark(mark);
+    }
+    let n = labels.track.corners.len();
+    (0..n).for_each(|i| labels.straight(i));
+    let curved = |piece: &&crate::geometry::Piece| matches!(piece.kind, PieceKind::Arc { .. }) && piece.length > 1e-9;
+    let vertices: Vec<usize> = labels.track.pieces.iter().filter(curved).map(|piece| piece.vertex).collect();
+    vertices.into_iter().for_each(|i| labels.curve(i));
+    (0..n).for_each(|i| labels.vertex(i));
+    labels.fixes();
+    for mark in marks.iter().filter(|mark| mark.kind == MarkKind::Motor) {
+        labels.mark(mark);
+    }
+    labels.runs(elements);
+}

@@ -1,0 +1,89 @@
+//! Drawings as SVG, in mm on a standard sheet at a standard scale, with an SVG writer of our own.
+
+mod general;
+mod labels;
+mod place;
+mod sheet;
+mod stages;
+mod strip;
+mod symbol;
+mod text;
+mod theme;
+mod track;
+mod xml;
+
+#[cfg(test)]
+mod tests;
+
+pub use general::drawing;
+pub use stages::stages;
+pub use theme::Theme;
+
+use crate::emit::plan;
+use crate::geometry::{Point, Track, bounds};
+use crate::model::Layout;
+
+use sheet::{Extent, Sheet};
+use xml::{Element, number};
+
+/// The root element with title, description, styles and hatches.
+fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> Element {
+    let mut svg = Element::new("svg")
+        .attr("xmlns", "http://www.w3.org/2000/svg")
+        .attr("class", "drawing")
+        .attr("width", format!("{}mm", number(sheet.width)))
+        .attr("height", format!("{}mm", number(sheet.height)))
+        .attr("viewBox", format!("0 0 {} {}", number(sheet.width), number(sheet.height)))
+        .attr("role", "img")
+        .attr("aria-labelledby", "title description")
+        .with(Element::new("title").attr("id", "title").text(title))
+        .with(Element::new("desc").attr("id", "description").text(description));
+    let mut style = Element::new("style");
+    style.style(theme::sheet(theme));
+    svg.push(style);
+    let hatch = |id: &str, spacing: f64, class: &str, line: &str| {
+        Element::new("pattern")
+            .attr("id", id)
+            .attr("patternUnits", "userSpaceOnUse")
+            .num("width", spacing)
+            .num("height", spacing)
+            .with(sheet::path(line, class))
+    };
+    // Lines at 45° that run on from tile to tile.
+    let defs = Element::new("defs")
+        .with(hatch("wall-hatch", 1.2, "wall-line", "M-.3 .3L.3 -.3M0 1.2L1.2 0M.9 1.5L1.5 .9"))
+        .with(hatch("obstacle-hatch", 2.4, "obstacle-line", "M-.6 .6L.6 -.6M0 2.4L2.4 0M1.8 3L3 1.8"));
+    svg.push(defs);
+    svg
+}
+
+/// Smallest and largest coordinates of all that is drawn, m.
+fn extent(layout: &Layout, tracks: &[&Track], notes: f64) -> Extent {
+    let half = layout.width.value / 2.0;
+    let mut points: Vec<Point> = Vec::new();
+    for track in tracks {
+        points.extend(track.corners.iter().map(|corner| corner.point));
+        for shift in [-half, half] {
+            for curve in plan::side(track, shift) {
+                let (low, high) = curve.bounds();
+                points.extend([low, high]);
+            }
+        }
+    }
+    let polygons = layout
+        .obstacles
+        .iter()
+        .map(|o| (&o.polygon, o.clearance))
+        .chain(layout.building.iter().map(|b| (&b.polygon, 0.0)));
+    for (polygon, clearance) in polygons {
+        let (low, high) = polygon.bounds();
+        let reach = Point::new(clearance, clearance);
+        points.extend([low - reach, high + reach]);
+    }
+    // Coordinates that are no number would vanish in the minimum.
+    let broken = points.iter().any(|p| !p.x.is_finite() || !p.y.is_finite());
+    let (low, high) =
+        if broken { (Point::new(f64::NAN, f64::NAN), Point::default()) } else { bounds(points.into_iter()) };
+    let (length, sections) = tracks.first().map_or((0.0, 1), |track| (track.length, track.corners.len()));
+    Extent { low, high, length, sections, band: layout.width.value, notes }
+}

@@ -1,0 +1,113 @@
+//! The written layout and the stages' results over each other, as the figures of thesis §3.3 show them.
+
+use crate::emit::plan;
+use crate::emit::{Compiled, DrawError};
+use crate::geometry::{Corner, Point, Track};
+use crate::solve::Status;
+
+use super::place::{Box, Field, around};
+use super::sheet::{Sheet, path, reading_angle};
+use super::strip::{self, Key, field};
+use super::text::{self, Height};
+use super::xml::Element;
+use super::{Theme, extent, root, symbol, track};
+use crate::emit::number::trimmed;
+
+/// Centre lines of the written layout and of every stage.
+///
+/// # Errors
+/// [`DrawError::Extent`] when no standard sheet and scale can show the layouts.
+pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<String, DrawError> {
+    let layout = &compiled.layout;
+    let lines: Vec<(String, Track)> = std::iter::once(("start".to_owned(), Track::new(written)))
+        .chain(compiled.stages.iter().filter(|stage| stage.status != Status::AsWritten).map(|stage| {
+            let failed = if stage.status == Status::Infeasible { ", not feasible" } else { "" };
+            let name =
+                stage.name.strip_prefix("stage").map_or(stage.name.to_owned(), |number| format!("stage {number}"));
+            (name + failed, Track::new(&stage.corners))
+        }))
+        .collect();
+    let tracks: Vec<&Track> = lines.iter().map(|(_, track)| track).collect();
+    let sheet = Sheet::choose(&extent(layout, &tracks, 0.0))?;
+    let description = format!("Centre lines of {} before and after each stage of the optimisation.", layout.name);
+    let mut svg = root(&sheet, theme, &format!("{}: stages", layout.name), &description);
+    svg.push(sheet.frame());
+    svg.push(track::floor(&sheet, layout));
+    let inside = Point::new(6.0, 6.0);
+    let mut area = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    let mut group = Element::group("stages");
+    for (i, (_, line)) in lines.iter().enumerate() {
+        let class = format!("stage-{}", i.min(3));
+        group.push(path(&(track::curves(&sheet, &plan::side(line, 0.0)) + "Z"), &class));
+        let crosses: String = line.corners.iter().map(|c| symbol::cross(sheet.at(c.point), 1.0)).collect();
+        group.push(path(&crosses, &class).attr("style", "stroke-width:.3;stroke-dasharray:none"));
+        track::occupy(&sheet, line, layout, &mut area);
+    }
+    svg.push(group);
+    let mut names = Element::group("labels");
+    for obstacle in &layout.obstacles {
+        let (low, high) = obstacle.polygon.bounds();
+        let at = sheet.at((low + high) * 0.5);
+        let name = text::fitted(&obstacle.name, Height::H25, false, 70.0);
+        name_at(&mut names, &mut area, at, Point::new(0.0, -1.0), &name, "halo", 0.0);
+    }
+    if let Some((_, last)) = lines.last() {
+        for (vertex, (corner, fillet)) in layout.vertices.iter().zip(last.corners.iter().zip(&last.fillets)) {
+            let prefer = sheet.direction((corner.point - fillet.centre).heading());
+            let name = text::fitted(&vertex.name, Height::H25, false, 70.0);
+            name_at(&mut names, &mut area, sheet.at(corner.point), prefer, &name, "halo bold", 1.6);
+        }
+    }
+    svg.push(names);
+    let mut entries: Vec<(Key, String)> = lines
+        .iter()
+        .enumerate()
+        .map(|(i, (name, line))| (Key::Stage(i.min(3)), format!("{name}: {} m", trimmed(line.length, 3))))
+        .collect();
+    if layout.building.is_some() {
+        entries.push((Key::Wall, "wall".to_owned()));
+    }
+    if !layout.obstacles.is_empty() {
+        entries.push((Key::Obstacle, "obstacle".to_owned()));
+    }
+    svg.push(strip::legend(&sheet, &entries));
+    svg.push(strip::scale_bar(&sheet));
+    let mut rows = vec![vec![
+        field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
+        field("sheet", sheet.size),
+        field("units", "m, degrees"),
+        field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
+        field("vertices", layout.vertices.len().to_string()),
+    ]];
+    let lengths = lines.iter().map(|(name, line)| strip::Field {
+        warn: name.ends_with("not feasible"),
+        ..field(name.clone(), format!("{} m", trimmed(line.length, 3)))
+    });
+    rows.push(lengths.take(5).collect());
+    svg.push(strip::title(&sheet, &layout.name, "stages of the optimisation, lengths of the centre line", &rows));
+    Ok(svg.document())
+}
+
+fn name_at(group: &mut Element, area: &mut Field, at: Point, prefer: Point, name: &str, class: &str, gap: f64) {
+    let size =
+        Point::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
+    let mut candidates = around(at, prefer, size, gap, 60.0);
+    if gap == 0.0 {
+        candidates.insert(
+            0,
+            super::place::Candidate {
+                boxes: vec![Box::upright(at, size.x, size.y)],
+                lines: Vec::new(),
+                leader: None,
+                cost: -9.0,
+            },
+        );
+    }
+    if let Some(chosen) = area.place(&candidates) {
+        if let Some((a, b)) = chosen.leader {
+            group.push(path(&super::sheet::path_line(a, b), "leader"));
+        }
+        let place = &chosen.boxes[0];
+        group.push(text::centred(place.centre, reading_angle(place.axis), name, Height::H25, class));
+    }
+}

@@ -1,0 +1,283 @@
+//! The strip under the drawing: legend, scale bar with axes, title block; and the list of violated rows above it.
+
+use crate::emit::Compiled;
+use crate::emit::plan::MarkKind;
+use crate::geometry::Point;
+use crate::solve::{Stage, Status};
+
+use super::place::Box;
+use super::sheet::{Area, Sheet, path, path_line, polygon, rectangle};
+use super::symbol::{self, Spot};
+use super::text::{self, Height};
+use super::xml::Element;
+use crate::emit::number::trimmed;
+
+const TITLE_WIDTH: f64 = 180.0;
+const SCALE_WIDTH: f64 = 56.0;
+const ROW: f64 = 4.9;
+/// Rows of the list of violations, mm.
+const NOTE_ROW: f64 = 4.4;
+const MOST_NOTES: usize = 16;
+
+/// What a legend explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Key {
+    Track,
+    Joint,
+    Change,
+    Article,
+    Unlisted,
+    Vertex,
+    FixedVertex,
+    FixedSection,
+    Dimension,
+    Radius,
+    Wall,
+    Obstacle,
+    Clearance,
+    Mark(MarkKind),
+    /// Line of a stage, 0 for the written layout.
+    Stage(usize),
+}
+
+/// A cell of the title block: what it says and how many of the five columns it takes.
+pub struct Field {
+    pub label: String,
+    pub value: String,
+    pub columns: usize,
+    pub warn: bool,
+}
+
+pub fn field(label: impl Into<String>, value: impl Into<String>) -> Field {
+    Field { label: label.into(), value: value.into(), columns: 1, warn: false }
+}
+
+/// Legend entries in columns.
+pub fn legend(sheet: &Sheet, entries: &[(Key, String)]) -> Element {
+    let area = Area {
+        low: sheet.strip.low,
+        high: Point::new(sheet.strip.high.x - TITLE_WIDTH - SCALE_WIDTH, sheet.strip.high.y),
+    };
+    let mut group = Element::group("legend").with(rectangle(area.low, area.high, "rule"));
+    let rows = ((area.height() - 4.0) / ROW).floor().max(1.0) as usize;
+    let columns = entries.len().div_ceil(rows).max(1);
+    let wide = (area.width() / columns as f64).min(90.0);
+    let lines = entries.len().div_ceil(columns);
+    for (i, (key, text)) in entries.iter().enumerate() {
+        let (column, row) = (i / lines.max(1), i % lines.max(1));
+        let at = area.low + Point::new(4.0 + wide * column as f64, 4.6 + ROW * row as f64);
+        group.push(key_symbol(*key, at));
+        let text = text::fitted(text, Height::H18, false, wide - 20.0);
+        group.push(text::line(at + Point::new(15.0, Height::H18.capitals() / 2.0), text, Height::H18, ""));
+    }
+    group
+}
+
+/// The symbol of a legend entry in 12 mm from `at` on.
+fn key_symbol(key: Key, at: Point) -> Element {
+    let along = |x: f64, y: f64| at + Point::new(x, y);
+    let line = |class: &str| path(&path_line(at, along(12.0, 0.0)), class);
+    let middle = along(6.0, 0.0);
+    let band = |half: f64| {
+        let corners = [along(0.0, -half), along(12.0, -half), along(12.0, half), along(0.0, half)];
+        let edges = path_line(corners[0], corners[1]) + &path_line(corners[3], corners[2]);
+        Element::group("key").with(path(&polygon(&corners), "band")).with(path(&edges, "edge"))
+    };
+    let tick = |reach: f64, class: &str| band(1.3).with(path(&path_line(along(6.0, -reach), along(6.0, reach)), class));
+    let sample = |text: &str, height: Height, class: &str| text::centred(middle, 0.0, text, height, class);
+    match key {
+        Key::Track => band(1.6)
+            .with(line("centre"))
+            .with(path(&symbol::arrow(along(8.5, 0.0), Point::new(1.0, 0.0), 3.5, 1.6), "arrow")),
+        Key::Joint => tick(1.3, "joint"),
+        Key::Change => tick(2.1, "change"),
+        Key::Article => sample("3× A", Height::H18, "quiet"),
+        Key::Unlisted => sample("3× A", Height::H18, "warn"),
+        Key::Vertex => path(&symbol::cross(middle, 1.5), "vertex"),
+        Key::FixedVertex => {
+            let square = polygon(&Box::upright(middle, 4.0, 4.0).corners());
+            Element::group("key").with(path(&symbol::cross(middle, 1.5), "vertex")).with(path(&square, "fixed"))
+        }
+        Key::FixedSection => {
+            let edges = path_line(along(0.0, -1.3), along(12.0, -1.3)) + &path_line(along(0.0, 1.3), along(12.0, 1.3));
+            Element::group("key").with(path(&edges, "fixed"))
+        }
+        Key::Dimension => {
+            let heads = symbol::arrow(along(12.0, 0.6), Point::new(1.0, 0.0), 2.5, 0.9)
+                + &symbol::arrow(along(0.0, 0.6), Point::new(-1.0, 0.0), 2.5, 0.9);
+            let lines = path_line(along(0.0, 0.6), along(12.0, 0.6))
+                + &path_line(along(0.0, -1.0), along(0.0, 1.8))
+                + &path_line(along(12.0, -1.0), along(12.0, 1.8));
+            let text = text::centred(along(6.0, -1.2), 0.0, "1 ∠ 9°", Height::H18, "");
+            Element::group("key").with(path(&lines, "dimension")).with(path(&heads, "dimension-arrow")).with(text)
+        }
+        Key::Radius => sample("R1 9°", Height::H18, ""),
+        Key::Wall => {
+            let wall = polygon(&[along(0.0, 0.0), along(12.0, 0.0), along(12.0, -1.8), along(0.0, -1.8)]);
+            Element::group("key").with(path(&wall, "wall-hatch")).with(line("wall"))
+        }
+        Key::Obstacle => rectangle(along(0.0, -1.6), along(12.0, 1.6), "obstacle"),
+        Key::Clearance => line("clearance"),
+        Key::Mark(MarkKind::Motor) => band(1.8).with(rectangle(along(3.0, -0.8), along(9.0, 0.8), "motor")),
+        Key::Mark(kind) => {
+            // Symbols that stand beside the band are lowered into the row's middle.
+            let (drop, half) = match kind {
+                MarkKind::Induction | MarkKind::Chute => (1.9, 0.7),
+                MarkKind::Photocell => (1.0, 0.2),
+                MarkKind::Start => (0.0, 0.0),
+                _ => (0.0, 0.7),
+            };
+            let (along_x, out) = (Point::new(1.0, 0.0), Point::new(0.0, -1.0));
+            let spot = Spot { at: along(6.0, drop), along: along_x, out, half };
+            let edges = path_line(along(0.0, drop - 0.7), along(12.0, drop - 0.7))
+                + &path_line(along(0.0, drop + 0.7), along(12.0, drop + 0.7));
+            Element::group("key").with(path(&edges, "edge")).with(symbol::mark(kind, &spot, 10.0).0)
+        }
+        Key::Stage(i) => line(["stage-0", "stage-1", "stage-2", "stage-3"][i.min(3)]),
+    }
+}
+
+/// A bar of a round length, and the axes.
+pub fn scale_bar(sheet: &Sheet) -> Element {
+    let right = sheet.strip.high.x - TITLE_WIDTH;
+    let area =
+        Area { low: Point::new(right - SCALE_WIDTH, sheet.strip.low.y), high: Point::new(right, sheet.strip.high.y) };
+    let mut group = Element::group("scale").with(rectangle(area.low, area.high, "rule"));
+    group.push(symbol::axes(area.low + Point::new(8.0, 26.0)));
+    // Five parts of 1, 2 or 5 times a power of ten, at most 42 mm in all.
+    let most = 42.0 / 5.0 * sheet.scale / 1000.0;
+    let mut decade = 1e-4;
+    while decade * 10.0 <= most {
+        decade *= 10.0;
+    }
+    let part = [5.0, 2.0, 1.0].into_iter().map(|k| k * decade).find(|part| *part <= most).unwrap_or(decade);
+    let low = area.low + Point::new(6.0, 40.0);
+    let mm = sheet.mm(part);
+    for i in 0..5 {
+        let from = low + Point::new(mm * f64::from(i), 0.0);
+        group.push(rectangle(
+            from,
+            from + Point::new(mm, 1.6),
+            if i % 2 == 0 { "rule dimension-arrow" } else { "rule" },
+        ));
+    }
+    for i in [0, 1, 5] {
+        let at = low + Point::new(mm * f64::from(i), -2.2);
+        let unit = if i == 5 { " m" } else { "" };
+        let value = trimmed(part * f64::from(i), 4) + unit;
+        group.push(text::centred(at, 0.0, value, Height::H18, ""));
+    }
+    let note = Point::new((area.low.x + area.high.x) / 2.0, area.high.y - 7.0);
+    group.push(text::centred(note, 0.0, format!("1 : {}", trimmed(sheet.scale, 1)), Height::H35, ""));
+    group
+}
+
+/// The title block: the layout's name over rows of fields.
+pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<Field>]) -> Element {
+    let low = Point::new(sheet.strip.high.x - TITLE_WIDTH, sheet.strip.low.y);
+    let high = sheet.strip.high;
+    let mut group = Element::group("title-block").with(rectangle(low, high, "frame"));
+    let head = 14.0;
+    let label = |at: Point, text: &str| text::line(at + Point::new(1.8, 3.4), text, Height::H18, "quiet");
+    group.push(label(low, subject));
+    let name = text::fitted(name, Height::H50, true, TITLE_WIDTH - 4.0);
+    group.push(text::line(low + Point::new(1.8, 11.4), name, Height::H50, "bold"));
+    let tall = (high.y - low.y - head) / rows.len().max(1) as f64;
+    let wide = TITLE_WIDTH / 5.0;
+    let mut rules = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let y = low.y + head + tall * i as f64;
+        rules.push_str(&path_line(Point::new(low.x, y), Point::new(high.x, y)));
+        let mut column = 0;
+        for cell in row {
+            let at = Point::new(low.x + wide * column as f64, y);
+            if column > 0 {
+                rules.push_str(&path_line(at, at + Point::new(0.0, tall)));
+            }
+            group.push(label(at, &cell.label));
+            let value = text::fitted(&cell.value, Height::H25, cell.warn, wide * cell.columns as f64 - 3.6);
+            let class = if cell.warn { "bold warn" } else { "" };
+            group.push(text::line(at + Point::new(1.8, tall - 3.0), value, Height::H25, class));
+            column += cell.columns;
+        }
+    }
+    group.push(path(&rules, "rule"));
+    group
+}
+
+/// What the title block of a general-arrangement drawing says.
+pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
+    let layout = &compiled.layout;
+    let status = match compiled.stages.last().map(|stage| stage.status) {
+        Some(Status::Infeasible) => "NOT FEASIBLE",
+        Some(Status::Feasible) => "feasible, not converged",
+        Some(Status::AsWritten) => "as written",
+        Some(Status::Converged) => "optimised, feasible",
+        None => "",
+    };
+    let cell = Field { columns: 2, warn: compiled.failed(), ..field("status", status) };
+    vec![
+        vec![
+            field("length of track", format!("{} m", trimmed(compiled.track.length, 3))),
+            field("elements", compiled.bill.count.to_string()),
+            field("footprint", format!("{} m²", trimmed(compiled.footprint, 2))),
+            field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
+            field("speed", format!("{} m/s", trimmed(layout.speed.value, 3))),
+        ],
+        vec![
+            field("cart", layout.cart.name.clone()),
+            field("cart length", format!("{} m", trimmed(layout.cart.length, 3))),
+            field("catalogue", layout.catalog.name.clone()),
+            field("price of elements", format!("{} EUR", trimmed(compiled.bill.price, 2))),
+            field("mass of elements", format!("{} kg", trimmed(compiled.bill.mass, 1))),
+        ],
+        vec![
+            field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
+            field("sheet", sheet.size),
+            field("units", "m, degrees"),
+            cell,
+        ],
+    ]
+}
+
+/// Height that the list of violated rows needs, mm.
+pub fn notes_height(stage: Option<&Stage>) -> f64 {
+    stage.map_or(0.0, |stage| 10.0 + NOTE_ROW * lines(stage).div_ceil(2) as f64)
+}
+
+fn lines(stage: &Stage) -> usize {
+    stage.violations.len().min(MOST_NOTES) + usize::from(stage.violations.len() > MOST_NOTES)
+}
+
+/// The rows that a failed stage violates, in two columns.
+pub fn notes(sheet: &Sheet, stage: &Stage) -> Element {
+    let area = &sheet.notes;
+    let inside = Point::new(0.6, 0.6);
+    let mut group = Element::group("violations").with(rectangle(area.low + inside, area.high - inside, "warn-box"));
+    let count = stage.violations.len();
+    let rows = if count == 1 { "1 row is".to_owned() } else { format!("{count} rows are") };
+    let head = format!("NOT FEASIBLE: {rows} violated, by at most {}", amount(stage.max_violation, "m"));
+    group.push(text::line(area.low + Point::new(4.0, 6.2), head, Height::H25, "bold warn"));
+    let lines = lines(stage);
+    let tall = lines.div_ceil(2).max(1);
+    let wide = area.width() / 2.0;
+    for i in 0..lines {
+        let text = match stage.violations.get(i) {
+            Some(violation) if i < MOST_NOTES => {
+                format!("{}: {}", violation.row, amount(violation.amount, violation.unit))
+            }
+            _ => format!("and {} more", count - MOST_NOTES),
+        };
+        let at = area.low + Point::new(4.0 + wide * (i / tall) as f64, 11.0 + NOTE_ROW * (i % tall) as f64);
+        group.push(text::line(at, text::fitted(&text, Height::H18, false, wide - 8.0), Height::H18, ""));
+    }
+    group
+}
+
+/// A violation as a reader says it: angles in degrees.
+fn amount(value: f64, unit: &str) -> String {
+    match unit {
+        "rad" => format!("{}°", trimmed(value * 180.0 / std::f64::consts::PI, 4)),
+        unit => format!("{} {unit}", trimmed(value, 6)),
+    }
+}

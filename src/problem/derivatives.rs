@@ -1,0 +1,91 @@
+//! Every kind of row against central differences, on the reference instance moved off its written place.
+
+use super::{Evaluation, Problem, RowKey, Scope};
+use crate::model::instances::{horseshoe, thesis10};
+use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Target, Unit, fixture::span};
+
+/// thesis10 with a row of every kind.
+fn every_row() -> Layout {
+    let mut layout = thesis10();
+    let target = Target { from: 8, straight: true };
+    let all = vec![FixKind::Length, FixKind::Rotation, FixKind::Parallel, FixKind::Perpendicular];
+    let section = Target { from: 5, straight: false };
+    let mut kinds: Vec<ConstraintKind> = vec![ConstraintKind::FixSection { target, kinds: all.clone() }];
+    kinds.extend(all.iter().map(|k| ConstraintKind::FixSection { target: section, kinds: vec![*k] }));
+    let formulas = [
+        Formula::Sum(vec![Formula::X(0), Formula::Negative(Box::new(Formula::Y(3)))]),
+        Formula::Product(vec![Formula::Radius(2), Formula::Angle(3), Formula::Length(target)]),
+        Formula::Heading(4),
+        Formula::Reciprocal(Box::new(Formula::DistanceVertices(0, 6))),
+        Formula::SquareRoot(Box::new(Formula::DistanceObstacle(0, 0))),
+        Formula::DistanceObstacle(4, 2),
+        Formula::DistanceBuilding(9),
+        Formula::Absolute(Box::new(Formula::Angle(6))),
+        Formula::Smallest(vec![Formula::Length(section), Formula::Radius(1)]),
+        Formula::Largest(vec![Formula::Length(section), Formula::Radius(1)]),
+    ];
+    kinds.extend(formulas.into_iter().map(|formula| ConstraintKind::Require {
+        formula,
+        low: 1.0,
+        high: f64::INFINITY,
+        unit: Unit::Metre,
+    }));
+    layout.constraints = kinds.into_iter().map(|kind| Constraint { kind, span: span(), reason: None }).collect();
+    layout
+}
+
+#[test]
+fn gradients_and_hessians_are_exact() {
+    for (layout, expect_own) in [(every_row(), 0), (horseshoe(), 2)] {
+        compare(&layout, expect_own);
+    }
+}
+
+fn compare(layout: &Layout, expect_own: usize) {
+    let problem = Problem::new(layout, Scope::Obstacles);
+    let mut own_rows = 0;
+    for seed in 1..=5 {
+        let x = crate::solve::perturbed(layout, &problem, 0.4, seed);
+        let here = problem.evaluate(&x, 60.0);
+        let own = here.rows.iter().filter(|r| matches!(r.key, RowKey::Own(..))).count();
+        assert!(here.rows.len() - own > problem.rows.len() + 2);
+        own_rows += own;
+        let step = 1e-5;
+        let moved = |k: usize, by: f64| {
+            let mut y = x.clone();
+            y[k] += by;
+            problem.evaluate_like(&y, &here)
+        };
+        for k in 0..x.len() {
+            let (up, down) = (moved(k, step), moved(k, -step));
+            for (r, row) in here.rows.iter().enumerate() {
+                let e = |at: &Evaluation| at.rows[r].expansion.clone();
+                let name = problem.describe(row.key).0;
+                check(&name, k, &row.expansion, &e(&up), &e(&down), step);
+            }
+            for (t, term) in here.objective.iter().enumerate() {
+                check("length", k, term, &up.objective[t], &down.objective[t], step);
+            }
+        }
+    }
+    assert!(own_rows >= expect_own, "{own_rows}");
+}
+
+fn check(name: &str, k: usize, e: &super::Expansion, up: &super::Expansion, down: &super::Expansion, step: f64) {
+    let place = |e: &super::Expansion| e.variables.binary_search(&k).ok();
+    let gradient = place(e).map_or(0.0, |i| e.gradient[i]);
+    let difference = (up.value - down.value) / (2.0 * step);
+    assert!((gradient - difference).abs() < 1e-6 * (1.0 + gradient.abs()), "{name} d{k}: {gradient} {difference}");
+    // A row that slid to a neighbouring part between the two sides has other variables there.
+    if up.variables != e.variables || down.variables != e.variables {
+        return;
+    }
+    if let Some(i) = place(e) {
+        let n = e.variables.len();
+        for j in 0..n {
+            let exact = e.hessian[i * n + j];
+            let difference = (up.gradient[j] - down.gradient[j]) / (2.0 * step);
+            assert!((exact - difference).abs() < 1e-5 * (1.0 + exact.abs()), "{name} d{k}d{j}: {exact} {difference}");
+        }
+    }
+}
