@@ -60,7 +60,8 @@ fn example(page: &str) -> Option<&str> {
 fn every_code_reports_its_page_example_and_nothing_else() {
     let mut failures = Vec::new();
     for code in Code::ALL {
-        let input = fs::read_to_string(folder(*code).join("input.lss")).unwrap_or_else(|_| panic!("{code:?} has no case"));
+        let input =
+            fs::read_to_string(folder(*code).join("input.lss")).unwrap_or_else(|_| panic!("{code:?} has no case"));
         if example(code.page()) != Some(input.as_str()) {
             failures.push(format!("{code:?}: page and case differ"));
         }

@@ -56,3 +56,250 @@ fn sides_follow_the_written_layout() {
     let sides: Vec<Side> = built(&without).obstacles.iter().map(|o| o.side).collect();
     assert_eq!(sides, [Side::Left, Side::Left, Side::Right, Side::Right]);
 }
+
+#[test]
+fn the_printed_model_is_the_same_model() {
+    let everything = with(
+        "  turns 10 deg .. 90 deg\n  radii 3 m .. 7 m\n  building [(-5 m, -5 m), (-5 m, 30 m), (60 m, 30 m), (60 m, -5 m)] clearance 0.5 m\n  \
+         obstacle pillar [(10 m, 8 m), (11 m, 8 m), (11 m, 9 m)] clearance 30 cm\n  pass pillar either\n  fix all A..B\n  \
+         fix rotation, length straight(B..C)\n  fix D\n  fix radius D\n  require 12 m <= length(C..D) / 2 + 3 m \"chutes \\\"east\\\"\"\n  \
+         require min(radius(A), 2 * radius(B)) - x(C) / 4 < abs(y(C) - 3 m)\n  require heading(A..B) == 0 deg\n  \
+         require -angle(C) >= -80 deg\n  require sqrt(length(A..B) * (radius(A) + 1 m) + 2 m^2) <= 30 m\n  require distance(C, pillar) >= 2 m\n  \
+         require distance(A, C) / distance(C, building) <= 100\n  require 3 m <= radius(C) <= 6 m\n  equal radius(A), radius(B), radius(C)\n  \
+         mirror A, D about y = 10 m\n  level A..B 3 m\n  ramp B..C from 1 m slope 10 % radius 6 m\n  start on A..B at 3 m\n  \
+         photocell on A..B at 1 m\n  induction west on C..D at 6 m\n  chutes row on C..D from 2 m every 1.25 m count 12\n  \
+         motors on A..B from 2 m every 3 m count 4\n  motors on C..D from 1 m every 4 m count 2\n  supports every 2.5 m\n  \
+         sensor_cart at cart 7\n  chain tension 600 N\n  chain closes within 20 mm\n  effect joint_clearance(gap: 0.05 mm)\n  \
+         optimise 0.7 * polygon_action + 0.3 * cost within length + 0.5 %",
+    );
+    for text in [include_str!("../examples/thesis10.lss"), &everything] {
+        let (sources, analysis) = check(&[("main.lss", text)]);
+        assert!(!analysis.has_errors(), "{}", report(&sources, &analysis));
+        let layout = analysis.chosen().unwrap().unwrap();
+        let printed = model::print(layout);
+        let (sources, again) = check(&[("main.lss", &printed)]);
+        assert!(!again.has_errors(), "{printed}\n{}", report(&sources, &again));
+        let again = again.chosen().unwrap().unwrap();
+        assert_eq!(printed, model::print(again));
+        let same = |layout: &Layout| without_places(serde_json::to_value(layout).unwrap());
+        assert_eq!(same(layout), same(again));
+    }
+}
+
+/// Drops spans, and where a side was decided.
+fn without_places(value: serde_json::Value) -> serde_json::Value {
+    use serde_json::Value;
+    match value {
+        Value::Object(map) => {
+            let kept = map.into_iter().filter(|(key, _)| !matches!(key.as_str(), "span" | "point_span" | "pass"));
+            Value::Object(kept.map(|(key, value)| (key, without_places(value))).collect())
+        }
+        Value::Array(items) => Value::Array(items.into_iter().map(without_places).collect()),
+        other => other,
+    }
+}
+
+#[test]
+fn defaults_are_the_declared_ones() {
+    let layout = built(&with(""));
+    assert_eq!(layout.drive.motor.name, "linear_motor");
+    assert_eq!((layout.drive.motor.length, layout.drive.motor.force), (1.0, 400.0));
+    assert_eq!(layout.drive.controller.period, 0.01);
+    assert_eq!((layout.sensor.lowpass, layout.sensor.rate, layout.sensor.trigger_length), (100.0, 500.0, 0.1));
+    assert_eq!(layout.chain.tension, 500.0);
+    assert_eq!(layout.cart.inertia, [1.6, 5.6, 6.4]);
+    assert_eq!(layout.cart.centre_of_mass, [-0.4, 0.05]);
+    assert_eq!((layout.cart.steering.contact.stiffness, layout.cart.running.contact.stiffness), (4.0e7, 5.0e7));
+    assert_eq!((layout.cart.joint.axial.stiffness, layout.cart.joint.radial.stiffness), (4.0e6, 2.0e6));
+    assert_eq!(layout.cart.running.gap, 0.002);
+    assert_eq!(layout.cart.steering.gap, 0.0001);
+    assert_eq!(layout.catalog.curve.radii, [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    assert_eq!(layout.objective.terms, [(1.0, model::Goal::Length)]);
+    assert!(matches!(layout.equipment.motors, model::Motors::Evenly { count: 0 }));
+}
+
+#[test]
+fn a_variant_changes_only_what_it_names() {
+    let base = with("  induction west on A..B at 6 m\n  motors 8 evenly\n  fix length A..B");
+    let text = format!(
+        "{base}layout wide from test {{\n  speed 2.5 m/s\n  turns 5 deg .. 90 deg\n  vertex C (40 m, 20 m) radius 5 m\n  induction west on A..B at 9 m\n  \
+         motors on A..B from 1 m every 2 m count 3\n  fix radius A\n}}\nlayout wider from wide {{\n  width 1.4 m\n}}\n"
+    );
+    let (sources, analysis) = check(&[("main.lss", &text)]);
+    assert!(analysis.diagnostics.is_empty(), "{}", report(&sources, &analysis));
+    let [test, wide, wider] = &analysis.layouts[..] else { panic!("three layouts") };
+    assert_eq!((test.speed.value, wide.speed.value, wider.speed.value), (2.0, 2.5, 2.5));
+    let names: Vec<&str> = wide.vertices.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(names, ["A", "B", "C", "D"], "a replaced vertex keeps its place");
+    assert_eq!((test.vertices[2].radius.value, wide.vertices[2].radius.value), (4.0, 5.0));
+    assert_eq!(wide.equipment.inductions.len(), 1);
+    assert_eq!(wide.equipment.inductions[0].place.at, 9.0);
+    assert!(matches!(&wide.equipment.motors, model::Motors::Rows(rows) if rows.len() == 1));
+    assert_eq!((test.constraints.len(), wide.constraints.len()), (1, 2));
+    assert_eq!((wide.width.value, wider.width.value), (1.2, 1.4));
+    assert!(analysis.chosen().is_err(), "three layouts and no choice");
+}
+
+#[test]
+fn parameters_and_lets() {
+    let text = format!(
+        "{HEAD}let aisle = 2 * 1.2 m\nlayout base(long: 40 m, reach: aisle * 5) {{\n  catalog standard\n  cart tilt_tray(length: 750 mm)\n  \
+         let half = reach / 2\n  speed 120 m/min\n  width 1200 mm\n  vertex A (0 m, 0 m) radius 4 m\n  vertex B (long, 0 m) radius 4 m\n  \
+         vertex C (long, reach) radius 4 m\n  vertex D (0 m, half + half)\n}}\nlayout other from base(long: 60 m)\n"
+    );
+    let (sources, analysis) = check(&[("main.lss", &text)]);
+    assert!(analysis.diagnostics.is_empty(), "{}", report(&sources, &analysis));
+    let [base, other] = &analysis.layouts[..] else { panic!("two layouts") };
+    assert_eq!((base.vertices[1].point.x, other.vertices[1].point.x), (40.0, 60.0));
+    assert_eq!(base.vertices[3].point.y, 12.0);
+    assert_eq!(base.vertices[3].radius.value, 3.0, "the catalogue's smallest");
+    assert_eq!((base.speed.value, base.cart.length), (2.0, 0.75));
+}
+
+/// One statement in a sound layout, and the codes that it must raise: each mistake one message.
+const STATEMENTS: &[(&str, &[&str])] = &[
+    ("turns 5 deg .. 95 deg", &["E0306"]),
+    ("turns 5 m .. 90 deg", &["E0301"]),
+    ("radii 3.2 m .. 3.8 m", &["E0306"]),
+    ("fix radius E", &["E0207"]),
+    ("fix length B..A", &["E0403"]),
+    ("require radius(A) >= 9 m", &["E0501"]),
+    ("require radius(A) >= 2 m", &["W0704"]),
+    ("require angle(A) <= -5 deg", &["E0501"]),
+    ("require length(A..B) >= 0 m", &["W0704"]),
+    ("require 1 m >= 2 m", &["E0501"]),
+    ("require length(A..B) >= 2", &["E0302"]),
+    ("require length(A..B) >= 2 s", &["E0301"]),
+    ("require length(A..B) + heading(A..B) >= 2 m", &["E0301"]),
+    ("fix A\nrequire x(A) >= 1 m", &["E0501"]),
+    ("fix all A..B\nrequire y(B) == 0 m", &["W0704"]),
+    ("fix length A..B\nrequire length(A..B) == 41 m", &["E0501"]),
+    ("fix A\nfix A", &["W0704"]),
+    ("require x(A) >= 3 m\nrequire x(A) <= 2 m", &["E0502"]),
+    ("require x(A) >= 3 m\nrequire x(A) >= 2 m", &["W0704"]),
+    ("require x(A) >= 3 m\nrequire x(A) <= 9 m", &[]),
+    ("equal radius(A), x(B)", &[]),
+    ("equal radius(A), angle(B)", &["E0301"]),
+    ("mirror A, A about x = 2 m", &["E0307"]),
+    ("pass A left", &["E0208"]),
+    ("obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\npass o left\npass o right", &["E0502"]),
+    ("obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\npass o left\npass o left", &["W0704"]),
+    ("obstacle o [(9 m, 8 m), (10 m, 8 m)]", &["E0406"]),
+    ("obstacle o [(9 m, 8 m), (10 m, 8 m), (11 m, 8 m)]", &["E0406"]),
+    ("obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m), (9 m, 8 m)]", &["E0406"]),
+    ("obstacle o [(0 m, -1 m), (1 m, -1 m), (1 m, 1 m), (0 m, 1 m)]", &[]),
+    ("building [(5 m, -5 m), (60 m, -5 m), (60 m, 30 m), (5 m, 30 m)]", &["E0407"]),
+    // A wall across a straight: every tangent point lies inside.
+    (
+        "building [(-9 m, -9 m), (20 m, -9 m), (20 m, 2 m), (21 m, 2 m), (21 m, -9 m), (60 m, -9 m), (60 m, 30 m), (-9 m, 30 m)]",
+        &["E0407"],
+    ),
+    ("start on A..B at 33 m", &["E0409"]),
+    ("start on A..B at -1 m", &["E0306"]),
+    ("chutes row on A..B from 1 m every 1 m count 2.5", &["E0306"]),
+    ("chutes row on A..B from 1 m every 1 m count 1000000", &["E0306"]),
+    ("motors 3 evenly\nmotors on A..B from 1 m every 1 m count 2", &["E0213"]),
+    ("sensor_cart at cart 0", &["E0306"]),
+    ("supports every 0 m", &["E0306"]),
+    ("chain tension 500 kg", &["E0301"]),
+    ("optimise length + length", &["E0213"]),
+    ("optimise nothing + length", &["E0304"]),
+    ("optimise nothing\nrequire length(A..B) >= 50 m", &["E0501"]),
+    ("optimise nothing\nrequire length(A..B) >= 30 m", &[]),
+    ("let a = b\nlet b = a", &["E0216"]),
+    ("let a = 2 m + 1 s + 3 kg", &["E0301", "E0301"]),
+    ("let a = sqrt(2 m)\nlet b = a * a + 1 m", &[]),
+    ("let a = sqrt(sqrt(2 m))", &["E0301"]),
+    ("let a = sin(30 deg) + cos(1 rad)\nlet b = sin(2)", &["E0302"]),
+    ("let a = max(2 m, 3 s)", &["E0301"]),
+    ("let a = 1 / 0\nlet b = a + 1\nlet c = b * a", &["E0305"]),
+    ("let a = 1e300 * 1e300", &["E0305"]),
+    ("let a = sqrt(-1 m^2)", &["E0305"]),
+    ("let a = length(A..B)", &["E0308"]),
+    ("induction w on A..B at x(A)", &["E0308"]),
+    ("let a = \"text\" + 1", &["E0304"]),
+    ("cart cross_belt", &["E0213"]),
+    ("level A..C 3 m", &[]),
+];
+
+#[test]
+fn each_mistake_is_one_message() {
+    let mut failures = String::new();
+    for (statement, expected) in STATEMENTS {
+        let (sources, analysis) = check(&[("main.lss", &with(statement))]);
+        let mut found = codes(&analysis);
+        found.sort();
+        if &found != expected {
+            failures += &format!("{statement}: {found:?}\n{}\n", report(&sources, &analysis));
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
+}
+
+#[test]
+fn independent_mistakes_are_all_reported() {
+    let text = include_str!("../examples/errors.lss");
+    let (sources, analysis) = check(&[("examples/errors.lss", text)]);
+    insta::assert_snapshot!(report(&sources, &analysis));
+}
+
+#[test]
+fn a_line_that_does_not_parse_takes_nothing_else_along() {
+    // The vertex, the cart's import and the obstacle are named in lines that did not parse.
+    let text = with("  obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m]\n  pass o left\n  fix length A..B C");
+    let text = text
+        .replace("  vertex B (40 m, 0 m) radius 4 m", "  vertex B (40 m; 0 m) radius 4 m")
+        .replace("cart tilt_tray", "cart tilt_tray)");
+    let (sources, analysis) = check(&[("main.lss", &text)]);
+    assert!(codes(&analysis).iter().all(|c| c.starts_with("E01")), "{}", report(&sources, &analysis));
+}
+
+#[test]
+fn imports_bring_what_a_file_declares_and_nothing_it_imports() {
+    let shared = ("lib/shared.lss", "use \"deep.lss\"\nlet aisle = deep_value * 2\n");
+    let deep = ("lib/deep.lss", "let deep_value = 1.5 m\n");
+    let (sources, analysis) = check(&[("main.lss", "use \"lib/shared.lss\"\nlet a = aisle + 1 m\n"), shared, deep]);
+    assert!(analysis.diagnostics.is_empty(), "{}", report(&sources, &analysis));
+    let (_, analysis) = check(&[("main.lss", "use \"lib/shared.lss\"\nlet a = aisle + deep_value\n"), shared, deep]);
+    assert_eq!(codes(&analysis), ["E0206"]);
+    // Twice the same through two files is no clash; two things of one name are.
+    let (_, analysis) = check(&[
+        ("main.lss", "use \"a.lss\"\nuse \"b.lss\"\nlet x = v\n"),
+        ("a.lss", "let v = 1 m\n"),
+        ("b.lss", "let v = 2 m\n"),
+    ]);
+    assert_eq!(codes(&analysis), ["E0212", "W0701"]);
+}
+
+#[test]
+fn layouts_of_other_files_can_be_extended() {
+    let base = with("");
+    let files = [("main.lss", "use \"base.lss\"\nlayout b from test {\n  width 1 m\n}\n"), ("base.lss", base.as_str())];
+    let (sources, analysis) = check(&files);
+    assert!(analysis.diagnostics.is_empty(), "{}", report(&sources, &analysis));
+    assert_eq!(analysis.chosen().unwrap().unwrap().width.value, 1.0);
+}
+
+#[test]
+fn contact_stiffness_follows_its_exponent() {
+    let wheel = |fields: &str| {
+        let text =
+            format!("use std.wheels.steering_polyurethane\nwheel w from steering_polyurethane {{\n{fields}\n}}\n");
+        codes(&check(&[("main.lss", &text)]).1)
+    };
+    assert!(wheel("stiffness = 3e7 N/m^1.5").is_empty());
+    assert_eq!(wheel("stiffness = 3e7 N/m"), ["E0301"]);
+    assert!(wheel("exponent = 1\nstiffness = 3e7 N/m").is_empty());
+    assert_eq!(wheel("exponent = 1"), ["E0301"], "the stiffness that it inherits no longer fits");
+    assert_eq!(wheel("exponent = 1.3"), ["E0306"]);
+}
+
+#[test]
+fn what_cannot_be_built_yet_is_said() {
+    let layout = built(&with(
+        "  obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\n  pass o either\n  level A..B 3 m\n  ramp B..C\n  chain closes within 5 mm\n  \
+         effect wear\n  optimise cost",
+    ));
+    assert_eq!(lss::semantics::unsupported(&layout).len(), 6);
+    assert!(lss::semantics::unsupported(&built(include_str!("../examples/thesis10.lss"))).is_empty());
+}

@@ -2,10 +2,13 @@
 //!
 //! The text is a layout again: checked, it gives the same model (but for the spans).
 
+mod formula;
+
 use std::fmt::Write;
 
 use super::*;
 use crate::geometry::trig;
+use formula::{ANGLE, Dimension, LENGTH, NONE};
 
 /// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses nothing.
 pub fn print(layout: &Layout) -> String {
@@ -288,13 +291,15 @@ fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> 
         ConstraintKind::FixVertex { vertex } => format!("fix {}", names[*vertex]),
         ConstraintKind::FixRadius { vertex } => format!("fix radius {}", names[*vertex]),
         ConstraintKind::Require { formula, low, high, unit } => {
-            let shown = |value: f64| match unit {
-                Unit::Metre => metres(value),
-                Unit::Radian => degrees(value),
-                Unit::SquareMetre => self::unit(value, "m^2"),
-                Unit::One | Unit::Other => number(value),
+            let dimension = match unit {
+                Unit::Metre => LENGTH,
+                Unit::Radian => ANGLE,
+                Unit::SquareMetre => Dimension { length: 4, angle: 0 },
+                Unit::One => NONE,
+                Unit::Other => formula::dimension(formula).unwrap_or(NONE),
             };
-            let formula = formula_text(formula, *unit, layout, names);
+            let shown = |value: f64| formula::constant(value, dimension);
+            let formula = formula::text(formula, dimension, layout, names);
             let row = if low == high {
                 format!("{formula} == {}", shown(*low))
             } else if high.is_infinite() {
@@ -307,66 +312,6 @@ fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> 
             let reason = constraint.reason.as_ref().map(|r| format!(" {}", quoted(r))).unwrap_or_default();
             format!("require {row}{reason}")
         }
-    }
-}
-
-/// A formula in the language. Constants inside sums carry the unit of the whole; inside products they are plain
-/// numbers, and so are constants of a dimension without a unit of its own.
-fn formula_text(formula: &Formula, unit: Unit, layout: &Layout, names: &[&str]) -> String {
-    let inner = |f: &Formula| formula_text(f, unit, layout, names);
-    let all = |items: &[Formula]| items.iter().map(inner).collect::<Vec<_>>().join(", ");
-    let plain = |f: &Formula| match f {
-        Formula::Constant(value) => number(*value),
-        Formula::Sum(_) => format!("({})", inner(f)),
-        other => inner(other),
-    };
-    match formula {
-        Formula::Constant(value) => match unit {
-            Unit::Metre => metres(*value),
-            Unit::Radian => degrees(*value),
-            Unit::SquareMetre => self::unit(*value, "m^2"),
-            Unit::One | Unit::Other => number(*value),
-        },
-        Formula::X(i) => format!("x({})", names[*i]),
-        Formula::Y(i) => format!("y({})", names[*i]),
-        Formula::Radius(i) => format!("radius({})", names[*i]),
-        Formula::Length(target) => format!("length({})", target_text(*target, names)),
-        Formula::Heading(i) => format!("heading({})", section_text(*i, names)),
-        Formula::Angle(i) => format!("angle({})", names[*i]),
-        Formula::DistanceVertices(a, b) => format!("distance({}, {})", names[*a], names[*b]),
-        Formula::DistanceObstacle(i, o) => format!("distance({}, {})", names[*i], layout.obstacles[*o].name),
-        Formula::DistanceBuilding(i) => format!("distance({}, building)", names[*i]),
-        Formula::Sum(terms) => terms.iter().enumerate().fold(String::new(), |text, (i, term)| match (i, term) {
-            (0, term) => inner(term),
-            (_, Formula::Negative(term)) => match **term {
-                Formula::Sum(_) => format!("{text} - ({})", inner(term)),
-                _ => format!("{text} - {}", inner(term)),
-            },
-            (_, Formula::Constant(value)) if *value < 0.0 => format!("{text} - {}", inner(&Formula::Constant(-value))),
-            (_, term) => format!("{text} + {}", inner(term)),
-        }),
-        Formula::Product(factors) => {
-            factors.iter().enumerate().fold(String::new(), |text, (i, factor)| match (i, factor) {
-                (0, Formula::Reciprocal(divisor)) => format!("1 / {}", grouped(divisor, &plain)),
-                (0, factor) => plain(factor),
-                (_, Formula::Reciprocal(divisor)) => format!("{text} / {}", grouped(divisor, &plain)),
-                (_, factor) => format!("{text} * {}", plain(factor)),
-            })
-        }
-        Formula::Negative(of) => format!("-{}", grouped(of, &plain)),
-        Formula::Reciprocal(of) => format!("1 / {}", grouped(of, &plain)),
-        Formula::Absolute(of) => format!("abs({})", inner(of)),
-        Formula::SquareRoot(of) => format!("sqrt({})", inner(of)),
-        Formula::Smallest(items) => format!("min({})", all(items)),
-        Formula::Largest(items) => format!("max({})", all(items)),
-    }
-}
-
-/// A product in parentheses, where it would otherwise come apart.
-fn grouped(formula: &Formula, plain: &dyn Fn(&Formula) -> String) -> String {
-    match formula {
-        Formula::Product(_) => format!("({})", plain(formula)),
-        other => plain(other),
     }
 }
 

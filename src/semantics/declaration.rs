@@ -105,18 +105,26 @@ impl<'t> Context<'t> {
         if seen.bad_mentions(&name.text) {
             return None;
         }
-        let diagnostic =
-            Diagnostic::new(Code::E0206, format!("there is no {} `{}`", space.word(), name.text), name.span, "not known here");
+        let diagnostic = Diagnostic::new(
+            Code::E0206,
+            format!("there is no {} `{}`", space.word(), name.text),
+            name.span,
+            "not known here",
+        );
         let kinds = [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor];
         let mut spaces = kinds.map(Space::Component).into_iter().chain([Space::Let, Space::Layout]);
         let diagnostic = match spaces.find(|other| seen.find(*other, &name.text).is_some()) {
-            Some(other) => diagnostic
-                .expected(space.with_article(), other.with_article())
-                .help(format!("`{}` is {}", name.text, other.with_article())),
+            Some(other) => diagnostic.expected(space.with_article(), other.with_article()).help(format!(
+                "`{}` is {}",
+                name.text,
+                other.with_article()
+            )),
             None => match self.suggest(&name.text, seen.names(space)) {
                 Some(near) => diagnostic.help(format!("did you mean `{near}`?")).fix(name.span, near),
                 None => match standard_home(space, &name.text) {
-                    Some(home) => diagnostic.help(format!("the standard library has it: `use std.{home}.{}`", name.text)),
+                    Some(home) => {
+                        diagnostic.help(format!("the standard library has it: `use std.{home}.{}`", name.text))
+                    }
                     None => diagnostic,
                 },
             },
@@ -209,7 +217,8 @@ impl<'t> Context<'t> {
                 true => "no arguments".to_string(),
                 false => known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", "),
             };
-            let diagnostic = diagnostic.expected(listed, format!("`{}`", name.text)).related(owner.span, "declared here");
+            let diagnostic =
+                diagnostic.expected(listed, format!("`{}`", name.text)).related(owner.span, "declared here");
             self.report(self.with_nearest(diagnostic, name, known));
         }
         locals
@@ -248,12 +257,7 @@ impl<'t> Context<'t> {
         made
     }
 
-    fn fill(
-        &self,
-        symbol: Symbol,
-        declaration: &'t Declaration,
-        args: Arguments<'t>,
-    ) -> Option<Rc<Component>> {
+    fn fill(&self, symbol: Symbol, declaration: &'t Declaration, args: Arguments<'t>) -> Option<Rc<Component>> {
         let locals = self.bind(symbol.module, &declaration.params, args, &declaration.name);
         let env = Rc::new(Env { module: symbol.module, locals, outer: None });
         let kind = declaration.kind;
@@ -376,7 +380,8 @@ impl<'t> Context<'t> {
             );
             None
         };
-        let number = |value: &Spanned<Value>, unit: &str, bounds| self.bounded(&value.value, value.span, spec, unit, bounds);
+        let number =
+            |value: &Spanned<Value>, unit: &str, bounds| self.bounded(&value.value, value.span, spec, unit, bounds);
         match (spec.shape, &value) {
             (Shape::Number(unit, bounds), _) => {
                 self.bounded(&value, expr.span, spec, unit, bounds).map(FieldValue::Number)
@@ -457,7 +462,8 @@ impl<'t> Context<'t> {
         };
         let found = shown(value, dimension);
         self.report(
-            Diagnostic::new(Code::E0306, format!("{what} is out of range"), span, found.clone()).expected(expected, found),
+            Diagnostic::new(Code::E0306, format!("{what} is out of range"), span, found.clone())
+                .expected(expected, found),
         );
         None
     }
@@ -467,8 +473,9 @@ impl<'t> Context<'t> {
         if low <= high {
             return Some(());
         }
-        let mut diagnostic = Diagnostic::new(Code::E0311, "the range is upside down", span, "its low end is above its high end")
-            .expected("`low .. high`", format!("{} .. {}", shown(low, dimension), shown(high, dimension)));
+        let mut diagnostic =
+            Diagnostic::new(Code::E0311, "the range is upside down", span, "its low end is above its high end")
+                .expected("`low .. high`", format!("{} .. {}", shown(low, dimension), shown(high, dimension)));
         if let Some((a, b)) = self.sources.text(span).split_once("..")
             && !b.contains("step")
         {
@@ -491,14 +498,27 @@ impl<'t> Context<'t> {
         // Rounded to the nanometre: 0.5 + 3 * 0.05 must be the 0.65 that a user writes.
         let value = |i: usize| ((low + i as f64 * step) * 1e9).round() / 1e9;
         let count = (count + 1e-9).floor() as usize;
-        Some((0..=count).map(|i| if i == 0 { low } else if (low + i as f64 * step - high).abs() < 1e-9 { high } else { value(i) }).collect())
+        Some(
+            (0..=count)
+                .map(|i| {
+                    if i == 0 {
+                        low
+                    } else if (low + i as f64 * step - high).abs() < 1e-9 {
+                        high
+                    } else {
+                        value(i)
+                    }
+                })
+                .collect(),
+        )
     }
 
     /// Gives each stiffness its dimension, N/m to the power of the exponent beside it.
     fn check_stiffness(&self, kind: Kind, component: &Component, within: Span) -> bool {
         let mut sound = true;
         for spec in fields(kind).iter().filter(|f| f.shape == Shape::Stiffness) {
-            let Some(Filled { value: Some(FieldValue::Stiffness(value)), span }) = component.fields.get(spec.path).cloned()
+            let Some(Filled { value: Some(FieldValue::Stiffness(value)), span }) =
+                component.fields.get(spec.path).cloned()
             else {
                 continue;
             };
@@ -558,7 +578,7 @@ impl<'t> Context<'t> {
         self.report(
             Diagnostic::new(Code::E0215, what, name.span, format!("in this {}", Space::Component(kind).word()))
                 .expected(format!("{}{more}", listed[..shown].join(", ")), "nothing")
-                .help("or extend a declaration that has them, with `from`"),
+                .help("or extend a declaration that has the rest, with `from`"),
         );
         false
     }

@@ -1,8 +1,8 @@
 //! Functions: arithmetic ones on any number, and those that ask the layout's geometry.
 
 use super::dimension::Dimension;
-use super::scope::{Context, Named, Scope};
 use super::program::mentions;
+use super::scope::{Context, Named, Scope};
 use super::value::{Quantity, Value};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::trig;
@@ -57,9 +57,14 @@ impl<'t> Context<'t> {
         };
         let Some(geometry) = scope.geometry else {
             self.report(
-                Diagnostic::new(Code::E0308, format!("`{}` is not known here", name.text), span, "depends on the geometry")
-                    .expected("a constant", "a formula over the layout's geometry")
-                    .help("formulas over the geometry belong in `require` and `equal`"),
+                Diagnostic::new(
+                    Code::E0308,
+                    format!("`{}` is not known here", name.text),
+                    span,
+                    "depends on the geometry",
+                )
+                .expected("a constant", "a formula over the layout's geometry")
+                .help("formulas over the geometry belong in `require` and `equal`"),
             );
             return Value::Poison;
         };
@@ -75,8 +80,13 @@ impl<'t> Context<'t> {
 
     fn wrong_arguments(&self, name: &str, span: Span, usage: &str) {
         self.report(
-            Diagnostic::new(Code::E0307, format!("`{name}` is called in a way it does not know"), span, "these arguments")
-                .expected(format!("`{}`", usage.replace(" or ", "` or `")), format!("`{}`", clip(self.sources.text(span)))),
+            Diagnostic::new(
+                Code::E0307,
+                format!("`{name}` is called in a way it does not know"),
+                span,
+                "these arguments",
+            )
+            .expected(format!("`{}`", usage.replace(" or ", "` or `")), format!("`{}`", clip(self.sources.text(span)))),
         );
     }
 
@@ -139,8 +149,13 @@ impl<'t> Context<'t> {
     fn square_root(&self, of: Quantity, span: Span) -> Value {
         let Some(dimension) = of.dimension.square_root() else {
             self.report(
-                Diagnostic::new(Code::E0301, "this has no square root with a dimension", span, of.dimension.with_article())
-                    .expected("a square, such as an area", of.dimension.to_string()),
+                Diagnostic::new(
+                    Code::E0301,
+                    "this has no square root with a dimension",
+                    span,
+                    of.dimension.with_article(),
+                )
+                .expected("a square, such as an area", of.dimension.to_string()),
             );
             return Value::Poison;
         };
@@ -206,7 +221,8 @@ impl<'t> Context<'t> {
     pub fn vertex(&self, geometry: &Named<'t>, name: &Name) -> Option<usize> {
         let found = geometry.vertices.get(name.text.as_str()).copied();
         if found.is_none() && !mentions(&geometry.bad, &name.text) {
-            let diagnostic = Diagnostic::new(Code::E0207, format!("there is no vertex `{}`", name.text), name.span, "not a vertex");
+            let diagnostic =
+                Diagnostic::new(Code::E0207, format!("there is no vertex `{}`", name.text), name.span, "not a vertex");
             self.report(self.with_nearest(diagnostic, name, geometry.order.iter().copied()));
         }
         found
@@ -223,13 +239,20 @@ impl<'t> Context<'t> {
         let (a, b) = (&section.from.text, &section.to.text);
         let (before, after) = (geometry.order[(from + n - 1) % n], geometry.order[(from + 1) % n]);
         let diagnostic = if (to + 1) % n == from {
-            Diagnostic::new(Code::E0403, format!("the section runs from `{b}` to `{a}`"), section.span, "against driving order")
-                .expected(format!("`{b}..{a}`"), format!("`{a}..{b}`"))
-                .fix(section.span, format!("{b}..{a}"))
+            Diagnostic::new(
+                Code::E0403,
+                format!("the section runs from `{b}` to `{a}`"),
+                section.span,
+                "against driving order",
+            )
+            .expected(format!("`{b}..{a}`"), format!("`{a}..{b}`"))
+            .fix(section.span, format!("{b}..{a}"))
         } else {
             Diagnostic::new(Code::E0403, format!("`{a}` and `{b}` are not neighbours"), section.span, "not a section")
                 .expected("two vertices that follow each other in driving order", format!("`{a}..{b}`"))
-                .help(format!("`{a}` lies between `{before}` and `{after}`: its sections are `{before}..{a}` and `{a}..{after}`"))
+                .help(format!(
+                    "`{a}` lies between `{before}` and `{after}`: its sections are `{before}..{a}` and `{a}..{after}`"
+                ))
         };
         self.report(diagnostic);
         None

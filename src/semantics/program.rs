@@ -277,7 +277,7 @@ fn load_diagnostic(sources: &SourceMap, error: LoadError, path: &str, span: Span
         }
         LoadError::OutsideRoot(root) => {
             Diagnostic::new(Code::E0203, format!("`{path}` leaves the project"), span, "leads outside")
-                .expected(format!("a file inside `{root}`"), "one outside it")
+                .expected(format!("a file inside {root}"), "one outside it")
                 .help(
                     "the project root is the nearest folder upwards with an `lss.toml` or `.git`, else the file's own \
                      folder: an empty `lss.toml` further up widens it",

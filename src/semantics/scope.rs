@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use super::declaration::Component;
-use crate::syntax::nearest;
 use super::program::{Program, Space, Symbol, mentions};
 use super::sink::Sink;
 use super::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{SourceMap, Span};
+use crate::syntax::nearest;
 use crate::syntax::tree::{Expr, Item, Let, Name};
 
 /// Nesting of expressions and definitions that is followed.
@@ -32,6 +32,8 @@ pub(super) struct Context<'t> {
     /// Declarations that are being made.
     pub instantiating: RefCell<Vec<Symbol>>,
     depth: Cell<usize>,
+    /// Whether that has been said: it is said once.
+    too_deep: Cell<bool>,
     suggestions: Cell<usize>,
 }
 
@@ -131,6 +133,7 @@ impl<'t> Context<'t> {
             components: RefCell::default(),
             instantiating: RefCell::default(),
             depth: Cell::new(0),
+            too_deep: Cell::new(false),
             suggestions: Cell::new(SUGGESTION_BUDGET),
         }
     }
@@ -142,10 +145,14 @@ impl<'t> Context<'t> {
     /// Runs one level deeper; `None` (reported) when that is too deep.
     pub fn deeper<T>(&self, span: Span, run: impl FnOnce() -> T) -> Option<T> {
         if self.depth.get() >= DEPTH {
-            self.report(
-                Diagnostic::new(Code::E0309, "definitions nest too deeply", span, "not followed any further")
-                    .expected(format!("at most {DEPTH} levels"), "more"),
-            );
+            if !self.too_deep.replace(true) {
+                let message = "definitions nest too deeply";
+                self.report(
+                    Diagnostic::new(Code::E0309, message, span, "not followed any further")
+                        .expected(format!("at most {DEPTH} levels"), "more")
+                        .help("write values before the lines that use them"),
+                );
+            }
             return None;
         }
         self.depth.set(self.depth.get() + 1);
@@ -198,10 +205,12 @@ impl<'t> Context<'t> {
         if bad_here || module.bad_mentions(name) {
             return;
         }
-        let mut diagnostic = Diagnostic::new(Code::E0206, format!("there is no value `{name}`"), span, "not known here");
+        let mut diagnostic =
+            Diagnostic::new(Code::E0206, format!("there is no value `{name}`"), span, "not known here");
         let vertex = scope.geometry.is_some_and(|g| g.vertices.contains_key(name));
         if vertex {
-            diagnostic = diagnostic.help(format!("`{name}` is a vertex: `x({name})`, `y({name})` and `radius({name})` are values"));
+            diagnostic = diagnostic
+                .help(format!("`{name}` is a vertex: `x({name})`, `y({name})` and `radius({name})` are values"));
         } else if let Some(unit) = super::dimension::symbols().find(|u| *u == name) {
             diagnostic = diagnostic.help(format!("a unit follows its number: `1 {unit}`"));
         } else {

@@ -60,12 +60,14 @@ impl Quantity {
 
 /// Sum with constants folded; flat.
 pub(super) fn sum(terms: Vec<Formula>) -> Formula {
-    fold(terms, 0.0, |a, b| a + b, Formula::Sum)
+    let flat = |term| if let Formula::Sum(inner) = term { inner } else { vec![term] };
+    fold(terms.into_iter().flat_map(flat).collect(), 0.0, |a, b| a + b, Formula::Sum)
 }
 
 /// Product with constants folded; flat.
 pub(super) fn product(factors: Vec<Formula>) -> Formula {
-    fold(factors, 1.0, |a, b| a * b, Formula::Product)
+    let flat = |factor| if let Formula::Product(inner) = factor { inner } else { vec![factor] };
+    fold(factors.into_iter().flat_map(flat).collect(), 1.0, |a, b| a * b, Formula::Product)
 }
 
 /// Constants go together into one, which stands last; an identity is left out.

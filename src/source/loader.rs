@@ -25,7 +25,7 @@ pub const STDLIB: &[(&str, &str)] = &[
 pub enum LoadError {
     /// Not there, not a regular file, or unreadable; the system's reason.
     Unreadable(String),
-    /// Its path leads out of the project root (shown), directly or through a symbolic link.
+    /// Its path leads out of the project root (as messages show it), directly or through a symbolic link.
     OutsideRoot(String),
     /// Larger than [`SIZE_LIMIT`], bytes.
     TooLarge(u64),
@@ -193,7 +193,7 @@ fn shorten(path: &Path) -> PathBuf {
 }
 
 fn shown_root(root: &Path) -> String {
-    root.file_name().map_or_else(|| "the project".into(), |n| n.to_string_lossy().into_owned())
+    root.file_name().map_or_else(|| "the project".into(), |n| format!("`{}`", n.to_string_lossy()))
 }
 
 #[cfg(test)]
