@@ -4,6 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use lss::diagnostic::{Code, Diagnostic, text};
+use lss::elements;
+use lss::geometry::Track;
 use lss::semantics::{analyse, unsupported};
 use lss::solve;
 use lss::source::{Loader, SourceMap};
@@ -40,8 +42,12 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
     let analysis = analyse(&mut sources, &mut loader, main, None);
     let mut diagnostics = analysis.diagnostics.clone();
     match (code, analysis.chosen()) {
-        (Code::E0217, Err(diagnostic)) => diagnostics.push(diagnostic),
+        (Code::E0217, Err(diagnostic)) => diagnostics.push(*diagnostic),
         (Code::E0650, Ok(Some(layout))) => diagnostics.extend(unsupported(layout)),
+        (Code::W0710, Ok(Some(layout))) => {
+            let written = Track::new(&layout.corners());
+            diagnostics.extend(elements::lacking(&elements::sequence(&written, layout), layout));
+        }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
         }
