@@ -152,8 +152,12 @@ fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Setting
 
 /// The written layout. Turns and straights that the catalogue lacks are not violations here: elements report them.
 fn as_written(problem: &Problem) -> Stage {
+    // Rows begin with a turn and a straight a vertex; later ones on straights are the user's.
     let from_catalog = |key: RowKey| match key {
-        RowKey::Listed(i) => matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_)),
+        RowKey::Listed(i) => {
+            let catalogue = 2 * problem.vertices.len();
+            i < catalogue && matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_))
+        }
         RowKey::Clearance(..) | RowKey::Own(..) => false,
     };
     let violations = violations(problem, &problem.start, Settings::default().feasibility, |key| !from_catalog(key));
@@ -271,6 +275,18 @@ mod tests {
         let track = Track::new(&stages[1].corners);
         let nearest = crate::geometry::band_overlaps(&track, 3.0).iter().map(|o| o.2).fold(f64::INFINITY, f64::min);
         assert!((nearest - layout.width.value).abs() < 1e-6, "{nearest}");
+    }
+
+    #[test]
+    fn equipment_keeps_its_straight() {
+        use crate::model::{Chutes, Place, Row, fixture::span};
+        let mut layout = crate::model::fixture::rectangle(40.0, 20.0, 4.0);
+        let place = Place { section: 2, at: 1.0, span: span() };
+        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row: Row { place, every: 1.25, count: 9 } }];
+        let stages = solve(&layout, &Options::default(), &quiet);
+        let track = Track::new(&stages[2].corners);
+        assert_eq!(stages[2].status, Status::Converged);
+        assert!((track.straight(2).length - 11.0).abs() < 1e-6, "{}", track.straight(2).length);
     }
 
     #[test]
