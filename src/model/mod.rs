@@ -6,7 +6,6 @@ mod constraint;
 mod equipment;
 #[cfg(test)]
 pub mod fixture;
-mod print;
 #[cfg(test)]
 pub mod instances;
 mod print;
