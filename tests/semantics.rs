@@ -1,6 +1,6 @@
 //! The front end on whole files: what a layout becomes, and what every rule says.
 
-use lss::diagnostic::{Code, text};
+use lss::diagnostic::text;
 use lss::model::{self, Layout, Side};
 use lss::semantics::{Analysis, analyse};
 use lss::source::{Loader, SourceMap};
