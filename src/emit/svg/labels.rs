@@ -14,8 +14,8 @@ use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
 use super::xml::Element;
 use crate::emit::number::trimmed;
 
-/// How far a label may go from what it names, mm.
-const REACH: f64 = 90.0;
+/// How far a label goes from what it names while there is room, mm.
+const REACH: f64 = 24.0;
 /// Room left and right of a text together, mm.
 const PADDING: f64 = 1.6;
 /// Longest text of a label, mm; longer names are cut.
@@ -41,22 +41,20 @@ impl<'a> Labels<'a> {
         self.group
     }
 
-    /// Places an upright or turned text by its candidates, whose first box is the text's.
-    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate]) -> bool {
-        let Some(chosen) = self.field.place(candidates) else { return false };
+    /// Places a text at one of its candidates or, where none is free, further away with a leader from an anchor.
+    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate], anchors: &[Point]) {
+        let size = candidates.first().map_or(Point::default(), |candidate| candidate.text.half * 2.0);
+        let place = self.field.place(candidates).or_else(|| self.field.place_afar(anchors, size));
+        let Some(chosen) = place else {
+            self.omitted += 1;
+            return;
+        };
         if let Some((a, b)) = chosen.leader {
             self.group.push(path(&path_line(a, b), "leader"));
         }
-        let place = &chosen.boxes[0];
         let class = format!("halo {class}");
-        self.group.push(text::centred(place.centre, reading_angle(place.axis), text, height, class.trim()));
-        true
-    }
-
-    fn put_or_count(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate]) {
-        if !self.put(text, height, class, candidates) {
-            self.omitted += 1;
-        }
+        let angle = reading_angle(chosen.text.axis);
+        self.group.push(text::centred(chosen.text.centre, angle, text, height, class.trim()));
     }
 
     /// The obstacle's name, inside when it has room there. Other labels then rather keep off the hatch.
@@ -69,14 +67,14 @@ impl<'a> Labels<'a> {
         let mut candidates = Vec::new();
         if obstacle.polygon.contains(middle) && size.x + 2.0 < paper.x && size.y + 1.0 < paper.y {
             let item = Box::upright(self.sheet.at(middle), size.x, size.y);
-            candidates.push(Candidate { boxes: vec![item], lines: Vec::new(), leader: None, cost: 0.0 });
+            candidates.push(Candidate::text(item, 0.0));
         }
         let gap = paper.x.min(paper.y) / 2.0 + 1.0;
         for mut candidate in around(self.sheet.at(middle), Point::new(0.0, -1.0), size, gap, gap + REACH) {
             candidate.cost += 5.0;
             candidates.push(candidate);
         }
-        self.put_or_count(&name, Height::H25, "", &candidates);
+        self.put(&name, Height::H25, "", &candidates, &[self.sheet.at(middle)]);
         self.field.add(Box::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
     }
 
@@ -111,11 +109,11 @@ impl<'a> Labels<'a> {
             candidates.extend(beside(anchor, along, side, size, 1.0));
             candidates.extend(around(anchor, side, size, 1.0, REACH));
         }
-        self.put_or_count(&text, Height::H25, "", &candidates);
+        self.put(&text, Height::H25, "", &candidates, &[middle + out * half, middle - out * half]);
     }
 
     fn draw_dimension(&mut self, chosen: &Candidate, a: Point, b: Point, along: Point, text: &str) {
-        let line = &chosen.boxes[1];
+        let Some(line) = chosen.bar else { return };
         let across = line.centre - a.lerp(b, 0.5);
         let (from, to) = (a + across, b + across);
         let side = across * (1.0 / across.norm());
@@ -124,7 +122,7 @@ impl<'a> Labels<'a> {
         self.group.push(path(&(path_line(from, to) + &extension(a, from) + &extension(b, to)), "dimension"));
         let heads = symbol::arrow(to, along, 2.5, 0.9) + &symbol::arrow(from, -along, 2.5, 0.9);
         self.group.push(path(&heads, "dimension-arrow"));
-        let place = &chosen.boxes[0];
+        let place = &chosen.text;
         self.group.push(text::centred(place.centre, reading_angle(place.axis), text, Height::H25, "halo"));
     }
 
@@ -137,21 +135,22 @@ impl<'a> Labels<'a> {
         let size = extent(&text, Height::H25);
         let half = self.layout.width.value / 2.0;
         let outward = (self.track.corners[vertex].point - fillet.centre).heading();
-        let mut candidates = Vec::new();
+        let (mut candidates, mut anchors) = (Vec::new(), Vec::new());
         // Inside the bend first: outside stand the vertex and its name.
-        for (side, cost) in [(-1.0, 0.0), (1.0, 2.0)] {
-            for shift in [0.0, -0.25, 0.25] {
+        for (side, cost, shifts) in [(-1.0, 0.0, &[0.0, -0.25, 0.25][..]), (1.0, 2.0, &[0.0])] {
+            for shift in shifts {
                 let angle = outward + shift * fillet.turn;
                 let reach = (fillet.radius + side * half).max(0.0);
                 let anchor = self.sheet.at(fillet.centre + Point::unit(angle) * reach);
                 let prefer = self.sheet.direction(angle) * side;
+                anchors.push(anchor);
                 for mut candidate in around(anchor, prefer, size, 1.0, REACH) {
                     candidate.cost += cost + 2.0 * shift.abs();
                     candidates.push(candidate);
                 }
             }
         }
-        self.put_or_count(&text, Height::H25, "", &candidates);
+        self.put(&text, Height::H25, "", &candidates, &anchors);
     }
 
     pub fn vertex(&mut self, vertex: usize) {
@@ -164,7 +163,7 @@ impl<'a> Labels<'a> {
         let anchor = self.sheet.at(self.track.corners[vertex].point);
         let candidates = around(anchor, prefer, size, 2.2, REACH);
         let class = if is_fixed_vertex(self.layout, vertex) { "bold fixed-text" } else { "bold" };
-        self.put_or_count(&name, Height::H25, class, &candidates);
+        self.put(&name, Height::H25, class, &candidates, &[anchor]);
     }
 
     pub fn mark(&mut self, mark: &Mark) {
@@ -182,7 +181,7 @@ impl<'a> Labels<'a> {
         let middle = Mark { s: mark.s + mark.length / 2.0, ..mark.clone() };
         let (point, heading) = self.track.at(middle.s);
         let spot = spot(self.sheet, self.track, &Mark { point, heading, ..middle }, self.layout.width.value);
-        let mut candidates = Vec::new();
+        let (mut candidates, mut anchors) = (Vec::new(), Vec::new());
         for (side, cost) in [(1.0, 0.0), (-1.0, 1.5)] {
             let rise = match mark.kind {
                 MarkKind::Induction => 4.8,
@@ -196,12 +195,13 @@ impl<'a> Labels<'a> {
                 continue;
             }
             let anchor = spot.at + spot.out * (side * (spot.half + rise));
+            anchors.push(anchor);
             for mut candidate in around(anchor, spot.out * side, size, 0.6, REACH) {
                 candidate.cost += cost;
                 candidates.push(candidate);
             }
         }
-        self.put_or_count(&text, height, class, &candidates);
+        self.put(&text, height, class, &candidates, &anchors);
     }
 
     /// Words beside the fixed sections.
@@ -242,15 +242,16 @@ impl<'a> Labels<'a> {
         let size = extent(text, height);
         let half = self.sheet.mm(self.layout.width.value) / 2.0;
         let (along, out) = (self.sheet.direction(heading), self.out(heading));
-        let mut candidates = Vec::new();
+        let (mut candidates, mut anchors) = (Vec::new(), Vec::new());
         // Inside the loop first: dimensions stand outside.
         for (side, cost) in [(-out, 0.0), (out, 0.5)] {
             let anchor = self.sheet.at(at) + side * half;
+            anchors.push(anchor);
             let turned = if straight { beside(anchor, along, side, size, 0.8) } else { Vec::new() };
-            let all = turned.into_iter().chain(around(anchor, side, size, 1.0, REACH / 2.0));
+            let all = turned.into_iter().chain(around(anchor, side, size, 1.0, REACH));
             candidates.extend(all.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
         }
-        self.put_or_count(text, height, class, &candidates);
+        self.put(text, height, class, &candidates, &anchors);
     }
 
     /// Unit vector on paper out of the loop, across this heading.
@@ -276,12 +277,7 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
             let across = gap + size.y * (0.5 + f64::from(row));
             let centre = anchor + side * across + along * (shift * size.x);
             let item = Box { centre, half: size * 0.5, axis: along };
-            candidates.push(Candidate {
-                boxes: vec![item],
-                lines: Vec::new(),
-                leader: None,
-                cost: 2.0 * shift.abs() + 4.0 * f64::from(row),
-            });
+            candidates.push(Candidate::text(item, 2.0 * shift.abs() + 4.0 * f64::from(row)));
         }
     }
     candidates
@@ -304,12 +300,8 @@ fn dimension_candidates(a: Point, b: Point, along: Point, out: Point, half: f64,
                 let text = Box { centre, half: size * 0.5, axis: along };
                 let cost = side_cost + 3.0 * f64::from(step) + shift.abs();
                 let extension = |p: Point| (p + side * (half + 1.0), p + across + side * 1.2);
-                candidates.push(Candidate {
-                    boxes: vec![text, line],
-                    lines: vec![extension(a), extension(b)],
-                    leader: None,
-                    cost,
-                });
+                let extensions = Some([extension(a), extension(b)]);
+                candidates.push(Candidate { text, bar: Some(line), extensions, leader: None, cost });
             }
         }
     }

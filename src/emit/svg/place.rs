@@ -1,6 +1,6 @@
 //! Label placement on paper: oriented boxes in a grid of cells, and a greedy choice among candidates.
 
-use crate::geometry::{Point, bounds, trig};
+use crate::geometry::{Point, trig};
 
 /// What a box stands for, which decides who may cover it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +40,13 @@ impl Box {
         [self.centre + u + v, self.centre + u - v, self.centre - u - v, self.centre - u + v]
     }
 
+    /// Smallest and largest coordinates.
+    fn bounds(&self) -> (Point, Point) {
+        let (u, v) = (self.axis * self.half.x, self.axis.left() * self.half.y);
+        let reach = Point::new(u.x.abs() + v.x.abs(), u.y.abs() + v.y.abs());
+        (self.centre - reach, self.centre + reach)
+    }
+
     /// Separating axes of two rectangles.
     pub fn meets(&self, other: &Box) -> bool {
         let between = other.centre - self.centre;
@@ -51,16 +58,31 @@ impl Box {
 }
 
 /// Where a label may stand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Candidate {
-    /// What it covers; the first is the text.
-    pub boxes: Vec<Box>,
-    /// Its thin lines, which may cross others and symbols at a cost.
-    pub lines: Vec<(Point, Point)>,
-    /// A thin line to what it names.
+    pub text: Box,
+    /// A line that is as much in the way as the text: a dimension line.
+    pub bar: Option<Box>,
+    /// Its extension lines, which may cross other lines and symbols at a cost.
+    pub extensions: Option<[(Point, Point); 2]>,
+    /// A thin line to what it names, which may cross the same.
     pub leader: Option<(Point, Point)>,
     /// Lower is better.
     pub cost: f64,
+}
+
+impl Candidate {
+    pub fn text(text: Box, cost: f64) -> Self {
+        Candidate { text, bar: None, extensions: None, leader: None, cost }
+    }
+
+    fn boxes(&self) -> impl Iterator<Item = Box> + use<> {
+        std::iter::once(self.text).chain(self.bar)
+    }
+
+    fn thin(&self) -> impl Iterator<Item = (Point, Point)> + use<> {
+        self.extensions.into_iter().flatten().chain(self.leader)
+    }
 }
 
 /// Taken places of a drawing area.
@@ -69,7 +91,14 @@ pub struct Field {
     high: Point,
     columns: usize,
     cells: Vec<Vec<u32>>,
-    boxes: Vec<(Box, Layer)>,
+    boxes: Vec<Taken>,
+}
+
+struct Taken {
+    item: Box,
+    layer: Layer,
+    low: Point,
+    high: Point,
 }
 
 /// Edge of a cell, mm.
@@ -91,7 +120,8 @@ impl Field {
         for cell in self.cells_of(&item) {
             self.cells[cell].push(index);
         }
-        self.boxes.push((item, layer));
+        let (low, high) = item.bounds();
+        self.boxes.push(Taken { item, layer, low, high });
     }
 
     /// A line, in parts that are not much longer than a cell.
@@ -107,72 +137,106 @@ impl Field {
     pub fn place(&mut self, candidates: &[Candidate]) -> Option<Candidate> {
         let mut order: Vec<&Candidate> = candidates.iter().collect();
         order.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let mut best: Option<(f64, &Candidate)> = None;
+        let mut best: Option<(f64, Candidate)> = None;
         for candidate in order {
-            if best.is_some_and(|(cost, _)| cost <= candidate.cost) {
+            let most = best.map_or(f64::INFINITY, |(cost, _)| cost);
+            if candidate.cost >= most {
                 break;
             }
-            if let Some(extra) = self.extra_cost(candidate) {
-                let cost = candidate.cost + extra;
-                if best.is_none_or(|(least, _)| cost < least) {
-                    best = Some((cost, candidate));
-                }
+            if let Some(extra) = self.extra_cost(candidate)
+                && candidate.cost + extra < most
+            {
+                best = Some((candidate.cost + extra, *candidate));
             }
         }
-        let chosen = best?.1.clone();
-        for item in &chosen.boxes {
-            self.add(*item, Layer::Label);
+        best.map(|(_, chosen)| self.take(chosen))
+    }
+
+    /// An upright text of this size with a leader from one of the anchors, as near as it finds room.
+    pub fn place_afar(&mut self, anchors: &[Point], size: Point) -> Option<Candidate> {
+        const FARTHEST: f64 = 100.0;
+        let directions = directions::<64>();
+        // A leader that a label blocks stays blocked further out.
+        let mut open: Vec<(Point, Point)> =
+            anchors.iter().flat_map(|anchor| directions.map(|direction| (*anchor, direction))).collect();
+        let mut best: Option<(f64, Candidate)> = None;
+        let mut distance = 4.0;
+        while distance < FARTHEST && best.is_none_or(|(cost, _)| distance < cost) {
+            open.retain(|&(anchor, direction)| {
+                let end = anchor + direction * distance;
+                let Some(crossed) = self.crossed(anchor, end) else { return false };
+                let half = Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
+                let text = Candidate::text(Box::upright(end + half, size.x, size.y), distance + crossed);
+                if let Some(extra) = self.extra_cost(&text)
+                    && best.is_none_or(|(least, _)| text.cost + extra < least)
+                {
+                    best = Some((text.cost + extra, Candidate { leader: Some((anchor, end)), ..text }));
+                }
+                true
+            });
+            distance *= 1.25;
         }
-        for &(a, b) in chosen.lines.iter().chain(&chosen.leader) {
+        best.map(|(_, chosen)| self.take(chosen))
+    }
+
+    fn take(&mut self, chosen: Candidate) -> Candidate {
+        for item in chosen.boxes() {
+            self.add(item, Layer::Label);
+        }
+        for (a, b) in chosen.thin() {
             self.add_line(a, b, 0.3, Layer::Line);
         }
-        Some(chosen)
+        chosen
     }
 
     fn extra_cost(&self, candidate: &Candidate) -> Option<f64> {
         let mut cost = 0.0;
-        for item in &candidate.boxes {
-            if !self.within(item) {
+        for item in candidate.boxes() {
+            if !self.within(&item) {
                 return None;
             }
-            for layer in self.under(item) {
-                match layer {
-                    Layer::Label | Layer::Solid => return None,
-                    Layer::Line => cost += ON_LINE,
-                }
-            }
+            cost += ON_LINE * self.under(&item, |layer| layer != Layer::Line)?.len() as f64;
         }
-        for &(a, b) in candidate.lines.iter().chain(&candidate.leader) {
-            for layer in self.under(&Box::line(a, b, 0.3)) {
-                match layer {
-                    Layer::Label => return None,
-                    Layer::Solid => cost += THIN_ON_SOLID,
-                    Layer::Line => cost += THIN_ON_LINE,
-                }
-            }
+        for (a, b) in candidate.thin() {
+            cost += self.crossed(a, b)?;
         }
         Some(cost)
     }
 
-    fn within(&self, item: &Box) -> bool {
-        item.corners()
-            .iter()
-            .all(|p| p.x >= self.low.x && p.x <= self.high.x && p.y >= self.low.y && p.y <= self.high.y)
+    /// What a thin line costs by all it crosses; `None` when that is a label.
+    fn crossed(&self, a: Point, b: Point) -> Option<f64> {
+        let layers = self.under(&Box::line(a, b, 0.3), |layer| layer == Layer::Label)?;
+        Some(layers.into_iter().map(|layer| if layer == Layer::Solid { THIN_ON_SOLID } else { THIN_ON_LINE }).sum())
     }
 
-    /// Layers of the boxes that this one meets.
-    fn under<'a>(&'a self, item: &'a Box) -> impl Iterator<Item = Layer> + 'a {
-        let mut near: Vec<u32> = self.cells_of(item).flat_map(|cell| self.cells[cell].iter().copied()).collect();
-        near.sort_unstable();
-        near.dedup();
-        near.into_iter()
-            .map(|index| self.boxes[index as usize])
-            .filter(|(other, _)| item.meets(other))
-            .map(|(_, layer)| layer)
+    fn within(&self, item: &Box) -> bool {
+        let (low, high) = item.bounds();
+        low.x >= self.low.x && low.y >= self.low.y && high.x <= self.high.x && high.y <= self.high.y
+    }
+
+    /// Layers of the boxes that this one meets; `None` as soon as one of them forbids it.
+    fn under(&self, item: &Box, forbids: impl Fn(Layer) -> bool) -> Option<Vec<Layer>> {
+        let (low, high) = item.bounds();
+        let mut met: Vec<u32> = Vec::new();
+        for cell in self.cells_of(item) {
+            for &index in &self.cells[cell] {
+                let taken = &self.boxes[index as usize];
+                let apart =
+                    taken.low.x > high.x || taken.high.x < low.x || taken.low.y > high.y || taken.high.y < low.y;
+                // A box that runs through several cells counts once.
+                if !apart && item.meets(&taken.item) && !met.contains(&index) {
+                    if forbids(taken.layer) {
+                        return None;
+                    }
+                    met.push(index);
+                }
+            }
+        }
+        Some(met.into_iter().map(|index| self.boxes[index as usize].layer).collect())
     }
 
     fn cells_of(&self, item: &Box) -> impl Iterator<Item = usize> + use<> {
-        let (low, high) = bounds(item.corners().into_iter());
+        let (low, high) = item.bounds();
         let rows = self.cells.len() / self.columns;
         let index =
             |x: f64, origin: f64, count: usize| (((x - origin) / CELL).floor().max(0.0) as usize).min(count - 1);
@@ -183,34 +247,29 @@ impl Field {
     }
 }
 
+/// Unit vectors in `N` directions.
+fn directions<const N: usize>() -> [Point; N] {
+    std::array::from_fn(|k| Point::unit(trig::TAU * k as f64 / N as f64))
+}
+
 /// Upright places around `anchor`, nearest and towards `prefer` first, up to `reach` mm away. Places further than a
 /// few millimetres get a leader from the anchor.
 pub fn around(anchor: Point, prefer: Point, size: Point, gap: f64, reach: f64) -> Vec<Candidate> {
-    const DIRECTIONS: usize = 16;
+    let directions = directions::<16>();
     let mut candidates = Vec::new();
     let mut distance = gap;
     while distance <= reach {
-        for k in 0..DIRECTIONS {
-            let direction = Point::unit(trig::TAU * k as f64 / DIRECTIONS as f64);
-            // From the anchor to the box's near side, then half the box on.
-            let half = (size.x / 2.0 * direction.x.abs()).max(size.y / 2.0 * direction.y.abs());
-            let centre =
-                anchor + direction * distance + Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
-            let turn = 1.0 - direction.dot(prefer);
+        for direction in directions {
+            let half = Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
+            let centre = anchor + direction * distance + half;
+            let text = Box::upright(centre, size.x, size.y);
             let leader = (distance > gap + 2.5).then(|| {
-                let end = Point::new(
-                    anchor.x.clamp(centre.x - size.x / 2.0, centre.x + size.x / 2.0),
-                    anchor.y.clamp(centre.y - size.y / 2.0, centre.y + size.y / 2.0),
-                );
-                (anchor, end)
+                let (low, high) = text.bounds();
+                (anchor, Point::new(anchor.x.clamp(low.x, high.x), anchor.y.clamp(low.y, high.y)))
             });
-            let cost = distance - gap + 3.0 * turn + 0.02 * half + if leader.is_some() { 3.0 } else { 0.0 };
-            candidates.push(Candidate {
-                boxes: vec![Box::upright(centre, size.x, size.y)],
-                lines: Vec::new(),
-                leader,
-                cost,
-            });
+            let turn = 1.0 - direction.dot(prefer);
+            let cost = distance - gap + 3.0 * turn + if leader.is_some() { 3.0 } else { 0.0 };
+            candidates.push(Candidate { leader, ..Candidate::text(text, cost) });
         }
         distance += if distance < gap + 4.0 { 1.0 } else { 3.0 };
     }
@@ -239,8 +298,8 @@ mod tests {
             let anchor = Point::new(3.0 * f64::from(k), 1.0);
             let candidates = around(anchor, Point::new(0.0, 1.0), Point::new(8.0, 3.0), 1.0, 60.0);
             let chosen = field.place(&candidates).expect("room");
-            assert!(placed.iter().all(|other| !other.meets(&chosen.boxes[0])));
-            placed.push(chosen.boxes[0]);
+            assert!(placed.iter().all(|other| !other.meets(&chosen.text)));
+            placed.push(chosen.text);
         }
         assert!(placed[0].centre.distance(Point::new(0.0, 3.5)) < 1e-9, "nearest and preferred first");
     }

@@ -93,21 +93,13 @@ fn name_at(group: &mut Element, area: &mut Field, at: Point, prefer: Point, name
         Point::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
     let mut candidates = around(at, prefer, size, gap, 60.0);
     if gap == 0.0 {
-        candidates.insert(
-            0,
-            super::place::Candidate {
-                boxes: vec![Box::upright(at, size.x, size.y)],
-                lines: Vec::new(),
-                leader: None,
-                cost: -9.0,
-            },
-        );
+        candidates.insert(0, super::place::Candidate::text(Box::upright(at, size.x, size.y), -9.0));
     }
     if let Some(chosen) = area.place(&candidates) {
         if let Some((a, b)) = chosen.leader {
             group.push(path(&super::sheet::path_line(a, b), "leader"));
         }
-        let place = &chosen.boxes[0];
+        let place = &chosen.text;
         group.push(text::centred(place.centre, reading_angle(place.axis), name, Height::H25, class));
     }
 }

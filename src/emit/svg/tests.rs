@@ -31,6 +31,11 @@ fn write_samples() {
             std::fs::write(folder.join(format!("{name}.{file}")), content).expect("written");
         }
     }
+    let large = samples::large(200, 50);
+    let begin = std::time::Instant::now();
+    let files = (drawing(&large, Theme::Adaptive), crate::emit::dxf::drawing(&large));
+    println!("200 vertices, 50 obstacles: {:?}, {} bytes", begin.elapsed(), files.1.len());
+    std::fs::write(folder.join("200.svg"), files.0.expect("drawn")).expect("written");
     let (compiled, written) = samples::staged();
     std::fs::write(folder.join("stages.svg"), stages_svg(&compiled, &written).expect("drawn")).expect("written");
     std::fs::write(folder.join("stages.png"), stages_png(&compiled, &written).expect("drawn")).expect("written");
@@ -160,7 +165,7 @@ fn the_drawing_is_not_mirrored() {
 fn the_legend_lists_only_what_appears() {
     let rectangle = light(&samples::rectangle());
     for absent in
-        ["obstacle<", "wall<", "clearance<", "photocell<", "induction<", "chute", "support,", "fixed v", "lacks"]
+        ["obstacle<", "wall<", "clearance<", "photocell<", "induction<", ">chute", "support,", "fixed v", "lacks"]
     {
         assert!(!rectangle.contains(absent), "{absent}");
     }

@@ -67,6 +67,8 @@ pub fn width(text: &str, size: f64, bold: bool) -> f64 {
             let index = (c as usize).wrapping_sub(0x20);
             u64::from(table.get(index).copied().unwrap_or(match c {
                 '°' => 1024,
+                '²' => 821,
+                '…' => 2048,
                 '×' => 1716,
                 '∠' => 1836,
                 _ => widest,
