@@ -4,6 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use lss::diagnostic::{Code, Diagnostic, text};
+use lss::elements;
+use lss::geometry::Track;
 use lss::semantics::{analyse, unsupported};
 use lss::solve;
 use lss::source::{Loader, SourceMap};
@@ -44,6 +46,10 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         (Code::E0650, Ok(Some(layout))) => diagnostics.extend(unsupported(layout)),
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
+        }
+        (Code::W0710, Ok(Some(layout))) => {
+            let sequence = elements::sequence(&Track::new(&layout.corners()), layout);
+            diagnostics.extend(elements::lacking(&sequence, layout));
         }
         _ => {}
     }
