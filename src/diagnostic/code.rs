@@ -93,8 +93,8 @@ codes! {
     E0650 "not-built-yet",
 
     W0701 "unused-import",
-    W0702 "turn-outside-catalogue",
-    W0703 "radius-outside-catalogue",
+    W0702 "turn-outside-limits",
+    W0703 "radius-outside-limits",
     W0704 "redundant-statement",
     W0710 "not-in-catalog",
 }

@@ -112,7 +112,7 @@ impl<'t> Context<'t> {
         }
         Diagnostic::new(
             Code::E0301,
-            format!("{what} must be {}", wanted.with_article()),
+            format!("{what} must be {}, not {}", wanted.with_article(), quantity.dimension.with_article()),
             span,
             quantity.dimension.with_article(),
         )

@@ -9,18 +9,20 @@ use crate::source::Span;
 pub(super) struct Sink {
     diagnostics: Vec<Diagnostic>,
     said: BTreeSet<(Code, Span)>,
+    errors: usize,
 }
 
 impl Sink {
     pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.errors += usize::from(diagnostic.is_error());
         if self.said.insert((diagnostic.code, diagnostic.label.span)) {
             self.diagnostics.push(diagnostic);
         }
     }
 
-    /// Number of errors so far.
+    /// Number of errors so far, each time that one is met.
     pub fn errors(&self) -> usize {
-        self.diagnostics.iter().filter(|d| d.is_error()).count()
+        self.errors
     }
 
     /// All of them, by place.

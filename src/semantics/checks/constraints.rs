@@ -41,14 +41,13 @@ impl Context<'_> {
         let n = vertices.len();
         let name = |i: usize| vertices[i % n].name.as_str();
         let held = self.check_fixes(constraints, n, &name);
-        let Some(track) = &geometry.track else { return };
+        let (Some(track), Some(limits)) = (&geometry.track, facts.limits) else { return };
         let mut known = Known {
             vertices,
             track,
             obstacles: &geometry.obstacles,
             building: geometry.building.as_ref(),
-            turns: facts.turns.value,
-            radii: facts.radii.value,
+            limits,
             as_written: facts.as_written(),
             fixed_vertices: BTreeMap::new(),
             fixed_radii: BTreeMap::new(),
@@ -161,8 +160,8 @@ impl Context<'_> {
         };
         holds.sort();
         holds.dedup();
-        let limits = [(Formula::Radius as fn(usize) -> Formula, facts.radii.span), (Formula::Angle, facts.turns.span)];
-        for (of, span) in limits {
+        let (turns, radii) = (known.limits.turns.span, known.limits.radii.span);
+        for (of, span) in [(Formula::Radius as fn(usize) -> Formula, radii), (Formula::Angle, turns)] {
             if holds.is_empty() && mentions(formula, &of) && !known.as_written {
                 diagnostic = diagnostic.related(span, facts.source_of(span));
             }

@@ -17,10 +17,23 @@ use crate::source::{Span, Spanned};
 /// What the checks go by, besides the geometry.
 pub(super) struct Facts<'a> {
     pub levels: &'a [Level],
-    pub turns: Spanned<Interval>,
-    pub radii: Spanned<Interval>,
+    /// `None` when the catalogue or the layout's limits have a mistake.
+    pub limits: Option<Limits>,
     pub catalog: Option<&'a Catalog>,
     pub objective: Option<&'a Objective>,
+}
+
+/// What turns (absolute) and radii may be.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    pub turns: Spanned<Interval>,
+    pub radii: Spanned<Interval>,
+}
+
+impl Limits {
+    pub fn new(turns: Option<Spanned<Interval>>, radii: Option<Spanned<Interval>>) -> Option<Self> {
+        Some(Limits { turns: turns?, radii: radii? })
+    }
 }
 
 impl Facts<'_> {
@@ -47,15 +60,17 @@ impl<'t> Context<'t> {
         }
         let corners: Vec<Corner> = vertices.iter().map(|v| Corner { point: v.point, radius: v.radius.value }).collect();
         let track = Track::new(&corners);
-        if !self.check_turns(vertices, &track, facts.turns.value) {
+        if !self.check_turns(vertices, &track) {
             return;
         }
         if !self.check_fillets(vertices, &track) {
             return;
         }
         // A loop that crosses itself often comes from a wrong order, which bends every turn.
-        if self.check_crossings(vertices, &track, facts.levels) {
-            self.check_limits(vertices, &track, facts);
+        if self.check_crossings(vertices, &track, facts.levels)
+            && let Some(limits) = facts.limits
+        {
+            self.check_limits(vertices, &track, limits, facts);
         }
         if let Some(building) = &geometry.building {
             self.check_building(vertices, &track, building);

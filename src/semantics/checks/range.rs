@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::Limits;
 use crate::geometry::{Track, trig};
 use crate::model::{Building, Formula, Interval, Obstacle, Target, Vertex};
 use crate::source::Span;
@@ -15,8 +16,7 @@ pub(super) struct Known<'a> {
     pub track: &'a Track,
     pub obstacles: &'a [Obstacle],
     pub building: Option<&'a Building>,
-    pub turns: Interval,
-    pub radii: Interval,
+    pub limits: Limits,
     /// Nothing is free.
     pub as_written: bool,
     /// What `fix` holds at its written value, with the statement.
@@ -87,13 +87,13 @@ impl Known<'_> {
             return point(self.written(atom));
         }
         match atom {
-            Formula::Radius(_) => self.radii,
+            Formula::Radius(_) => self.limits.radii.value,
             Formula::Heading(_) => Interval { low: -trig::PI, high: trig::PI },
             // The optimiser never flips a turn.
             Formula::Angle(i) if self.track.fillets[*i].turn < 0.0 => {
-                Interval { low: -self.turns.high, high: -self.turns.low }
+                Interval { low: -self.limits.turns.value.high, high: -self.limits.turns.value.low }
             }
-            Formula::Angle(_) => self.turns,
+            Formula::Angle(_) => self.limits.turns.value,
             Formula::Length(_)
             | Formula::DistanceVertices(..)
             | Formula::DistanceObstacle(..)

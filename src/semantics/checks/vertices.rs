@@ -1,9 +1,9 @@
 //! Vertices: coincident neighbours, turns, radii, and fillets that overlap.
 
-use super::Facts;
+use super::{Facts, Limits};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{PieceKind, Track, trig};
-use crate::model::{Interval, Vertex};
+use crate::model::Vertex;
 use crate::semantics::scope::Context;
 use crate::semantics::value::{degrees, metres};
 
@@ -41,7 +41,7 @@ impl Context<'_> {
     }
 
     /// Whether every vertex turns by an angle that a fillet can round.
-    pub(super) fn check_turns(&self, vertices: &[Vertex], track: &Track, limits: Interval) -> bool {
+    pub(super) fn check_turns(&self, vertices: &[Vertex], track: &Track) -> bool {
         let mut sound = true;
         for (vertex, fillet) in vertices.iter().zip(&track.fillets) {
             let turn = fillet.turn.abs();
@@ -57,7 +57,7 @@ impl Context<'_> {
                 };
                 self.report(
                     Diagnostic::new(Code::E0408, message, vertex.point_span, format!("turns by {found}"))
-                        .expected(format!("a turn of {} .. {}", degrees(limits.low), degrees(limits.high)), found)
+                        .expected(format!("a turn of {} .. {}", degrees(LEAST_TURN), degrees(LARGEST_TURN)), found)
                         .help(help),
                 );
                 sound = false;
@@ -66,55 +66,40 @@ impl Context<'_> {
         sound
     }
 
-    /// Warns of turns and radii outside their limits, or not in the catalogue when nothing will change them.
-    pub(super) fn check_limits(&self, vertices: &[Vertex], track: &Track, facts: &Facts) {
+    /// Warns of turns and radii outside their limits. What the catalogue lacks inside them is the build's to say
+    /// (`elements::lacking`), once it is known which pieces the track needs.
+    pub(super) fn check_limits(&self, vertices: &[Vertex], track: &Track, limits: Limits, facts: &Facts) {
         for (vertex, fillet) in vertices.iter().zip(&track.fillets) {
-            let (turn, limits) = (fillet.turn.abs(), facts.turns.value);
+            let (turn, range) = (fillet.turn.abs(), limits.turns.value);
             let found = degrees(turn);
-            if turn < limits.low - SLACK || turn > limits.high + SLACK {
+            if turn < range.low - SLACK || turn > range.high + SLACK {
                 let message = format!("the turn at `{}` is outside its limits", vertex.name);
                 self.report(
                     Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
-                        .related(facts.turns.span, facts.source_of(facts.turns.span))
-                        .expected(format!("{} .. {}", degrees(limits.low), degrees(limits.high)), found)
+                        .related(limits.turns.span, facts.source_of(limits.turns.span))
+                        .expected(format!("{} .. {}", degrees(range.low), degrees(range.high)), found)
                         .help(mended(facts)),
                 );
-            } else if let (true, Some(catalog)) = (facts.as_written(), facts.catalog) {
-                let steps = turn / catalog.curve.angle_step;
-                if (steps - steps.round()).abs() * catalog.curve.angle_step > 1e-7 {
-                    let step = degrees(catalog.curve.angle_step);
-                    let message = format!("`{}` has no curve for the turn at `{}`", catalog.name, vertex.name);
-                    self.report(
-                        Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
-                            .expected(format!("a multiple of {step}"), found)
-                            .help(mended(facts)),
-                    );
-                }
             }
         }
-        self.check_radii(vertices, facts);
+        self.check_radii(vertices, limits, facts);
     }
 
-    fn check_radii(&self, vertices: &[Vertex], facts: &Facts) {
-        let limits = facts.radii.value;
+    fn check_radii(&self, vertices: &[Vertex], limits: Limits, facts: &Facts) {
+        let range = limits.radii.value;
         for vertex in vertices {
             let (radius, found) = (vertex.radius.value, metres(vertex.radius.value));
-            let missing = facts.as_written()
-                && facts.catalog.is_some_and(|c| !c.curve.radii.iter().any(|r| (r - radius).abs() < SLACK));
-            if radius < limits.low - SLACK || radius > limits.high + SLACK {
+            // Compiled as written, a radius that the catalogue lacks is said when building.
+            let listed = facts.catalog.is_none_or(|c| c.curve.radii.iter().any(|r| (r - radius).abs() < SLACK));
+            if facts.as_written() && !listed {
+                continue;
+            }
+            if radius < range.low - SLACK || radius > range.high + SLACK {
                 let message = format!("the radius at `{}` is outside its limits", vertex.name);
                 self.report(
                     Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
-                        .related(facts.radii.span, facts.source_of(facts.radii.span))
-                        .expected(format!("{} .. {}", metres(limits.low), metres(limits.high)), found)
-                        .help(mended(facts)),
-                );
-            } else if let (true, Some(catalog)) = (missing, facts.catalog) {
-                let listed = catalog.curve.radii.iter().map(|r| metres(*r)).collect::<Vec<_>>().join(", ");
-                let message = format!("`{}` has no curve for the radius at `{}`", catalog.name, vertex.name);
-                self.report(
-                    Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
-                        .expected(listed, found)
+                        .related(limits.radii.span, facts.source_of(limits.radii.span))
+                        .expected(format!("{} .. {}", metres(range.low), metres(range.high)), found)
                         .help(mended(facts)),
                 );
             }
@@ -165,7 +150,7 @@ impl Context<'_> {
 
 fn mended(facts: &Facts) -> &'static str {
     match facts.as_written() {
-        true => "the layout is compiled as written, with an element that the catalogue lacks",
+        true => "the layout is compiled as written, outside its limits",
         false => "the optimiser starts from here and must bring it within the limits",
     }
 }

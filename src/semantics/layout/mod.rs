@@ -8,6 +8,7 @@ mod vertices;
 
 use std::rc::Rc;
 
+use super::checks::{Facts, Limits};
 use super::components;
 use super::declaration::{Arguments, Component};
 use super::dimension::Dimension;
@@ -47,9 +48,13 @@ impl<'t> Context<'t> {
         let levels = self.levels(&draft, &geometry);
         let ramps = self.ramps(&draft, &geometry);
         let effects = self.effects(&draft);
-        if let (Some(levels), Some(turns), Some(radii)) = (&levels, turns, radii) {
-            let facts =
-                super::checks::Facts { levels, turns, radii, catalog: catalog.as_ref(), objective: objective.as_ref() };
+        if let Some(levels) = &levels {
+            let facts = Facts {
+                levels,
+                limits: Limits::new(turns, radii),
+                catalog: catalog.as_ref(),
+                objective: objective.as_ref(),
+            };
             self.check_geometry(&mut geometry, &facts);
             if let (Some(constraints), Some(vertices)) = (&constraints, &geometry.vertices) {
                 self.check_constraints(constraints, vertices, &geometry, &facts);
