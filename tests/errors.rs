@@ -51,10 +51,6 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
         }
-        (Code::W0710, Ok(Some(layout))) => {
-            let sequence = elements::sequence(&Track::new(&layout.corners()), layout);
-            diagnostics.extend(elements::lacking(&sequence, layout));
-        }
         _ => {}
     }
     (sources, diagnostics)

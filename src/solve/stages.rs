@@ -4,9 +4,9 @@
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
 use super::{Stage, Status, Violation, complex, discrete};
-use crate::geometry::self_crossings;
+use crate::geometry::{Track, self_crossings};
 use crate::model::Layout;
-use crate::problem::measures::to_corners;
+use crate::problem::measures::{radius as radius_of, to_corners};
 use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
 use std::time::Instant;
 
@@ -106,8 +106,36 @@ pub fn solve_with(
     let clock = Instant::now();
     watch(Progress { stage: "stage3", iteration: 0, length: second.length, max_violation: second.max_violation });
     let third = discretise(layout, &full, &second, &settings);
-    stages.push(stage("stage3", &full, &third, &settings, clock));
+    let mut last = stage("stage3", &full, &third, &settings, clock);
+    let off = off_grid(layout, &full, &third.variables, settings.feasibility);
+    if !off.is_empty() {
+        last.status = Status::Infeasible;
+        last.max_violation = off.iter().map(|v| v.amount).fold(last.max_violation, f64::max);
+        last.violations.extend(off);
+    }
+    stages.push(last);
     stages
+}
+
+/// Turns and radii that are not the catalogue's. A radius that the layout fixes is the user's own choice.
+fn off_grid(layout: &Layout, problem: &Problem, x: &[f64], tolerance: f64) -> Vec<Violation> {
+    let step = layout.catalog.curve.angle_step;
+    let track = Track::new(&to_corners(x));
+    let mut out = Vec::new();
+    for (i, fillet) in track.fillets.iter().enumerate() {
+        let (name, span) = (&layout.vertices[i].name, problem.vertex_span(i));
+        let turn = (fillet.turn - (fillet.turn / step).round() * step).abs();
+        if turn > tolerance {
+            out.push(Violation { row: format!("angle step of the turn at {name}"), span, amount: turn, unit: "rad" });
+        }
+        let distance = |r: &f64| (r - fillet.radius).abs();
+        let radius = layout.catalog.curve.radii.iter().map(distance).fold(f64::INFINITY, f64::min);
+        let bound = problem.bounds[radius_of(i)];
+        if radius > tolerance && bound.low < bound.high {
+            out.push(Violation { row: format!("standard radius at {name}"), span, amount: radius, unit: "m" });
+        }
+    }
+    out
 }
 
 /// Feasible solutions by length, after them the others by violation.
@@ -199,7 +227,7 @@ fn violations(problem: &Problem, x: &[f64], tolerance: f64, counts: impl Fn(RowK
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Track, clearance::lateral_offset};
+    use crate::geometry::{Point, clearance::lateral_offset};
     use crate::model::instances::{horseshoe, thesis10};
 
     fn quiet(_: Progress) {}
