@@ -139,8 +139,9 @@ impl Build {
         }
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.stages));
-        // What checking said about a written value need not be said again about its element.
-        let lacking = elements::lacking(&compiled.sequence, layout);
+        // What checking said about a written value need not be said again about its element, and nobody orders a
+        // layout that is not feasible.
+        let lacking = if compiled.failed() { Vec::new() } else { elements::lacking(&compiled.sequence, layout) };
         let new = |d: &Diagnostic| !said.iter().any(|s| s.label.span == d.label.span && !s.is_error());
         let lacking: Vec<Diagnostic> = lacking.into_iter().filter(new).collect();
         said.extend(lacking);

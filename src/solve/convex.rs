@@ -3,10 +3,12 @@
 //!
 //! Adding ρ a aᵀ for a row a·d = b that stays active changes nothing on that row's plane when the linear term
 //! moves with it (Nocedal and Wright 2006, §17.3), so curvature that is negative only across active rows costs no
-//! convergence. What is left negative is lifted by τ I. Definiteness is read off a sparse LDLᵀ factorisation.
+//! convergence. What is left negative is flattened by its eigenvectors, or in large problems lifted by τ I.
+//! Definiteness is read off a sparse LDLᵀ factorisation.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettingsBuilder};
+use nalgebra::{DMatrix, SymmetricEigen};
 use std::collections::BTreeMap;
 
 /// A symmetric sparse matrix by its upper triangle, (column, row) to value.
@@ -64,23 +66,61 @@ impl Symmetric {
         CscMatrix::new(size, size, starts, rows, values)
     }
 
+    /// The same matrix with every negative eigenvalue made slightly positive: a step along it goes to the trust
+    /// region's edge, and directions of little curvature keep theirs, which a lift of all would take away.
+    fn flattened(&self) -> Self {
+        let mut dense = DMatrix::zeros(self.size, self.size);
+        for (&(j, i), &value) in &self.entries {
+            dense[(i, j)] = value;
+            dense[(j, i)] = value;
+        }
+        let eigen = SymmetricEigen::new(dense);
+        let mut out = self.clone();
+        for k in 0..self.size {
+            let missing = FLAT - eigen.eigenvalues[k];
+            if missing <= 0.0 {
+                continue;
+            }
+            let v = eigen.eigenvectors.column(k);
+            for i in 0..self.size {
+                for j in i..self.size {
+                    let value = missing * v[i] * v[j];
+                    if value != 0.0 {
+                        out.add(i, j, value);
+                    }
+                }
+            }
+        }
+        out
+    }
+
     fn is_positive_definite(&self) -> bool {
         let Ok(settings) = QDLDLSettingsBuilder::default().regularize_enable(false).build() else { return false };
         QDLDLFactorisation::new(&self.to_csc(0), Some(settings)).is_ok_and(|f| f.D.iter().all(|&d| d > 1e-9))
     }
 }
 
+/// Up to this size negative curvature is removed direction by direction.
+const DENSE: usize = 75;
+/// Curvature that is left of a negative one, 1/m.
+const FLAT: f64 = 1e-5;
+
 /// The model with Hessian `hessian` and gradient `gradient`, made strictly convex.
 pub fn convexify(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow]) -> Quadratic {
-    for penalty in [0.0, 1.0, 10.0] {
+    for penalty in [0.0, 1.0, 10.0, 100.0, 1000.0] {
         let model = augmented(hessian, gradient, active, penalty, 1e-8);
         if model.matrix.is_positive_definite() {
             return model;
         }
     }
+    if hessian.size <= DENSE {
+        let mut model = augmented(hessian, gradient, active, 10.0, 0.0);
+        model.matrix = model.matrix.flattened();
+        return model;
+    }
     let mut lift = 1e-3;
     loop {
-        let model = augmented(hessian, gradient, active, 1.0, lift);
+        let model = augmented(hessian, gradient, active, 10.0, lift);
         if lift > 1e9 || model.matrix.is_positive_definite() {
             return model;
         }

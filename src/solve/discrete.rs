@@ -17,7 +17,7 @@ const ROUNDS: [(f64, f64); 4] = [(0.02, 0.3), (0.1, 1.5), (0.5, 6.0), (2.0, 25.0
 /// How often the targets of a round are chosen anew.
 const REPEATS: usize = 3;
 /// How many choices of turns the repair looks at.
-const CHOICES: usize = 150;
+const CHOICES: usize = 80;
 /// A radius this close to the grid is on it, m.
 const ON_GRID: f64 = 1e-6;
 

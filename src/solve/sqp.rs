@@ -170,7 +170,7 @@ impl<'p> Run<'p> {
             }
             let mut trial = self.trial(&step.d);
             let mut gained = trial.as_ref().map_or(f64::NEG_INFINITY, |(_, e)| merit - self.merit(e));
-            if gained < 0.1 * predicted
+            if gained < 0.75 * predicted
                 && let Some((_, at)) = &trial
             {
                 // Second-order correction: the rows as they are at the trial point (Fletcher 1987, §14.4).
