@@ -163,8 +163,8 @@ impl Field {
 
     /// An upright text of this size with a leader from one of the anchors, as near as it finds room.
     pub fn place_afar(&mut self, anchors: &[Point], size: Point) -> Option<Candidate> {
-        const FARTHEST: f64 = 70.0;
-        let directions = directions::<64>();
+        const FARTHEST: f64 = 60.0;
+        let directions = directions::<40>();
         // Leaders grow ring by ring; one that a label blocks stays blocked further out.
         let mut open: Vec<Leader> = anchors
             .iter()
@@ -190,7 +190,7 @@ impl Field {
                 }
                 text.cost < least
             });
-            distance *= 1.25;
+            distance *= 1.35;
         }
         best.map(|(_, chosen)| self.take(chosen))
     }
