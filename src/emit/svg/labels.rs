@@ -146,7 +146,8 @@ impl<'a> Labels<'a> {
                 if *shift == 0.0 {
                     anchors.push(anchor);
                 }
-                for mut candidate in around(anchor, prefer, size, 1.0, REACH) {
+                let near = if *shift == 0.0 && side < 0.0 { REACH } else { REACH / 3.0 };
+                for mut candidate in around(anchor, prefer, size, 1.0, near) {
                     candidate.cost += cost + 2.0 * shift.abs();
                     candidates.push(candidate);
                 }

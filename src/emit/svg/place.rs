@@ -30,7 +30,7 @@ impl Box {
 
     /// A line from `a` to `b` of this thickness.
     pub fn line(a: Point, b: Point, thickness: f64) -> Self {
-        let length = a.distance(b);
+        let length = (b - a).dot(b - a).sqrt();
         let axis = if length > 0.0 { (b - a) * (1.0 / length) } else { Point::new(1.0, 0.0) };
         Box { centre: a.lerp(b, 0.5), half: Point::new(length / 2.0, thickness / 2.0), axis }
     }
@@ -92,6 +92,11 @@ pub struct Field {
     columns: usize,
     cells: Vec<Vec<u32>>,
     boxes: Vec<Taken>,
+    /// Square millimetres, row by row, whose middle lies under a symbol, the band or a label: a quick answer to
+    /// most candidates.
+    covered: Vec<bool>,
+    /// Millimetres in a row.
+    width: usize,
 }
 
 struct Taken {
@@ -121,7 +126,10 @@ impl Field {
     pub fn new(low: Point, high: Point) -> Self {
         let count = |length: f64| (length / CELL).ceil().max(1.0) as usize;
         let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
-        Field { low, high, columns, cells: vec![Vec::new(); columns * rows], boxes: Vec::new() }
+        let millimetres = |length: f64| length.ceil().max(1.0) as usize;
+        let (width, height) = (millimetres(high.x - low.x), millimetres(high.y - low.y));
+        let (cells, covered) = (vec![Vec::new(); columns * rows], vec![false; width * height]);
+        Field { low, high, columns, cells, boxes: Vec::new(), covered, width }
     }
 
     pub fn add(&mut self, item: Box, layer: Layer) {
@@ -129,8 +137,45 @@ impl Field {
         for cell in self.cells_of(&item) {
             self.cells[cell].push(index);
         }
+        if layer != Layer::Line {
+            self.cover(&item);
+        }
         let (low, high) = item.bounds();
         self.boxes.push(Taken { item, layer, low, high });
+    }
+
+    fn cover(&mut self, item: &Box) {
+        let (low, high) = item.bounds();
+        let rows = self.covered.len() / self.width;
+        let range = |from: f64, to: f64, count: usize| {
+            (from.floor().max(0.0) as usize).min(count)..(to.ceil().max(0.0) as usize).min(count)
+        };
+        for row in range(low.y - self.low.y, high.y - self.low.y, rows) {
+            for column in range(low.x - self.low.x, high.x - self.low.x, self.width) {
+                let middle = self.low + Point::new(column as f64 + 0.5, row as f64 + 0.5) - item.centre;
+                if middle.dot(item.axis).abs() < item.half.x && middle.dot(item.axis.left()).abs() < item.half.y {
+                    self.covered[row * self.width + column] = true;
+                }
+            }
+        }
+    }
+
+    /// Whether a place along the box's axis is covered. A box that is at least 1.5 mm wide contains the middles of
+    /// the square millimetres there; nothing is said of narrower ones.
+    fn is_covered(&self, item: &Box) -> bool {
+        // Half a diagonal of a square millimetre.
+        const INSET: f64 = 0.75;
+        let reach = item.half.x - INSET;
+        if reach < 0.0 || item.half.y < INSET {
+            return false;
+        }
+        [0.0, -1.0, 1.0, -0.5, 0.5, -0.25, 0.25, -0.75, 0.75].into_iter().any(|k| {
+            let p = item.centre + item.axis * (k * reach) - self.low;
+            p.x >= 0.0
+                && p.y >= 0.0
+                && p.x < self.width as f64
+                && self.covered.get(p.y as usize * self.width + p.x as usize).is_some_and(|covered| *covered)
+        })
     }
 
     /// A line, in parts that are not much longer than a cell.
@@ -163,8 +208,8 @@ impl Field {
 
     /// An upright text of this size with a leader from one of the anchors, as near as it finds room.
     pub fn place_afar(&mut self, anchors: &[Point], size: Point) -> Option<Candidate> {
-        const FARTHEST: f64 = 70.0;
-        let directions = directions::<64>();
+        const FARTHEST: f64 = 60.0;
+        let directions = directions::<40>();
         // Leaders grow ring by ring; one that a label blocks stays blocked further out.
         let mut open: Vec<Leader> = anchors
             .iter()
@@ -190,7 +235,7 @@ impl Field {
                 }
                 text.cost < least
             });
-            distance *= 1.25;
+            distance *= 1.35;
         }
         best.map(|(_, chosen)| self.take(chosen))
     }
@@ -208,7 +253,7 @@ impl Field {
     fn extra_cost(&self, candidate: &Candidate) -> Option<f64> {
         let mut cost = 0.0;
         for item in candidate.boxes() {
-            if !self.within(&item) {
+            if !self.within(&item) || self.is_covered(&item) {
                 return None;
             }
             cost += ON_LINE * self.under(&item, |layer| layer != Layer::Line)?.len() as f64;
@@ -287,7 +332,7 @@ pub fn around(anchor: Point, prefer: Point, size: Point, gap: f64, reach: f64) -
             let cost = distance - gap + 3.0 * turn + if leader.is_some() { 3.0 } else { 0.0 };
             candidates.push(Candidate { leader, ..Candidate::text(text, cost) });
         }
-        distance += if distance < gap + 4.0 { 1.0 } else { 3.0 };
+        distance += if distance < gap + 4.0 { 1.0 } else { 4.0 };
     }
     candidates
 }
@@ -318,6 +363,28 @@ mod tests {
             placed.push(chosen.text);
         }
         assert!(placed[0].centre.distance(Point::new(0.0, 3.5)) < 1e-9, "nearest and preferred first");
+    }
+
+    #[test]
+    fn what_is_covered_is_met() {
+        let mut field = Field::new(Point::new(-5.0, 3.0), Point::new(95.0, 83.0));
+        let turned = |k: usize, half: Point| Box {
+            centre: Point::new((k * 37 % 90) as f64, 5.0 + (k * 53 % 76) as f64),
+            half,
+            axis: Point::unit(k as f64),
+        };
+        for k in 0..30 {
+            field.add(turned(k, Point::new(6.0, 1.2)), Layer::Solid);
+        }
+        let mut covered = 0;
+        for k in 100..1100 {
+            let item = turned(k, Point::new(4.0, 1.5));
+            if field.is_covered(&item) {
+                covered += 1;
+                assert!(field.boxes.iter().any(|taken| taken.item.meets(&item)), "{item:?}");
+            }
+        }
+        assert!(covered > 100, "{covered}");
     }
 
     #[test]
