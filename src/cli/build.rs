@@ -119,8 +119,8 @@ impl Build {
             Ok(Some(layout)) if !analysis.has_errors() => layout,
             Ok(_) => return self.report(&sources, &said),
             Err(unclear) => {
-                if !said.contains(&unclear) {
-                    said.push(unclear);
+                if !said.contains(unclear) {
+                    said.push(unclear.clone());
                 }
                 return self.report(&sources, &said);
             }

@@ -210,7 +210,7 @@ mod tests {
     fn counts() {
         let (_, diagnostic) = example();
         assert_eq!(summary(&[]), None);
-        assert_eq!(summary(&[diagnostic.clone()]).unwrap(), "1 error");
+        assert_eq!(summary(std::slice::from_ref(&diagnostic)).unwrap(), "1 error");
         assert_eq!(summary(&[diagnostic.clone(), diagnostic]).unwrap(), "2 errors");
     }
 }

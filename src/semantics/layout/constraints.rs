@@ -10,6 +10,9 @@ use crate::semantics::value::{Quantity, negative, sum};
 use crate::source::Span;
 use crate::syntax::tree::{self, Axis, Expr, Relation, Statement};
 
+/// A quantity of a vertex.
+type Of = fn(usize) -> Formula;
+
 impl<'t> Context<'t> {
     /// All constraints, unless one has a mistake.
     pub(super) fn constraints(&self, draft: &Draft<'t>, geometry: &Geometry<'t>) -> Option<Vec<Constraint>> {
@@ -55,7 +58,7 @@ impl<'t> Context<'t> {
                     );
                     return None;
                 }
-                let (across, along): (fn(usize) -> Formula, fn(usize) -> Formula) = match axis {
+                let (across, along): (Of, Of) = match axis {
                     Axis::X => (Formula::X, Formula::Y),
                     Axis::Y => (Formula::Y, Formula::X),
                 };
