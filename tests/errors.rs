@@ -42,14 +42,14 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
     let analysis = analyse(&mut sources, &mut loader, main, None);
     let mut diagnostics = analysis.diagnostics.clone();
     match (code, analysis.chosen()) {
-        (Code::E0217, Err(diagnostic)) => diagnostics.push(diagnostic.clone()),
+        (Code::E0217, Err(diagnostic)) => diagnostics.push(*diagnostic),
         (Code::E0650, Ok(Some(layout))) => diagnostics.extend(unsupported(layout)),
+        (Code::W0710, Ok(Some(layout))) => {
+            let written = Track::new(&layout.corners());
+            diagnostics.extend(elements::lacking(&elements::sequence(&written, layout), layout));
+        }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
-        }
-        (Code::W0710, Ok(Some(layout))) => {
-            let sequence = elements::sequence(&Track::new(&layout.corners()), layout);
-            diagnostics.extend(elements::lacking(&sequence, layout));
         }
         _ => {}
     }

@@ -119,8 +119,8 @@ impl Build {
             Ok(Some(layout)) if !analysis.has_errors() => layout,
             Ok(_) => return self.report(&sources, &said),
             Err(unclear) => {
-                if !said.contains(unclear) {
-                    said.push(unclear.clone());
+                if !said.contains(&unclear) {
+                    said.push(*unclear);
                 }
                 return self.report(&sources, &said);
             }
@@ -139,7 +139,11 @@ impl Build {
         }
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.stages));
-        said.extend(elements::lacking(&compiled.sequence, layout));
+        // What checking said about a written value need not be said again about its element.
+        let lacking = elements::lacking(&compiled.sequence, layout);
+        let new = |d: &Diagnostic| !said.iter().any(|s| s.label.span == d.label.span && !s.is_error());
+        let lacking: Vec<Diagnostic> = lacking.into_iter().filter(new).collect();
+        said.extend(lacking);
         if let Some(folder) = &self.output {
             let files = match self.files(&compiled) {
                 Ok(files) => files,

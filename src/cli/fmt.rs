@@ -35,7 +35,7 @@ impl Fmt {
         outcome
     }
 
-    fn file(&self, path: &PathBuf) -> Outcome {
+    fn file(&self, path: &Path) -> Outcome {
         let mut sources = SourceMap::default();
         let main = if is_stdin(path) {
             let mut text = String::new();

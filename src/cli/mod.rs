@@ -12,7 +12,7 @@ mod progress;
 mod report;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Compile conveyor track layouts: check, optimise, draw and bill them.
@@ -77,12 +77,12 @@ pub fn main() -> ExitCode {
 }
 
 /// Says why a run was impossible.
-fn could_not(what: &str, path: &std::path::Path, why: impl std::fmt::Display) -> Outcome {
+fn could_not(what: &str, path: &Path, why: impl std::fmt::Display) -> Outcome {
     report::error(&format!("could not {what} {}: {why}", path.display()));
     Outcome::CouldNotRun
 }
 
 /// `-` is standard input where a verb reads one text.
-fn is_stdin(path: &PathBuf) -> bool {
+fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == "-"
 }

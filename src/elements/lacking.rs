@@ -40,7 +40,7 @@ fn straight_lacking(from: usize, length: f64, layout: &Layout) -> Diagnostic {
     let expected = match (stock.cut, stock.stock.is_empty()) {
         (Some(cut), true) => format!("a piece cut to {} to {} m", metres(cut.low), metres(cut.high)),
         (Some(cut), false) => {
-            format!("lengths of {lengths} m and at most one cut to {} to {} m", metres(cut.low), metres(cut.high))
+            format!("lengths of {lengths} m and pieces cut to {} to {} m", metres(cut.low), metres(cut.high))
         }
         (None, _) => format!("a sum of lengths of {lengths} m"),
     };

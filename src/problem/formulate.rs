@@ -5,7 +5,7 @@ use super::measures::{radius, to_variables, x, y};
 use super::{Function, Keepout, Problem, Row, Scope};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Point, Track};
-use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout, Side, Target, Unit};
+use crate::model::{self, Constraint, ConstraintKind, FixKind, Interval, Layout, Motors, Place, Side, Target, Unit};
 use crate::source::Span;
 
 impl Problem {
@@ -48,6 +48,7 @@ impl Problem {
             let shortest = layout.catalog.straight.shortest;
             problem.row(Function::Straight(i), shortest, f64::INFINITY, false, label, vertex.span);
         }
+        problem.make_room(layout);
         for constraint in &layout.constraints {
             problem.constrain(constraint, &track);
         }
@@ -57,6 +58,28 @@ impl Problem {
     /// `P4..P5`
     pub fn section_name(&self, i: usize) -> String {
         format!("{}..{}", self.vertices[i], self.vertices[(i + 1) % self.vertices.len()])
+    }
+
+    /// Equipment needs the straight that it is placed on.
+    fn make_room(&mut self, layout: &Layout) {
+        let equipment = &layout.equipment;
+        let one = |name: String, place: &Place| (name, *place, 0.0);
+        let along = |name: String, row: &model::Row, length: f64| {
+            (name, row.place, row.every * row.count.saturating_sub(1) as f64 + length)
+        };
+        let mut wanted = Vec::new();
+        wanted.extend(equipment.start.iter().map(|p| one("start".into(), p)));
+        wanted.extend(equipment.photocell.iter().map(|p| one("photocell".into(), p)));
+        wanted.extend(equipment.inductions.iter().map(|i| one(format!("induction {}", i.name), &i.place)));
+        wanted.extend(equipment.chutes.iter().map(|c| along(format!("chutes {}", c.name), &c.row, 0.0)));
+        if let Motors::Rows(rows) = &equipment.motors {
+            wanted.extend(rows.iter().map(|row| along("motors".into(), row, layout.drive.motor.length)));
+        }
+        for (name, place, length) in wanted {
+            let label = format!("room for {name} on the straight {}", self.section_name(place.section));
+            let function = Function::Straight(place.section);
+            self.row(function, place.at + length, f64::INFINITY, false, label, place.span);
+        }
     }
 
     fn row(&mut self, function: Function, low: f64, high: f64, angle: bool, label: String, span: Span) {

@@ -56,9 +56,9 @@ impl Analysis {
 
     /// The layout to build: the one asked for, or the only one of the file. `Err` when the file has none or several;
     /// `Ok(None)` when it has mistakes.
-    pub fn chosen(&self) -> Result<Option<&Layout>, &Diagnostic> {
+    pub fn chosen(&self) -> Result<Option<&Layout>, Box<Diagnostic>> {
         match &self.unclear {
-            Some(diagnostic) => Err(diagnostic),
+            Some(diagnostic) => Err(Box::new(diagnostic.clone())),
             None => Ok(self.layouts.iter().find(|l| Some(&l.name) == self.wanted.as_ref())),
         }
     }

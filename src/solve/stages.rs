@@ -4,9 +4,9 @@
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
 use super::{Stage, Status, Violation, complex, discrete};
-use crate::geometry::self_crossings;
+use crate::geometry::{Track, self_crossings};
 use crate::model::Layout;
-use crate::problem::measures::to_corners;
+use crate::problem::measures::{radius as radius_of, to_corners};
 use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
 use std::time::Instant;
 
@@ -106,8 +106,36 @@ pub fn solve_with(
     let clock = Instant::now();
     watch(Progress { stage: "stage3", iteration: 0, length: second.length, max_violation: second.max_violation });
     let third = discretise(layout, &full, &second, &settings);
-    stages.push(stage("stage3", &full, &third, &settings, clock));
+    let mut last = stage("stage3", &full, &third, &settings, clock);
+    let off = off_grid(layout, &full, &third.variables, settings.feasibility);
+    if !off.is_empty() {
+        last.status = Status::Infeasible;
+        last.max_violation = off.iter().map(|v| v.amount).fold(last.max_violation, f64::max);
+        last.violations.extend(off);
+    }
+    stages.push(last);
     stages
+}
+
+/// Turns and radii that are not the catalogue's. A radius that the layout fixes is the user's own choice.
+fn off_grid(layout: &Layout, problem: &Problem, x: &[f64], tolerance: f64) -> Vec<Violation> {
+    let step = layout.catalog.curve.angle_step;
+    let track = Track::new(&to_corners(x));
+    let mut out = Vec::new();
+    for (i, fillet) in track.fillets.iter().enumerate() {
+        let (name, span) = (&layout.vertices[i].name, problem.vertex_span(i));
+        let turn = (fillet.turn - (fillet.turn / step).round() * step).abs();
+        if turn > tolerance {
+            out.push(Violation { row: format!("angle step of the turn at {name}"), span, amount: turn, unit: "rad" });
+        }
+        let distance = |r: &f64| (r - fillet.radius).abs();
+        let radius = layout.catalog.curve.radii.iter().map(distance).fold(f64::INFINITY, f64::min);
+        let bound = problem.bounds[radius_of(i)];
+        if radius > tolerance && bound.low < bound.high {
+            out.push(Violation { row: format!("standard radius at {name}"), span, amount: radius, unit: "m" });
+        }
+    }
+    out
 }
 
 /// Feasible solutions by length, after them the others by violation.
@@ -152,8 +180,12 @@ fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Setting
 
 /// The written layout. Turns and straights that the catalogue lacks are not violations here: elements report them.
 fn as_written(problem: &Problem) -> Stage {
+    // Rows begin with a turn and a straight a vertex; later ones on straights are the user's.
     let from_catalog = |key: RowKey| match key {
-        RowKey::Listed(i) => matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_)),
+        RowKey::Listed(i) => {
+            let catalogue = 2 * problem.vertices.len();
+            i < catalogue && matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_))
+        }
         RowKey::Clearance(..) | RowKey::Own(..) => false,
     };
     let violations = violations(problem, &problem.start, Settings::default().feasibility, |key| !from_catalog(key));
@@ -195,7 +227,7 @@ fn violations(problem: &Problem, x: &[f64], tolerance: f64, counts: impl Fn(RowK
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Track, clearance::lateral_offset};
+    use crate::geometry::{Point, clearance::lateral_offset};
     use crate::model::instances::{horseshoe, thesis10};
 
     fn quiet(_: Progress) {}
@@ -271,6 +303,18 @@ mod tests {
         let track = Track::new(&stages[1].corners);
         let nearest = crate::geometry::band_overlaps(&track, 3.0).iter().map(|o| o.2).fold(f64::INFINITY, f64::min);
         assert!((nearest - layout.width.value).abs() < 1e-6, "{nearest}");
+    }
+
+    #[test]
+    fn equipment_keeps_its_straight() {
+        use crate::model::{Chutes, Place, Row, fixture::span};
+        let mut layout = crate::model::fixture::rectangle(40.0, 20.0, 4.0);
+        let place = Place { section: 2, at: 1.0, span: span() };
+        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row: Row { place, every: 1.25, count: 9 } }];
+        let stages = solve(&layout, &Options::default(), &quiet);
+        let track = Track::new(&stages[2].corners);
+        assert_eq!(stages[2].status, Status::Converged);
+        assert!((track.straight(2).length - 11.0).abs() < 1e-6, "{}", track.straight(2).length);
     }
 
     #[test]

@@ -143,7 +143,9 @@ impl<'a> Labels<'a> {
                 let reach = (fillet.radius + side * half).max(0.0);
                 let anchor = self.sheet.at(fillet.centre + Point::unit(angle) * reach);
                 let prefer = self.sheet.direction(angle) * side;
-                anchors.push(anchor);
+                if *shift == 0.0 {
+                    anchors.push(anchor);
+                }
                 for mut candidate in around(anchor, prefer, size, 1.0, REACH) {
                     candidate.cost += cost + 2.0 * shift.abs();
                     candidates.push(candidate);
@@ -213,8 +215,8 @@ impl<'a> Labels<'a> {
         }
     }
 
-    /// One label for each run of like elements: how many of which article.
-    pub fn runs(&mut self, elements: &[Piece]) {
+    /// One label for each run of like elements, of the straights or of the curves: how many of which article.
+    pub fn runs(&mut self, elements: &[Piece], straight: bool) {
         let n = elements.len();
         // Begin where an article begins, so that no run is cut at the end of the list.
         let first = (0..n).find(|&i| elements[(i + n - 1) % n].article != elements[i].article).unwrap_or(0);
@@ -225,14 +227,16 @@ impl<'a> Labels<'a> {
             while i + count < n && same_run(head, &elements[(first + i + count) % n]) {
                 count += 1;
             }
-            let length: f64 = (0..count).map(|k| elements[(first + i + k) % n].length).sum();
+            i += count;
+            if matches!(head.shape, Shape::Straight { .. }) != straight {
+                continue;
+            }
+            let length: f64 = (0..count).map(|k| elements[(first + i - count + k) % n].length).sum();
             let (at, heading) = self.track.at(head.s + length / 2.0);
             let text = if count == 1 { head.article.clone() } else { format!("{count}× {}", head.article) };
             let class = if head.in_catalog { "quiet" } else { "warn" };
             let text = text::fitted(&text, Height::H18, false, LONGEST);
-            let straight = matches!(head.shape, Shape::Straight { .. });
             self.beside_track(at, heading, &text, class, straight);
-            i += count;
         }
     }
 
@@ -323,9 +327,11 @@ pub fn all(labels: &mut Labels, elements: &[Piece], marks: &[Mark]) {
     let vertices: Vec<usize> = labels.track.pieces.iter().filter(curved).map(|piece| piece.vertex).collect();
     vertices.into_iter().for_each(|i| labels.curve(i));
     (0..n).for_each(|i| labels.vertex(i));
+    // Curves are short: their articles have less choice than those of the straights.
+    labels.runs(elements, false);
     labels.fixes();
     for mark in marks.iter().filter(|mark| mark.kind == MarkKind::Motor) {
         labels.mark(mark);
     }
-    labels.runs(elements);
+    labels.runs(elements, true);
 }

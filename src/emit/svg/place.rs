@@ -101,6 +101,15 @@ struct Taken {
     high: Point,
 }
 
+/// A leader while it grows.
+struct Leader {
+    anchor: Point,
+    direction: Point,
+    end: Point,
+    /// Of what it has crossed.
+    cost: f64,
+}
+
 /// Edge of a cell, mm.
 const CELL: f64 = 8.0;
 /// Costs of a candidate's box on a line, of its thin lines across a line, and across symbols or the band.
@@ -154,25 +163,32 @@ impl Field {
 
     /// An upright text of this size with a leader from one of the anchors, as near as it finds room.
     pub fn place_afar(&mut self, anchors: &[Point], size: Point) -> Option<Candidate> {
-        const FARTHEST: f64 = 100.0;
+        const FARTHEST: f64 = 70.0;
         let directions = directions::<64>();
-        // A leader that a label blocks stays blocked further out.
-        let mut open: Vec<(Point, Point)> =
-            anchors.iter().flat_map(|anchor| directions.map(|direction| (*anchor, direction))).collect();
+        // Leaders grow ring by ring; one that a label blocks stays blocked further out.
+        let mut open: Vec<Leader> = anchors
+            .iter()
+            .flat_map(|anchor| {
+                directions.map(|direction| Leader { anchor: *anchor, direction, end: *anchor, cost: 0.0 })
+            })
+            .collect();
         let mut best: Option<(f64, Candidate)> = None;
         let mut distance = 4.0;
         while distance < FARTHEST && best.is_none_or(|(cost, _)| distance < cost) {
-            open.retain(|&(anchor, direction)| {
-                let end = anchor + direction * distance;
-                let Some(crossed) = self.crossed(anchor, end) else { return false };
-                let half = Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
-                let text = Candidate::text(Box::upright(end + half, size.x, size.y), distance + crossed);
-                if let Some(extra) = self.extra_cost(&text)
-                    && best.is_none_or(|(least, _)| text.cost + extra < least)
+            open.retain_mut(|leader| {
+                let end = leader.anchor + leader.direction * distance;
+                let Some(crossed) = self.crossed(leader.end, end) else { return false };
+                (leader.end, leader.cost) = (end, leader.cost + crossed);
+                let half = Point::new(leader.direction.x * size.x / 2.0, leader.direction.y * size.y / 2.0);
+                let text = Candidate::text(Box::upright(end + half, size.x, size.y), distance + leader.cost);
+                let least = best.map_or(f64::INFINITY, |(cost, _)| cost);
+                if text.cost < least
+                    && let Some(extra) = self.extra_cost(&text)
+                    && text.cost + extra < least
                 {
-                    best = Some((text.cost + extra, Candidate { leader: Some((anchor, end)), ..text }));
+                    best = Some((text.cost + extra, Candidate { leader: Some((leader.anchor, end)), ..text }));
                 }
-                true
+                text.cost < least
             });
             distance *= 1.25;
         }

@@ -10,8 +10,8 @@ use crate::semantics::value::{Quantity, negative, sum};
 use crate::source::Span;
 use crate::syntax::tree::{self, Axis, Expr, Relation, Statement};
 
-/// A quantity of a vertex.
-type Of = fn(usize) -> Formula;
+/// A coordinate of a vertex as a formula.
+type Coordinate = fn(usize) -> Formula;
 
 impl<'t> Context<'t> {
     /// All constraints, unless one has a mistake.
@@ -58,7 +58,7 @@ impl<'t> Context<'t> {
                     );
                     return None;
                 }
-                let (across, along): (Of, Of) = match axis {
+                let (across, along): (Coordinate, Coordinate) = match axis {
                     Axis::X => (Formula::X, Formula::Y),
                     Axis::Y => (Formula::Y, Formula::X),
                 };
