@@ -3,18 +3,15 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::dimension::{Dimension, parse_unit};
-use super::fields::{Bounds, FieldSpec, Presence, Shape, fields};
+use super::arguments::Arguments;
+use super::fields::{FieldSpec, Presence, fields};
 use super::program::{Space, Symbol, repeated};
-use super::scope::{Context, Env, Local, Scope};
-use super::value::{Value, number, shown};
+use super::scope::{Context, Env};
+use super::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Interval;
-use crate::source::{Span, Spanned};
-use crate::syntax::tree::{Arg, Block, Declaration, Expr, ExprKind, Field, Item, Kind, Name, Param, Reference};
-
-/// Arguments by name: value, the name as written, and the value's place.
-pub(super) type Arguments<'t> = BTreeMap<&'t str, (Value, &'t Name, Span)>;
+use crate::source::Span;
+use crate::syntax::tree::{Block, Declaration, Field, Item, Kind, Name, Reference};
 
 /// A declaration with its arguments in: every field that was written, checked.
 #[derive(Clone, Debug)]
@@ -35,7 +32,7 @@ struct Filled {
 }
 
 #[derive(Clone, Debug)]
-enum FieldValue {
+pub(super) enum FieldValue {
     Number(f64),
     Numbers(Vec<f64>),
     Interval(Interval),
@@ -52,6 +49,14 @@ impl Component {
 
     pub fn place(&self, path: &str) -> Span {
         self.fields.get(path).map_or(self.span, |f| f.span)
+    }
+
+    /// A stiffness as it was written, with its place.
+    pub fn stiffness(&self, path: &str) -> Option<(&Value, Span)> {
+        match self.fields.get(path)? {
+            Filled { value: Some(FieldValue::Stiffness(value)), span } => Some((value, *span)),
+            _ => None,
+        }
     }
 
     fn value(&self, path: &str) -> Option<&FieldValue> {
@@ -138,93 +143,8 @@ impl<'t> Context<'t> {
         self.instantiate(symbol, declaration, BTreeMap::new(), declaration.name.span)
     }
 
-    /// Arguments by name; unnamed and repeated ones are reported.
-    pub fn arguments(&self, env: &Rc<Env<'t>>, owner: &Name, block: &'t Block<Arg>) -> Arguments<'t> {
-        let mut args: Arguments<'t> = BTreeMap::new();
-        for node in &block.nodes {
-            let arg = &node.value;
-            let value = self.evaluate(Scope { env, geometry: None }, &arg.value);
-            let Some(name) = &arg.name else {
-                let message = format!("arguments of `{}` need names", owner.text);
-                self.report(
-                    Diagnostic::new(Code::E0307, message, arg.value.span, "an argument without a name")
-                        .expected("`name: value`", "a value alone"),
-                );
-                continue;
-            };
-            match args.get(name.text.as_str()) {
-                Some((_, first, _)) => self.report(repeated("argument", name, first.span)),
-                None => {
-                    args.insert(&name.text, (value, name, arg.value.span));
-                }
-            }
-        }
-        args
-    }
-
-    /// The environment that binds parameters to arguments or defaults; unknown arguments are reported.
-    pub fn bind(
-        &self,
-        module: usize,
-        params: &'t Block<Param>,
-        mut args: Arguments<'t>,
-        owner: &Name,
-    ) -> BTreeMap<&'t str, Local<'t>> {
-        let global = Env::global(module);
-        let mut locals: BTreeMap<&'t str, Local<'t>> = BTreeMap::new();
-        let mut first: BTreeMap<&'t str, &'t Name> = BTreeMap::new();
-        for node in &params.nodes {
-            let param = &node.value;
-            if let Some(earlier) = first.insert(&param.name.text, &param.name) {
-                self.report(repeated("parameter", &param.name, earlier.span));
-                continue;
-            }
-            let default = self.evaluate(Scope { env: &global, geometry: None }, &param.default);
-            let value = match (args.remove(param.name.text.as_str()), &default) {
-                (None, _) => default,
-                (Some((value, ..)), Value::Poison) => value,
-                (Some((Value::Quantity(given), _, span)), Value::Quantity(wanted)) => {
-                    match given.dimension == wanted.dimension {
-                        true => Value::Quantity(given),
-                        false => {
-                            let what = format!("`{}`", param.name.text);
-                            let diagnostic = self.wrong_dimension(&given, span, wanted.dimension, &what);
-                            self.report(diagnostic.related(param.default.span, "its default"));
-                            Value::Poison
-                        }
-                    }
-                }
-                (Some((value, _, span)), wanted) => {
-                    let same = std::mem::discriminant(&value) == std::mem::discriminant(wanted);
-                    if !same && value != Value::Poison {
-                        let message = format!("`{}` must be {}", param.name.text, wanted.described());
-                        self.report(
-                            Diagnostic::new(Code::E0304, message, span, value.described())
-                                .expected(wanted.described(), value.described())
-                                .related(param.default.span, "its default"),
-                        );
-                    }
-                    if same { value } else { Value::Poison }
-                }
-            };
-            locals.insert(&param.name.text, Local::Param(value));
-        }
-        for (_, name, _) in args.values() {
-            let known: Vec<&str> = locals.keys().copied().collect();
-            let message = format!("`{}` has no parameter `{}`", owner.text, name.text);
-            let diagnostic = Diagnostic::new(Code::E0210, message, name.span, "not a parameter");
-            let listed = match known.is_empty() {
-                true => "no arguments".to_string(),
-                false => known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", "),
-            };
-            let diagnostic =
-                diagnostic.expected(listed, format!("`{}`", name.text)).related(owner.span, "declared here");
-            self.report(self.with_nearest(diagnostic, name, known));
-        }
-        locals
-    }
-
-    fn instantiate(
+    /// The declaration with arguments; made once when there are none.
+    pub fn instantiate(
         &self,
         symbol: Symbol,
         declaration: &'t Declaration,
@@ -363,195 +283,6 @@ impl<'t> Context<'t> {
         });
     }
 
-    fn field(&self, env: &Rc<Env<'t>>, spec: &FieldSpec, expr: &'t Expr) -> Option<FieldValue> {
-        let scope = Scope { env, geometry: None };
-        if let Shape::Reference(kind) = spec.shape {
-            return self.reference_field(env, kind, expr).map(FieldValue::Component);
-        }
-        let value = self.evaluate(scope, expr);
-        if value == Value::Poison {
-            return None;
-        }
-        let wrong = |wanted: String| {
-            self.report(
-                Diagnostic::new(Code::E0304, format!("`{}` must be {wanted}", spec.path), expr.span, value.described())
-                    .expected(wanted, value.described())
-                    .help(spec.doc.to_string()),
-            );
-            None
-        };
-        let number =
-            |value: &Spanned<Value>, unit: &str, bounds| self.bounded(&value.value, value.span, spec, unit, bounds);
-        match (spec.shape, &value) {
-            (Shape::Number(unit, bounds), _) => {
-                self.bounded(&value, expr.span, spec, unit, bounds).map(FieldValue::Number)
-            }
-            (Shape::Stiffness, _) => Some(FieldValue::Stiffness(value)),
-            (Shape::Text, Value::Text(text)) => Some(FieldValue::Text(text.clone())),
-            (Shape::Text, _) => wrong("a text in quotes".into()),
-            (Shape::Tuple(unit, bounds, count), Value::Tuple(items)) if items.len() == count => {
-                items.iter().map(|v| number(v, unit, bounds)).collect::<Option<Vec<f64>>>().map(FieldValue::Numbers)
-            }
-            (Shape::Tuple(unit, _, count), _) => {
-                wrong(format!("a tuple of {count}: `({})`", vec![format!("... {unit}"); count].join(", ")))
-            }
-            (Shape::Interval(unit, bounds), Value::Range(range)) if range.step.is_none() => {
-                let (low, high) = (number(&range.low, unit, bounds), number(&range.high, unit, bounds));
-                let (low, high) = (low?, high?);
-                self.ordered(low, high, expr.span, dimension(unit))?;
-                Some(FieldValue::Interval(Interval { low, high }))
-            }
-            (Shape::Interval(..), _) => wrong("a range: `low .. high`".into()),
-            (Shape::Numbers(unit, bounds), Value::List(items)) => {
-                let values: Option<Vec<f64>> = items.iter().map(|v| number(v, unit, bounds)).collect();
-                values.map(|v| FieldValue::Numbers(ascending(v)))
-            }
-            (Shape::Numbers(unit, bounds), Value::Range(range)) => {
-                let Some(step) = &range.step else { return wrong("a list, or a range with a step".into()) };
-                let (low, high) = (number(&range.low, unit, bounds), number(&range.high, unit, bounds));
-                let step_value = self.expect_constant(&step.value, step.span, dimension(unit), "the step");
-                let (low, high, step_value) = (low?, high?, step_value?);
-                self.ordered(low, high, expr.span, dimension(unit))?;
-                self.steps(low, high, step_value, step.span, dimension(unit)).map(FieldValue::Numbers)
-            }
-            (Shape::Numbers(..), _) => wrong("a list, or a range with a step".into()),
-            (Shape::Reference(_), _) => None,
-        }
-    }
-
-    /// `steering = NAME` or `steering = NAME(radius: 50 mm)`.
-    fn reference_field(&self, env: &Rc<Env<'t>>, kind: Kind, expr: &'t Expr) -> Option<Rc<Component>> {
-        let (name, args) = match &expr.kind {
-            ExprKind::Name(text) => (Name { text: text.clone(), span: expr.span }, None),
-            ExprKind::Call { name, args } => (name.clone(), Some(args)),
-            _ => {
-                let wanted = Space::Component(kind).with_article();
-                self.report(
-                    Diagnostic::new(Code::E0304, format!("this must name {wanted}"), expr.span, "not a name")
-                        .expected(format!("the name of {wanted}"), "something else"),
-                );
-                return None;
-            }
-        };
-        let symbol = self.resolve(env.module, Space::Component(kind), &name)?;
-        let Item::Declaration(declaration) = self.program.item(symbol) else { return None };
-        let args = match args {
-            Some(args) => self.arguments(env, &name, args),
-            None => BTreeMap::new(),
-        };
-        let made = self.instantiate(symbol, declaration, args, name.span)?;
-        made.complete.then_some(made)
-    }
-
-    /// A constant within its bounds.
-    fn bounded(&self, value: &Value, span: Span, spec: &FieldSpec, unit: &str, bounds: Bounds) -> Option<f64> {
-        let name = spec.path.rsplit('.').next().unwrap_or(spec.path);
-        let value = self.expect_constant(value, span, dimension(unit), &format!("`{name}`"))?;
-        self.within(value, span, &format!("`{name}`"), dimension(unit), bounds)
-    }
-
-    /// The value, if it lies within bounds; otherwise reported.
-    pub fn within(&self, value: f64, span: Span, what: &str, dimension: Dimension, bounds: Bounds) -> Option<f64> {
-        if bounds.contains(value) {
-            return Some(value);
-        }
-        let expected = if value <= bounds.low {
-            format!("{} {}", if bounds.open { "more than" } else { "at least" }, shown(bounds.low, dimension))
-        } else {
-            format!("at most {}", shown(bounds.high, dimension))
-        };
-        let found = shown(value, dimension);
-        self.report(
-            Diagnostic::new(Code::E0306, format!("{what} is out of range"), span, found.clone())
-                .expected(expected, found),
-        );
-        None
-    }
-
-    /// Reports a range whose ends are the wrong way round.
-    pub fn ordered(&self, low: f64, high: f64, span: Span, dimension: Dimension) -> Option<()> {
-        if low <= high {
-            return Some(());
-        }
-        let mut diagnostic =
-            Diagnostic::new(Code::E0311, "the range is upside down", span, "its low end is above its high end")
-                .expected("`low .. high`", format!("{} .. {}", shown(low, dimension), shown(high, dimension)));
-        if let Some((a, b)) = self.sources.text(span).split_once("..")
-            && !b.contains("step")
-        {
-            diagnostic = diagnostic.fix(span, format!("{} .. {}", b.trim(), a.trim()));
-        }
-        self.report(diagnostic);
-        None
-    }
-
-    /// `low .. high step s` as a list.
-    fn steps(&self, low: f64, high: f64, step: f64, span: Span, dimension: Dimension) -> Option<Vec<f64>> {
-        let count = (high - low) / step;
-        if !(step > 0.0 && count <= 10_000.0) {
-            self.report(
-                Diagnostic::new(Code::E0306, "the step is out of range", span, shown(step, dimension))
-                    .expected("a positive step that makes at most 10000 values", shown(step, dimension)),
-            );
-            return None;
-        }
-        // Rounded to the nanometre: 0.5 + 3 * 0.05 must be the 0.65 that a user writes.
-        let value = |i: usize| ((low + i as f64 * step) * 1e9).round() / 1e9;
-        let count = (count + 1e-9).floor() as usize;
-        Some(
-            (0..=count)
-                .map(|i| {
-                    if i == 0 {
-                        low
-                    } else if (low + i as f64 * step - high).abs() < 1e-9 {
-                        high
-                    } else {
-                        value(i)
-                    }
-                })
-                .collect(),
-        )
-    }
-
-    /// Gives each stiffness its dimension, N/m to the power of the exponent beside it.
-    fn check_stiffness(&self, kind: Kind, component: &Component, within: Span) -> bool {
-        let mut sound = true;
-        for spec in fields(kind).iter().filter(|f| f.shape == Shape::Stiffness) {
-            let Some(Filled { value: Some(FieldValue::Stiffness(value)), span }) =
-                component.fields.get(spec.path).cloned()
-            else {
-                continue;
-            };
-            let exponent_path = spec.path.replace("stiffness", "exponent");
-            let Some(exponent) = component.number(&exponent_path) else { continue };
-            if (exponent * 2.0).fract() != 0.0 {
-                let place = component.place(&exponent_path);
-                self.report(
-                    Diagnostic::new(Code::E0306, "`exponent` is not a multiple of 0.5", place, number(exponent))
-                        .expected("1, 1.5 or 2", number(exponent)),
-                );
-                sound = false;
-                continue;
-            }
-            let Some(per_length) = Dimension::LENGTH.power((exponent * 2.0) as i8) else { continue };
-            let Some(dimension) = Dimension::FORCE.over(per_length) else { continue };
-            let what = format!("`stiffness` with an exponent of {}", number(exponent));
-            let inherited = span.file != within.file || span.start < within.start || span.end > within.end;
-            let checked = match &value {
-                Value::Quantity(q) if inherited && q.dimension != dimension => {
-                    let diagnostic = self.wrong_dimension(q, component.place(&exponent_path), dimension, &what);
-                    self.report(diagnostic.related(span, "the stiffness").help("write `stiffness` beside `exponent`"));
-                    None
-                }
-                _ => self
-                    .expect_constant(&value, span, dimension, &what)
-                    .and_then(|k| self.within(k, span, "`stiffness`", dimension, Bounds::above(0.0, 1e15))),
-            };
-            sound &= checked.is_some();
-        }
-        sound
-    }
-
     /// Reports the fields that are missing, all in one message.
     fn check_missing(&self, kind: Kind, declaration: &Declaration, component: &Component) -> bool {
         if declaration.fields.nodes.iter().any(|n| matches!(n.value, Field::Bad)) {
@@ -582,16 +313,6 @@ impl<'t> Context<'t> {
         );
         false
     }
-}
-
-fn dimension(unit: &str) -> Dimension {
-    parse_unit(unit).map_or(Dimension::NONE, |u| u.dimension)
-}
-
-fn ascending(mut values: Vec<f64>) -> Vec<f64> {
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    values
 }
 
 /// The standard module that declares an item of that kind and name.

@@ -32,6 +32,10 @@ const GEOMETRY: &[(&str, &str)] = &[
     ("distance", "distance(P1, P2) or distance(P1, obstacle)"),
 ];
 
+/// What a function of the geometry gives: `Ok(None)` is a mistake that has been reported, `Err` a wrong call, at a
+/// place if one argument is to blame.
+type Asked = Result<Option<(Formula, Dimension)>, Option<Span>>;
+
 impl<'t> Context<'t> {
     pub fn call(&self, scope: Scope<'_, 't>, name: &'t Name, args: &'t Block<Arg>, span: Span) -> Value {
         let known = |table: &'static [(&'static str, &'static str)]| table.iter().find(|(n, _)| *n == name.text);
@@ -172,14 +176,8 @@ impl<'t> Context<'t> {
         }
     }
 
-    /// A function of the geometry. `Ok(None)` is a mistake that has been reported, `Err` a wrong call (at a place).
-    #[allow(clippy::type_complexity)]
-    fn geometric(
-        &self,
-        geometry: &Named<'t>,
-        name: &str,
-        args: &[&'t Expr],
-    ) -> Result<Option<(Formula, Dimension)>, Option<Span>> {
+    /// A function of the geometry.
+    fn geometric(&self, geometry: &Named<'t>, name: &str, args: &[&'t Expr]) -> Asked {
         match (name, args) {
             ("length", [target]) => {
                 let (section, straight) = as_target(target).ok_or(Some(target.span))?;

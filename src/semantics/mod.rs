@@ -2,18 +2,20 @@
 //!
 //! 1. `program` loads the files that the main one imports and resolves their names,
 //! 2. `evaluate` and `functions` give expressions values with [`dimension`]s,
-//! 3. `declaration` checks catalogues, carts and the like against the tables in `fields`,
+//! 3. `declaration` and `field_value` check catalogues, carts and the like against the tables in `fields`,
 //! 4. `layout` turns a layout's statements into [`model::Layout`],
 //! 5. `checks` looks at the written geometry and constraints.
 //!
 //! Every stage reports what it can tell and poisons what it cannot, so that one run says every independent mistake
 //! once.
 
+mod arguments;
 mod checks;
 mod components;
 mod declaration;
 pub mod dimension;
 mod evaluate;
+mod field_value;
 mod fields;
 mod functions;
 mod layout;

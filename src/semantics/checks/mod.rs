@@ -75,7 +75,7 @@ impl<'t> Context<'t> {
         if let Some(building) = &geometry.building {
             self.check_building(vertices, &track, building);
         }
-        sides::settle(&track, &mut geometry.obstacles);
+        sides::settle(&track, facts.levels.is_empty(), &mut geometry.obstacles);
         geometry.track = Some(track);
     }
 }

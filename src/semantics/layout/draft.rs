@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::semantics::declaration::Arguments;
+use crate::semantics::arguments::Arguments;
 use crate::semantics::program::{Space, Symbol, repeated};
 use crate::semantics::scope::{Context, Env, Local, Slot};
 use crate::source::Span;

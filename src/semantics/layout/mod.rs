@@ -8,9 +8,10 @@ mod vertices;
 
 use std::rc::Rc;
 
+use super::arguments::Arguments;
 use super::checks::{Facts, Limits};
 use super::components;
-use super::declaration::{Arguments, Component};
+use super::declaration::Component;
 use super::dimension::Dimension;
 use super::fields::Bounds;
 use super::program::{Space, Symbol, mentions};
