@@ -1,0 +1,44 @@
+//! Drawings of thesis10 and of the hub: `cargo bench --bench drawing`.
+
+use divan::Bencher;
+use lss::emit::{self, Compiled, svg};
+use lss::semantics::analyse;
+use lss::solve::{Options, solve};
+use lss::source::{Loader, SourceMap};
+
+fn main() {
+    divan::main();
+}
+
+const EXAMPLES: [&str; 2] = ["thesis10", "hub"];
+
+fn compiled(name: &str) -> Compiled {
+    let text = match name {
+        "hub" => include_str!("../examples/hub.lss"),
+        _ => include_str!("../examples/thesis10.lss"),
+    };
+    let mut sources = SourceMap::default();
+    let (mut loader, main) = Loader::memory(&mut sources, &[("bench.lss", text.as_bytes())]).expect("text");
+    let analysis = analyse(&mut sources, &mut loader, main, None);
+    let layout = analysis.chosen().ok().flatten().expect("an example without mistakes").clone();
+    let stages = solve(&layout, &Options::default(), &|_| {});
+    Compiled::new(layout, stages)
+}
+
+#[divan::bench(args = EXAMPLES)]
+fn drawing_svg(bencher: Bencher, name: &str) {
+    let compiled = compiled(name);
+    bencher.bench_local(|| svg::drawing(&compiled, svg::Theme::Adaptive).map(|s| s.len()));
+}
+
+#[divan::bench(args = EXAMPLES)]
+fn drawing_dxf(bencher: Bencher, name: &str) {
+    let compiled = compiled(name);
+    bencher.bench_local(|| emit::dxf::drawing(&compiled).len());
+}
+
+#[divan::bench(args = EXAMPLES, sample_count = 10)]
+fn all_drawings(bencher: Bencher, name: &str) {
+    let compiled = compiled(name);
+    bencher.bench_local(|| emit::drawing_files(&compiled).map(|f| f.len()));
+}

@@ -1,0 +1,109 @@
+//! Stages of the optimisation, and the SQP beside Box's complex method: `cargo bench --bench solve`.
+
+use divan::Bencher;
+use lss::model::Layout;
+use lss::problem::{Problem, Scope};
+use lss::semantics::analyse;
+use lss::solve::{Options, Solver, perturbed, solve, solve_with, sqp};
+use lss::source::{Loader, SourceMap};
+use std::fmt::Write;
+use std::time::Instant;
+
+fn main() {
+    beside_complex();
+    rough_starts();
+    divan::main();
+}
+
+fn layout(text: &str) -> Layout {
+    let mut sources = SourceMap::default();
+    let (mut loader, main) = Loader::memory(&mut sources, &[("bench.lss", text.as_bytes())]).expect("text");
+    let analysis = analyse(&mut sources, &mut loader, main, None);
+    analysis.chosen().ok().flatten().unwrap_or_else(|| panic!("{:?}", analysis.diagnostics)).clone()
+}
+
+fn thesis10() -> Layout {
+    layout(include_str!("../examples/thesis10.lss"))
+}
+
+/// A comb of `n` vertices (a multiple of 4) with `obstacles` columns between its teeth.
+fn comb(n: usize, obstacles: usize) -> Layout {
+    let mut text = String::from("use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout comb {\n  catalog thesis\n");
+    text += "  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n";
+    let teeth = (n - 4) / 4;
+    for i in 0..teeth {
+        let x = 40.0 * i as f64;
+        for (k, (dx, y)) in [(0.0, 60.0), (14.0, 60.0), (14.0, 30.0), (26.0, 30.0)].into_iter().enumerate() {
+            let _ = writeln!(text, "  vertex P{i}_{k} ({} m, {y} m) radius 4 m", x + dx);
+        }
+        if i > 0 {
+            let _ = writeln!(text, "  fix P{i}_0");
+        }
+    }
+    let end = 40.0 * teeth as f64;
+    let _ = writeln!(text, "  vertex E0 ({end} m, 60 m) radius 4 m\n  vertex E1 ({end} m, 90 m) radius 4 m");
+    text += "  vertex E2 (-20 m, 90 m) radius 4 m\n  vertex E3 (-20 m, 60 m) radius 4 m\n  fix E1\n  fix E2\n";
+    for i in 0..obstacles {
+        let x = end * (i as f64 + 0.5) / obstacles as f64 - 10.0;
+        let _ = writeln!(
+            text,
+            "  obstacle c{i} [({x} m, 75 m), ({} m, 75 m), ({} m, 76 m), ({x} m, 76 m)]",
+            x + 1.0,
+            x + 1.0
+        );
+    }
+    text += "  optimise length\n}\n";
+    layout(&text)
+}
+
+/// One table: what both solvers reach on thesis10, stages 1 and 2.
+fn beside_complex() {
+    println!("solver   stage   length m   violation m  iterations or evaluations   seconds");
+    for (name, solver) in [("sqp", Solver::Sqp), ("complex", Solver::Complex)] {
+        let options = Options { solver, threads: 1, ..Options::default() };
+        for s in solve_with(&thesis10(), &options, |_, _, s, _| s.clone(), &|_| {}).iter().take(2) {
+            println!(
+                "{name:<8} {} {:>10.5} {:>12.1e} {:>12} {:>22.4}",
+                s.name, s.length, s.max_violation, s.iterations, s.seconds
+            );
+        }
+    }
+}
+
+/// Median of each continuous stage of thesis10 over 20 rough starts, one run of the SQP each.
+fn rough_starts() {
+    let layout = thesis10();
+    for (name, scope) in [("stage 1", Scope::Building), ("stage 2", Scope::Obstacles)] {
+        let problem = Problem::new(&layout, scope);
+        let run = |seed| {
+            let start = perturbed(&layout, &problem, 1.5, seed);
+            let clock = Instant::now();
+            let solution = sqp::minimise(&problem, &start, &sqp::Settings::default(), &|_, _, _| {});
+            (clock.elapsed().as_secs_f64() * 1e3, solution.iterations)
+        };
+        let mut runs: Vec<(f64, usize)> = (1..=20).map(run).collect();
+        runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        println!(
+            "{name}, 20 rough starts: median {:.1} ms, worst {:.1} ms, {} iterations",
+            runs[10].0, runs[19].0, runs[10].1
+        );
+    }
+}
+
+#[divan::bench(sample_count = 10)]
+fn thesis10_all_stages(bencher: Bencher) {
+    let layout = thesis10();
+    bencher.bench_local(|| solve(&layout, &Options::default(), &|_| {}).len());
+}
+
+#[divan::bench(args = [12, 20, 52, 100, 200], sample_count = 3, sample_size = 1)]
+fn stages_1_and_2_by_vertices(bencher: Bencher, n: usize) {
+    let layout = comb(n, 0);
+    bencher.bench_local(|| solve_with(&layout, &Options::default(), |_, _, s, _| s.clone(), &|_| {}).len());
+}
+
+#[divan::bench(args = [0, 10, 50], sample_count = 3, sample_size = 1)]
+fn stages_1_and_2_by_obstacles(bencher: Bencher, obstacles: usize) {
+    let layout = comb(52, obstacles);
+    bencher.bench_local(|| solve_with(&layout, &Options::default(), |_, _, s, _| s.clone(), &|_| {}).len());
+}
