@@ -26,7 +26,7 @@ fn large() -> String {
     }
     let end = 40.0 * f64::from(teeth);
     let _ = writeln!(text, "  vertex E0 ({end} m, 100 m) radius 4 m\n  vertex E1 ({end} m, 200 m) radius 4 m");
-    text += "  vertex E2 (-40 m, 200 m) radius 4 m\n  vertex E3 (-40 m, 100 m) radius 4 m\n";
+    text += "  vertex E2 (-40 m, 200 m) radius 4 m\n  vertex E3 (-40 m, 112 m) radius 4 m\n";
     for i in 0..2600 {
         let _ = writeln!(text, "  // rack {i}");
         let x = 1.5 * f64::from(i);

@@ -42,7 +42,7 @@ fn comb(n: usize, obstacles: usize) -> Layout {
     }
     let end = 40.0 * teeth as f64;
     let _ = writeln!(text, "  vertex E0 ({end} m, 60 m) radius 4 m\n  vertex E1 ({end} m, 90 m) radius 4 m");
-    text += "  vertex E2 (-20 m, 90 m) radius 4 m\n  vertex E3 (-20 m, 60 m) radius 4 m\n  fix E1\n  fix E2\n";
+    text += "  vertex E2 (-20 m, 90 m) radius 4 m\n  vertex E3 (-20 m, 66 m) radius 4 m\n  fix E1\n  fix E2\n";
     for i in 0..obstacles {
         let x = end * (i as f64 + 0.5) / obstacles as f64 - 10.0;
         let _ = writeln!(
