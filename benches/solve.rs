@@ -12,6 +12,7 @@ use std::time::Instant;
 fn main() {
     beside_complex();
     rough_starts();
+    by_size();
     divan::main();
 }
 
@@ -87,6 +88,15 @@ fn rough_starts() {
             "{name}, 20 rough starts: median {:.1} ms, worst {:.1} ms, {} iterations",
             runs[10].0, runs[19].0, runs[10].1
         );
+    }
+}
+
+/// How the continuous stages of combs of growing size end.
+fn by_size() {
+    for n in [12, 20, 52, 100] {
+        for s in solve_with(&comb(n, 0), &Options::default(), |_, _, s, _| s.clone(), &|_| {}).iter().take(2) {
+            println!("comb of {n:>3}: {} {:.4} m, {:?} after {} iterations", s.name, s.length, s.status, s.iterations);
+        }
     }
 }
 
