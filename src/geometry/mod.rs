@@ -1,5 +1,6 @@
 //! Plane geometry of a track: vertices with fillet radii become lines and true arcs (thesis §3.2).
 
+mod centre_line;
 pub mod clearance;
 mod contact;
 mod crossing;
@@ -10,6 +11,7 @@ pub mod proximity;
 mod side;
 pub mod trig;
 
+pub use centre_line::{CentreLine, Form, Frame, Nearest, Stretch};
 pub use contact::{contact_area, outside_area};
 pub use crossing::{band_overlaps, piece_distance, point_piece, self_crossings};
 pub use fillet::{Corner, Fillet, Piece, PieceKind, Track};

@@ -1,5 +1,6 @@
 //! What stands in `simulation.json`. The doc comments are the schema's descriptions.
 
+use crate::geometry::{CentreLine, Form};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -70,14 +71,69 @@ pub enum Piece {
         /// deg, left positive.
         turn_deg: f64,
     },
+    /// A vertical arc between two slopes.
+    Vertical {
+        /// m
+        radius: f64,
+        /// Rise over run.
+        slope_from: f64,
+        /// Rise over run.
+        slope_to: f64,
+    },
+    /// A horizontal arc of constant slope.
+    Spiral {
+        /// Of its plan, m.
+        radius: f64,
+        /// deg, left positive.
+        turn_deg: f64,
+        /// m
+        rise: f64,
+    },
 }
 
-/// How a contact's restitution becomes damping.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+impl Piece {
+    /// The piece as geometry knows it.
+    pub fn form(&self) -> Form {
+        match *self {
+            Piece::Straight { length, slope } => Form::Straight { length, slope },
+            Piece::Arc { radius, turn_deg } => Form::Arc { radius, turn: turn_deg.to_radians() },
+            Piece::Vertical { radius, slope_from, slope_to } => Form::Vertical { radius, slope_from, slope_to },
+            Piece::Spiral { radius, turn_deg, rise } => Form::Spiral { radius, turn: turn_deg.to_radians(), rise },
+        }
+    }
+}
+
+impl Track {
+    /// The centre line in space.
+    pub fn centre_line(&self) -> CentreLine {
+        let forms: Vec<Form> = self.elements.iter().map(Piece::form).collect();
+        CentreLine::new(self.start, &forms)
+    }
+}
+
+/// How a contact's restitution e becomes the damping factor χ(e) of its force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
+#[clap(rename_all = "snake_case")]
 pub enum ContactLaw {
+    /// Hunt and Crossley 1975: χ(e) = 3(1−e)/2.
+    HuntCrossley,
     /// Herbert and McWhannell 1977: χ(e) = 6(1−e) / ((2e−1)² + 3).
+    #[default]
     HerbertMcwhannell,
+    /// Lankarani and Nikravesh 1990: χ(e) = 3(1−e²)/4.
+    LankaraniNikravesh,
+    /// Lee and Wang 1983: χ(e) = 3(1−e)/4.
+    LeeWang,
+    /// Gonthier 2004, exact: the d of d(1+e) = ln((1+d)/(1−e·d)).
+    Gonthier,
+    /// Flores 2011: χ(e) = 8(1−e)/(5e).
+    Flores,
+    /// Hu and Guo 2015: χ(e) = 3(1−e)/(2e).
+    HuGuo,
+    /// Kelvin and Voigt, for comparison: a linear damper beside the spring, c = 2ζ√(K_t m).
+    KelvinVoigt,
 }
 
 /// The chain of carts.
