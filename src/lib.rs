@@ -15,9 +15,11 @@
 
 pub mod cli;
 pub mod diagnostic;
+pub mod dynamics;
 pub mod elements;
 pub mod emit;
 pub mod geometry;
+pub mod kinematics;
 pub mod model;
 pub mod problem;
 pub mod semantics;

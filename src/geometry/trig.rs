@@ -44,3 +44,17 @@ pub fn wrap(angle: f64) -> f64 {
     let wrapped = angle - turns * TAU;
     if wrapped <= -PI { wrapped + TAU } else { wrapped }
 }
+
+/// Natural logarithm.
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// x to the power of y.
+pub fn pow(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
+}
+
+pub fn tanh(x: f64) -> f64 {
+    libm::tanh(x)
+}

@@ -1,0 +1,114 @@
+//! A chain that moves: state, memory of its contacts, controller and clock.
+
+use super::control::Control;
+use super::forces::{Evaluation, Forces, Memory};
+use super::model::{Model, Unfit};
+use super::start::start;
+use super::state::{Accelerations, PACK, State};
+use super::width::Width;
+use std::sync::Arc;
+
+/// A chain at one moment.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    pub model: Arc<Model>,
+    pub state: State,
+    pub memory: Memory,
+    pub forces: Forces,
+    pub accelerations: Vec<Accelerations>,
+    pub control: Control,
+    /// s
+    pub time: f64,
+    pub width: Width,
+    /// Pitch at which this phase closes, m.
+    pub closing_pitch: f64,
+    /// Evaluations of all forces so far.
+    pub evaluations: u64,
+}
+
+impl Chain {
+    /// The kinematic initial state, at the speed of the model, with the front joint of the first cart at arc length `front`, m.
+    pub fn new(model: Arc<Model>, front: f64, width: Width) -> Result<Chain, Unfit> {
+        let (state, memory, closed) = start(&model, front, model.speed)?;
+        let forces = Forces::new(&model);
+        let accelerations = vec![Accelerations::default(); state.bodies.len()];
+        let mut chain = Chain {
+            model,
+            state,
+            memory,
+            forces,
+            accelerations,
+            control: Control::default(),
+            time: 0.0,
+            width,
+            closing_pitch: closed.pitch,
+            evaluations: 0,
+        };
+        chain.evaluate(true);
+        Ok(chain)
+    }
+
+    /// Forces and accelerations of the present state.
+    pub fn evaluate(&mut self, commit: bool) {
+        self.evaluations += 1;
+        self.width.run(Evaluation {
+            model: &self.model,
+            bodies: &self.state.bodies,
+            memory: &mut self.memory,
+            forces: &mut self.forces,
+            out: &mut self.accelerations,
+            command: self.control.command,
+            commit,
+        });
+    }
+
+    /// A sample of the speed controller, and the forces under its new command.
+    pub fn sample_control(&mut self) {
+        let speed = self.forces.mean_speed(self.model.carts);
+        let before = self.control.command;
+        self.control.sample(&self.model.controller, self.model.motors.force, self.model.speed, speed);
+        if self.control.command != before {
+            self.evaluate(true);
+        }
+    }
+
+    /// Kinetic energy of all carts, J.
+    pub fn kinetic_energy(&self) -> f64 {
+        let cart = &self.model.cart;
+        (0..self.model.carts)
+            .map(|i| {
+                let bodies = &self.state.bodies[i / PACK];
+                let square = |rows: &[[f64; PACK]; 3], weights: [f64; 3]| -> f64 {
+                    (0..3).map(|k| weights[k] * rows[k][i % PACK] * rows[k][i % PACK]).sum()
+                };
+                0.5 * (square(&bodies.velocity, [cart.mass; 3]) + square(&bodies.spin, cart.inertia))
+            })
+            .sum()
+    }
+
+    /// Energy of weight and of springs, J: K δⁿ⁺¹/(n+1) at every contact.
+    pub fn potential_energy(&self) -> f64 {
+        let model = &self.model;
+        let spring = |law: &super::law::Damped, depth: f64| {
+            law.stiffness * crate::geometry::trig::pow(depth.max(0.0), law.exponent + 1.0) / (law.exponent + 1.0)
+        };
+        (0..model.carts)
+            .map(|i| {
+                let place = self.placed(i);
+                let [e, n, z] = place.elongation.map(f64::abs);
+                let joints = spring(&model.axial, e) + spring(&model.radial, n) + spring(&model.radial, z);
+                let steering = spring(&model.steering.contact, place.lateral.abs() - model.steering.gap);
+                let running: f64 = place
+                    .heights
+                    .iter()
+                    .map(|h| {
+                        spring(&model.running.contact, -h)
+                            + spring(&model.running.contact, h - model.running.gap)
+                    })
+                    .sum();
+                let height = self.state.bodies[i / PACK].position[2][i % PACK];
+                joints + steering + running + model.cart.mass * model.gravity * height
+            })
+            .sum()
+    }
+}

@@ -1,0 +1,130 @@
+//! Velocity Verlet (Swope et al. 1982), with velocities predicted where forces depend on them: one evaluation a step, of
+//! second order.
+//!
+//! v* = v + h a, with which a' is evaluated at x' = x + h (v + h a / 2); then v' = v + h (a + a')/2. Orientations turn by
+//! the mean angular velocity of the step.
+
+use super::{Integrator, TooFine};
+use crate::dynamics::chain::Chain;
+use crate::dynamics::lanes::{Lane, Lane3, Splat};
+use crate::dynamics::state::{Accelerations, Bodies, PACK};
+use pulp::{Simd, WithSimd};
+
+/// Fixed steps.
+#[derive(Clone, Debug)]
+pub struct Verlet {
+    /// Largest step, s: a duration is cut into equal ones.
+    pub step: f64,
+    before: Vec<Accelerations>,
+}
+
+impl Verlet {
+    pub fn new(step: f64) -> Self {
+        Verlet { step, before: Vec::new() }
+    }
+}
+
+impl Integrator for Verlet {
+    fn advance(&mut self, chain: &mut Chain, duration: f64) -> Result<(), TooFine> {
+        let steps = (duration / self.step - 1e-9).ceil().max(1.0);
+        let h = duration / steps;
+        for _ in 0..steps as usize {
+            self.before.clone_from(&chain.accelerations);
+            chain.width.run(Drift { bodies: &mut chain.state.bodies, accelerations: &self.before, h });
+            chain.evaluate(true);
+            let (before, after) = (&self.before, &chain.accelerations);
+            chain.width.run(Kick { bodies: &mut chain.state.bodies, before, after, h });
+        }
+        chain.time += duration;
+        Ok(())
+    }
+}
+
+/// Positions to the end of the step, velocities predicted there.
+struct Drift<'a> {
+    bodies: &'a mut [Bodies],
+    accelerations: &'a [Accelerations],
+    h: f64,
+}
+
+impl WithSimd for Drift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let h = Lane::splat(simd, self.h);
+        let half = Lane::splat(simd, 0.5 * self.h);
+        for (bodies, accelerations) in self.bodies.iter_mut().zip(self.accelerations) {
+            let mut at = 0;
+            while at < PACK {
+                let linear = Lane3::load(simd, &accelerations.linear, at);
+                let velocity = Lane3::load(simd, &bodies.velocity, at);
+                let mean = linear.scale_add(half, velocity);
+                mean.scale_add(h, Lane3::load(simd, &bodies.position, at)).store(&mut bodies.position, at);
+                linear.scale_add(h, velocity).store(&mut bodies.velocity, at);
+                let angular = Lane3::load(simd, &accelerations.angular, at);
+                let spin = Lane3::load(simd, &bodies.spin, at);
+                let mean = angular.scale_add(half, spin);
+                turn(simd, bodies, at, mean.scale(half));
+                angular.scale_add(h, spin).store(&mut bodies.spin, at);
+                at += S::F64_LANES;
+            }
+        }
+    }
+}
+
+/// Turns attitudes by the quaternion of half the rotation vector 2 `v`: (cos |v|, v sin |v|/|v|), by their series, and
+/// normalises.
+#[inline(always)]
+fn turn<S: Simd>(simd: S, bodies: &mut Bodies, at: usize, v: Lane3<S>) {
+    let c = Splat(simd);
+    let square = v.dot(v);
+    let cos = square.mul_add(square.mul_add(c.of(1.0 / 24.0), c.of(-0.5)), c.of(1.0));
+    let sinc = square.mul_add(square.mul_add(c.of(1.0 / 120.0), c.of(-1.0 / 6.0)), c.of(1.0));
+    let (x, y, z) = (v.x * sinc, v.y * sinc, v.z * sinc);
+    let attitude = &mut bodies.attitude;
+    let w0 = Lane::load(simd, &attitude[0][at..]);
+    let x0 = Lane::load(simd, &attitude[1][at..]);
+    let y0 = Lane::load(simd, &attitude[2][at..]);
+    let z0 = Lane::load(simd, &attitude[3][at..]);
+    let w = x0.neg_mul_add(x, y0.neg_mul_add(y, z0.neg_mul_add(z, w0 * cos)));
+    let i = w0.mul_add(x, x0.mul_add(cos, y0.mul_add(z, -(z0 * y))));
+    let j = w0.mul_add(y, y0.mul_add(cos, z0.mul_add(x, -(x0 * z))));
+    let k = w0.mul_add(z, z0.mul_add(cos, x0.mul_add(y, -(y0 * x))));
+    // One Newton step towards unit length from so near is exact.
+    let length = w.mul_add(w, i.mul_add(i, j.mul_add(j, k * k)));
+    let scale = length.neg_mul_add(c.of(0.5), c.of(1.5));
+    (w * scale).store(&mut attitude[0][at..]);
+    (i * scale).store(&mut attitude[1][at..]);
+    (j * scale).store(&mut attitude[2][at..]);
+    (k * scale).store(&mut attitude[3][at..]);
+}
+
+/// Corrects the predicted velocities: v' = v* + h (a' − a)/2.
+struct Kick<'a> {
+    bodies: &'a mut [Bodies],
+    before: &'a [Accelerations],
+    after: &'a [Accelerations],
+    h: f64,
+}
+
+impl WithSimd for Kick<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let half = Lane::splat(simd, 0.5 * self.h);
+        for ((bodies, before), after) in self.bodies.iter_mut().zip(self.before).zip(self.after) {
+            let mut at = 0;
+            while at < PACK {
+                let linear = Lane3::load(simd, &after.linear, at) - Lane3::load(simd, &before.linear, at);
+                let velocity = Lane3::load(simd, &bodies.velocity, at);
+                linear.scale_add(half, velocity).store(&mut bodies.velocity, at);
+                let angular = Lane3::load(simd, &after.angular, at) - Lane3::load(simd, &before.angular, at);
+                let spin = Lane3::load(simd, &bodies.spin, at);
+                angular.scale_add(half, spin).store(&mut bodies.spin, at);
+                at += S::F64_LANES;
+            }
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The chain model's constants, worked out once from a simulation input (design: chain model).
+
+use super::law::Damped;
+use super::segments::Segments;
+use crate::emit::simulation::{self as input, ContactLaw, Simulation};
+use crate::kinematics::closing;
+use std::fmt;
+
+/// Phases of one pitch over which the closing pitch is averaged.
+const PHASES: usize = 16;
+
+/// A contact load at which Kelvin-Voigt is linearised at a steering wheel, N.
+const STEERING_LOAD: f64 = 100.0;
+
+/// A chain of carts on its track.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub segments: Segments,
+    pub carts: usize,
+    /// m/s²
+    pub gravity: f64,
+    pub cart: Cart,
+    pub steering: Wheel,
+    pub running: Wheel,
+    pub axial: Damped,
+    pub radial: Damped,
+    /// v_min, m/s
+    pub floor: f64,
+    pub motors: Motors,
+    pub controller: Controller,
+    pub speed: f64,
+    /// T₀, N
+    pub tension: f64,
+    /// Mean closing pitch over 16 phases, m.
+    pub pitch: f64,
+}
+
+/// A rigid cart; lengths in m, from the front joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cart {
+    /// Free length, adapted to the closing pitch and the tension.
+    pub length: f64,
+    /// kg
+    pub mass: f64,
+    /// kg m², about the centre of mass along ξ, η, ζ.
+    pub inertia: [f64; 3],
+    /// ξ_c, ζ_c
+    pub centre: [f64; 2],
+    /// h_m
+    pub motor_height: f64,
+}
+
+/// A pair of wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wheel {
+    pub contact: Damped,
+    /// b, m
+    pub half_spacing: f64,
+    /// h_r, m
+    pub height: f64,
+    /// g, m
+    pub gap: f64,
+    /// m
+    pub radius: f64,
+    /// c_rr
+    pub resistance: f64,
+}
+
+/// Linear motors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motors {
+    /// Arc length where each begins, m.
+    pub s: Vec<f64>,
+    /// l_m, m
+    pub length: f64,
+    /// F_max, N
+    pub force: f64,
+}
+
+/// PID with its sampling time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controller {
+    pub proportional: f64,
+    pub integral: f64,
+    pub derivative: f64,
+    /// T_c, s
+    pub period: f64,
+}
+
+/// An input that cannot be simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unfit {
+    /// Where in the simulation input, as `--set` names it.
+    pub place: String,
+    pub why: String,
+}
+
+impl fmt::Display for Unfit {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.why)
+    }
+}
+
+impl std::error::Error for Unfit {}
+
+impl Model {
+    /// Checks the input and closes the chain: the free cart length is ℓ − sign(T₀)(|T₀|/K)^(1/n), with ℓ the pitch at which
+    /// the chain closes, averaged over phases.
+    pub fn new(simulation: &Simulation) -> Result<Model, Unfit> {
+        check(simulation)?;
+        let line = simulation.track.centre_line();
+        let (gap, angle) = line.closure;
+        if gap > 1e-4 || angle > 1e-4 {
+            let why = format!("its elements do not close: {gap:.3e} m and {angle:.3e} rad remain at the end");
+            return Err(Unfit { place: "track.elements".into(), why });
+        }
+        let carts = simulation.chain.carts;
+        let unclosed = |why: &dyn fmt::Display| Unfit { place: "chain.carts".into(), why: why.to_string() };
+        let pitch_at = |front: f64| closing(&line, carts, front).map(|c| c.pitch).map_err(|why| unclosed(&why));
+        let first = pitch_at(0.0)?;
+        let mut pitch = 0.0;
+        for phase in 0..PHASES {
+            pitch += pitch_at(first * phase as f64 / PHASES as f64)? / PHASES as f64;
+        }
+        let law = simulation.contact_law;
+        let (mass, tension) = (simulation.cart.mass_kg, simulation.chain.tension_n);
+        let damped = |contact: &input::Contact, load: f64| damped(law, contact, load, mass);
+        let axial = damped(&simulation.joint.axial, tension);
+        let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent);
+        let length = if tension < 0.0 { pitch + stretch } else { pitch - stretch };
+        let wheel = |wheel: &input::Wheel, load: f64| Wheel {
+            contact: damped(&wheel.contact, load),
+            half_spacing: wheel.half_spacing_m,
+            height: wheel.height_m,
+            gap: wheel.gap_m,
+            radius: wheel.radius_m,
+            resistance: wheel.rolling_resistance,
+        };
+        Ok(Model {
+            carts,
+            gravity: simulation.gravity_m_s2,
+            cart: Cart {
+                length,
+                mass,
+                inertia: simulation.cart.inertia_kg_m2,
+                centre: simulation.cart.centre_of_mass_m,
+                motor_height: simulation.cart.motor_height_m,
+            },
+            steering: wheel(&simulation.steering_wheel, STEERING_LOAD),
+            running: wheel(&simulation.running_wheel, mass * simulation.gravity_m_s2 / 2.0),
+            axial,
+            radial: damped(&simulation.joint.radial, tension),
+            floor: simulation.joint.approach_floor_m_s,
+            motors: Motors {
+                s: simulation.motors.s_m.iter().map(|s| s.rem_euclid(line.length)).collect(),
+                length: simulation.motors.length_m,
+                force: simulation.motors.force_n,
+            },
+            controller: Controller {
+                proportional: simulation.controller.proportional_n_s_per_m,
+                integral: simulation.controller.integral_n_per_m,
+                derivative: simulation.controller.derivative_n_s2_per_m,
+                period: simulation.controller.period_s,
+            },
+            speed: simulation.chain.speed_m_s,
+            tension,
+            pitch,
+            segments: Segments::new(line),
+        })
+    }
+
+    /// Largest step that joint damping leaves stable, s: 0.7 over the rate 4|T|χ/(v_min m) with the peak tension expected
+    /// from T₀ and polygon action (design: chain model, step), or that the joints' stiffness does, 1/√(4K/m), if that is
+    /// less.
+    pub fn largest_step(&self) -> f64 {
+        let peak = self.tension.abs() + EXPECTED_SWING;
+        let radial = self.radial.factor.max(self.axial.factor);
+        let damping = 4.0 * peak * radial / (self.floor * self.cart.mass) + 4.0 * self.axial.viscosity / self.cart.mass;
+        let stiffness = (4.0 * self.axial.stiffness.max(self.radial.stiffness) / self.cart.mass).sqrt();
+        (0.7 / damping.max(1e-9)).min(1.0 / stiffness)
+    }
+}
+
+/// Peak tension above T₀: 832 N at the defaults of 500 N.
+const EXPECTED_SWING: f64 = 332.0;
+
+fn damped(law: ContactLaw, contact: &input::Contact, load: f64, mass: f64) -> Damped {
+    let (stiffness, exponent, e) = (contact.stiffness_n_per_m_n, contact.exponent, contact.restitution);
+    Damped {
+        stiffness,
+        exponent,
+        factor: law.factor(e),
+        viscosity: law.viscosity(e, stiffness, exponent, load, mass),
+    }
+}
+
+/// Refuses numbers that no chain can have.
+fn check(simulation: &Simulation) -> Result<(), Unfit> {
+    let refuse = |place: &str, why: String| Err(Unfit { place: place.to_owned(), why });
+    let (cart, joint) = (&simulation.cart, &simulation.joint);
+    let (steering, running) = (&simulation.steering_wheel, &simulation.running_wheel);
+    let (motors, control, sensor) = (&simulation.motors, &simulation.controller, &simulation.sensor);
+    let contact = |name: &str, c: &input::Contact| {
+        [
+            (format!("{name}.stiffness_n_per_m_n"), c.stiffness_n_per_m_n, 0.0, 1e15, true),
+            (format!("{name}.exponent"), c.exponent, 1.0, 3.0, false),
+            (format!("{name}.restitution"), c.restitution, 0.01, 1.0, false),
+        ]
+    };
+    let wheel = |name: &str, w: &input::Wheel| {
+        [
+            (format!("{name}.radius_m"), w.radius_m, 0.0, 10.0, true),
+            (format!("{name}.half_spacing_m"), w.half_spacing_m, 0.0, 10.0, false),
+            (format!("{name}.height_m"), w.height_m, -10.0, 10.0, false),
+            (format!("{name}.gap_m"), w.gap_m, 0.0, 1.0, false),
+            (format!("{name}.rolling_resistance"), w.rolling_resistance, 0.0, 10.0, false),
+        ]
+    };
+    let mut rows = vec![
+        ("gravity_m_s2".to_owned(), simulation.gravity_m_s2, 0.0, 1e3, false),
+        ("chain.tension_n".to_owned(), simulation.chain.tension_n, -1e6, 1e6, false),
+        ("chain.speed_m_s".to_owned(), simulation.chain.speed_m_s, 0.0, 20.0, false),
+        ("cart.mass_kg".to_owned(), cart.mass_kg, 0.0, 1e6, true),
+        ("cart.centre_of_mass_m.0".to_owned(), cart.centre_of_mass_m[0], -10.0, 10.0, false),
+        ("cart.centre_of_mass_m.1".to_owned(), cart.centre_of_mass_m[1], -10.0, 10.0, false),
+        ("cart.motor_height_m".to_owned(), cart.motor_height_m, -10.0, 10.0, false),
+        ("joint.approach_floor_m_s".to_owned(), joint.approach_floor_m_s, 0.0, 1e3, true),
+        ("motors.length_m".to_owned(), motors.length_m, 0.0, 1e3, true),
+        ("motors.force_n".to_owned(), motors.force_n, 0.0, 1e6, false),
+        ("controller.proportional_n_s_per_m".to_owned(), control.proportional_n_s_per_m, 0.0, 1e9, false),
+        ("controller.integral_n_per_m".to_owned(), control.integral_n_per_m, 0.0, 1e9, false),
+        ("controller.derivative_n_s2_per_m".to_owned(), control.derivative_n_s2_per_m, 0.0, 1e9, false),
+        ("controller.period_s".to_owned(), control.period_s, 1e-5, 1e3, false),
+        ("sensor.lowpass_hz".to_owned(), sensor.lowpass_hz, 0.0, 1e6, true),
+        ("sensor.rate_hz".to_owned(), sensor.rate_hz, 0.0, 1e5, true),
+        ("sensor.photocell_s_m".to_owned(), sensor.photocell_s_m, -1e6, 1e6, false),
+        ("sensor.trigger_length_m".to_owned(), sensor.trigger_length_m, 0.0, 1e3, false),
+    ];
+    rows.extend((0..3).map(|k| (format!("cart.inertia_kg_m2.{k}"), cart.inertia_kg_m2[k], 0.0, 1e6, true)));
+    rows.extend(wheel("steering_wheel", steering));
+    rows.extend(wheel("running_wheel", running));
+    rows.extend(contact("steering_wheel.contact", &steering.contact));
+    rows.extend(contact("running_wheel.contact", &running.contact));
+    rows.extend(contact("joint.axial", &joint.axial));
+    rows.extend(contact("joint.radial", &joint.radial));
+    for (place, value, low, high, open) in rows {
+        if !value.is_finite() || value > high || value < low || (open && value <= low) {
+            let least = if open { "more than" } else { "at least" };
+            return refuse(&place, format!("{value} must be {least} {low} and at most {high}"));
+        }
+    }
+    for (k, piece) in simulation.track.elements.iter().enumerate() {
+        let form = piece.form();
+        let length = form.length();
+        if !length.is_finite() || length < 0.0 {
+            return refuse(&format!("track.elements.{k}"), format!("its length is {length} m"));
+        }
+        let (begin, end) = form.inclination();
+        let steep = begin.abs().max(end.abs());
+        // NaN is refused, too.
+        let bearable = steep < 1.2 && form.turn().abs() < 100.0;
+        if !bearable {
+            return refuse(&format!("track.elements.{k}"), "it is steeper than 60° or turns without end".into());
+        }
+    }
+    if !simulation.track.start.iter().all(|x| x.is_finite()) {
+        return refuse("track.start", "it must be four numbers: x, y, z and heading".into());
+    }
+    let carts = simulation.chain.carts;
+    if !(3..=100_000).contains(&carts) {
+        return refuse("chain.carts", format!("{carts} must be between 3 and 100000"));
+    }
+    if sensor.cart == 0 || sensor.cart > carts {
+        return refuse("sensor.cart", format!("{} must be between 1 and {carts}, the number of carts", sensor.cart));
+    }
+    if let Some(k) = motors.s_m.iter().position(|s| !s.is_finite()) {
+        return refuse(&format!("motors.s_m.{k}"), "it must be a number".into());
+    }
+    if let Some(effect) = simulation.effects.first() {
+        return refuse("effects", format!("`{}` is not simulated yet; remove it to run the nominal model", effect.name));
+    }
+    Ok(())
+}

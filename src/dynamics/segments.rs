@@ -1,0 +1,467 @@
+//! The centre line as the wheels read it: segments that turn by at most 60° about one axis, each with the frame at its
+//! middle, so that the nearest point of a line or an arc is one formula without branches or trigonometry.
+//!
+//! With a, b the point's coordinates along the tangent and towards the curvature κ at the middle, q = 2b − κ(a² + b²) and
+//! w = √(1 − κq): the offset towards the curvature is q/(1 + w), the tangent has turned by ψ with sin ψ = κa/w and
+//! cos ψ = (1 − κb)/w. For κ = 0 this is the straight line.
+
+use super::lanes::{Lane, Lane3, Mask};
+use super::state::{PACK, Row};
+use crate::geometry::{CentreLine, Form};
+use nalgebra::Vector3;
+use pulp::{Scalar, Simd};
+
+/// Largest turn of a segment, rad.
+const LARGEST: f64 = 1.05;
+
+/// How far past its end a segment still serves, m: so that rounding cannot send a point back and forth.
+const SLACK: f64 = 1e-9;
+
+/// A part of the centre line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// The middle, m.
+    pub origin: Vector3<f64>,
+    /// Unit tangent there.
+    pub along: Vector3<f64>,
+    /// Unit vector across it in the plane of curvature: n, or u of a vertical arc.
+    pub inward: Vector3<f64>,
+    /// Signed, towards `inward`, 1/m.
+    pub curvature: f64,
+    /// Largest |sin ψ|/κ, m; negative for a spiral, whose nearest point takes iteration.
+    pub reach: f64,
+    /// Arc length of the middle, m.
+    pub s: f64,
+    pub vertical: bool,
+    /// Index of the piece of the centre line it belongs to.
+    pub stretch: usize,
+}
+
+/// The segment of each cart's front joint, by pack.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Home {
+    origin: [Row; 3],
+    along: [Row; 3],
+    inward: [Row; 3],
+    curvature: Row,
+    reach: Row,
+    s: Row,
+    /// 1 where the plane of curvature is vertical, else 0.
+    vertical: Row,
+    pub segment: [u32; PACK],
+}
+
+impl Home {
+    /// Sends a cart to a segment.
+    pub fn set(&mut self, lane: usize, index: usize, segment: &Segment) {
+        for k in 0..3 {
+            self.origin[k][lane] = segment.origin[k];
+            self.along[k][lane] = segment.along[k];
+            self.inward[k][lane] = segment.inward[k];
+        }
+        self.curvature[lane] = segment.curvature;
+        self.reach[lane] = segment.reach;
+        self.s[lane] = segment.s;
+        self.vertical[lane] = f64::from(u8::from(segment.vertical));
+        self.segment[lane] = index as u32;
+    }
+}
+
+/// Segments of several carts.
+#[derive(Clone, Copy)]
+pub struct Local<S: Simd> {
+    origin: Lane3<S>,
+    along: Lane3<S>,
+    inward: Lane3<S>,
+    curvature: Lane<S>,
+    reach: Lane<S>,
+    s: Lane<S>,
+    vertical: Lane<S>,
+}
+
+impl<S: Simd> Local<S> {
+    #[inline(always)]
+    pub fn load(simd: S, home: &Home, at: usize) -> Self {
+        Local {
+            origin: Lane3::load(simd, &home.origin, at),
+            along: Lane3::load(simd, &home.along, at),
+            inward: Lane3::load(simd, &home.inward, at),
+            curvature: Lane::load(simd, &home.curvature[at..]),
+            reach: Lane::load(simd, &home.reach[at..]),
+            s: Lane::load(simd, &home.s[at..]),
+            vertical: Lane::load(simd, &home.vertical[at..]),
+        }
+    }
+}
+
+/// The foot of a point on the centre line: its frame there, and its offsets.
+#[derive(Clone, Copy)]
+pub struct Foot<S: Simd> {
+    pub tangent: Lane3<S>,
+    pub normal: Lane3<S>,
+    pub up: Lane3<S>,
+    /// Along the normal, m.
+    pub y: Lane<S>,
+    /// Along up, m.
+    pub z: Lane<S>,
+    /// sin ψ / κ, m.
+    sigma: Lane<S>,
+    cos: Lane<S>,
+}
+
+/// `LEVEL` says that the whole centre line is horizontal.
+#[inline(always)]
+pub fn foot<S: Simd, const LEVEL: bool>(local: &Local<S>, point: Lane3<S>) -> Foot<S> {
+    let r = point - local.origin;
+    let (t, i, k) = (local.along, local.inward, local.curvature);
+    let one = r.x.constant(1.0);
+    if LEVEL {
+        let a = r.x.mul_add(t.x, r.y * t.y);
+        let b = r.x.mul_add(i.x, r.y * i.y);
+        let (sine, cos, sigma, offset) = bent(a, b, k);
+        let zero = r.x.constant(0.0);
+        let tangent = Lane3::new(t.x.mul_add(cos, i.x * sine), t.y.mul_add(cos, i.y * sine), zero);
+        let normal = Lane3::new(-tangent.y, tangent.x, zero);
+        Foot { tangent, normal, up: Lane3::new(zero, zero, one), y: offset, z: r.z, sigma, cos }
+    } else {
+        let (a, b, across) = (r.dot(t), r.dot(i), t.cross(i));
+        let c = r.dot(across);
+        let (sine, cos, sigma, offset) = bent(a, b, k);
+        let tangent = t.scale_add(cos, i.scale(sine));
+        let inward = i.scale_add(cos, t.scale(-sine));
+        let steep = one.constant(0.5).less(local.vertical);
+        let normal = (-across).select(steep, inward);
+        let up = inward.select(steep, across);
+        Foot { tangent, normal, up, y: (-c).select(steep, offset), z: offset.select(steep, c), sigma, cos }
+    }
+}
+
+/// Sine and cosine of the turn ψ, sin ψ / κ, and the offset towards the curvature.
+#[inline(always)]
+fn bent<S: Simd>(a: Lane<S>, b: Lane<S>, k: Lane<S>) -> (Lane<S>, Lane<S>, Lane<S>, Lane<S>) {
+    let one = a.constant(1.0);
+    let q = k.neg_mul_add(a.mul_add(a, b * b), b + b);
+    let root = k.neg_mul_add(q, one).sqrt();
+    let inverse = one.over(root);
+    let sigma = a * inverse;
+    (k * sigma, k.neg_mul_add(b, one) * inverse, sigma, q.over(one + root))
+}
+
+impl<S: Simd> Foot<S> {
+    /// Where the point lies beyond its segment's ends.
+    #[inline(always)]
+    pub fn outside(&self, local: &Local<S>) -> Mask<S> {
+        local.reach.less(self.sigma.abs())
+    }
+
+    /// Arc length of the foot, m: (2/κ) atan(tan(ψ/2)) from the middle.
+    #[inline(always)]
+    pub fn station(&self, local: &Local<S>) -> Lane<S> {
+        let half = self.sigma.over(self.cos + self.cos.constant(1.0));
+        let tan = local.curvature * half;
+        (half + half).mul_add(atan_over(tan * tan), local.s)
+    }
+}
+
+/// atan(x)/x for x² ≤ 0.43, to the last digits: Moshier's rational approximation (Cephes, 1984).
+#[inline(always)]
+fn atan_over<S: Simd>(square: Lane<S>) -> Lane<S> {
+    let c = square.splat_like();
+    let p = square
+        .mul_add(c.of(-0.875_060_860_003_190_4), c.of(-16.157_537_187_333_652))
+        .mul_add(square, c.of(-75.008_557_923_147_05))
+        .mul_add(square, c.of(-122.886_668_449_013_61))
+        .mul_add(square, c.of(-64.850_219_049_420_25));
+    let q = (square + c.of(24.858_464_901_423_062))
+        .mul_add(square, c.of(165.027_009_831_698_85))
+        .mul_add(square, c.of(432.881_060_491_290_27))
+        .mul_add(square, c.of(485.390_399_635_913_7))
+        .mul_add(square, c.of(194.550_657_148_261_4));
+    (square * p).over(q) + c.of(1.0)
+}
+
+/// A foot in plain numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footing {
+    pub segment: usize,
+    /// Arc length, m.
+    pub s: f64,
+    pub tangent: [f64; 3],
+    pub normal: [f64; 3],
+    pub up: [f64; 3],
+    pub y: f64,
+    pub z: f64,
+}
+
+/// The whole centre line.
+#[derive(Clone, Debug)]
+pub struct Segments {
+    pub list: Vec<Segment>,
+    pub line: CentreLine,
+    pub level: bool,
+}
+
+impl Segments {
+    pub fn new(line: CentreLine) -> Self {
+        let mut list = Vec::new();
+        for (index, stretch) in line.stretches.iter().enumerate() {
+            let (turn, curvature, vertical) = match stretch.form {
+                Form::Straight { .. } => (0.0, 0.0, false),
+                Form::Arc { radius, turn } => (turn.abs(), turn.signum() / radius, false),
+                Form::Vertical { radius, slope_from, slope_to } => {
+                    (stretch.length / radius, (slope_to - slope_from).signum() / radius, true)
+                }
+                Form::Spiral { .. } => (0.0, 0.0, false),
+            };
+            let spiral = matches!(stretch.form, Form::Spiral { .. });
+            let parts = (turn / LARGEST).ceil().max(1.0) as usize;
+            let half = stretch.length / parts as f64 / 2.0;
+            for part in 0..parts {
+                let d = (2 * part + 1) as f64 * half;
+                let frame = stretch.at(d);
+                let reach = if curvature == 0.0 {
+                    half
+                } else {
+                    crate::geometry::trig::sin(half * curvature.abs()) / curvature.abs()
+                };
+                list.push(Segment {
+                    origin: frame.position,
+                    along: frame.tangent,
+                    inward: if vertical { frame.up } else { frame.normal },
+                    curvature,
+                    reach: if spiral { -1.0 } else { reach + SLACK },
+                    s: stretch.s + d,
+                    vertical,
+                    stretch: index,
+                });
+            }
+        }
+        Segments { level: line.is_level(), list, line }
+    }
+
+    /// The segment that holds arc length `s`, taken modulo the length.
+    pub fn at(&self, s: f64) -> usize {
+        let s = s.rem_euclid(self.line.length);
+        let stretch = self.line.stretch_at(s);
+        let of = |segment: &&Segment| segment.stretch == stretch;
+        let first = self.list.partition_point(|x| x.stretch < stretch);
+        let count = self.list[first..].iter().take_while(of).count();
+        let whole = &self.line.stretches[stretch];
+        let part = ((s - whole.s) / whole.length * count as f64) as usize;
+        first + part.min(count - 1)
+    }
+
+    /// The foot of a point, sought from segment `from` onwards or backwards.
+    pub fn footing(&self, point: [f64; 3], from: usize) -> Footing {
+        let n = self.list.len();
+        let mut i = from % n;
+        let mut forward = false;
+        for _ in 0..=n {
+            let segment = &self.list[i];
+            let side = if segment.reach < 0.0 {
+                let stretch = &self.line.stretches[segment.stretch];
+                let d = stretch.project(&Vector3::from(point));
+                if d > stretch.length + SLACK {
+                    1
+                } else if d < -SLACK {
+                    -1
+                } else {
+                    return spiral_footing(stretch, segment, i, point, d);
+                }
+            } else {
+                let mut home = Home::default();
+                home.set(0, i, segment);
+                let local = Local::load(Scalar, &home, 0);
+                let lane = |x: f64| Lane::new(Scalar, x);
+                let at = Lane3::new(lane(point[0]), lane(point[1]), lane(point[2]));
+                let foot = foot::<Scalar, false>(&local, at);
+                let mut sigma = [0.0];
+                foot.sigma.store(&mut sigma);
+                if sigma[0] > segment.reach {
+                    1
+                } else if sigma[0] < -segment.reach {
+                    -1
+                } else {
+                    return plain(&foot, &local, i);
+                }
+            };
+            // A step back after one forward would only be rounding at a joint: stay there.
+            if side > 0 {
+                i = (i + 1) % n;
+                forward = true;
+            } else if forward {
+                break;
+            } else {
+                i = (i + n - 1) % n;
+            }
+        }
+        // Lost: the nearest point of the last segment tried, for the caller's check of offsets to find.
+        let segment = &self.list[i];
+        let stretch = &self.line.stretches[segment.stretch];
+        let d = stretch.project(&Vector3::from(point)).clamp(0.0, stretch.length);
+        spiral_footing(stretch, segment, i, point, d)
+    }
+}
+
+fn spiral_footing(
+    stretch: &crate::geometry::Stretch,
+    _segment: &Segment,
+    index: usize,
+    point: [f64; 3],
+    d: f64,
+) -> Footing {
+    let frame = stretch.at(d);
+    let away = Vector3::from(point) - frame.position;
+    Footing {
+        segment: index,
+        s: stretch.s + d,
+        tangent: frame.tangent.into(),
+        normal: frame.normal.into(),
+        up: frame.up.into(),
+        y: away.dot(&frame.normal),
+        z: away.dot(&frame.up),
+    }
+}
+
+fn plain(foot: &Foot<Scalar>, local: &Local<Scalar>, segment: usize) -> Footing {
+    let number = |lane: Lane<Scalar>| {
+        let mut out = [0.0];
+        lane.store(&mut out);
+        out[0]
+    };
+    let vector = |v: Lane3<Scalar>| [number(v.x), number(v.y), number(v.z)];
+    Footing {
+        segment,
+        s: number(foot.station(local)),
+        tangent: vector(foot.tangent),
+        normal: vector(foot.normal),
+        up: vector(foot.up),
+        y: number(foot.y),
+        z: number(foot.z),
+    }
+}
+
+/// Feet of a pack in plain numbers, where lanes need a segment of their own.
+struct Mended {
+    tangent: [Row; 3],
+    normal: [Row; 3],
+    up: [Row; 3],
+    y: Row,
+    z: Row,
+    s: Row,
+}
+
+/// Recomputes the feet that lie beyond their segment's ends or on a spiral. Returns them with their arc lengths.
+#[cold]
+#[inline(never)]
+pub fn mend<S: Simd>(
+    simd: S,
+    segments: &Segments,
+    home: &Home,
+    at: usize,
+    point: Lane3<S>,
+    foot: &Foot<S>,
+    local: &Local<S>,
+) -> (Foot<S>, Lane<S>) {
+    let zero = [0.0; PACK];
+    let (mut points, mut sigma) = ([zero; 3], zero);
+    point.store(&mut points, 0);
+    foot.sigma.store(&mut sigma);
+    let mut out = Mended { tangent: [zero; 3], normal: [zero; 3], up: [zero; 3], y: zero, z: zero, s: zero };
+    foot.tangent.store(&mut out.tangent, 0);
+    foot.normal.store(&mut out.normal, 0);
+    foot.up.store(&mut out.up, 0);
+    foot.y.store(&mut out.y);
+    foot.z.store(&mut out.z);
+    foot.station(local).store(&mut out.s);
+    for lane in 0..S::F64_LANES {
+        if sigma[lane].abs() <= home.reach[at + lane] {
+            continue;
+        }
+        let own = segments.footing([points[0][lane], points[1][lane], points[2][lane]], home.segment[at + lane] as usize);
+        for k in 0..3 {
+            out.tangent[k][lane] = own.tangent[k];
+            out.normal[k][lane] = own.normal[k];
+            out.up[k][lane] = own.up[k];
+        }
+        (out.y[lane], out.z[lane], out.s[lane]) = (own.y, own.z, own.s);
+    }
+    let mended = Foot {
+        tangent: Lane3::load(simd, &out.tangent, 0),
+        normal: Lane3::load(simd, &out.normal, 0),
+        up: Lane3::load(simd, &out.up, 0),
+        y: Lane::load(simd, &out.y),
+        z: Lane::load(simd, &out.z),
+        sigma: foot.sigma,
+        cos: foot.cos,
+    };
+    (mended, Lane::load(simd, &out.s))
+}
+
+/// Sends the carts whose front joint has left its segment to the one where it is now.
+#[cold]
+#[inline(never)]
+pub fn rehome<S: Simd>(segments: &Segments, home: &mut Home, at: usize, point: Lane3<S>, foot: &Foot<S>) {
+    let zero = [0.0; PACK];
+    let (mut points, mut sigma) = ([zero; 3], zero);
+    point.store(&mut points, 0);
+    foot.sigma.store(&mut sigma);
+    for lane in 0..S::F64_LANES {
+        let place = at + lane;
+        if sigma[lane].abs() > home.reach[place] {
+            let from = home.segment[place] as usize;
+            let own = segments.footing([points[0][lane], points[1][lane], points[2][lane]], from);
+            if own.segment != from {
+                home.set(place, own.segment, &segments.list[own.segment]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn line() -> CentreLine {
+        CentreLine::new(
+            [3.0, -2.0, 1.0, 0.7],
+            &[
+                Form::Straight { length: 6.0, slope: 0.0 },
+                Form::Vertical { radius: 10.0, slope_from: 0.0, slope_to: 0.14 },
+                Form::Straight { length: 5.0, slope: 0.14 },
+                Form::Spiral { radius: 4.0, turn: -2.0, rise: 1.12 },
+                Form::Vertical { radius: 8.0, slope_from: 0.14, slope_to: 0.0 },
+                Form::Arc { radius: 3.0, turn: 2.5 },
+            ],
+        )
+    }
+
+    #[test]
+    fn the_arc_tangent_is_exact_to_the_last_digits() {
+        for k in 1..=1000 {
+            let x = 0.65 * k as f64 / 1000.0;
+            let mut got = [0.0];
+            atan_over(Lane::new(Scalar, x * x)).store(&mut got);
+            assert!((got[0] - libm::atan(x) / x).abs() < 4e-16, "{x}");
+        }
+    }
+
+    proptest! {
+        /// Against the centre line's own projection, which knows nothing of segments.
+        #[test]
+        fn feet_are_the_nearest_points(share in 0.01..0.99f64, y in -0.3..0.3f64, z in -0.3..0.3f64) {
+            let segments = Segments::new(line());
+            let s = share * segments.line.length;
+            let frame = segments.line.at(s);
+            let point = frame.position + frame.normal * y + frame.up * z;
+            let foot = segments.footing(point.into(), segments.at(s));
+            prop_assert!((foot.s - s).abs() < 1e-8, "{} {s}", foot.s);
+            prop_assert!((foot.y - y).abs() < 1e-9 && (foot.z - z).abs() < 1e-9);
+            prop_assert!((Vector3::from(foot.tangent) - frame.tangent).norm() < 1e-8);
+            prop_assert!((Vector3::from(foot.normal) - frame.normal).norm() < 1e-8);
+            prop_assert!((Vector3::from(foot.up) - frame.up).norm() < 1e-8);
+        }
+    }
+}

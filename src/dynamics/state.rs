@@ -1,0 +1,77 @@
+//! What moves, in packs of eight carts: each number of a cart beside the same number of its seven neighbours, so that a
+//! vector of any width up to eight loads it at once. Behind the last cart a pack holds idle places, which rest.
+
+/// Carts a pack.
+pub const PACK: usize = 8;
+
+/// One number for each cart of a pack.
+pub type Row = [f64; PACK];
+
+/// Position, orientation and velocities of the carts.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bodies {
+    /// Of the centre of mass in the world, m.
+    pub position: [Row; 3],
+    /// Unit quaternion (w, x, y, z), cart to world.
+    pub attitude: [Row; 4],
+    /// Of the centre of mass in the world, m/s.
+    pub velocity: [Row; 3],
+    /// Angular velocity in the cart's axes, rad/s.
+    pub spin: [Row; 3],
+}
+
+/// Their rates of change that forces decide.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Accelerations {
+    /// In the world, m/s².
+    pub linear: [Row; 3],
+    /// In the cart's axes, rad/s².
+    pub angular: [Row; 3],
+}
+
+/// What contacts remember: one over the approach speed v₀ when they last closed, s/m; 0 where open. At a joint the sign is
+/// that of its elongation.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Approach {
+    pub steering: Row,
+    /// Left, right.
+    pub running: [Row; 2],
+    /// Along ξ, η and ζ of the leader, at the cart's rear joint.
+    pub joint: [Row; 3],
+}
+
+/// Forces in the contacts of a cart, N.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Loads {
+    /// Of the left steering wheel, or less that of the right one.
+    pub steering: Row,
+    /// Left and right, on the lower surface, or less that on the upper one.
+    pub running: [Row; 2],
+    /// Of this cart on its follower's front joint, along ξ, η and ζ of this cart.
+    pub joint: [Row; 3],
+}
+
+/// A chain's packs and how many carts are in them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    pub bodies: Vec<Bodies>,
+    pub carts: usize,
+}
+
+impl State {
+    /// Of carts at rest in the origin.
+    pub fn new(carts: usize) -> Self {
+        let mut idle = Bodies::default();
+        idle.attitude[0] = [1.0; PACK];
+        State { bodies: vec![idle; packs(carts)], carts }
+    }
+}
+
+/// Packs that hold so many carts.
+pub fn packs(carts: usize) -> usize {
+    carts.div_ceil(PACK)
+}

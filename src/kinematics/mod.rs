@@ -1,0 +1,5 @@
+//! The chain on the centre line, without forces: joints that ride on it, one pitch apart.
+
+mod closing;
+
+pub use closing::{Closing, Unclosed, closing};
