@@ -101,10 +101,7 @@ impl Chain {
                 let running: f64 = place
                     .heights
                     .iter()
-                    .map(|h| {
-                        spring(&model.running.contact, -h)
-                            + spring(&model.running.contact, h - model.running.gap)
-                    })
+                    .map(|h| spring(&model.running.contact, -h) + spring(&model.running.contact, h - model.running.gap))
                     .sum();
                 let height = self.state.bodies[i / PACK].position[2][i % PACK];
                 joints + steering + running + model.cart.mass * model.gravity * height

@@ -51,11 +51,6 @@ impl Chain {
             let point = self.point(i, [0.0, side * wheel.half_spacing, -wheel.height]);
             model.segments.footing(point.into(), segment).z + wheel.height
         };
-        Placement {
-            elongation: elongation.into(),
-            lateral: front.y,
-            heights: [height(1.0), height(-1.0)],
-            s: front.s,
-        }
+        Placement { elongation: elongation.into(), lateral: front.y, heights: [height(1.0), height(-1.0)], s: front.s }
     }
 }

@@ -5,6 +5,7 @@
 //! carts. Closures are missing, too: only functions that are always inlined are compiled for the chosen instructions.
 //! `min` and `max` are missing on purpose, because processors differ in the sign of zero; [`Lane::select`] does not.
 
+use super::state::Row;
 use pulp::Simd;
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -49,6 +50,18 @@ impl<S: Simd> Lane<S> {
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
         Lane { simd, value: S::as_simd_f64s(&from[..S::F64_LANES]).0[0] }
+    }
+
+    /// From a row of a pack: its part number `part`.
+    #[inline(always)]
+    pub fn of(simd: S, row: &Row, part: usize) -> Self {
+        Lane { simd, value: S::as_simd_f64s(row).0[part] }
+    }
+
+    /// Into a row of a pack.
+    #[inline(always)]
+    pub fn put(self, row: &mut Row, part: usize) {
+        S::as_mut_simd_f64s(row).0[part] = self.value;
     }
 
     #[inline(always)]
@@ -106,14 +119,22 @@ impl<S: Simd> Lane<S> {
         Lane { simd: self.simd, value: self.simd.select_f64s(mask.value, self.value, other.value) }
     }
 
-    /// A function of single numbers, lane by lane.
-    #[inline(always)]
+    /// A function of single numbers, lane by lane: for what is rare.
+    #[cold]
+    #[inline(never)]
     pub fn map(self, function: impl Fn(f64) -> f64) -> Self {
         let mut value = self.value;
         for x in pulp::bytemuck::cast_slice_mut::<S::f64s, f64>(std::slice::from_mut(&mut value)) {
             *x = function(*x);
         }
         Lane { simd: self.simd, value }
+    }
+}
+
+impl Lane<pulp::Scalar> {
+    #[inline(always)]
+    pub fn number(self) -> f64 {
+        self.value
     }
 }
 
@@ -127,6 +148,18 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub fn all(self) -> bool {
         !Mask { simd: self.simd, value: self.simd.not_m64s(self.value) }.any()
+    }
+
+    /// Whether lane `k` is true.
+    #[inline(always)]
+    pub fn lane(self, simd: S, k: usize) -> bool {
+        let one = Lane::splat(simd, 1.0).select(self, Lane::splat(simd, 0.0));
+        pulp::bytemuck::cast_slice::<S::f64s, f64>(std::slice::from_ref(&one.value))[k] != 0.0
+    }
+
+    #[inline(always)]
+    pub fn or(self, other: Self) -> Self {
+        Mask { simd: self.simd, value: self.simd.or_m64s(self.value, other.value) }
     }
 
     #[inline(always)]
@@ -163,7 +196,7 @@ impl<S: Simd> Neg for Lane<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Lane { simd: self.simd, value: self.simd.neg_f64s(self.value) }
+        self.constant(0.0) - self
     }
 }
 
@@ -181,31 +214,28 @@ impl<S: Simd> Lane3<S> {
         Lane3 { x, y, z }
     }
 
-    /// Three rows of [`super::state::PACK`] numbers, from lane `at` on.
+    /// From three rows of a pack.
     #[inline(always)]
-    pub fn load<const N: usize>(simd: S, from: &[[f64; N]; 3], at: usize) -> Self {
+    pub fn of(simd: S, rows: &[Row; 3], part: usize) -> Self {
         Lane3 {
-            x: Lane::load(simd, &from[0][at..]),
-            y: Lane::load(simd, &from[1][at..]),
-            z: Lane::load(simd, &from[2][at..]),
+            x: Lane::of(simd, &rows[0], part),
+            y: Lane::of(simd, &rows[1], part),
+            z: Lane::of(simd, &rows[2], part),
         }
     }
 
+    /// Into three rows of a pack.
     #[inline(always)]
-    pub fn store<const N: usize>(self, to: &mut [[f64; N]; 3], at: usize) {
-        self.x.store(&mut to[0][at..]);
-        self.y.store(&mut to[1][at..]);
-        self.z.store(&mut to[2][at..]);
+    pub fn put(self, rows: &mut [Row; 3], part: usize) {
+        self.x.put(&mut rows[0], part);
+        self.y.put(&mut rows[1], part);
+        self.z.put(&mut rows[2], part);
     }
 
     /// `self` where true, `other` elsewhere.
     #[inline(always)]
     pub fn select(self, mask: Mask<S>, other: Self) -> Self {
-        Lane3 {
-            x: self.x.select(mask, other.x),
-            y: self.y.select(mask, other.y),
-            z: self.z.select(mask, other.z),
-        }
+        Lane3 { x: self.x.select(mask, other.x), y: self.y.select(mask, other.y), z: self.z.select(mask, other.z) }
     }
 
     #[inline(always)]

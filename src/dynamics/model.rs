@@ -169,6 +169,11 @@ impl Model {
         })
     }
 
+    /// Whether every wheel has Hertz' exponent, 1.5.
+    pub fn hertzian(&self) -> bool {
+        self.steering.contact.exponent == 1.5 && self.running.contact.exponent == 1.5
+    }
+
     /// Largest step that joint damping leaves stable, s: 0.7 over the rate 4|T|χ/(v_min m) with the peak tension expected
     /// from T₀ and polygon action (design: chain model, step), or that the joints' stiffness does, 1/√(4K/m), if that is
     /// less.
@@ -186,12 +191,7 @@ const EXPECTED_SWING: f64 = 332.0;
 
 fn damped(law: ContactLaw, contact: &input::Contact, load: f64, mass: f64) -> Damped {
     let (stiffness, exponent, e) = (contact.stiffness_n_per_m_n, contact.exponent, contact.restitution);
-    Damped {
-        stiffness,
-        exponent,
-        factor: law.factor(e),
-        viscosity: law.viscosity(e, stiffness, exponent, load, mass),
-    }
+    Damped { stiffness, exponent, factor: law.factor(e), viscosity: law.viscosity(e, stiffness, exponent, load, mass) }
 }
 
 /// Refuses numbers that no chain can have.
@@ -277,7 +277,10 @@ fn check(simulation: &Simulation) -> Result<(), Unfit> {
         return refuse(&format!("motors.s_m.{k}"), "it must be a number".into());
     }
     if let Some(effect) = simulation.effects.first() {
-        return refuse("effects", format!("`{}` is not simulated yet; remove it to run the nominal model", effect.name));
+        return refuse(
+            "effects",
+            format!("`{}` is not simulated yet; remove it to run the nominal model", effect.name),
+        );
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use super::lanes::{Lane, Lane3, Mask};
 use super::state::{PACK, Row};
 use crate::geometry::{CentreLine, Form};
 use nalgebra::Vector3;
-use pulp::{Scalar, Simd};
+use pulp::{Scalar, Simd, WithSimd};
 
 /// Largest turn of a segment, rad.
 const LARGEST: f64 = 1.05;
@@ -82,15 +82,15 @@ pub struct Local<S: Simd> {
 
 impl<S: Simd> Local<S> {
     #[inline(always)]
-    pub fn load(simd: S, home: &Home, at: usize) -> Self {
+    pub fn load(simd: S, home: &Home, part: usize) -> Self {
         Local {
-            origin: Lane3::load(simd, &home.origin, at),
-            along: Lane3::load(simd, &home.along, at),
-            inward: Lane3::load(simd, &home.inward, at),
-            curvature: Lane::load(simd, &home.curvature[at..]),
-            reach: Lane::load(simd, &home.reach[at..]),
-            s: Lane::load(simd, &home.s[at..]),
-            vertical: Lane::load(simd, &home.vertical[at..]),
+            origin: Lane3::of(simd, &home.origin, part),
+            along: Lane3::of(simd, &home.along, part),
+            inward: Lane3::of(simd, &home.inward, part),
+            curvature: Lane::of(simd, &home.curvature, part),
+            reach: Lane::of(simd, &home.reach, part),
+            s: Lane::of(simd, &home.s, part),
+            vertical: Lane::of(simd, &home.vertical, part),
         }
     }
 }
@@ -253,6 +253,7 @@ impl Segments {
     }
 
     /// The foot of a point, sought from segment `from` onwards or backwards.
+    #[inline(always)]
     pub fn footing(&self, point: [f64; 3], from: usize) -> Footing {
         let n = self.list.len();
         let mut i = from % n;
@@ -267,7 +268,7 @@ impl Segments {
                 } else if d < -SLACK {
                     -1
                 } else {
-                    return spiral_footing(stretch, segment, i, point, d);
+                    return spiral_footing(stretch, i, point, d);
                 }
             } else {
                 let mut home = Home::default();
@@ -276,11 +277,10 @@ impl Segments {
                 let lane = |x: f64| Lane::new(Scalar, x);
                 let at = Lane3::new(lane(point[0]), lane(point[1]), lane(point[2]));
                 let foot = foot::<Scalar, false>(&local, at);
-                let mut sigma = [0.0];
-                foot.sigma.store(&mut sigma);
-                if sigma[0] > segment.reach {
+                let sigma = foot.sigma.number();
+                if sigma > segment.reach {
                     1
-                } else if sigma[0] < -segment.reach {
+                } else if sigma < -segment.reach {
                     -1
                 } else {
                     return plain(&foot, &local, i);
@@ -300,17 +300,12 @@ impl Segments {
         let segment = &self.list[i];
         let stretch = &self.line.stretches[segment.stretch];
         let d = stretch.project(&Vector3::from(point)).clamp(0.0, stretch.length);
-        spiral_footing(stretch, segment, i, point, d)
+        spiral_footing(stretch, i, point, d)
     }
 }
 
-fn spiral_footing(
-    stretch: &crate::geometry::Stretch,
-    _segment: &Segment,
-    index: usize,
-    point: [f64; 3],
-    d: f64,
-) -> Footing {
+/// The foot at distance `d` along a piece.
+fn spiral_footing(stretch: &crate::geometry::Stretch, index: usize, point: [f64; 3], d: f64) -> Footing {
     let frame = stretch.at(d);
     let away = Vector3::from(point) - frame.position;
     Footing {
@@ -324,12 +319,9 @@ fn spiral_footing(
     }
 }
 
+#[inline(always)]
 fn plain(foot: &Foot<Scalar>, local: &Local<Scalar>, segment: usize) -> Footing {
-    let number = |lane: Lane<Scalar>| {
-        let mut out = [0.0];
-        lane.store(&mut out);
-        out[0]
-    };
+    let number = Lane::<Scalar>::number;
     let vector = |v: Lane3<Scalar>| [number(v.x), number(v.y), number(v.z)];
     Footing {
         segment,
@@ -342,78 +334,89 @@ fn plain(foot: &Foot<Scalar>, local: &Local<Scalar>, segment: usize) -> Footing 
     }
 }
 
-/// Feet of a pack in plain numbers, where lanes need a segment of their own.
-struct Mended {
-    tangent: [Row; 3],
-    normal: [Row; 3],
-    up: [Row; 3],
-    y: Row,
-    z: Row,
-    s: Row,
+/// Feet that lie beyond their segment's ends or on a spiral, each on the segment of its own.
+pub struct Mend<'a, S: Simd, const LEVEL: bool> {
+    pub simd: S,
+    pub segments: &'a Segments,
+    pub home: &'a Home,
+    pub part: usize,
+    pub point: Lane3<S>,
+    /// Where it is to be sought; the others are on their home segment.
+    pub outside: Mask<S>,
 }
 
-/// Recomputes the feet that lie beyond their segment's ends or on a spiral. Returns them with their arc lengths.
-#[cold]
-#[inline(never)]
-pub fn mend<S: Simd>(
-    simd: S,
-    segments: &Segments,
-    home: &Home,
-    at: usize,
-    point: Lane3<S>,
-    foot: &Foot<S>,
-    local: &Local<S>,
-) -> (Foot<S>, Lane<S>) {
-    let zero = [0.0; PACK];
-    let (mut points, mut sigma) = ([zero; 3], zero);
-    point.store(&mut points, 0);
-    foot.sigma.store(&mut sigma);
-    let mut out = Mended { tangent: [zero; 3], normal: [zero; 3], up: [zero; 3], y: zero, z: zero, s: zero };
-    foot.tangent.store(&mut out.tangent, 0);
-    foot.normal.store(&mut out.normal, 0);
-    foot.up.store(&mut out.up, 0);
-    foot.y.store(&mut out.y);
-    foot.z.store(&mut out.z);
-    foot.station(local).store(&mut out.s);
-    for lane in 0..S::F64_LANES {
-        if sigma[lane].abs() <= home.reach[at + lane] {
-            continue;
+impl<S: Simd, const LEVEL: bool> WithSimd for Mend<'_, S, LEVEL> {
+    /// The feet and their arc lengths, m.
+    type Output = (Foot<S>, Lane<S>);
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _: T) -> Self::Output {
+        let simd = self.simd;
+        let local = Local::load(simd, self.home, self.part);
+        let foot = foot::<S, LEVEL>(&local, self.point);
+        let zero = [0.0; PACK];
+        let (mut points, mut tangent, mut normal, mut up) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+        let (mut y, mut z, mut s) = (zero, zero, zero);
+        self.point.put(&mut points, 0);
+        foot.tangent.put(&mut tangent, 0);
+        foot.normal.put(&mut normal, 0);
+        foot.up.put(&mut up, 0);
+        foot.y.store(&mut y);
+        foot.z.store(&mut z);
+        foot.station(&local).store(&mut s);
+        for lane in 0..S::F64_LANES {
+            if self.outside.lane(simd, lane) {
+                let point = [points[0][lane], points[1][lane], points[2][lane]];
+                let own = self.segments.footing(point, self.home.segment[self.part * S::F64_LANES + lane] as usize);
+                for k in 0..3 {
+                    tangent[k][lane] = own.tangent[k];
+                    normal[k][lane] = own.normal[k];
+                    up[k][lane] = own.up[k];
+                }
+                (y[lane], z[lane], s[lane]) = (own.y, own.z, own.s);
+            }
         }
-        let own = segments.footing([points[0][lane], points[1][lane], points[2][lane]], home.segment[at + lane] as usize);
-        for k in 0..3 {
-            out.tangent[k][lane] = own.tangent[k];
-            out.normal[k][lane] = own.normal[k];
-            out.up[k][lane] = own.up[k];
-        }
-        (out.y[lane], out.z[lane], out.s[lane]) = (own.y, own.z, own.s);
+        let mended = Foot {
+            tangent: Lane3::of(simd, &tangent, 0),
+            normal: Lane3::of(simd, &normal, 0),
+            up: Lane3::of(simd, &up, 0),
+            y: Lane::of(simd, &y, 0),
+            z: Lane::of(simd, &z, 0),
+            ..foot
+        };
+        (mended, Lane::of(simd, &s, 0))
     }
-    let mended = Foot {
-        tangent: Lane3::load(simd, &out.tangent, 0),
-        normal: Lane3::load(simd, &out.normal, 0),
-        up: Lane3::load(simd, &out.up, 0),
-        y: Lane::load(simd, &out.y),
-        z: Lane::load(simd, &out.z),
-        sigma: foot.sigma,
-        cos: foot.cos,
-    };
-    (mended, Lane::load(simd, &out.s))
 }
 
 /// Sends the carts whose front joint has left its segment to the one where it is now.
-#[cold]
-#[inline(never)]
-pub fn rehome<S: Simd>(segments: &Segments, home: &mut Home, at: usize, point: Lane3<S>, foot: &Foot<S>) {
-    let zero = [0.0; PACK];
-    let (mut points, mut sigma) = ([zero; 3], zero);
-    point.store(&mut points, 0);
-    foot.sigma.store(&mut sigma);
-    for lane in 0..S::F64_LANES {
-        let place = at + lane;
-        if sigma[lane].abs() > home.reach[place] {
-            let from = home.segment[place] as usize;
-            let own = segments.footing([points[0][lane], points[1][lane], points[2][lane]], from);
-            if own.segment != from {
-                home.set(place, own.segment, &segments.list[own.segment]);
+pub struct Rehome<'a, S: Simd, const LEVEL: bool> {
+    pub simd: S,
+    pub segments: &'a Segments,
+    pub home: &'a mut Home,
+    pub part: usize,
+    pub point: Lane3<S>,
+}
+
+impl<S: Simd, const LEVEL: bool> WithSimd for Rehome<'_, S, LEVEL> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _: T) {
+        let local = Local::load(self.simd, self.home, self.part);
+        let foot = foot::<S, LEVEL>(&local, self.point);
+        let zero = [0.0; PACK];
+        let (mut points, mut sigma) = ([zero; 3], zero);
+        self.point.put(&mut points, 0);
+        foot.sigma.store(&mut sigma);
+        for lane in 0..S::F64_LANES {
+            let place = self.part * S::F64_LANES + lane;
+            if sigma[lane].abs() > self.home.reach[place] {
+                let from = self.home.segment[place] as usize;
+                let point = [points[0][lane], points[1][lane], points[2][lane]];
+                let own = self.segments.footing(point, from);
+                if own.segment != from {
+                    self.home.set(place, own.segment, &self.segments.list[own.segment]);
+                }
             }
         }
     }

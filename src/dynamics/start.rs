@@ -12,8 +12,8 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 /// State and memory at time 0, with the front joint of the first cart at arc length `front`, m, and the chain at `speed`.
 pub fn start(model: &Model, front: f64, speed: f64) -> Result<(State, Memory, Closing), Unfit> {
     let line = &model.segments.line;
-    let closed = closing(line, model.carts, front)
-        .map_err(|why| Unfit { place: "chain.carts".into(), why: why.to_string() })?;
+    let closed =
+        closing(line, model.carts, front).map_err(|why| Unfit { place: "chain.carts".into(), why: why.to_string() })?;
     let mut state = State::new(model.carts);
     let packs = packs(model.carts);
     let memory = Memory {

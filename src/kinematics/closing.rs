@@ -103,16 +103,16 @@ mod tests {
     #[test]
     fn chords_cut_off_the_closed_form() {
         let (radius, turn, straight) = (4.0, trig::FRAC_PI_2, 18.0);
-        let forms: Vec<Form> =
-            (0..4).flat_map(|_| [Form::Straight { length: straight, slope: 0.0 }, Form::Arc { radius, turn }]).collect();
+        let forms: Vec<Form> = (0..4)
+            .flat_map(|_| [Form::Straight { length: straight, slope: 0.0 }, Form::Arc { radius, turn }])
+            .collect();
         let line = CentreLine::new([0.0; 4], &forms);
         let joints = 77;
         let phases = 64;
         let near = line.length / joints as f64;
-        let mean: f64 = (0..phases)
-            .map(|k| closing(&line, joints, near * k as f64 / phases as f64).unwrap().pitch)
-            .sum::<f64>()
-            / phases as f64;
+        let mean: f64 =
+            (0..phases).map(|k| closing(&line, joints, near * k as f64 / phases as f64).unwrap().pitch).sum::<f64>()
+                / phases as f64;
         let excess = turn * mean * mean / (24.0 * radius) - mean * mean * mean / (120.0 * radius * radius);
         let got = line.length - mean * joints as f64;
         assert!((got - 4.0 * excess).abs() < 2e-4, "{got} {}", 4.0 * excess);

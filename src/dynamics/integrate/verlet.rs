@@ -55,19 +55,17 @@ impl WithSimd for Drift<'_> {
         let h = Lane::splat(simd, self.h);
         let half = Lane::splat(simd, 0.5 * self.h);
         for (bodies, accelerations) in self.bodies.iter_mut().zip(self.accelerations) {
-            let mut at = 0;
-            while at < PACK {
-                let linear = Lane3::load(simd, &accelerations.linear, at);
-                let velocity = Lane3::load(simd, &bodies.velocity, at);
+            for part in 0..PACK / S::F64_LANES {
+                let linear = Lane3::of(simd, &accelerations.linear, part);
+                let velocity = Lane3::of(simd, &bodies.velocity, part);
                 let mean = linear.scale_add(half, velocity);
-                mean.scale_add(h, Lane3::load(simd, &bodies.position, at)).store(&mut bodies.position, at);
-                linear.scale_add(h, velocity).store(&mut bodies.velocity, at);
-                let angular = Lane3::load(simd, &accelerations.angular, at);
-                let spin = Lane3::load(simd, &bodies.spin, at);
+                mean.scale_add(h, Lane3::of(simd, &bodies.position, part)).put(&mut bodies.position, part);
+                linear.scale_add(h, velocity).put(&mut bodies.velocity, part);
+                let angular = Lane3::of(simd, &accelerations.angular, part);
+                let spin = Lane3::of(simd, &bodies.spin, part);
                 let mean = angular.scale_add(half, spin);
-                turn(simd, bodies, at, mean.scale(half));
-                angular.scale_add(h, spin).store(&mut bodies.spin, at);
-                at += S::F64_LANES;
+                turn(simd, bodies, part, mean.scale(half));
+                angular.scale_add(h, spin).put(&mut bodies.spin, part);
             }
         }
     }
@@ -76,17 +74,17 @@ impl WithSimd for Drift<'_> {
 /// Turns attitudes by the quaternion of half the rotation vector 2 `v`: (cos |v|, v sin |v|/|v|), by their series, and
 /// normalises.
 #[inline(always)]
-fn turn<S: Simd>(simd: S, bodies: &mut Bodies, at: usize, v: Lane3<S>) {
+fn turn<S: Simd>(simd: S, bodies: &mut Bodies, part: usize, v: Lane3<S>) {
     let c = Splat(simd);
     let square = v.dot(v);
     let cos = square.mul_add(square.mul_add(c.of(1.0 / 24.0), c.of(-0.5)), c.of(1.0));
     let sinc = square.mul_add(square.mul_add(c.of(1.0 / 120.0), c.of(-1.0 / 6.0)), c.of(1.0));
     let (x, y, z) = (v.x * sinc, v.y * sinc, v.z * sinc);
     let attitude = &mut bodies.attitude;
-    let w0 = Lane::load(simd, &attitude[0][at..]);
-    let x0 = Lane::load(simd, &attitude[1][at..]);
-    let y0 = Lane::load(simd, &attitude[2][at..]);
-    let z0 = Lane::load(simd, &attitude[3][at..]);
+    let w0 = Lane::of(simd, &attitude[0], part);
+    let x0 = Lane::of(simd, &attitude[1], part);
+    let y0 = Lane::of(simd, &attitude[2], part);
+    let z0 = Lane::of(simd, &attitude[3], part);
     let w = x0.neg_mul_add(x, y0.neg_mul_add(y, z0.neg_mul_add(z, w0 * cos)));
     let i = w0.mul_add(x, x0.mul_add(cos, y0.mul_add(z, -(z0 * y))));
     let j = w0.mul_add(y, y0.mul_add(cos, z0.mul_add(x, -(x0 * z))));
@@ -94,10 +92,10 @@ fn turn<S: Simd>(simd: S, bodies: &mut Bodies, at: usize, v: Lane3<S>) {
     // One Newton step towards unit length from so near is exact.
     let length = w.mul_add(w, i.mul_add(i, j.mul_add(j, k * k)));
     let scale = length.neg_mul_add(c.of(0.5), c.of(1.5));
-    (w * scale).store(&mut attitude[0][at..]);
-    (i * scale).store(&mut attitude[1][at..]);
-    (j * scale).store(&mut attitude[2][at..]);
-    (k * scale).store(&mut attitude[3][at..]);
+    (w * scale).put(&mut attitude[0], part);
+    (i * scale).put(&mut attitude[1], part);
+    (j * scale).put(&mut attitude[2], part);
+    (k * scale).put(&mut attitude[3], part);
 }
 
 /// Corrects the predicted velocities: v' = v* + h (a' − a)/2.
@@ -115,15 +113,13 @@ impl WithSimd for Kick<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let half = Lane::splat(simd, 0.5 * self.h);
         for ((bodies, before), after) in self.bodies.iter_mut().zip(self.before).zip(self.after) {
-            let mut at = 0;
-            while at < PACK {
-                let linear = Lane3::load(simd, &after.linear, at) - Lane3::load(simd, &before.linear, at);
-                let velocity = Lane3::load(simd, &bodies.velocity, at);
-                linear.scale_add(half, velocity).store(&mut bodies.velocity, at);
-                let angular = Lane3::load(simd, &after.angular, at) - Lane3::load(simd, &before.angular, at);
-                let spin = Lane3::load(simd, &bodies.spin, at);
-                angular.scale_add(half, spin).store(&mut bodies.spin, at);
-                at += S::F64_LANES;
+            for part in 0..PACK / S::F64_LANES {
+                let linear = Lane3::of(simd, &after.linear, part) - Lane3::of(simd, &before.linear, part);
+                let velocity = Lane3::of(simd, &bodies.velocity, part);
+                linear.scale_add(half, velocity).put(&mut bodies.velocity, part);
+                let angular = Lane3::of(simd, &after.angular, part) - Lane3::of(simd, &before.angular, part);
+                let spin = Lane3::of(simd, &bodies.spin, part);
+                angular.scale_add(half, spin).put(&mut bodies.spin, part);
             }
         }
     }
