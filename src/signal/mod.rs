@@ -15,6 +15,7 @@
 //! ```
 
 mod channel;
+pub mod compare;
 pub mod csv;
 mod digits;
 mod error;
