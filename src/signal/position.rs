@@ -20,6 +20,14 @@ impl Position {
     pub fn on_track(&self, sample: usize) -> Option<f64> {
         self.s.get(sample).map(|s| s.rem_euclid(self.lap))
     }
+
+    /// Laps, whole and in part, that the run covers from its first sample to the end of its last.
+    pub fn laps(&self) -> f64 {
+        match self.s[..] {
+            [first, .., last] => (last - first) / self.lap * self.s.len() as f64 / (self.s.len() - 1) as f64,
+            _ => 0.0,
+        }
+    }
 }
 
 /// Position on the track over time: at a rising edge of the trigger the front joint is at the photocell
@@ -47,6 +55,15 @@ pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
         run.sidecar.trigger_position + lap as f64 * lap_length + travelled
     });
     Some(Position { s: s.collect(), speed, lap: lap_length, edges: edges.clone() })
+}
+
+/// Mean time of a lap between the first and the last of two or more edges, s.
+pub fn lap_time(run: &Run) -> Option<f64> {
+    let edges = rising(&run.time, run.channels.get(&Channel::Trigger)?);
+    match edges[..] {
+        [first, .., last] => Some((last - first) / (edges.len() - 1) as f64),
+        _ => None,
+    }
 }
 
 /// Times between a 0 and the next 1, lost samples aside.
@@ -90,6 +107,7 @@ mod tests {
             let s = s + speed * (place_time(i) - t);
             assert!((place.s[i] - s).abs() < 0.06, "at {t} s: {}, not {s}", place.s[i]);
         }
+        assert_eq!(lap_time(&run(&[2.05, 6.05, 11.05])), Some(4.5));
         assert!((place.on_track(0).expect("sample") - (9.0 + 3.0 - 4.1)).abs() < 1e-9);
     }
 
@@ -101,6 +119,7 @@ mod tests {
     fn one_edge_needs_the_nominal_speed_and_none_tells_nothing() {
         let place = position(&run(&[2.05]), 50.0).expect("an edge");
         assert_eq!((place.edges.len(), place.speed), (1, 2.0));
+        assert_eq!(lap_time(&run(&[2.05])), None);
         assert!((place.s[119] - (3.0 + 2.0 * (11.9 - 2.05))).abs() < 1e-9);
         assert_eq!(position(&run(&[]), 50.0), None);
         assert_eq!(position(&run(&[2.05]), 0.0), None);

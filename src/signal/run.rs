@@ -46,7 +46,8 @@ impl Run {
         Ok(run)
     }
 
-    /// Samples a second: one over the median step of time, Hz. 0 for fewer than two samples.
+    /// Samples a second: one over the median step of time, to a µHz, as the differences of decimal times are noisy in their last
+    /// digits, Hz. 0 for fewer than two samples.
     pub fn rate(&self) -> f64 {
         let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
         if steps.is_empty() {
@@ -54,7 +55,7 @@ impl Run {
         }
         let middle = steps.len() / 2;
         let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-        1.0 / *median
+        (1e6 / *median).round() / 1e6
     }
 
     /// From the first sample to the end of the last one's step, s.
@@ -77,7 +78,7 @@ impl Run {
             ));
         }
         if let (Some(lap), Some(place)) = (lap_length, &place) {
-            let travelled = place.speed * self.duration();
+            let travelled = place.laps() * lap;
             // The speed is a mean, so a lap that was recorded to the sample may seem a little short.
             if travelled < 0.995 * lap {
                 said.push(format!(
