@@ -40,8 +40,8 @@ pub struct Deviation {
     /// What repeats with the carts cancels, and most of the chaos with it; curves, motors and ramps stay. Two honest
     /// simulations: 0.000 to 0.003.
     pub nrmsd_two_carts: Option<f64>,
-    /// Log-spectral distance, dB, of the power spectral densities up to the lower of the two low-passes. Chance alone leaves about
-    /// 4.3 dB · √(2/n) for n segments that do not overlap: 2 dB for a lap of 100 s. A factor of two in every force is 6 dB.
+    /// Log-spectral distance, dB, of the power spectral densities up to the lower of the two low-passes. Chance alone leaves
+    /// about 4.3 dB · √(2/n) for n segments that overlap by half: 1.5 dB for a lap of 100 s. Twice every force is 6 dB.
     pub spectral_distance: Option<f64>,
     /// Damage-equivalent load of the other over that of the reference, for the same distance travelled. Large cycles are few,
     /// so it scatters as the extremes do.

@@ -135,7 +135,10 @@ mod tests {
 
     /// Noise that is the same everywhere: a linear congruential generator (Knuth's MMIX), uniform in ±1.
     fn noise(count: usize) -> Vec<f64> {
-        let mut state = 1_u64;
+        seeded(count, 1)
+    }
+
+    fn seeded(count: usize, mut state: u64) -> Vec<f64> {
         let mut next = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
@@ -208,6 +211,10 @@ mod tests {
         let found = log_distance(&a, &b, 1.0, 100.0).expect("lines");
         assert!((found - 20.0 * log10(2.0)).abs() < 1e-9, "{found}");
         assert_eq!(log_distance(&a, &a, 1.0, 100.0), Some(0.0));
+        // Chance, as `compare` states it: 19 segments of 10 s.
+        let [p, q] = [1, 99].map(|seed| welch(&seeded(50_000, seed), 500.0, 5000));
+        let found = log_distance(&p, &q, 1.0, 200.0).expect("lines");
+        assert!((found - 1.48).abs() < 0.1, "{found}");
         assert_eq!(log_distance(&a, &welch(&x, 500.0, 600), 1.0, 100.0), None);
     }
 }
