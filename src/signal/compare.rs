@@ -88,7 +88,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// As fine as the finer of the two runs' samples. `None` when a run cannot be placed.
+    /// As fine as the finer of the two runs' samples. `None` when a run cannot be placed on a lap.
     fn new(sides: &[Side; 2], scale: &Scale) -> Option<Grid> {
         const MOST: f64 = 1e6;
         let lap = scale.lap?;
@@ -98,7 +98,8 @@ impl Grid {
             places = places.max((lap * side.run.time.len() as f64 / side.travelled).ceil());
         }
         let places = places.min(MOST);
-        Some(Grid { places: places as usize, step: lap / places })
+        // A lap shorter than two samples is no lap.
+        (places >= 2.0).then_some(Grid { places: places as usize, step: lap / places })
     }
 
     /// A channel at the places of the grid, lap after lap; a lap begins where the run does, and what it lacks is NaN. With a

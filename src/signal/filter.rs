@@ -89,6 +89,9 @@ pub fn moving_mean(x: &[f64], width: f64) -> Vec<f64> {
     if !(width > 1.0 && width.is_finite()) {
         return x.to_vec();
     }
+    if width > x.len() as f64 {
+        return vec![f64::NAN; x.len()];
+    }
     let reach = ((width - 1.0) / 2.0).floor();
     let edge = (width - 1.0) / 2.0 - reach;
     let reach = reach as usize;
@@ -190,5 +193,6 @@ mod tests {
         let holes = moving_mean(&[1.0, f64::NAN, 1.0, 1.0, 1.0], 3.0);
         assert!(holes[2].is_nan() && holes[3] == 1.0);
         assert_eq!(moving_mean(&[4.0], 1.0), [4.0]);
+        assert!(moving_mean(&[4.0, 5.0], 1e300).iter().all(|y| y.is_nan()));
     }
 }

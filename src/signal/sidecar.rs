@@ -118,7 +118,7 @@ lowpass = 100.0
 laps = 1
 comment = "after the new rails"
 
-[plant]
+[building]
 hall = 3
 "#;
 
