@@ -60,6 +60,9 @@ pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
     if names.next().as_deref() != Some("time") {
         return Err(error(Problem::NoTime));
     }
+    if schema.columns().iter().any(|c| c.max_rep_level() > 0) {
+        return Err(error(Problem::Malformed("a column holds lists".to_owned())));
+    }
     let mut channels: Vec<Channel> = Vec::new();
     for name in names {
         channels.push(run::channel(&name, &channels).map_err(|problem| error(problem).column(&name))?);
@@ -154,6 +157,55 @@ mod tests {
             c.values().flatten().map(|x| if x.is_nan() { 1 } else { x.to_bits() }).collect()
         };
         assert_eq!(bits(&channels), bits(&csv_channels));
+    }
+
+    /// Columns as other writers have them: several row groups, optional, of smaller types.
+    #[test]
+    fn what_others_write_is_read() {
+        use ::parquet::data_type::{BoolType, FloatType, Int64Type};
+        use ::parquet::schema::parser::parse_message_type;
+        let schema = "message schema { required int64 time; optional float joint_xi; required boolean trigger; }";
+        let schema = Arc::new(parse_message_type(schema).expect("a schema"));
+        let mut bytes = Vec::new();
+        let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::default()).expect("a writer");
+        for times in [[0, 1], [2, 3]] {
+            let mut group = writer.next_row_group().expect("a group");
+            let mut column = group.next_column().expect("a column").expect("time");
+            column.typed::<Int64Type>().write_batch(&times, None, None).expect("written");
+            column.close().expect("closed");
+            let mut column = group.next_column().expect("a column").expect("joint_xi");
+            column.typed::<FloatType>().write_batch(&[2.5], Some(&[0, 1]), None).expect("written");
+            column.close().expect("closed");
+            let mut column = group.next_column().expect("a column").expect("trigger");
+            column.typed::<BoolType>().write_batch(&[false, true], None, None).expect("written");
+            column.close().expect("closed");
+            group.close().expect("closed");
+        }
+        writer.close().expect("closed");
+        let (time, channels) = back(&bytes).expect("a run");
+        assert_eq!(time, [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(channels[&Channel::Trigger], [0.0, 1.0, 0.0, 1.0]);
+        let joint = &channels[&Channel::JointXi];
+        assert!(joint[0].is_nan() && joint[2].is_nan() && joint[1] == 2.5 && joint[3] == 2.5);
+    }
+
+    #[test]
+    fn columns_are_told_apart_by_name() {
+        use ::parquet::schema::parser::parse_message_type;
+        let cases = [
+            ("required double joint_xi;", "run.parquet: the first column is not `time`"),
+            ("required double time; required double joint_x;", "run.parquet, `joint_x`: there is no such column"),
+            ("required double time; repeated double joint_xi;", "run.parquet: is malformed: a column holds lists"),
+            ("required double time; required double run_left;", "run.parquet: there are fewer than two samples"),
+        ];
+        for (columns, expected) in cases {
+            let schema = Arc::new(parse_message_type(&format!("message schema {{ {columns} }}")).expect("a schema"));
+            let mut bytes = Vec::new();
+            let writer = SerializedFileWriter::new(&mut bytes, schema, Arc::default()).expect("a writer");
+            writer.close().expect("closed");
+            let told = back(&bytes).expect_err("a mistake").to_string();
+            assert!(told.starts_with(expected), "{told}");
+        }
     }
 
     #[test]
