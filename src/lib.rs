@@ -11,6 +11,8 @@
 //! 7. `elements` covers the result with standard track elements,
 //! 8. `emit` writes drawings, tables and simulation inputs.
 //!
+//! [`signal`] judges runs, measured or simulated: files, filters, spectra, load cycles, deviations.
+//!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod cli;
@@ -23,6 +25,7 @@ pub mod kinematics;
 pub mod model;
 pub mod problem;
 pub mod semantics;
+pub mod signal;
 pub mod solve;
 pub mod source;
 pub mod syntax;

@@ -244,7 +244,7 @@ fn text(summary: &Summary, output: Option<&PathBuf>) -> String {
 }
 
 /// `1.5m`, `1.5 m`, `300mm`.
-fn length(text: &str) -> Result<f64, String> {
+pub(super) fn length(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (digits, scale) = match (text.strip_suffix("mm"), text.strip_suffix('m')) {
         (Some(digits), _) => (digits, 1e-3),

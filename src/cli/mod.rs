@@ -4,6 +4,7 @@
 
 mod build;
 mod check;
+mod compare;
 mod explain;
 mod fmt;
 mod generate;
@@ -27,6 +28,7 @@ pub struct Cli {
 enum Verb {
     Build(build::Build),
     Check(check::Check),
+    Compare(compare::Compare),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
@@ -67,6 +69,7 @@ pub fn main() -> ExitCode {
     let outcome = match Cli::parse().verb {
         Verb::Build(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
+        Verb::Compare(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),

@@ -32,6 +32,11 @@ pub fn error(message: &str) {
     eprintln!("error: {message}");
 }
 
+/// A one-line warning without a place in a source.
+pub fn warning(message: &str) {
+    eprintln!("warning: {message}");
+}
+
 /// Whether a stream is a terminal that wants colour (<https://no-color.org>).
 pub fn colour(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())

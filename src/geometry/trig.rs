@@ -38,6 +38,14 @@ pub fn hypot(x: f64, y: f64) -> f64 {
     libm::hypot(x, y)
 }
 
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+pub fn log10(x: f64) -> f64 {
+    libm::log10(x)
+}
+
 /// The angle's equal in (-π, π].
 pub fn wrap(angle: f64) -> f64 {
     let turns = (angle / TAU).round();

@@ -1,0 +1,172 @@
+//! Runs as CSV: a header, a row a sample, an empty field for a lost one.
+
+use super::{Channel, Problem, Run, RunError, digits, run};
+use crate::emit::number::shortest;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The columns of a data file: time, and the channels over it.
+pub type Columns = (Vec<f64>, BTreeMap<Channel, Vec<f64>>);
+
+/// The data file. Time keeps every digit; other samples are rounded to seven significant digits and to no finer than a
+/// millionth of their unit, and written with the fewest digits that read back the same.
+pub fn write(run: &Run) -> Vec<u8> {
+    let mut text = String::with_capacity(run.time.len() * (8 + 9 * run.channels.len()));
+    text.push_str("time");
+    for channel in run.channels.keys() {
+        text.push(',');
+        text.push_str(channel.name());
+    }
+    text.push('\n');
+    for (i, &time) in run.time.iter().enumerate() {
+        text.push_str(&shortest(time));
+        for (&channel, samples) in &run.channels {
+            text.push(',');
+            match samples.get(i) {
+                Some(x) if x.is_finite() => text.push_str(&shortest(digits::round(channel, *x))),
+                _ => {}
+            }
+        }
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
+/// Reads a data file; `file` is named in errors.
+///
+/// # Errors
+///
+/// The first of what [`Problem`] lists, with its row and column.
+pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let error = |problem| RunError::new(file, problem);
+    let mut reader =
+        ::csv::ReaderBuilder::new().flexible(true).has_headers(false).trim(::csv::Trim::All).from_reader(bytes);
+    let mut record = ::csv::StringRecord::new();
+    let mut next = |record: &mut ::csv::StringRecord| {
+        reader.read_record(record).map_err(|why| {
+            let row = why.position().map(|p| p.line() as usize);
+            let error = error(Problem::Malformed(match why.kind() {
+                ::csv::ErrorKind::Utf8 { .. } => "this is not text in UTF-8".to_owned(),
+                _ => why.to_string(),
+            }));
+            row.into_iter().fold(error, RunError::row)
+        })
+    };
+    if !next(&mut record)? {
+        return Err(error(Problem::NoTime));
+    }
+    let header = header(&record, file)?;
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + header.len()];
+    let mut rows = Vec::new();
+    while next(&mut record)? {
+        let row = record.position().map_or(0, |p| line(bytes, p));
+        if record.len() != columns.len() {
+            let problem = Problem::Length { expected: columns.len(), found: record.len() };
+            return Err(error(problem).row(row));
+        }
+        let names = std::iter::once("time").chain(header.iter().map(|c| c.name()));
+        for ((text, column), name) in record.iter().zip(&mut columns).zip(names) {
+            column.push(sample(text).ok_or_else(|| error(Problem::NotANumber(text.to_owned())).row(row).column(name))?);
+        }
+        rows.push(row);
+    }
+    let mut columns = columns.into_iter();
+    let time = columns.next().unwrap_or_default();
+    let channels = header.into_iter().zip(columns).collect();
+    // Fields may hold line breaks, and empty lines are passed over, so the row is not the number of the sample.
+    run::check(&time, &channels, file, 0).map_err(|mut error| {
+        error.place.row = error.place.row.and_then(|i| rows.get(i).copied());
+        error
+    })?;
+    Ok((time, channels))
+}
+
+/// The line on which a record begins: its position is where the one before ended, and empty lines are passed over.
+fn line(bytes: &[u8], position: &::csv::Position) -> usize {
+    let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n')).filter(|&&b| b == b'\n').count();
+    position.line() as usize + empty
+}
+
+/// The channels behind `time`.
+fn header(record: &::csv::StringRecord, file: &Path) -> Result<Vec<Channel>, RunError> {
+    let error = |problem| RunError::new(file, problem).row(1);
+    if record.get(0) != Some("time") {
+        return Err(error(Problem::NoTime));
+    }
+    let mut channels = Vec::with_capacity(record.len());
+    for name in record.iter().skip(1) {
+        channels.push(run::channel(name, &channels).map_err(|problem| error(problem).column(name))?);
+    }
+    Ok(channels)
+}
+
+/// A number, or NaN for an empty field.
+fn sample(text: &str) -> Option<f64> {
+    if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(text: &[u8]) -> String {
+        read(text, Path::new("run.csv")).expect_err("a mistake").to_string()
+    }
+
+    #[test]
+    fn what_is_written_reads_back_and_writes_the_same() {
+        let mut run = Run { time: vec![0.0, 0.1 + 0.2, 1.0], ..Run::default() };
+        run.channels.insert(Channel::Trigger, vec![0.0, 1.0, f64::NAN]);
+        run.channels.insert(Channel::SteerLeft, vec![-0.0, 123.456_789, 1e-20]);
+        run.channels.insert(Channel::JointXi, vec![f64::NAN, -2.5, 1e9]);
+        let text = write(&run);
+        let expected =
+            "time,steer_left,joint_xi,trigger\n0,0,,0\n0.30000000000000004,123.4568,-2.5,1\n1,0,1000000000,\n";
+        assert_eq!(String::from_utf8_lossy(&text), expected);
+        let (time, channels) = read(&text, Path::new("run.csv")).expect("a run");
+        assert_eq!(time, run.time);
+        assert!(channels[&Channel::JointXi][0].is_nan());
+        assert_eq!(write(&Run { time, channels, ..Run::default() }), text);
+    }
+
+    #[test]
+    fn what_others_write_is_read() {
+        let text = b"\xef\xbb\xbftime, steer_left\r\n0,1e2\r\n\r\n0.5,nan\r\n";
+        let (time, channels) = read(text, Path::new("run.csv")).expect("a run");
+        assert_eq!(time, [0.0, 0.5]);
+        assert_eq!(channels[&Channel::SteerLeft][0], 100.0);
+        assert!(channels[&Channel::SteerLeft][1].is_nan());
+    }
+
+    #[test]
+    fn mistakes_are_told_with_row_column_and_a_way_out() {
+        let cases: [(&[u8], &str); 14] = [
+            (b"", "run.csv: the first column is not `time`"),
+            (b"time;joint_xi\n0;1\n", "run.csv, row 1: the first column is not `time`"),
+            (
+                b"time,joint_x\n0,1\n1,2\n",
+                "run.csv, row 1, `joint_x`: there is no such column\n  help: did you mean `joint_xi`?",
+            ),
+            (b"time,joint_xi,joint_xi\n", "run.csv, row 1, `joint_xi`: the column is there twice"),
+            (b"time,joint_xi\n0,1\n\n1,x\n", "run.csv, row 4, `joint_xi`: `x` is not a number"),
+            (
+                b"time,joint_xi\n0,\"1,5\"\n",
+                "run.csv, row 2, `joint_xi`: `1,5` is not a number\n  help: write decimals with a point",
+            ),
+            (b"time,joint_xi\n0,1\n1\n", "run.csv, row 3: 1 field where the first row has 2"),
+            (b"time,joint_xi\n0,1\n0,2\n", "run.csv, row 3, `time`: 0 s does not come after 0 s"),
+            (b"time,joint_xi\n0,1\n\n2,2\n1,3\n", "run.csv, row 5, `time`: 1 s does not come after 2 s"),
+            (b"time,joint_xi\n0,1\n,2\n", "run.csv, row 3, `time`: the time is missing"),
+            (b"time,joint_xi\n0,1\n1,1e999\n", "run.csv, row 3, `joint_xi`: the number is not finite"),
+            (b"time,trigger\n0,1\n1,0.5\n", "run.csv, row 3, `trigger`: 0.5 is neither 0 nor 1"),
+            (b"time,joint_xi\n0,1\n", "run.csv: there are fewer than two samples"),
+            (b"time,joint_xi\n0,1\n1,\xff\n", "run.csv, row 3: is malformed: this is not text in UTF-8"),
+        ];
+        for (text, expected) in cases {
+            let told = told(text);
+            assert!(told.starts_with(expected), "{told}\n{expected}");
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Why a run cannot be read: where, what, and a way out.
+
+use super::Channel;
+use crate::syntax::nearest;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A place in a run's files.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    pub file: PathBuf,
+    /// In text, the line of the file, with the header as row 1; in Parquet, the number of the sample from 1.
+    pub row: Option<usize>,
+    /// Column of the data, or key of the sidecar.
+    pub column: Option<String>,
+}
+
+/// Why a run cannot be read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunError {
+    pub place: Place,
+    pub problem: Problem,
+}
+
+/// What is wrong with a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Problem {
+    /// The file cannot be opened; the reason.
+    Unreadable(String),
+    /// Neither `.csv` nor `.parquet`.
+    UnknownFormat,
+    /// Not text in UTF-8, or not Parquet that can be read; the reason.
+    Malformed(String),
+    /// The first column is not `time`.
+    NoTime,
+    UnknownColumn,
+    DuplicateColumn,
+    /// Fewer than two samples.
+    TooFewSamples,
+    /// A row or column of another length than the first.
+    Length {
+        expected: usize,
+        found: usize,
+    },
+    /// Text where a number belongs.
+    NotANumber(String),
+    /// A number too large, or infinite.
+    NotFinite,
+    /// A trigger that is neither 0 nor 1.
+    NotATrigger(f64),
+    /// A sample without a time.
+    LostTime,
+    /// A time not after the one before.
+    TimeStandsStill {
+        before: f64,
+        found: f64,
+    },
+    /// There is no sidecar of this name.
+    MissingSidecar(PathBuf),
+    /// The sidecar lacks a key.
+    MissingKey,
+    /// The sidecar's value is not what the key takes.
+    WrongValue {
+        expected: &'static str,
+    },
+    /// Sampled at less than twice the low-pass: what was measured cannot be told from its alias.
+    Undersampled {
+        rate_hz: f64,
+        lowpass_hz: f64,
+    },
+}
+
+impl RunError {
+    pub(super) fn new(file: &Path, problem: Problem) -> Self {
+        RunError { place: Place { file: file.to_owned(), row: None, column: None }, problem }
+    }
+
+    pub(super) fn row(mut self, row: usize) -> Self {
+        self.place.row = Some(row);
+        self
+    }
+
+    pub(super) fn column(mut self, column: &str) -> Self {
+        self.place.column = Some(column.to_owned());
+        self
+    }
+
+    /// Whether the file itself could not be opened, rather than what stands in it being wrong.
+    pub fn is_unreadable(&self) -> bool {
+        matches!(self.problem, Problem::Unreadable(_))
+    }
+
+    /// A way out.
+    pub fn help(&self) -> String {
+        let column = self.place.column.as_deref().unwrap_or_default();
+        match &self.problem {
+            Problem::Unreadable(_) => "check the path and its permissions".to_owned(),
+            Problem::UnknownFormat => "name a data file that ends in .csv or .parquet".to_owned(),
+            Problem::Malformed(_) => {
+                "write the file again as CSV in UTF-8, or as Parquet with snappy or no compression".to_owned()
+            }
+            Problem::NoTime => "begin the header with `time`, and separate columns by commas".to_owned(),
+            Problem::UnknownColumn => match nearest(column, Channel::ALL.map(Channel::name)) {
+                Some(name) => format!("did you mean `{name}`?"),
+                None => format!("remove it; columns are time, {}", Channel::ALL.map(Channel::name).join(", ")),
+            },
+            Problem::DuplicateColumn => "keep one of the two".to_owned(),
+            Problem::TooFewSamples => "a run needs two samples or more".to_owned(),
+            Problem::Length { .. } => "leave the field of a lost sample empty, but keep its comma".to_owned(),
+            Problem::NotANumber(text) if text.contains(',') => "write decimals with a point".to_owned(),
+            Problem::NotANumber(_) | Problem::NotFinite => {
+                "leave the field of a lost sample empty, or write NaN".to_owned()
+            }
+            Problem::NotATrigger(_) => "write 1 while the cart passes the photocell, and 0 elsewhere".to_owned(),
+            Problem::LostTime => "every sample needs its time; remove the row if it is not known".to_owned(),
+            Problem::TimeStandsStill { .. } => {
+                "times increase from row to row; split the file where the recording was started again".to_owned()
+            }
+            Problem::MissingSidecar(_) => format!("write it with {}", super::Sidecar::KEYS.join(", ")),
+            Problem::MissingKey => match column {
+                "layout" => "add layout = \"FILE.lss\", the path of the layout or of its simulation.json".to_owned(),
+                "sensor_cart" => "add sensor_cart = K, the number of the cart that carries the sensors".to_owned(),
+                "laps" => "add laps = N, the number of laps that were recorded".to_owned(),
+                "lowpass" => "add lowpass = HZ, the corner of the second-order low-pass before sampling".to_owned(),
+                "speed_setpoint" => "add speed_setpoint = V, in m/s".to_owned(),
+                _ => "add trigger_position = S, the metres along the track from its start to the photocell".to_owned(),
+            },
+            Problem::WrongValue { .. } => "change the value".to_owned(),
+            Problem::Undersampled { lowpass_hz, .. } => {
+                format!("sample at {} Hz or more, or give the low-pass that was used", 2.0 * lowpass_hz)
+            }
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(row) = self.row {
+            write!(f, ", row {row}")?;
+        }
+        if let Some(column) = &self.column {
+            write!(f, ", `{column}`")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Problem::Unreadable(why) => write!(f, "cannot be read: {why}"),
+            Problem::UnknownFormat => write!(f, "is neither CSV nor Parquet"),
+            Problem::Malformed(why) => write!(f, "is malformed: {why}"),
+            Problem::NoTime => write!(f, "the first column is not `time`"),
+            Problem::UnknownColumn => write!(f, "there is no such column"),
+            Problem::DuplicateColumn => write!(f, "the column is there twice"),
+            Problem::TooFewSamples => write!(f, "there are fewer than two samples"),
+            Problem::Length { expected, found } => {
+                write!(f, "{found} field{} where the first row has {expected}", if *found == 1 { "" } else { "s" })
+            }
+            Problem::NotANumber(text) => write!(f, "`{text}` is not a number"),
+            Problem::NotFinite => write!(f, "the number is not finite"),
+            Problem::NotATrigger(value) => write!(f, "{value} is neither 0 nor 1"),
+            Problem::LostTime => write!(f, "the time is missing"),
+            Problem::TimeStandsStill { before, found } => write!(f, "{found} s does not come after {before} s"),
+            Problem::MissingSidecar(path) => write!(f, "there is no sidecar {}", path.display()),
+            Problem::MissingKey => write!(f, "the key is missing"),
+            Problem::WrongValue { expected } => write!(f, "the value is not {expected}"),
+            Problem::Undersampled { rate_hz, lowpass_hz } => {
+                write!(f, "sampled at {rate_hz:.1} Hz, less than twice the low-pass of {lowpass_hz} Hz")
+            }
+        }
+    }
+}
+
+/// `run-01.csv, row 3, `steer_left`: `x` is not a number`, and below it the way out.
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}\n  help: {}", self.place, self.problem, self.help())
+    }
+}
+
+impl std::error::Error for RunError {}

@@ -1,0 +1,234 @@
+//! Runs as Parquet: a column of doubles for time and for each channel, NaN for a lost sample.
+
+use super::csv::Columns;
+use super::{Channel, Problem, Run, RunError, digits, run};
+use ::parquet::basic::{Compression, Repetition, Type as Physical};
+use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use ::parquet::data_type::{DataType, DoubleType};
+use ::parquet::errors::ParquetError;
+use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::schema::types::Type;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The data file: one row group, snappy, the same bytes for the same run. Samples are rounded as [`super::csv::write`]
+/// does, so that a run says the same in both formats.
+///
+/// # Errors
+///
+/// What the encoder says, which for the columns of a run is nothing.
+pub fn write(run: &Run) -> Result<Vec<u8>, ParquetError> {
+    let names = std::iter::once("time").chain(run.channels.keys().map(|c| c.name()));
+    let field = |name| {
+        Type::primitive_type_builder(name, Physical::DOUBLE).with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+    };
+    let fields = names.map(field).collect::<Result<_, _>>()?;
+    let schema = Arc::new(Type::group_type_builder("run").with_fields(fields).build()?);
+    let properties =
+        WriterProperties::builder().set_created_by("lss".to_owned()).set_compression(Compression::SNAPPY).build();
+    let mut bytes = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties))?;
+    let mut group = writer.next_row_group()?;
+    let rounded = run.channels.iter().map(|(&c, samples)| samples.iter().map(|&x| digits::round(c, x)).collect());
+    for column in std::iter::once(run.time.clone()).chain(rounded) {
+        if let Some(mut writer) = group.next_column()? {
+            writer.typed::<DoubleType>().write_batch(&column, None, None)?;
+            writer.close()?;
+        }
+    }
+    group.close()?;
+    writer.close()?;
+    Ok(bytes)
+}
+
+/// Reads a data file; `file` is named in errors. Columns may be of any type of number or of truth values, and optional:
+/// null is a lost sample.
+///
+/// # Errors
+///
+/// The first of what [`Problem`] lists, with its row and column.
+pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
+    let error = |problem| RunError::new(file, problem);
+    let malformed = |why: ParquetError| error(Problem::Malformed(why.to_string()));
+    let reader = SerializedFileReader::new(data).map_err(malformed)?;
+    let schema = reader.metadata().file_metadata().schema_descr_ptr();
+    let mut names = schema.columns().iter().map(|c| c.path().string());
+    if names.next().as_deref() != Some("time") {
+        return Err(error(Problem::NoTime));
+    }
+    if schema.columns().iter().any(|c| c.max_rep_level() > 0) {
+        return Err(error(Problem::Malformed("a column holds lists".to_owned())));
+    }
+    let mut channels: Vec<Channel> = Vec::new();
+    for name in names {
+        channels.push(run::channel(&name, &channels).map_err(|problem| error(problem).column(&name))?);
+    }
+    // The reader takes for granted what a torn file need not hold.
+    let chunks = reader.metadata().row_groups().iter().flat_map(|g| g.columns());
+    let backwards = |x: Option<i64>| x.is_some_and(|x| x < 0);
+    for chunk in chunks {
+        let (begin, size) = (chunk.data_page_offset(), chunk.compressed_size());
+        if backwards(Some(begin)) || backwards(chunk.dictionary_page_offset()) || size < 0 {
+            return Err(error(Problem::Malformed("a column begins before the file".to_owned())));
+        }
+    }
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + channels.len()];
+    for g in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(g).map_err(malformed)?;
+        for (i, column) in columns.iter_mut().enumerate() {
+            let name = channels.get(i.wrapping_sub(1)).map_or("time", |c| c.name());
+            let pages = group.get_column_reader(i).map_err(malformed)?;
+            let read = match pages {
+                ColumnReader::DoubleColumnReader(r) => append(r, column, |x| x),
+                ColumnReader::FloatColumnReader(r) => append(r, column, f64::from),
+                ColumnReader::Int32ColumnReader(r) => append(r, column, f64::from),
+                ColumnReader::Int64ColumnReader(r) => append(r, column, |x| x as f64),
+                ColumnReader::BoolColumnReader(r) => append(r, column, |x| f64::from(u8::from(x))),
+                _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(name)),
+            };
+            read.map_err(|why| malformed(why).column(name))?;
+        }
+    }
+    let mut columns = columns.into_iter();
+    let time = columns.next().unwrap_or_default();
+    let channels: BTreeMap<_, _> = channels.into_iter().zip(columns).collect();
+    run::check(&time, &channels, file, 1)?;
+    Ok((time, channels))
+}
+
+/// Reads a column of a row group to its end.
+fn append<T: DataType>(
+    mut reader: ColumnReaderImpl<T>,
+    column: &mut Vec<f64>,
+    number: impl Fn(T::T) -> f64,
+) -> Result<(), ParquetError> {
+    const BATCH: usize = 8192;
+    let (mut values, mut levels) = (Vec::with_capacity(BATCH), Vec::with_capacity(BATCH));
+    loop {
+        values.clear();
+        levels.clear();
+        let (records, _, _) = reader.read_records(BATCH, Some(&mut levels), None, &mut values)?;
+        if records == 0 {
+            return Ok(());
+        }
+        let mut numbers = values.drain(..).map(&number);
+        if levels.is_empty() {
+            column.extend(numbers);
+        } else {
+            column.extend(levels.iter().map(|&l| if l > 0 { numbers.next().unwrap_or(f64::NAN) } else { f64::NAN }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::csv;
+    use super::*;
+    use std::io::Write;
+
+    fn run() -> Run {
+        let mut run = Run { time: (0..20_000).map(|i| f64::from(i) / 500.0).collect(), ..Run::default() };
+        let force = |i: usize| 400.0 + crate::geometry::trig::sin(i as f64 / 7.0) * 99.123_456_789;
+        run.channels.insert(Channel::JointXi, (0..20_000).map(force).collect());
+        run.channels.insert(Channel::Trigger, (0..20_000).map(|i| f64::from(u8::from(i % 500 < 25))).collect());
+        run.channels.entry(Channel::JointXi).and_modify(|x| x[7] = f64::NAN);
+        run
+    }
+
+    fn back(bytes: &[u8]) -> Result<Columns, RunError> {
+        let mut file = tempfile::tempfile().expect("a file");
+        file.write_all(bytes).expect("written");
+        read(file, Path::new("run.parquet"))
+    }
+
+    #[test]
+    fn both_formats_say_the_same_and_write_the_same_bytes() {
+        let run = run();
+        let bytes = write(&run).expect("columns");
+        assert_eq!(bytes, write(&run).expect("columns"));
+        let (time, channels) = back(&bytes).expect("a run");
+        let (csv_time, csv_channels) = csv::read(&csv::write(&run), Path::new("run.csv")).expect("a run");
+        assert_eq!(time, csv_time);
+        let bits = |c: &BTreeMap<Channel, Vec<f64>>| -> Vec<u64> {
+            c.values().flatten().map(|x| if x.is_nan() { 1 } else { x.to_bits() }).collect()
+        };
+        assert_eq!(bits(&channels), bits(&csv_channels));
+    }
+
+    /// Columns as other writers have them: several row groups, optional, of smaller types.
+    #[test]
+    fn what_others_write_is_read() {
+        use ::parquet::data_type::{BoolType, FloatType, Int64Type};
+        use ::parquet::schema::parser::parse_message_type;
+        let schema = "message schema { required int64 time; optional float joint_xi; required boolean trigger; }";
+        let schema = Arc::new(parse_message_type(schema).expect("a schema"));
+        let mut bytes = Vec::new();
+        let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::default()).expect("a writer");
+        for times in [[0, 1], [2, 3]] {
+            let mut group = writer.next_row_group().expect("a group");
+            let mut column = group.next_column().expect("a column").expect("time");
+            column.typed::<Int64Type>().write_batch(&times, None, None).expect("written");
+            column.close().expect("closed");
+            let mut column = group.next_column().expect("a column").expect("joint_xi");
+            column.typed::<FloatType>().write_batch(&[2.5], Some(&[0, 1]), None).expect("written");
+            column.close().expect("closed");
+            let mut column = group.next_column().expect("a column").expect("trigger");
+            column.typed::<BoolType>().write_batch(&[false, true], None, None).expect("written");
+            column.close().expect("closed");
+            group.close().expect("closed");
+        }
+        writer.close().expect("closed");
+        let (time, channels) = back(&bytes).expect("a run");
+        assert_eq!(time, [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(channels[&Channel::Trigger], [0.0, 1.0, 0.0, 1.0]);
+        let joint = &channels[&Channel::JointXi];
+        assert!(joint[0].is_nan() && joint[2].is_nan() && joint[1] == 2.5 && joint[3] == 2.5);
+    }
+
+    #[test]
+    fn columns_are_told_apart_by_name() {
+        use ::parquet::schema::parser::parse_message_type;
+        let cases = [
+            ("required double joint_xi;", "run.parquet: the first column is not `time`"),
+            ("required double time; required double joint_x;", "run.parquet, `joint_x`: there is no such column"),
+            ("required double time; repeated double joint_xi;", "run.parquet: is malformed: a column holds lists"),
+            ("required double time; required double run_left;", "run.parquet: there are fewer than two samples"),
+        ];
+        for (columns, expected) in cases {
+            let schema = Arc::new(parse_message_type(&format!("message schema {{ {columns} }}")).expect("a schema"));
+            let mut bytes = Vec::new();
+            let writer = SerializedFileWriter::new(&mut bytes, schema, Arc::default()).expect("a writer");
+            writer.close().expect("closed");
+            let told = back(&bytes).expect_err("a mistake").to_string();
+            assert!(told.starts_with(expected), "{told}");
+        }
+    }
+
+    #[test]
+    fn torn_and_foreign_files_are_refused() {
+        let bytes = write(&run()).expect("columns");
+        for length in [0, 3, 4, 100, bytes.len() / 2, bytes.len() - 1] {
+            let error = back(&bytes[..length]).expect_err("torn");
+            assert!(matches!(error.problem, Problem::Malformed(_)), "{error}");
+        }
+        assert!(matches!(back(b"time,joint_xi\n0,1\n").expect_err("CSV").problem, Problem::Malformed(_)));
+    }
+
+    /// Any byte may be wrong: that ends in an error or in other numbers, never in a panic.
+    #[test]
+    fn a_wrong_byte_is_no_panic() {
+        let mut run = run();
+        run.time.truncate(40);
+        run.channels.values_mut().for_each(|c| c.truncate(40));
+        let bytes = write(&run).expect("columns");
+        for i in 0..bytes.len() {
+            let mut bytes = bytes.clone();
+            bytes[i] ^= 0x55;
+            let _ = back(&bytes);
+        }
+    }
+}

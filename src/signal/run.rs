@@ -1,0 +1,156 @@
+//! A run: samples in columns over time, and its sidecar.
+
+use super::{Channel, Problem, RunError, Sidecar, csv, parquet, position};
+use crate::emit::number;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What a sensor cart brought home, or a simulation wrote in its stead.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Run {
+    /// s, strictly increasing.
+    pub time: Vec<f64>,
+    /// As long as `time`; NaN is a lost sample. A channel that is not there was not fitted.
+    pub channels: BTreeMap<Channel, Vec<f64>>,
+    pub sidecar: Sidecar,
+}
+
+impl Run {
+    /// Reads `path`, which ends in `.csv` or `.parquet`, and the `.toml` beside it.
+    ///
+    /// # Errors
+    ///
+    /// What [`Problem`] lists, with file, row and column.
+    pub fn read(path: &Path) -> Result<Run, RunError> {
+        let error = |problem| RunError::new(path, problem);
+        let unreadable = |why: std::io::Error| error(Problem::Unreadable(why.to_string()));
+        let (time, channels) = match path.extension().and_then(|e| e.to_str()) {
+            Some("csv") => csv::read(&std::fs::read(path).map_err(unreadable)?, path)?,
+            Some("parquet") => parquet::read(std::fs::File::open(path).map_err(unreadable)?, path)?,
+            _ => return Err(error(Problem::UnknownFormat)),
+        };
+        let beside = sidecar_path(path);
+        let sidecar = match std::fs::read(&beside) {
+            Ok(bytes) => Sidecar::read(&bytes, &beside)?,
+            Err(why) if why.kind() == std::io::ErrorKind::NotFound => {
+                return Err(error(Problem::MissingSidecar(beside)));
+            }
+            Err(why) => return Err(RunError::new(&beside, Problem::Unreadable(why.to_string()))),
+        };
+        let run = Run { time, channels, sidecar };
+        let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);
+        // Times are decimal numbers, so a rate of exactly twice the low-pass may come out a bit lower.
+        if rate_hz < 2.0 * lowpass_hz * (1.0 - 1e-9) {
+            return Err(error(Problem::Undersampled { rate_hz, lowpass_hz }));
+        }
+        Ok(run)
+    }
+
+    /// Samples a second: one over the median step of time, to a µHz, as the differences of decimal times are noisy in their last
+    /// digits, Hz. 0 for fewer than two samples.
+    pub fn rate(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
+        if steps.is_empty() {
+            return 0.0;
+        }
+        let middle = steps.len() / 2;
+        let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+        (1e6 / *median).round() / 1e6
+    }
+
+    /// From the first sample to the end of the last one's step, s.
+    pub fn duration(&self) -> f64 {
+        match (self.time.first(), self.time.last()) {
+            (Some(first), Some(last)) if last > first => last - first + 1.0 / self.rate(),
+            _ => 0.0,
+        }
+    }
+
+    /// What cannot be told from this run, as sentences. The lap's length, when known, in m.
+    pub fn warnings(&self, lap_length: Option<f64>) -> Vec<String> {
+        let mut said = Vec::new();
+        let place = lap_length.and_then(|lap| position::position(self, lap));
+        if let (Some(lap), None) = (lap_length, &place) {
+            let travelled = self.duration() * self.sidecar.speed_setpoint;
+            said.push(format!(
+                "the trigger never rises: places on the track and laps cannot be told{}",
+                if travelled < lap { ", and the run seems shorter than a lap" } else { "" }
+            ));
+        }
+        if let (Some(lap), Some(place)) = (lap_length, &place) {
+            let travelled = place.laps() * lap;
+            // The speed is a mean, so a lap that was recorded to the sample may seem a little short.
+            if travelled < 0.995 * lap {
+                said.push(format!(
+                    "the run covers {} of the lap's {} m: nothing can be told of the rest of the track, nor how laps differ",
+                    number::fixed(travelled, 1),
+                    number::fixed(lap, 1)
+                ));
+            }
+        }
+        let step = 1.0 / self.rate();
+        let jumps = self.time.windows(2).filter(|w| w[1] - w[0] > 1.5 * step).count();
+        if jumps > 0 {
+            said.push(format!("rows are missing: time jumps {jumps} times by more than one step of {step} s"));
+        }
+        said
+    }
+}
+
+/// The sidecar beside a data file: `run-01.toml` for `run-01.csv`.
+pub fn sidecar_path(data: &Path) -> PathBuf {
+    data.with_extension("toml")
+}
+
+/// The channel of a column, which is not among those `taken`.
+pub(super) fn channel(name: &str, taken: &[Channel]) -> Result<Channel, Problem> {
+    match Channel::from_name(name) {
+        Some(channel) if taken.contains(&channel) => Err(Problem::DuplicateColumn),
+        Some(channel) => Ok(channel),
+        None if name == "time" => Err(Problem::DuplicateColumn),
+        None => Err(Problem::UnknownColumn),
+    }
+}
+
+/// What holds of every run's columns, whatever the format: times increase, the trigger is 0 or 1, nothing is infinite.
+/// `row` is the number of the first sample's row.
+pub(super) fn check(
+    time: &[f64],
+    channels: &BTreeMap<Channel, Vec<f64>>,
+    file: &Path,
+    row: usize,
+) -> Result<(), RunError> {
+    let error = |problem, i: usize, column: &str| Err(RunError::new(file, problem).row(row + i).column(column));
+    for (i, &found) in time.iter().enumerate() {
+        if found.is_nan() {
+            return error(Problem::LostTime, i, "time");
+        }
+        if found.is_infinite() {
+            return error(Problem::NotFinite, i, "time");
+        }
+        match i.checked_sub(1).and_then(|b| time.get(b)) {
+            Some(&before) if found <= before => {
+                return error(Problem::TimeStandsStill { before, found }, i, "time");
+            }
+            _ => {}
+        }
+    }
+    for (channel, samples) in channels {
+        if samples.len() != time.len() {
+            let problem = Problem::Length { expected: time.len(), found: samples.len() };
+            return Err(RunError::new(file, problem).column(channel.name()));
+        }
+        for (i, &x) in samples.iter().enumerate() {
+            if x.is_infinite() {
+                return error(Problem::NotFinite, i, channel.name());
+            }
+            if *channel == Channel::Trigger && !x.is_nan() && x != 0.0 && x != 1.0 {
+                return error(Problem::NotATrigger(x), i, channel.name());
+            }
+        }
+    }
+    if time.len() < 2 {
+        return Err(RunError::new(file, Problem::TooFewSamples));
+    }
+    Ok(())
+}
