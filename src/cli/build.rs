@@ -1,16 +1,15 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
-use super::check::{Opened, open};
 use super::progress::Line;
+use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, could_not, report};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::emit::{self, Compiled, DrawError, Files};
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
-use crate::semantics::{analyse, unsupported};
+use crate::semantics::unsupported;
 use crate::solve::{self, Options, Solver};
-use crate::source::SourceMap;
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -107,35 +106,22 @@ struct StageSummary<'a> {
 
 impl Build {
     pub fn run(&self) -> Outcome {
-        let mut sources = SourceMap::default();
-        let (mut loader, main) = match open(&mut sources, &self.file) {
-            Ok(opened) => opened,
-            Err(Opened::Unreadable(why)) => return could_not("read", &self.file, why),
-            Err(Opened::Problem(diagnostic)) => return self.report(&sources, &[*diagnostic]),
+        let Read { sources, layout, mut said } = match read(&self.file, self.layout.as_deref(), self.message_format) {
+            Ok(read) => read,
+            Err(outcome) => return outcome,
         };
-        let analysis = analyse(&mut sources, &mut loader, main, self.layout.as_deref());
-        let mut said = analysis.diagnostics.clone();
-        let layout = match analysis.chosen() {
-            Ok(Some(layout)) if !analysis.has_errors() => layout,
-            Ok(_) => return self.report(&sources, &said),
-            Err(unclear) => {
-                if !said.contains(&unclear) {
-                    said.push(*unclear);
-                }
-                return self.report(&sources, &said);
-            }
-        };
+        let layout = &layout;
         if self.emit == Some(Emit::Model) {
             report::print(&model::print(layout));
-            return self.report(&sources, &said);
+            return tell(&sources, &said, self.message_format);
         }
         said.extend(unsupported(layout));
         if said.iter().any(Diagnostic::is_error) {
-            return self.report(&sources, &said);
+            return tell(&sources, &said, self.message_format);
         }
         if self.emit == Some(Emit::Problem) {
             report::print(&problem::print(&Problem::new(layout, Scope::Obstacles), &sources));
-            return self.report(&sources, &said);
+            return tell(&sources, &said, self.message_format);
         }
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.stages));
@@ -155,7 +141,7 @@ impl Build {
             }
         }
         self.summarise(&compiled);
-        self.report(&sources, &said)
+        tell(&sources, &said, self.message_format)
     }
 
     fn solve(&self, layout: &Layout) -> Compiled {
@@ -182,11 +168,6 @@ impl Build {
             files.push("stages.png", emit::stages_png(compiled, &written)?);
         }
         Ok(files)
-    }
-
-    fn report(&self, sources: &SourceMap, said: &[Diagnostic]) -> Outcome {
-        report::diagnostics(&mut std::io::stderr(), sources, said, self.message_format);
-        if said.iter().any(Diagnostic::is_error) { Outcome::Problems } else { Outcome::Clean }
     }
 
     fn summarise(&self, compiled: &Compiled) {
@@ -216,6 +197,13 @@ impl Build {
         };
         report::print(&text);
     }
+}
+
+/// Solves with the default options, without a word.
+pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let stages = solve::solve(layout, &Options { threads, ..Options::default() }, &|_| ());
+    Compiled::new(layout.clone(), stages)
 }
 
 /// The summary for people.

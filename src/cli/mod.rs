@@ -10,7 +10,9 @@ mod fmt;
 mod generate;
 mod new;
 mod progress;
+mod read;
 mod report;
+mod simulate;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::Path;
@@ -28,6 +30,7 @@ pub struct Cli {
 enum Verb {
     Build(build::Build),
     Check(check::Check),
+    Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
@@ -69,6 +72,7 @@ pub fn main() -> ExitCode {
     let outcome = match Cli::parse().verb {
         Verb::Build(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
+        Verb::Simulate(verb) => verb.run(),
         Verb::Compare(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),

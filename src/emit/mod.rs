@@ -7,7 +7,7 @@ pub mod dxf;
 mod files;
 #[cfg(test)]
 mod fixture;
-mod json;
+pub mod json;
 pub mod layout;
 pub mod number;
 mod plan;

@@ -29,8 +29,10 @@ pub mod rainflow;
 mod run;
 mod sidecar;
 pub mod spectrum;
+mod supports;
 
 pub use channel::Channel;
 pub use error::{Place, Problem, RunError};
 pub use run::{Run, sidecar_path};
 pub use sidecar::Sidecar;
+pub use supports::SupportLoad;

@@ -92,6 +92,10 @@ impl Integrator for CashKarp {
         }
         Ok(())
     }
+
+    fn steps(&self) -> u64 {
+        self.accepted
+    }
 }
 
 /// ẋ = v, q̇ = q ω / 2, and the accelerations.

@@ -16,11 +16,12 @@ pub struct Verlet {
     /// Largest step, s: a duration is cut into equal ones.
     pub step: f64,
     before: Vec<Accelerations>,
+    taken: u64,
 }
 
 impl Verlet {
     pub fn new(step: f64) -> Self {
-        Verlet { step, before: Vec::new() }
+        Verlet { step, before: Vec::new(), taken: 0 }
     }
 }
 
@@ -36,7 +37,12 @@ impl Integrator for Verlet {
             chain.width.run(Kick { bodies: &mut chain.state.bodies, before, after, h });
         }
         chain.time += duration;
+        self.taken += steps as u64;
         Ok(())
+    }
+
+    fn steps(&self) -> u64 {
+        self.taken
     }
 }
 

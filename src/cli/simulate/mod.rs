@@ -1,0 +1,234 @@
+//! `lss simulate`: the chain in motion, and what its sensor cart would bring home.
+
+mod progress;
+mod report;
+
+use super::read::{Read, read, tell};
+use super::{MessageFormat, Outcome, build, could_not};
+use crate::diagnostic::Diagnostic;
+use crate::dynamics::{self, End, Method, Plan, Width, parameters};
+use crate::emit::simulation::{ContactLaw, Simulation};
+use crate::emit::{Compiled, Files, json};
+use crate::semantics::unsupported;
+use crate::signal::{csv, parquet};
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Simulate the chain of carts and record what a sensor cart would measure.
+///
+/// FILE is a layout, which is built first, or the simulation.json of one. Writes run-01.csv and run-01.toml, the
+/// simulation.json that was run, and lap.html. An interrupted or troubled run keeps what it recorded.
+#[derive(Debug, clap::Args)]
+pub struct Simulate {
+    /// A layout, .lss, or a simulation input, .json.
+    file: PathBuf,
+    /// Folder for the outputs; created if it is missing.
+    #[arg(short, long, value_name = "DIR", required_unless_present = "list_parameters")]
+    output: Option<PathBuf>,
+    /// Which layout, when the file has several.
+    #[arg(long, value_name = "NAME")]
+    layout: Option<String>,
+    /// Laps of the sensor cart to record.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    laps: u64,
+    /// Time before recording: 30s.
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = quantity::<'s'>)]
+    settle: f64,
+    /// Speed of the chain: 2.0m/s.
+    #[arg(long, value_name = "SPEED", value_parser = quantity::<'v'>)]
+    speed: Option<f64>,
+    /// Tension of the chain on its centre line: 500N.
+    #[arg(long, value_name = "FORCE", value_parser = quantity::<'N'>)]
+    tension: Option<f64>,
+    /// Damping law of every contact.
+    #[arg(long, value_enum, value_name = "NAME")]
+    law: Option<ContactLaw>,
+    /// Largest time step: 0.5ms. As the joints' damping bounds it when not given.
+    #[arg(long, value_name = "TIME", value_parser = quantity::<'s'>)]
+    step: Option<f64>,
+    /// Time integration.
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    integrator: Method,
+    /// Number of the cart that carries the sensors.
+    #[arg(long, value_name = "K")]
+    sensor_cart: Option<usize>,
+    /// Set any number of the model, in SI units: --set cart.mass_kg=45. May be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
+    sets: Vec<(String, String)>,
+    /// Print every parameter that --set knows, with its value, instead of simulating.
+    #[arg(long)]
+    list_parameters: bool,
+    /// Format of the run's data file.
+    #[arg(long, value_enum, default_value_t)]
+    run_format: RunFormat,
+    /// How the summary is written to standard output.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// How diagnostics are written to standard error.
+    #[arg(long, value_enum, default_value_t)]
+    message_format: MessageFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+enum RunFormat {
+    #[default]
+    Csv,
+    Parquet,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+enum Format {
+    #[default]
+    Text,
+    Json,
+}
+
+impl Simulate {
+    pub fn run(&self) -> Outcome {
+        let simulation = match self.input().and_then(|input| self.changed(&input)) {
+            Ok(simulation) => simulation,
+            Err(outcome) => return outcome,
+        };
+        if self.list_parameters {
+            super::report::print(&report::parameters(&simulation));
+            return Outcome::Clean;
+        }
+        let plan = Plan {
+            laps: self.laps as usize,
+            settle: self.settle,
+            step: self.step,
+            method: self.integrator,
+            ..Plan::default()
+        };
+        let watch = progress::Watch::new();
+        let clock = Instant::now();
+        let result = dynamics::simulate(&simulation, &plan, Width::widest(), &mut |p| watch.show(p));
+        watch.finish();
+        let wall = clock.elapsed().as_secs_f64();
+        let outcome = match result {
+            Ok(outcome) => outcome,
+            Err(unfit) => {
+                super::report::error(&format!("{unfit}"));
+                return Outcome::Problems;
+            }
+        };
+        if let (Some(folder), false) = (&self.output, outcome.run.time.is_empty()) {
+            let files = match self.files(&simulation, &outcome) {
+                Ok(files) => files,
+                Err(why) => return could_not("write", folder, why),
+            };
+            if let Err(error) = files.write(folder) {
+                return could_not("write", &error.path, &error.reason);
+            }
+        }
+        super::report::print(&match self.format {
+            Format::Json => report::json(&outcome, wall),
+            Format::Text => report::text(&simulation, &outcome, wall, self.output.as_deref()),
+        });
+        match &outcome.end {
+            End::Complete => Outcome::Clean,
+            End::Interrupted => {
+                super::report::warning(&format!(
+                    "interrupted after {:.2} s; what was recorded is kept",
+                    outcome.simulated
+                ));
+                Outcome::Problems
+            }
+            End::Trouble(trouble) => {
+                let kept = outcome.run.time.len();
+                super::report::error(&format!("the simulation stopped: {trouble}"));
+                eprintln!("  help: {}", trouble.advice());
+                eprintln!("  {kept} samples recorded before are kept");
+                Outcome::Problems
+            }
+        }
+    }
+
+    /// The simulation input that FILE is or builds.
+    fn input(&self) -> Result<Simulation, Outcome> {
+        if self.file.extension().is_some_and(|e| e == "json") {
+            let bytes = std::fs::read(&self.file).map_err(|why| could_not("read", &self.file, why))?;
+            return serde_json::from_slice(&bytes).map_err(|why| {
+                super::report::error(&format!("{} is not a simulation input: {why}", self.file.display()));
+                Outcome::Problems
+            });
+        }
+        let Read { sources, layout, mut said } = read(&self.file, self.layout.as_deref(), self.message_format)?;
+        said.extend(unsupported(&layout));
+        if said.iter().any(Diagnostic::is_error) {
+            return Err(tell(&sources, &said, self.message_format));
+        }
+        let compiled: Compiled = build::solve_quietly(&layout);
+        said.extend(crate::solve::diagnose(&compiled.stages));
+        match tell(&sources, &said, self.message_format) {
+            Outcome::Clean => Ok(Simulation::new(&compiled)),
+            failed => Err(failed),
+        }
+    }
+
+    /// The input with what the command line sets.
+    fn changed(&self, input: &Simulation) -> Result<Simulation, Outcome> {
+        let mut sets = Vec::new();
+        let mut also = |name: &str, value: Option<String>| sets.extend(value.map(|v| (name.to_owned(), v)));
+        also("chain.speed_m_s", self.speed.map(|x| x.to_string()));
+        also("chain.tension_n", self.tension.map(|x| x.to_string()));
+        also("sensor.cart", self.sensor_cart.map(|x| x.to_string()));
+        sets.extend(self.sets.iter().cloned());
+        let mut changed = parameters::set(input, &sets).map_err(|unset| {
+            super::report::error(&format!("--set {unset}"));
+            Outcome::CouldNotRun
+        })?;
+        if let Some(law) = self.law {
+            changed.contact_law = law;
+        }
+        Ok(changed)
+    }
+
+    fn files(&self, simulation: &Simulation, outcome: &dynamics::Outcome) -> Result<Files, String> {
+        let mut files = Files::default();
+        let (name, bytes) = match self.run_format {
+            RunFormat::Csv => ("run-01.csv", csv::write(&outcome.run)),
+            RunFormat::Parquet => ("run-01.parquet", parquet::write(&outcome.run).map_err(|why| why.to_string())?),
+        };
+        files.push(name, bytes);
+        files.push("run-01.toml", outcome.run.sidecar.write());
+        files.push("simulation.json", json::to_json(simulation));
+        Ok(files)
+    }
+}
+
+/// A number with an optional unit: of time (`s`), speed (`v`) or force (`N`), to SI.
+fn quantity<const KIND: char>(text: &str) -> Result<f64, String> {
+    let units: &[(&str, f64)] = match KIND {
+        's' => &[("ms", 1e-3), ("us", 1e-6), ("min", 60.0), ("s", 1.0)],
+        'v' => &[("mm/s", 1e-3), ("m/min", 1.0 / 60.0), ("m/s", 1.0)],
+        _ => &[("kN", 1e3), ("N", 1.0)],
+    };
+    let text = text.trim();
+    let (digits, scale) =
+        units.iter().find_map(|(unit, scale)| text.strip_suffix(unit).map(|d| (d, *scale))).unwrap_or((text, 1.0));
+    let least = if KIND == 'N' { f64::NEG_INFINITY } else { 0.0 };
+    match digits.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= least => Ok(value * scale),
+        _ => Err(format!(
+            "{text} is not a quantity such as {}",
+            ["30s", "2.0m/s", "500N"]["svN".find(KIND).unwrap_or(0)]
+        )),
+    }
+}
+
+/// `key=value`
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((key.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err(format!("{text} is not KEY=VALUE, such as cart.mass_kg=45")),
+    }
+}
+
+/// The folder as a reader of messages sees it.
+fn written_to(folder: Option<&Path>) -> String {
+    folder.map_or_else(String::new, |folder| format!("  written to {}\n", folder.display()))
+}

@@ -1,0 +1,310 @@
+//! A whole simulation: settle, then record laps of the sensor cart.
+
+use super::chain::Chain;
+use super::integrate::{CashKarp, Integrator, Verlet};
+use super::model::{Model, Unfit};
+use super::reactions::Reactions;
+use super::sensor::SensorCart;
+use super::trouble::Trouble;
+use super::width::Width;
+use crate::emit::simulation::Simulation;
+use crate::signal::{Channel, Run, Sidecar, SupportLoad};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What to simulate of a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Laps of the sensor cart to record.
+    pub laps: usize,
+    /// Time before recording, s.
+    pub settle: f64,
+    /// Largest step, s; the model's own bound when not given.
+    pub step: Option<f64>,
+    pub method: Method,
+    /// Arc length of the first cart's front joint at the start, m.
+    pub front: f64,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Plan { laps: 1, settle: 30.0, step: None, method: Method::Verlet, front: 0.0 }
+    }
+}
+
+/// Time integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[clap(rename_all = "snake_case")]
+pub enum Method {
+    /// Velocity Verlet with fixed steps.
+    #[default]
+    Verlet,
+    /// Runge-Kutta of orders 5(4) of Cash and Karp, with adaptive steps.
+    CashKarp,
+}
+
+/// Local error that Cash-Karp keeps a step below, relative to 1 mm, 1 mrad, 0.1 m/s and 0.1 rad/s.
+const TOLERANCE: f64 = 1e-4;
+
+/// How far a simulation is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Simulated, s.
+    pub time: f64,
+    /// Laps recorded.
+    pub laps: f64,
+    /// Share of the whole that is done, 0 to 1.
+    pub done: f64,
+}
+
+/// How a simulation ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    Complete,
+    /// Stopped from outside; what was recorded is kept.
+    Interrupted,
+    /// So is it here.
+    Trouble(Trouble),
+}
+
+/// What a simulation leaves.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub end: End,
+    pub run: Run,
+    /// Empty when the layout has no supports.
+    pub supports: Vec<SupportLoad>,
+    pub carts: usize,
+    /// m
+    pub track: f64,
+    /// s
+    pub simulated: f64,
+    /// Steps and evaluations of all forces.
+    pub steps: u64,
+    pub evaluations: u64,
+    /// The step, s: of Cash-Karp the time between looks at the controller and the filters.
+    pub step: f64,
+    /// Free length of the carts, as adapted to the closing pitch and the tension, m.
+    pub cart_length: f64,
+    /// Mean tension of all joints while recording, N.
+    pub mean_tension: f64,
+}
+
+/// Simulates a chain. `watch` is told how far it is some times a simulated second, and returns whether to go on.
+///
+/// # Errors
+///
+/// [`Unfit`] for an input that no chain can have. Numerical trouble on the way is not an error: it ends the run with what was
+/// recorded.
+pub fn simulate(
+    simulation: &Simulation,
+    plan: &Plan,
+    width: Width,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Outcome, Unfit> {
+    let model = Arc::new(Model::new(simulation)?);
+    let sensor = &simulation.sensor;
+    let clock = Clock::new(plan.step.unwrap_or_else(|| model.largest_step()), sensor.rate_hz, model.controller.period);
+    let mut integrator: Box<dyn Integrator> = match plan.method {
+        Method::Verlet => Box::new(Verlet::new(clock.step)),
+        Method::CashKarp => Box::new(CashKarp::new(TOLERANCE)),
+    };
+    let mut chain = Chain::new(model.clone(), plan.front, width)?;
+    let filter = |chain: &Chain| {
+        SensorCart::new(sensor, chain, clock.step).ok_or_else(|| Unfit {
+            place: "sensor.lowpass_hz".into(),
+            why: format!("{} Hz must be below half the rate of steps, {:.0} Hz", sensor.lowpass_hz, 0.5 / clock.step),
+        })
+    };
+    let mut measuring = filter(&chain)?;
+    let lap = model.segments.line.length;
+    let mut recorder = Recorder {
+        time: Vec::new(),
+        channels: BTreeMap::new(),
+        reactions: simulation.supports_every_m.map(|every| Reactions::new(every, lap)),
+        tension: 0.0,
+    };
+    let settling = (plan.settle / clock.step).round() as u64;
+    let (cart, nominal) = (sensor.cart - 1, plan.laps as f64 * lap / model.speed.max(0.01));
+    // Nobody waits for a chain that hardly moves.
+    let patience = settling + (4.0 * nominal / clock.step) as u64 + 1;
+    let (mut travelled, mut before) = (0.0, chain.forces.station[cart]);
+    let mut end = End::Complete;
+    let mut tick: u64 = 0;
+    loop {
+        if clock.controls(tick) {
+            chain.sample_control();
+        }
+        if tick >= settling {
+            if tick == settling {
+                measuring = filter(&chain)?;
+                (travelled, before) = (0.0, chain.forces.station[cart]);
+            }
+            if clock.samples(tick - settling) {
+                let now = chain.forces.station[cart];
+                let moved = now - before;
+                travelled += moved - lap * (moved / lap).round();
+                before = now;
+                if travelled >= plan.laps as f64 * lap || tick > patience {
+                    break;
+                }
+                recorder.sample((tick - settling) as f64 / clock.ticks_a_second, &chain, &measuring);
+            }
+        }
+        if tick.is_multiple_of(clock.a_look) {
+            let laps = travelled / lap;
+            let left = plan.laps as f64 * lap - travelled;
+            let time = tick as f64 / clock.ticks_a_second;
+            let to_go = (plan.settle - time).max(0.0) + left / model.speed.max(0.01);
+            if !watch(Progress { time, laps, done: time / (time + to_go).max(1e-9) }) {
+                end = End::Interrupted;
+                break;
+            }
+        }
+        if let Err(too_fine) = integrator.advance(&mut chain, clock.step) {
+            end = End::Trouble(Trouble::too_fine(&chain, too_fine));
+            break;
+        }
+        tick += 1;
+        // Without adding up rounding.
+        chain.time = tick as f64 / clock.ticks_a_second;
+        if chain.forces.trouble {
+            end = End::Trouble(Trouble::of(&chain, clock.step));
+            break;
+        }
+        if tick > settling {
+            measuring.step(&chain);
+        }
+    }
+    let samples = recorder.time.len().max(1) as f64;
+    Ok(Outcome {
+        end,
+        supports: recorder.reactions.as_ref().map_or_else(Vec::new, Reactions::envelopes),
+        mean_tension: recorder.tension / samples,
+        run: Run { time: recorder.time, channels: recorder.channels, sidecar: sidecar(simulation, plan) },
+        carts: model.carts,
+        track: lap,
+        simulated: chain.time,
+        steps: integrator.steps(),
+        evaluations: chain.evaluations,
+        step: clock.step,
+        cart_length: model.cart.length,
+    })
+}
+
+/// Simulates several chains at once, on as many threads; the results, in order, do not depend on how many.
+pub fn simulate_all(inputs: &[(Simulation, Plan)], width: Width, threads: usize) -> Vec<Result<Outcome, Unfit>> {
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let mut results: Vec<Option<Result<Outcome, Unfit>>> = inputs.iter().map(|_| None).collect();
+    let slots = std::sync::Mutex::new(&mut results);
+    std::thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, inputs.len().max(1)) {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    let Some((simulation, plan)) = inputs.get(k) else { break };
+                    let result = simulate(simulation, plan, width, &mut |_| true);
+                    if let Ok(mut slots) = slots.lock() {
+                        slots[k] = Some(result);
+                    }
+                }
+            });
+        }
+    });
+    results.into_iter().flatten().collect()
+}
+
+/// What is kept while recording.
+struct Recorder {
+    time: Vec<f64>,
+    channels: BTreeMap<Channel, Vec<f64>>,
+    reactions: Option<Reactions>,
+    tension: f64,
+}
+
+impl Recorder {
+    fn sample(&mut self, time: f64, chain: &Chain, measuring: &SensorCart) {
+        self.time.push(time);
+        measuring.sample(chain, &mut self.channels);
+        self.tension += chain.forces.mean_tension(chain.model.carts);
+        if let Some(reactions) = &mut self.reactions {
+            reactions.take(chain);
+        }
+    }
+}
+
+/// The nominal values beside a run.
+fn sidecar(simulation: &Simulation, plan: &Plan) -> Sidecar {
+    Sidecar {
+        layout: "simulation.json".into(),
+        sensor_cart: simulation.sensor.cart,
+        speed_setpoint: simulation.chain.speed_m_s,
+        trigger_position: simulation.sensor.photocell_s_m,
+        lowpass: simulation.sensor.lowpass_hz,
+        laps: plan.laps,
+        notes: BTreeMap::new(),
+    }
+}
+
+/// Equal steps that meet the sensor's samples and, where periods allow, the controller's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Clock {
+    /// s
+    step: f64,
+    ticks_a_second: f64,
+    /// Steps from one sample to the next.
+    a_sample: u64,
+    /// T_c in steps; need not be whole.
+    a_control: f64,
+    /// Steps from one progress report to the next.
+    a_look: u64,
+}
+
+impl Clock {
+    fn new(largest: f64, rate: f64, period: f64) -> Self {
+        let least = (1.0 / (rate * largest) - 1e-9).ceil().max(1.0) as u64;
+        let whole = |n: &u64| {
+            let steps = period * rate * *n as f64;
+            (steps - steps.round()).abs() < 1e-6 && steps > 0.5
+        };
+        let a_sample = (least..least + 64).find(whole).unwrap_or(least);
+        let ticks_a_second = rate * a_sample as f64;
+        Clock {
+            step: 1.0 / ticks_a_second,
+            ticks_a_second,
+            a_sample,
+            a_control: period * ticks_a_second,
+            a_look: (ticks_a_second / 20.0).ceil().max(1.0) as u64,
+        }
+    }
+
+    fn samples(&self, tick: u64) -> bool {
+        tick.is_multiple_of(self.a_sample)
+    }
+
+    /// Whether the controller's next period begins at this step, or has begun since the last.
+    fn controls(&self, tick: u64) -> bool {
+        let now = (tick as f64 / self.a_control + 1e-9).floor();
+        let last = ((tick as f64 - 1.0) / self.a_control + 1e-9).floor();
+        now > last
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_meet_samples_and_control() {
+        let clock = Clock::new(0.546e-3, 500.0, 0.01);
+        assert_eq!((clock.step, clock.a_sample), (0.5e-3, 4));
+        let controls: Vec<u64> = (0..61).filter(|k| clock.controls(*k)).collect();
+        assert_eq!(controls, [0, 20, 40, 60]);
+        // A period of three and a half samples needs steps of half a sample.
+        assert_eq!(Clock::new(2e-3, 500.0, 0.007).a_sample, 2);
+        // One that no step divides is sampled at the step after.
+        let odd = Clock::new(1e-3, 1000.0, 0.002_345_678_9);
+        let controls: Vec<u64> = (0..9).filter(|k| odd.controls(*k)).collect();
+        assert_eq!(controls, [0, 3, 5, 8]);
+    }
+}
