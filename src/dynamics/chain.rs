@@ -72,6 +72,31 @@ impl Chain {
         }
     }
 
+    /// Fastest rate at which damping at a joint acts now, 1/s: |F| χ/v₀ + c, times the joint's mobility.
+    pub fn damping_rate(&self) -> f64 {
+        let model = &self.model;
+        let (along, across) = model.mobility();
+        let (mut axial, mut radial) = (0.0, 0.0);
+        for (loads, approach) in self.forces.loads.iter().zip(&self.memory.approach).take(model.carts / PACK) {
+            for lane in 0..PACK {
+                let damping = |k: usize| (loads.joint[k][lane] * approach.joint[k][lane]).abs();
+                let (x, y, z) = (damping(0), damping(1), damping(2));
+                axial = if x > axial { x } else { axial };
+                radial = if y > radial { y } else { radial };
+                radial = if z > radial { z } else { radial };
+            }
+        }
+        let axial = along * (model.axial.factor * axial + model.axial.viscosity);
+        let radial = across * (model.radial.factor * radial + model.radial.viscosity);
+        axial.max(radial)
+    }
+
+    /// Largest step that damping at the joints leaves stable now, with a margin, s: the integrator is stable below hλ = 2,
+    /// as Heun's method.
+    pub fn stable_step(&self) -> f64 {
+        1.3 / self.damping_rate().max(1e-9)
+    }
+
     /// Kinetic energy of all carts, J.
     pub fn kinetic_energy(&self) -> f64 {
         let cart = &self.model.cart;

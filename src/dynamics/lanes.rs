@@ -35,11 +35,6 @@ pub struct Mask<S: Simd> {
 }
 
 impl<S: Simd> Lane<S> {
-    #[inline(always)]
-    pub fn new(simd: S, value: S::f64s) -> Self {
-        Lane { simd, value }
-    }
-
     /// The same number for every cart.
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Self {
@@ -132,6 +127,12 @@ impl<S: Simd> Lane<S> {
 }
 
 impl Lane<pulp::Scalar> {
+    /// A single number.
+    #[inline(always)]
+    pub fn one(value: f64) -> Self {
+        Lane { simd: pulp::Scalar::new(), value }
+    }
+
     #[inline(always)]
     pub fn number(self) -> f64 {
         self.value
@@ -148,13 +149,6 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub fn all(self) -> bool {
         !Mask { simd: self.simd, value: self.simd.not_m64s(self.value) }.any()
-    }
-
-    /// Whether lane `k` is true.
-    #[inline(always)]
-    pub fn lane(self, simd: S, k: usize) -> bool {
-        let one = Lane::splat(simd, 1.0).select(self, Lane::splat(simd, 0.0));
-        pulp::bytemuck::cast_slice::<S::f64s, f64>(std::slice::from_ref(&one.value))[k] != 0.0
     }
 
     #[inline(always)]

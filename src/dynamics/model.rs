@@ -174,20 +174,33 @@ impl Model {
         self.steering.contact.exponent == 1.5 && self.running.contact.exponent == 1.5
     }
 
-    /// Largest step that joint damping leaves stable, s: 0.7 over the rate 4|T|χ/(v_min m) with the peak tension expected
-    /// from T₀ and polygon action (design: chain model, step), or that the joints' stiffness does, 1/√(4K/m), if that is
-    /// less.
+    /// Largest step that the joints' stiffness leaves accurate, s: 0.7/ω of the chain's highest axial mode, ω² = 4K/m, at the
+    /// static stretch of T₀ where the law is not linear.
     pub fn largest_step(&self) -> f64 {
-        let peak = self.tension.abs() + EXPECTED_SWING;
-        let radial = self.radial.factor.max(self.axial.factor);
-        let damping = 4.0 * peak * radial / (self.floor * self.cart.mass) + 4.0 * self.axial.viscosity / self.cart.mass;
-        let stiffness = (4.0 * self.axial.stiffness.max(self.radial.stiffness) / self.cart.mass).sqrt();
-        (0.7 / damping.max(1e-9)).min(1.0 / stiffness)
+        let axial = &self.axial;
+        let load = self.tension.abs().max(0.25 * self.cart.mass * self.gravity);
+        let stretch = crate::geometry::trig::pow(load / axial.stiffness, 1.0 / axial.exponent);
+        let tangent = axial.exponent * load / stretch.max(1e-12);
+        0.7 / (4.0 * tangent / self.cart.mass).sqrt()
+    }
+
+    /// Largest step with which a chain at its static tension is sure to run, s: with twice that tension at the joints.
+    pub fn rest_step(&self) -> f64 {
+        let (along, _) = self.mobility();
+        let damping = along * (2.0 * self.tension.abs() * self.axial.factor / self.floor + self.axial.viscosity);
+        self.largest_step().min(1.0 / damping.max(1e-9))
+    }
+
+    /// How much the rate of a joint changes with its force, with the worst help of its neighbours, 1/kg: along the chain 4/m;
+    /// across it twice Σ (1/m + a²/I), with a the joints' arms about the centre of mass.
+    pub fn mobility(&self) -> (f64, f64) {
+        let cart = &self.cart;
+        let [xi, zeta] = cart.centre;
+        let turning = cart.inertia[1].min(cart.inertia[2]);
+        let square = |arm: f64| (arm * arm + zeta * zeta) / turning;
+        (4.0 / cart.mass, 2.0 * (2.0 / cart.mass + square(xi) + square(cart.length + xi)))
     }
 }
-
-/// Peak tension above T₀: 832 N at the defaults of 500 N.
-const EXPECTED_SWING: f64 = 332.0;
 
 fn damped(law: ContactLaw, contact: &input::Contact, load: f64, mass: f64) -> Damped {
     let (stiffness, exponent, e) = (contact.stiffness_n_per_m_n, contact.exponent, contact.restitution);

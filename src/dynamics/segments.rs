@@ -95,6 +95,28 @@ impl<S: Simd> Local<S> {
     }
 }
 
+impl Local<Scalar> {
+    /// One segment.
+    #[inline(always)]
+    fn of(segment: &Segment) -> Self {
+        let lane = Lane::<Scalar>::one;
+        Local {
+            origin: scalar(segment.origin.into()),
+            along: scalar(segment.along.into()),
+            inward: scalar(segment.inward.into()),
+            curvature: lane(segment.curvature),
+            reach: lane(segment.reach),
+            s: lane(segment.s),
+            vertical: lane(f64::from(u8::from(segment.vertical))),
+        }
+    }
+}
+
+#[inline(always)]
+fn scalar([x, y, z]: [f64; 3]) -> Lane3<Scalar> {
+    Lane3::new(Lane::one(x), Lane::one(y), Lane::one(z))
+}
+
 /// The foot of a point on the centre line: its frame there, and its offsets.
 #[derive(Clone, Copy)]
 pub struct Foot<S: Simd> {
@@ -271,12 +293,8 @@ impl Segments {
                     return spiral_footing(stretch, i, point, d);
                 }
             } else {
-                let mut home = Home::default();
-                home.set(0, i, segment);
-                let local = Local::load(Scalar, &home, 0);
-                let lane = |x: f64| Lane::new(Scalar, x);
-                let at = Lane3::new(lane(point[0]), lane(point[1]), lane(point[2]));
-                let foot = foot::<Scalar, false>(&local, at);
+                let local = Local::of(segment);
+                let foot = foot::<Scalar, false>(&local, scalar(point));
                 let sigma = foot.sigma.number();
                 if sigma > segment.reach {
                     1
@@ -364,8 +382,10 @@ impl<S: Simd, const LEVEL: bool> WithSimd for Mend<'_, S, LEVEL> {
         foot.y.store(&mut y);
         foot.z.store(&mut z);
         foot.station(&local).store(&mut s);
+        let mut outside = zero;
+        Lane::splat(simd, 1.0).select(self.outside, Lane::splat(simd, 0.0)).put(&mut outside, 0);
         for lane in 0..S::F64_LANES {
-            if self.outside.lane(simd, lane) {
+            if outside[lane] != 0.0 {
                 let point = [points[0][lane], points[1][lane], points[2][lane]];
                 let own = self.segments.footing(point, self.home.segment[self.part * S::F64_LANES + lane] as usize);
                 for k in 0..3 {
@@ -445,9 +465,7 @@ mod tests {
     fn the_arc_tangent_is_exact_to_the_last_digits() {
         for k in 1..=1000 {
             let x = 0.65 * k as f64 / 1000.0;
-            let mut got = [0.0];
-            atan_over(Lane::new(Scalar, x * x)).store(&mut got);
-            assert!((got[0] - libm::atan(x) / x).abs() < 4e-16, "{x}");
+            assert!((atan_over(Lane::one(x * x)).number() - libm::atan(x) / x).abs() < 4e-16, "{x}");
         }
     }
 

@@ -15,7 +15,7 @@ pub struct Trouble {
     pub cart: usize,
     /// Arc length of its front joint, m, if that is still a number.
     pub s: Option<f64>,
-    /// The step it ran with and the largest that joint damping allows, s.
+    /// The step it ran with, and the largest that stiffness and damping of the joints at rest allow, s.
     pub step: f64,
     pub largest_step: f64,
 }
@@ -64,7 +64,7 @@ impl Trouble {
             cart: cart + 1,
             s: s.is_finite().then(|| s.rem_euclid(chain.model.segments.line.length)),
             step,
-            largest_step: chain.model.largest_step(),
+            largest_step: chain.model.rest_step(),
         }
     }
 

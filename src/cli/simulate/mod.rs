@@ -39,7 +39,7 @@ pub struct Simulate {
     #[arg(long, value_name = "SPEED", value_parser = quantity::<'v'>)]
     speed: Option<f64>,
     /// Tension of the chain on its centre line: 500N.
-    #[arg(long, value_name = "FORCE", value_parser = quantity::<'N'>)]
+    #[arg(long, value_name = "FORCE", allow_hyphen_values = true, value_parser = quantity::<'N'>)]
     tension: Option<f64>,
     /// Damping law of every contact.
     #[arg(long, value_enum, value_name = "NAME")]

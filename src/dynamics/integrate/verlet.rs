@@ -10,28 +10,40 @@ use crate::dynamics::lanes::{Lane, Lane3, Splat};
 use crate::dynamics::state::{Accelerations, Bodies, PACK};
 use pulp::{Simd, WithSimd};
 
-/// Fixed steps.
+/// Equal steps within each duration.
 #[derive(Clone, Debug)]
 pub struct Verlet {
-    /// Largest step, s: a duration is cut into equal ones.
+    /// Largest step, s.
     pub step: f64,
+    /// Whether steps also keep to what damping at the joints leaves stable.
+    bounded: bool,
     before: Vec<Accelerations>,
     taken: u64,
 }
 
 impl Verlet {
+    /// Steps of at most this size, s, come what may.
     pub fn new(step: f64) -> Self {
-        Verlet { step, before: Vec::new(), taken: 0 }
+        Verlet { step, bounded: false, before: Vec::new(), taken: 0 }
+    }
+
+    /// Steps of at most this size, s, and shorter ones while joints damp so fast that they need it.
+    pub fn bounded(step: f64) -> Self {
+        Verlet { bounded: true, ..Verlet::new(step) }
     }
 }
 
 impl Integrator for Verlet {
     fn advance(&mut self, chain: &mut Chain, duration: f64) -> Result<(), TooFine> {
-        let steps = (duration / self.step - 1e-9).ceil().max(1.0);
+        let largest =
+            if self.bounded { self.step.min(chain.stable_step()).max(MOST_CUT * self.step) } else { self.step };
+        let steps = (duration / largest - 1e-9).ceil().max(1.0);
         let h = duration / steps;
         for _ in 0..steps as usize {
-            self.before.clone_from(&chain.accelerations);
-            chain.width.run(Drift { bodies: &mut chain.state.bodies, accelerations: &self.before, h });
+            chain.width.run(Drift { bodies: &mut chain.state.bodies, accelerations: &chain.accelerations, h });
+            // The evaluation overwrites whatever it is given.
+            self.before.resize(chain.accelerations.len(), Accelerations::default());
+            std::mem::swap(&mut self.before, &mut chain.accelerations);
             chain.evaluate(true);
             let (before, after) = (&self.before, &chain.accelerations);
             chain.width.run(Kick { bodies: &mut chain.state.bodies, before, after, h });
@@ -45,6 +57,9 @@ impl Integrator for Verlet {
         self.taken
     }
 }
+
+/// Steps are cut to no less than this share: what needs shorter ones is in trouble.
+const MOST_CUT: f64 = 0.01;
 
 /// Positions to the end of the step, velocities predicted there.
 struct Drift<'a> {
