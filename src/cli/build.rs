@@ -125,6 +125,10 @@ impl Build {
         }
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.stages));
+        said.extend(compiled.heights.iter().cloned());
+        if compiled.heights.iter().any(Diagnostic::is_error) {
+            return tell(&sources, &said, self.message_format);
+        }
         // What checking said about a written value need not be said again about its element, and nobody orders a
         // layout that is not feasible.
         let lacking = if compiled.failed() { Vec::new() } else { elements::lacking(&compiled.sequence, layout) };
@@ -182,7 +186,7 @@ impl Build {
         let summary = Summary {
             layout: &compiled.layout.name,
             stages: compiled.stages.iter().map(stage).collect(),
-            length_m: compiled.track.length,
+            length_m: compiled.length(),
             footprint_m2: compiled.footprint,
             element_count: compiled.bill.count,
             closure_m: compiled.sequence.closure,
@@ -193,7 +197,7 @@ impl Build {
         };
         let text = match self.format {
             Format::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
-            Format::Text => text(&summary, self.output.as_ref()),
+            Format::Text => text(&summary, compiled.raised(), self.output.as_ref()),
         };
         report::print(&text);
     }
@@ -207,7 +211,7 @@ pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
 }
 
 /// The summary for people.
-fn text(summary: &Summary, output: Option<&PathBuf>) -> String {
+fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
     let mut out = format!("{}\n", summary.layout);
     for stage in &summary.stages {
         let state = match stage.status {
@@ -225,6 +229,9 @@ fn text(summary: &Summary, output: Option<&PathBuf>) -> String {
         "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",
         summary.element_count, summary.price_eur, summary.mass_kg, summary.footprint_m2, summary.closure_m
     );
+    if raised {
+        out += &format!("  {:.5} m along the slope; stages and elements count the plan\n", summary.length_m);
+    }
     if let Some(folder) = output {
         out += &format!("  written to {}\n", folder.display());
     }

@@ -84,6 +84,8 @@ codes! {
     E0407 "outside-building",
     E0408 "degenerate-turn",
     E0409 "off-the-straight",
+    E0410 "height-not-reached",
+    E0411 "two-heights",
 
     E0501 "constraint-never-holds",
     E0502 "contradicting-statements",
@@ -97,6 +99,7 @@ codes! {
     W0703 "radius-outside-limits",
     W0704 "redundant-statement",
     W0710 "not-in-catalog",
+    W0711 "heights-not-billed",
 }
 
 impl Code {

@@ -9,11 +9,13 @@ mod course;
 mod cover;
 mod lacking;
 mod sequence;
+mod space;
 
 pub use bill::{Bill, BillLine, bill};
 pub use cover::Cover;
 pub use lacking::lacking;
 pub use sequence::sequence;
+pub use space::{Leg, Space, merged};
 
 use crate::geometry::{Point, trig};
 use serde::Serialize;

@@ -1,9 +1,10 @@
 //! A solved layout with everything that writers need worked out once.
 
 use super::Contact;
-use crate::elements::{self, Bill, Sequence};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::elements::{self, Bill, Leg, Sequence, Space};
 use crate::geometry::clearance::Region;
-use crate::geometry::{Hand, Outline, Track};
+use crate::geometry::{Form, Hand, Outline, Track};
 use crate::model::{Layout, Side};
 use crate::solve::{Stage, Status};
 
@@ -16,6 +17,10 @@ pub struct Compiled {
     /// The written layout is not among them; the last one is what `track` shows. At least one.
     pub stages: Vec<Stage>,
     pub sequence: Sequence,
+    /// The centre line in space; level at height 0 where the layout has no levels.
+    pub space: Space,
+    /// What of the layout's heights cannot be built, or is not.
+    pub heights: Vec<Diagnostic>,
     pub bill: Bill,
     /// Contact areas and clearances per obstacle, in the order of `layout.obstacles`, then the building.
     pub contacts: Vec<Contact>,
@@ -29,15 +34,34 @@ impl Compiled {
         let corners = stages.last().map_or_else(|| layout.corners(), |s| s.corners.clone());
         let track = Track::new(&corners);
         let sequence = elements::sequence(&track, &layout);
+        let (space, mut heights) = Space::new(&layout, &sequence);
+        let climbs = |leg: &Leg| matches!(leg.form, Form::Vertical { .. } | Form::Spiral { .. });
+        if let (Some(level), true) = (layout.levels.first(), space.legs.iter().any(climbs)) {
+            let message = "the bill of elements leaves out vertical curves and spirals";
+            let label = "heights begin here";
+            heights.push(Diagnostic::new(Code::W0711, message, level.span, label));
+        }
         Compiled {
             bill: elements::bill(&sequence, &layout),
             contacts: contacts(&layout, &track),
             footprint: track.footprint(layout.width.value),
             sequence,
+            space,
+            heights,
             track,
             stages,
             layout,
         }
+    }
+
+    /// Whether the layout has heights: arc length then counts along the slope.
+    pub fn raised(&self) -> bool {
+        !self.layout.levels.is_empty()
+    }
+
+    /// Length of the centre line, m.
+    pub fn length(&self) -> f64 {
+        if self.raised() { self.space.line.length } else { self.track.length }
     }
 
     /// Whether the last stage failed: drawings then carry a watermark and the rows that are violated.

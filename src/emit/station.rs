@@ -2,7 +2,7 @@
 
 use super::Compiled;
 use super::number::tidy;
-use crate::geometry::{Point, trig};
+use crate::geometry::{Piece, PieceKind, Point, trig};
 use crate::model::{Motors, Place, Row};
 
 /// A place on the centre line.
@@ -11,14 +11,17 @@ pub struct Station {
     /// From the layout's start, m.
     pub s: f64,
     pub point: Point,
+    /// Height, m.
+    pub z: f64,
     /// rad in (-π, π]
     pub heading: f64,
 }
 
 impl Compiled {
-    /// Arc length of the layout's start from vertex 0's outgoing tangent point, m.
+    /// Arc length of the layout's start from where the centre line begins, m.
     pub fn start(&self) -> f64 {
-        self.layout.equipment.start.map_or(0.0, |place| self.past_first_vertex(place))
+        let first = if self.raised() { self.space.section(0, &self.layout) } else { 0.0 };
+        self.layout.equipment.start.map_or(first, |place| self.past_first_vertex(place))
     }
 
     /// Where a place lies.
@@ -28,8 +31,14 @@ impl Compiled {
 
     /// The place `s` past the layout's start, m.
     pub fn station_at(&self, s: f64) -> Station {
-        let (point, heading) = self.track.at(s + self.start());
-        Station { s: self.round_trip(s), point, heading: trig::wrap(heading) }
+        let (point, z, heading) = if self.raised() {
+            let frame = self.space.line.at(s + self.start());
+            (Point::new(frame.position.x, frame.position.y), frame.position.z, frame.heading())
+        } else {
+            let (point, heading) = self.track.at(s + self.start());
+            (point, 0.0, heading)
+        };
+        Station { s: self.round_trip(s), point, z, heading: trig::wrap(heading) }
     }
 
     /// The places of a row.
@@ -38,11 +47,30 @@ impl Compiled {
         (0..row.count).map(|i| self.station(place(i))).collect()
     }
 
+    /// Arc length of a station in the plan, from vertex 0's outgoing tangent point, m: where drawings put it.
+    pub fn plan_arc_length(&self, station: &Station) -> f64 {
+        if !self.raised() {
+            return (station.s + self.start()).rem_euclid(self.track.length);
+        }
+        let along = |piece: &Piece| {
+            let d = match piece.kind {
+                PieceKind::Straight => (station.point - piece.begin).dot(Point::unit(piece.heading)),
+                PieceKind::Arc { radius, turn, .. } => {
+                    radius * trig::wrap(station.heading - piece.heading) * turn.signum()
+                }
+            };
+            let d = d.clamp(0.0, piece.length.max(0.0));
+            (piece.at(d).0.distance(station.point), piece.s + d)
+        };
+        let nearest = self.track.pieces.iter().map(along).min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or(0.0, |(_, s)| s)
+    }
+
     /// Where each motor begins. Motor j of N that stand evenly begins at (j + 1/2) S / N (design: chain model).
     pub fn motors(&self) -> Vec<Station> {
         match &self.layout.equipment.motors {
             Motors::Evenly { count } => {
-                let pitch = self.track.length / *count as f64;
+                let pitch = self.length() / *count as f64;
                 (0..*count).map(|j| self.station_at((j as f64 + 0.5) * pitch)).collect()
             }
             Motors::Rows(rows) => rows.iter().flat_map(|row| self.stations(row)).collect(),
@@ -51,12 +79,17 @@ impl Compiled {
 
     /// Arc length in [0, S) of one past or before it; what is a full lap to within rounding is 0.
     pub fn round_trip(&self, s: f64) -> f64 {
-        let s = tidy(s.rem_euclid(self.track.length));
-        if self.track.length - s < 1e-9 { 0.0 } else { s }
+        let s = tidy(s.rem_euclid(self.length()));
+        if self.length() - s < 1e-9 { 0.0 } else { s }
     }
 
     fn past_first_vertex(&self, place: Place) -> f64 {
-        self.track.straight(place.section).s + place.at
+        let begin = if self.raised() {
+            self.space.section(place.section, &self.layout)
+        } else {
+            self.track.straight(place.section).s
+        };
+        begin + place.at
     }
 }
 

@@ -62,7 +62,7 @@ pub enum Motors {
 /// Height of the track over a run of sections.
 #[derive(Clone, Debug, Serialize)]
 pub struct Level {
-    /// First and last vertex of the run.
+    /// First and last vertex of the run; the same twice is the whole loop.
     pub from: usize,
     pub to: usize,
     /// m
@@ -73,7 +73,10 @@ pub struct Level {
 /// Where and how the level changes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ramp {
+    /// The section it begins on.
     pub section: usize,
+    /// The section it ends on: the same for a ramp on one straight; curves between become spirals.
+    pub last: usize,
     /// Distance from the tangent point where the straight begins, m.
     pub from: Option<f64>,
     /// Rise over run, unsigned.

@@ -68,6 +68,11 @@ impl Layout {
         self.vertices.iter().map(|v| Corner { point: v.point, radius: v.radius.value }).collect()
     }
 
+    /// `P4..P5`
+    pub fn section_name(&self, section: usize) -> String {
+        format!("{}..{}", self.vertices[section].name, self.vertices[self.next(section)].name)
+    }
+
     /// Index of the vertex after `i` in driving order.
     pub fn next(&self, i: usize) -> usize {
         (i + 1) % self.vertices.len()

@@ -229,7 +229,7 @@ impl Printer {
             self.line(format!("level {}..{} {}", names[level.from], names[level.to], metres(level.height)));
         }
         for ramp in &layout.ramps {
-            let mut text = format!("ramp {}", section(ramp.section));
+            let mut text = format!("ramp {}..{}", names[ramp.section], names[layout.next(ramp.last)]);
             let parts = [
                 ("from", ramp.from.map(metres)),
                 ("slope", ramp.slope.map(number)),

@@ -31,11 +31,10 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
         let what = format!("`pass {} either`", obstacle.name);
         say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
     }
-    for level in &layout.levels {
-        say(level.span, "`level`", "remove it: the track is built in one plane");
-    }
-    for ramp in &layout.ramps {
-        say(ramp.span, "`ramp`", "remove it: the track is built in one plane");
+    if !layout.objective.terms.is_empty() {
+        for level in &layout.levels {
+            say(level.span, "optimising a layout with levels", "write `optimise nothing`: the layout is then built as written");
+        }
     }
     if let Some(closes) = &layout.chain.closes_within {
         say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");

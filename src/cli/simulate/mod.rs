@@ -161,6 +161,8 @@ impl Simulate {
         }
         let compiled: Compiled = build::solve_quietly(&layout);
         said.extend(crate::solve::diagnose(&compiled.stages));
+        // The bill does not matter here.
+        said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
         match tell(&sources, &said, self.message_format) {
             Outcome::Clean => Ok(Simulation::new(&compiled)),
             failed => Err(failed),

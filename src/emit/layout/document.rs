@@ -16,7 +16,7 @@ pub struct LayoutFile {
     pub status: Status,
     /// What the layout breaks, and by how much.
     pub violations: Vec<Violation>,
-    /// Length of the centre line, m.
+    /// Length of the centre line, m; along the slope where there are heights.
     pub length_m: f64,
     /// Width of the band that carts and carriers sweep, m.
     pub width_m: f64,
@@ -94,7 +94,7 @@ pub struct Section {
     pub heading_deg: f64,
 }
 
-/// A straight or an arc of the centre line.
+/// A straight, a horizontal or vertical arc, or a spiral of the centre line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CentreLinePiece {
@@ -106,10 +106,16 @@ pub struct CentreLinePiece {
     pub begin_m: [f64; 2],
     /// [x, y], m.
     pub end_m: [f64; 2],
+    /// Heights there, m.
+    pub z_m: [f64; 2],
+    /// Slopes there, rise over run.
+    pub slope: [f64; 2],
     /// Heading where it begins, deg, in (-180, 180].
     pub heading_deg: f64,
-    /// Signed curvature, 1/m, left positive; 0 for a straight.
+    /// Signed horizontal curvature in the plan, 1/m, left positive; 0 for a straight.
     pub curvature_per_m: f64,
+    /// Signed vertical curvature, 1/m, upwards positive; 0 but for a vertical curve.
+    pub vertical_curvature_per_m: f64,
 }
 
 /// A standard track element at its place.
@@ -166,6 +172,8 @@ pub struct Equipment {
     pub x_m: f64,
     /// On the centre line, m.
     pub y_m: f64,
+    /// Height of the centre line, m.
+    pub z_m: f64,
     /// Heading of the track, deg, in (-180, 180].
     pub heading_deg: f64,
 }

@@ -8,7 +8,7 @@ use super::number::{normal, tidy};
 use super::station::Station;
 use super::{Compiled, json};
 use crate::elements::Shape;
-use crate::geometry::{PieceKind, Point, trig};
+use crate::geometry::{Form, Frame, PieceKind, Point, Stretch, trig};
 use crate::problem::{Problem, RowKey, Scope, measures, relation};
 use crate::{elements, emit, geometry, solve};
 
@@ -42,7 +42,7 @@ impl LayoutFile {
             name: layout.name.clone(),
             status: last.map_or(Status::AsWritten, |s| s.status.into()),
             violations: last.map_or_else(Vec::new, violations),
-            length_m: tidy(track.length),
+            length_m: tidy(compiled.length()),
             width_m: layout.width.value,
             footprint_m2: tidy(compiled.footprint),
             speed_m_s: layout.speed.value,
@@ -50,7 +50,7 @@ impl LayoutFile {
             cart: layout.cart.name.clone(),
             vertices: vertices.collect(),
             sections: sections.collect(),
-            centre_line: track.pieces.iter().map(|p| line(compiled, p)).collect(),
+            centre_line: centre_line(compiled),
             elements: compiled.sequence.elements.iter().map(|e| part(compiled, e)).collect(),
             closure_m: tidy(compiled.sequence.closure),
             closure_rad: tidy(compiled.sequence.closure_heading),
@@ -84,17 +84,50 @@ fn violations(stage: &solve::Stage) -> Vec<Violation> {
     stage.violations.iter().map(violation).collect()
 }
 
+fn centre_line(compiled: &Compiled) -> Vec<CentreLinePiece> {
+    if compiled.raised() {
+        compiled.space.line.stretches.iter().map(|stretch| raised(compiled, stretch)).collect()
+    } else {
+        compiled.track.pieces.iter().map(|piece| line(compiled, piece)).collect()
+    }
+}
+
+fn raised(compiled: &Compiled, stretch: &Stretch) -> CentreLinePiece {
+    let (begin, end) = (stretch.begin, stretch.at(stretch.length));
+    let flat = |frame: &Frame| [tidy(frame.position.x), tidy(frame.position.y)];
+    CentreLinePiece {
+        s_m: compiled.round_trip(stretch.s - compiled.start()),
+        length_m: tidy(stretch.length),
+        begin_m: flat(&begin),
+        end_m: flat(&end),
+        z_m: [tidy(begin.position.z), tidy(end.position.z)],
+        slope: [tidy(begin.slope()), tidy(end.slope())],
+        heading_deg: tidy(begin.heading().to_degrees()),
+        curvature_per_m: match stretch.form {
+            Form::Arc { radius, turn } | Form::Spiral { radius, turn, .. } => tidy(turn.signum() / radius),
+            Form::Straight { .. } | Form::Vertical { .. } => 0.0,
+        },
+        vertical_curvature_per_m: match stretch.form {
+            Form::Vertical { radius, slope_from, slope_to } => tidy((slope_to - slope_from).signum() / radius),
+            _ => 0.0,
+        },
+    }
+}
+
 fn line(compiled: &Compiled, piece: &geometry::Piece) -> CentreLinePiece {
     CentreLinePiece {
         s_m: compiled.round_trip(piece.s - compiled.start()),
         length_m: tidy(piece.length),
         begin_m: pair(piece.begin),
         end_m: pair(piece.end),
+        z_m: [0.0; 2],
+        slope: [0.0; 2],
         heading_deg: tidy(trig::wrap(piece.heading).to_degrees()),
         curvature_per_m: match piece.kind {
             PieceKind::Straight => 0.0,
             PieceKind::Arc { radius, turn, .. } => tidy(turn.signum() / radius),
         },
+        vertical_curvature_per_m: 0.0,
     }
 }
 
@@ -123,6 +156,7 @@ fn equipment(compiled: &Compiled) -> Vec<Equipment> {
         s_m: station.s,
         x_m: tidy(station.point.x),
         y_m: tidy(station.point.y),
+        z_m: tidy(station.z),
         heading_deg: tidy(station.heading.to_degrees()),
     };
     let mut items = vec![item(EquipmentKind::Start, "start".to_owned(), compiled.station_at(0.0))];

@@ -34,7 +34,7 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     let mut marks = Vec::new();
     let mut add = |kind, station: Station, label| {
         let length = if kind == MarkKind::Motor { compiled.layout.drive.motor.length } else { 0.0 };
-        let s = (station.s + compiled.start()).rem_euclid(compiled.track.length);
+        let s = compiled.plan_arc_length(&station);
         marks.push(Mark { kind, s, point: station.point, heading: station.heading, length, label });
     };
     add(MarkKind::Start, compiled.station_at(0.0), Some("s = 0".to_owned()));
@@ -56,7 +56,7 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     }
     if let Some(every) = equipment.supports.filter(|every| every.value > 0.0) {
         // The last one would stand on the first when the length is a multiple.
-        let count = ((compiled.track.length - 1e-6) / every.value).floor() as usize + 1;
+        let count = ((compiled.length() - 1e-6) / every.value).floor() as usize + 1;
         for i in 0..count {
             add(MarkKind::Support, compiled.station_at(i as f64 * every.value), None);
         }

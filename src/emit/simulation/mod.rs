@@ -7,9 +7,8 @@ pub use document::*;
 
 use super::number::tidy;
 use super::{Compiled, json};
-use crate::elements::Shape;
+use crate::geometry::{Form, trig};
 use crate::model;
-use track::merged;
 
 /// Standard gravity as the chain model takes it, m/s².
 const GRAVITY: f64 = 9.81;
@@ -25,7 +24,7 @@ impl Simulation {
         let (cart, motor, controller) = (&layout.cart, &layout.drive.motor, &layout.drive.controller);
         Simulation {
             name: layout.name.clone(),
-            track: Track::new(layout, &compiled.sequence),
+            track: Track::new(compiled),
             gravity_m_s2: GRAVITY,
             contact_law: ContactLaw::HerbertMcwhannell,
             chain: Chain::new(compiled),
@@ -75,8 +74,9 @@ impl Simulation {
 impl Chain {
     fn new(compiled: &Compiled) -> Self {
         let layout = &compiled.layout;
-        let (length, pitch) = (compiled.sequence.length(), layout.cart.length);
-        let chord_excess: f64 = merged(&compiled.sequence).iter().map(|shape| chord_excess(shape, pitch)).sum();
+        let pitch = layout.cart.length;
+        let length = if compiled.raised() { compiled.space.line.length } else { compiled.sequence.length() };
+        let chord_excess: f64 = compiled.space.legs.iter().map(|leg| chord_excess(&leg.form, pitch)).sum();
         let path = length - chord_excess;
         let carts = (path / pitch).round();
         Chain {
@@ -91,13 +91,21 @@ impl Chain {
     }
 }
 
-/// What chords of length L cut off a turn, mean over phases: θL²/(24R) − L³/(120R²) (design: chain model), m.
-fn chord_excess(shape: &Shape, chord: f64) -> f64 {
-    match *shape {
-        Shape::Straight { .. } => 0.0,
-        Shape::Curve { radius, turn } => {
-            let square = chord * chord;
-            (turn.abs() * square / (24.0 * radius) - square * chord / (120.0 * radius * radius)).max(0.0)
+/// What chords of length L cut off a bend, mean over phases: θL²/(24R) − L³/(120R²) (design: chain model), m. A spiral of slope
+/// angle α bends with the radius R/cos²α.
+fn chord_excess(form: &Form, chord: f64) -> f64 {
+    let bend = |radius: f64, angle: f64| {
+        let square = chord * chord;
+        (angle.abs() * square / (24.0 * radius) - square * chord / (120.0 * radius * radius)).max(0.0)
+    };
+    match *form {
+        Form::Straight { .. } => 0.0,
+        Form::Arc { radius, turn } => bend(radius, turn),
+        Form::Vertical { radius, .. } => bend(radius, form.length() / radius),
+        Form::Spiral { radius, turn, .. } => {
+            let cos = trig::cos(form.inclination().0);
+            let bent = radius / (cos * cos);
+            bend(bent, form.length() / bent * turn.signum())
         }
     }
 }
@@ -126,7 +134,7 @@ fn effect(effect: &model::Effect) -> Effect {
 mod tests {
     use super::*;
     use crate::emit::fixture::{compile, on};
-    use crate::geometry::{Point, trig};
+    use crate::geometry::Point;
     use crate::model::{Layout, fixture};
 
     /// Ten curves of 4 m and 90°, 7 left and 3 right, 214.0 m, from its element list's vertices.

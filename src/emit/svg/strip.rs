@@ -218,7 +218,7 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
     let cell = Field { columns: 2, warn: compiled.failed(), ..field("status", status) };
     vec![
         vec![
-            field("length of track", format!("{} m", trimmed(compiled.track.length, 3))),
+            field("length of track", format!("{} m", trimmed(compiled.length(), 3))),
             field("elements", compiled.bill.count.to_string()),
             field("footprint", format!("{} m²", trimmed(compiled.footprint, 2))),
             field("width of band", format!("{} m", trimmed(layout.width.value, 3))),

@@ -51,10 +51,14 @@ impl Heights {
         for level in levels {
             let mut i = level.from;
             heights.vertices[i] = Some(level.height);
-            while i != level.to {
+            // From a vertex to itself is the whole loop.
+            loop {
                 heights.sections[i] = Some(level.height);
                 i = (i + 1) % n;
                 heights.vertices[i] = Some(level.height);
+                if i == level.to {
+                    break;
+                }
             }
         }
         heights

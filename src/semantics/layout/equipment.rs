@@ -128,11 +128,14 @@ impl<'t> Context<'t> {
                 None => Some(None),
                 Some(expr) => self.bounded_constant(&placed.env, expr, dimension, what, bounds).map(|v| Some(v.value)),
             };
-            let section = self.section(&geometry.named, section);
+            let (begin, end) = (self.vertex(&geometry.named, &section.from), self.vertex(&geometry.named, &section.to));
+            let n = geometry.vertices.as_ref().map_or(1, Vec::len);
             let from = optional(from, Dimension::LENGTH, "the distance along the straight", ALONG);
             let slope = optional(slope, Dimension::NONE, "the slope", Bounds::above(0.0, 1.0));
             let radius = optional(radius, Dimension::LENGTH, "the radius", Bounds::above(0.0, 1e3));
-            Some(Ramp { section: section?, from: from?, slope: slope?, radius: radius?, span: placed.span })
+            let (begin, end) = (begin?, end?);
+            let last = (end + n - 1) % n;
+            Some(Ramp { section: begin, last, from: from?, slope: slope?, radius: radius?, span: placed.span })
         };
         draft.statements.iter().filter_map(ramp).collect()
     }

@@ -1,0 +1,117 @@
+//! A climb: a vertical curve into the slope, the slope, and a vertical curve out of it.
+//!
+//! With radius R and slope angle α, the two curves rise 2R(1 − cos α) over 2R sin α of plan.
+
+use super::{Leg, flat};
+use crate::elements::Shape;
+use crate::geometry::{Form, trig};
+
+/// What a climb is to do: lengths in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Climb {
+    /// Signed.
+    pub rise: f64,
+    /// Of the vertical curves.
+    pub radius: f64,
+    /// Rise over run, unsigned; `None`: what ends the climb where the last straight ends.
+    pub slope: Option<f64>,
+    /// From the begin of the first straight; `None`: centred on a single straight, at the begin of a run.
+    pub from: Option<f64>,
+}
+
+/// Why a climb does not fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Misfit {
+    /// By so much, m.
+    TooLong(f64),
+    /// A vertical curve would reach into a horizontal one: so much of a straight is missing at its begin or end, m.
+    IntoCurve(f64),
+}
+
+/// The run of a plan, from a straight to a straight, as it climbs. Returns its legs and the slope.
+pub fn climb(run: &[(usize, Shape)], climb: &Climb) -> Result<(Vec<Leg>, f64), Misfit> {
+    let whole: f64 = run.iter().map(|(_, shape)| shape.length()).sum();
+    let (size, radius) = (climb.rise.abs(), climb.radius);
+    let ends = |k: Option<&(usize, Shape)>| k.map_or(0.0, |(_, shape)| shape.length());
+    let (first, last) = (ends(run.first()), ends(run.last()));
+    let slope = match climb.slope {
+        Some(slope) => slope.min(only_curves(size, radius)),
+        None => fitting(size, radius, whole - climb.from.unwrap_or(0.0)).ok_or(Misfit::TooLong(0.0))?,
+    };
+    let angle = trig::atan(slope);
+    let (sin, cos) = trig::sin_cos(angle);
+    let straight_rise = (size - 2.0 * radius * (1.0 - cos)).max(0.0);
+    let plan = 2.0 * radius * sin + straight_rise / slope;
+    let from = climb.from.unwrap_or(if run.len() == 1 { ((whole - plan) / 2.0).max(0.0) } else { 0.0 });
+    let to = from + plan;
+    if to > whole + NEAR {
+        return Err(Misfit::TooLong(to - whole));
+    }
+    // The curve in lies on the first straight, the curve out on the last.
+    let (into, out) = (from + radius * sin, to - radius * sin);
+    if run.len() > 1 && into > first + NEAR {
+        return Err(Misfit::IntoCurve(into - first));
+    }
+    if run.len() > 1 && out < whole - last - NEAR {
+        return Err(Misfit::IntoCurve(whole - last - out));
+    }
+    let signed = slope * climb.rise.signum();
+    let mut legs = Vec::new();
+    let mut begin = 0.0;
+    for (vertex, shape) in run {
+        let end = begin + shape.length();
+        match *shape {
+            Shape::Straight { .. } => {
+                let part = |from: f64, to: f64, slope: f64| {
+                    let length = (to - from) / trig::cos(trig::atan(slope));
+                    (length > NEAR).then_some(Form::Straight { length, slope })
+                };
+                let curve_in = Form::Vertical { radius, slope_from: 0.0, slope_to: signed };
+                let curve_out = Form::Vertical { radius, slope_from: signed, slope_to: 0.0 };
+                let forms = [
+                    part(begin.min(from), end.min(from), 0.0),
+                    (begin <= from && from < end).then_some(curve_in),
+                    part(begin.clamp(into, out.max(into)), end.clamp(into, out.max(into)), signed),
+                    (begin < to && to <= end + NEAR).then_some(curve_out),
+                    part(begin.max(to), end.max(to), 0.0),
+                ];
+                legs.extend(forms.into_iter().flatten().map(|form| Leg { vertex: *vertex, curve: false, form }));
+            }
+            Shape::Curve { radius, turn } if begin >= into - NEAR && end <= out + NEAR => {
+                let rise = radius * turn.abs() * signed;
+                legs.push(Leg { vertex: *vertex, curve: true, form: Form::Spiral { radius, turn, rise } });
+            }
+            Shape::Curve { .. } => legs.push(flat(*vertex, *shape)),
+        }
+        begin = end;
+    }
+    Ok((legs, slope))
+}
+
+/// Lengths below this are none, m.
+const NEAR: f64 = 1e-9;
+
+/// The slope of a climb that is nothing but its two vertical curves: 2R(1 − cos α) is the rise.
+fn only_curves(size: f64, radius: f64) -> f64 {
+    let cos = 1.0 - size / (2.0 * radius);
+    if cos <= 0.0 { f64::INFINITY } else { trig::tan(trig::acos(cos)) }
+}
+
+/// The slope of a climb over so much plan, by bisection: its rise grows with the slope until it is nothing but curves.
+fn fitting(size: f64, radius: f64, plan: f64) -> Option<f64> {
+    let rise = |slope: f64| {
+        let (sin, cos) = trig::sin_cos(trig::atan(slope));
+        2.0 * radius * (1.0 - cos) + (plan - 2.0 * radius * sin) * slope
+    };
+    // Steeper than this, the curves alone would be longer than the plan.
+    let most = (plan / (2.0 * radius)).min(0.9);
+    let (mut low, mut high) = (0.0, trig::tan(trig::asin(most)));
+    if rise(high) < size {
+        return None;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if rise(middle) < size { low = middle } else { high = middle }
+    }
+    Some(high)
+}
