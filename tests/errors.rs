@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lss::diagnostic::{Code, Diagnostic, text};
 use lss::elements;
+use lss::emit::Compiled;
 use lss::geometry::Track;
 use lss::semantics::{analyse, unsupported};
 use lss::solve;
@@ -47,6 +48,9 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         (Code::W0710, Ok(Some(layout))) => {
             let written = Track::new(&layout.corners());
             diagnostics.extend(elements::lacking(&elements::sequence(&written, layout), layout));
+        }
+        (Code::E0410 | Code::E0411 | Code::W0711, Ok(Some(layout))) => {
+            diagnostics.extend(Compiled::new(layout.clone(), Vec::new()).heights);
         }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
