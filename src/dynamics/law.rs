@@ -141,9 +141,9 @@ mod tests {
     /// A linear spring and damper in closed form: e = exp(−πζ/√(1−ζ²)), the rebound of a full half wave.
     #[test]
     fn kelvin_voigt_damps_to_its_restitution() {
-        let (k, m, e) = (4e6, 41.0, 0.6);
+        let (k, m, e): (f64, f64, f64) = (4e6, 41.0, 0.6);
         let c = ContactLaw::KelvinVoigt.viscosity(e, k, 1.0, 500.0, m);
-        let ratio = c / (2.0 * (k * m as f64).sqrt());
+        let ratio = c / (2.0 * (k * m).sqrt());
         let rebound = libm::exp(-trig::PI * ratio / (1.0 - ratio * ratio).sqrt());
         assert!((rebound - e).abs() < 1e-12);
     }

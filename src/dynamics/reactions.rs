@@ -58,9 +58,9 @@ impl Reactions {
         let begin = before as f64 * self.every;
         let span = if before + 1 == count { self.lap - begin } else { self.every };
         let share = ((s - begin) / span).clamp(0.0, 1.0);
-        for k in 0..3 {
-            self.now[before][k] += load[k] * (1.0 - share);
-            self.now[(before + 1) % count][k] += load[k] * share;
+        for (k, load) in load.into_iter().enumerate() {
+            self.now[before][k] += load * (1.0 - share);
+            self.now[(before + 1) % count][k] += load * share;
         }
     }
 

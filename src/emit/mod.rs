@@ -8,6 +8,7 @@ mod files;
 #[cfg(test)]
 mod fixture;
 pub mod json;
+pub mod lap;
 pub mod layout;
 pub mod number;
 mod plan;

@@ -33,7 +33,11 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     }
     if !layout.objective.terms.is_empty() {
         for level in &layout.levels {
-            say(level.span, "optimising a layout with levels", "write `optimise nothing`: the layout is then built as written");
+            say(
+                level.span,
+                "optimising a layout with levels",
+                "write `optimise nothing`: the layout is then built as written",
+            );
         }
     }
     if let Some(closes) = &layout.chain.closes_within {

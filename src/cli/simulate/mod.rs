@@ -8,7 +8,7 @@ use super::{MessageFormat, Outcome, build, could_not};
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::emit::simulation::{ContactLaw, Simulation};
-use crate::emit::{Compiled, Files, json};
+use crate::emit::{Compiled, Files, json, lap};
 use crate::semantics::unsupported;
 use crate::signal::{csv, parquet};
 use clap::ValueEnum;
@@ -196,6 +196,7 @@ impl Simulate {
         files.push(name, bytes);
         files.push("run-01.toml", outcome.run.sidecar.write());
         files.push("simulation.json", json::to_json(simulation));
+        files.push("lap.html", lap::page(simulation, &outcome.run, &outcome.supports));
         Ok(files)
     }
 }

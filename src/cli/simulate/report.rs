@@ -1,6 +1,7 @@
 //! The summary of a simulation, for people and for programs.
 
 use crate::dynamics::{Outcome, parameters};
+use crate::emit::lap::hotspots;
 use crate::emit::simulation::Simulation;
 use crate::signal::Channel;
 use crate::signal::measures::statistics;
@@ -71,12 +72,20 @@ pub fn text(simulation: &Simulation, outcome: &Outcome, wall: f64, folder: Optio
         outcome.steps,
         outcome.step * 1e3
     );
-    out += &format!("  {:<24}{:>10}{:>10}{:>10}{:>10}\n", "channel", "mean", "sd", "min", "max");
+    out += &format!("  {:<32}{:>8}{:>10}{:>10}{:>10}\n", "channel", "mean", "sd", "min", "max");
     for (channel, samples) in &outcome.run.channels {
         if let Some(s) = statistics(samples) {
-            let name = format!("{} ({})", channel.name(), channel.unit());
-            out += &format!("  {name:<28}{:>6.1}{:>10.1}{:>10.1}{:>10.1}\n", s.mean, s.sd, s.min, s.max);
+            let unit = if channel.unit().is_empty() { String::new() } else { format!(" ({})", channel.unit()) };
+            let name = format!("{}{unit}", channel.name());
+            out += &format!("  {name:<32}{:>8.1}{:>10.1}{:>10.1}{:>10.1}\n", s.mean, s.sd, s.min, s.max);
         }
+    }
+    let spots = hotspots(simulation, &outcome.run);
+    if !spots.is_empty() {
+        out += "\n";
+    }
+    for spot in spots {
+        out += &format!("  {spot}\n");
     }
     out + &super::written_to(folder)
 }

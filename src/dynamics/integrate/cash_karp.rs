@@ -27,7 +27,6 @@ const SCALES: [f64; 4] = [1e-3, 1e-3, 0.1, 0.1];
 /// Shortest step, s.
 const SHORTEST: f64 = 1e-9;
 
-const STAGES: usize = 6;
 const WEIGHTS: [[f64; 5]; 5] = [
     [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0],
     [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0],
@@ -35,8 +34,8 @@ const WEIGHTS: [[f64; 5]; 5] = [
     [-11.0 / 54.0, 5.0 / 2.0, -70.0 / 27.0, 35.0 / 27.0, 0.0],
     [1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0],
 ];
-const FIFTH: [f64; STAGES] = [37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0];
-const FOURTH: [f64; STAGES] = [2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0, 277.0 / 14336.0, 1.0 / 4.0];
+const FIFTH: [f64; 6] = [37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0];
+const FOURTH: [f64; 6] = [2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0, 277.0 / 14336.0, 1.0 / 4.0];
 
 impl CashKarp {
     pub fn new(tolerance: f64) -> Self {
@@ -141,28 +140,31 @@ fn add<const N: usize>(to: &mut [[f64; PACK]; N], rate: &[[f64; PACK]; N], facto
     }
 }
 
-/// Largest difference between the two orders, in the scales.
+/// Largest difference between the two orders, in the scales; NaN when any is.
 fn error(rates: &[Vec<Rate>], carts: usize, h: f64) -> f64 {
-    let mut worst: f64 = 0.0;
-    let mut bad = false;
-    for pack in 0..rates[0].len() {
-        for lane in 0..PACK.min(carts - (pack * PACK).min(carts)) {
-            let mut look = |rows: &dyn Fn(&Rate) -> f64, scale: f64| {
-                let difference: f64 =
-                    (0..STAGES).map(|stage| (FIFTH[stage] - FOURTH[stage]) * rows(&rates[stage][pack])).sum();
-                let size = (difference * h / scale).abs();
-                bad |= size.is_nan();
-                worst = worst.max(size);
-            };
-            for k in 0..3 {
-                look(&|r| r.position[k][lane], SCALES[0]);
-                look(&|r| r.attitude[k + 1][lane], SCALES[1]);
-                look(&|r| r.accelerations.linear[k][lane], SCALES[2]);
-                look(&|r| r.accelerations.angular[k][lane], SCALES[3]);
+    let mut worst = 0.0;
+    for place in 0..carts {
+        let (pack, lane) = (place / PACK, place % PACK);
+        let difference = |row: &dyn Fn(&Rate) -> f64, scale: f64| {
+            let stages = rates.iter().zip(FIFTH).zip(FOURTH);
+            (stages.map(|((rates, b5), b4)| (b5 - b4) * row(&rates[pack])).sum::<f64>() * h / scale).abs()
+        };
+        for k in 0..3 {
+            for size in [
+                difference(&|r| r.position[k][lane], SCALES[0]),
+                difference(&|r| r.attitude[k + 1][lane], SCALES[1]),
+                difference(&|r| r.accelerations.linear[k][lane], SCALES[2]),
+                difference(&|r| r.accelerations.angular[k][lane], SCALES[3]),
+            ] {
+                // Not a comparison that NaN would pass.
+                worst = if size <= worst { worst } else { size };
+                if size.is_nan() {
+                    return size;
+                }
             }
         }
     }
-    if bad { f64::NAN } else { worst }
+    worst
 }
 
 fn normalise(bodies: &mut [Bodies]) {

@@ -39,8 +39,13 @@ pub fn raise(layout: &Layout, plan: &[(usize, Shape)]) -> (Vec<Leg>, f64, Vec<Di
     if said.is_empty() {
         for ramp in layout.ramps.iter().filter(ramped) {
             said.push(
-                Diagnostic::new(Code::E0410, "this ramp leads from a height to the same one", ramp.span, "nothing to climb")
-                    .help("give the sections before and behind it different levels, or remove the ramp"),
+                Diagnostic::new(
+                    Code::E0410,
+                    "this ramp leads from a height to the same one",
+                    ramp.span,
+                    "nothing to climb",
+                )
+                .help("give the sections before and behind it different levels, or remove the ramp"),
             );
         }
     }
@@ -81,9 +86,14 @@ fn sections(layout: &Layout) -> (Vec<Option<&Level>>, Vec<Diagnostic>) {
                 Some(other) if other.height != level.height => {
                     let section = layout.section_name(i);
                     said.push(
-                        Diagnostic::new(Code::E0411, format!("{section} has two heights"), level.span, "another height")
-                            .related(other.span, "its first height")
-                            .help("let one of the two runs end where the other begins"),
+                        Diagnostic::new(
+                            Code::E0411,
+                            format!("{section} has two heights"),
+                            level.span,
+                            "another height",
+                        )
+                        .related(other.span, "its first height")
+                        .help("let one of the two runs end where the other begins"),
                     );
                     break;
                 }
@@ -121,7 +131,8 @@ fn gap(
         return Err(Box::new(diagnostic));
     }
     if between.is_empty() {
-        let help = "end one of the levels a section earlier: the section left without a level is where the track climbs";
+        let help =
+            "end one of the levels a section earlier: the section left without a level is where the track climbs";
         return refuse(
             format!("the height changes by {} with no section to climb on", metres(rise)),
             "no room to climb",

@@ -1,0 +1,96 @@
+//! The track as the page shades and names it.
+
+use crate::emit::number::trimmed;
+use crate::emit::simulation::{Piece, Simulation};
+use crate::geometry::CentreLine;
+
+/// Kinds of stretches that are shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Straight,
+    Curve,
+    /// A vertical curve or an inclined straight.
+    Climb,
+    Spiral,
+}
+
+impl Kind {
+    /// Its class in the style sheet.
+    pub fn class(self) -> &'static str {
+        match self {
+            Kind::Straight => "",
+            Kind::Curve => "curve",
+            Kind::Climb => "climb",
+            Kind::Spiral => "spiral",
+        }
+    }
+}
+
+/// A stretch of the track with the name that hotspots use.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    pub kind: Kind,
+    /// Arc length where it begins and ends, m.
+    pub from: f64,
+    pub to: f64,
+    /// `curve 4 (4 m, left)`; of a straight, the one before it: `the straight behind curve 4`.
+    pub name: String,
+}
+
+/// The centre line with its parts and motors.
+pub struct LapTrack {
+    pub line: CentreLine,
+    pub parts: Vec<Part>,
+    /// Arc lengths where motors begin and end, m.
+    pub motors: Vec<(f64, f64)>,
+}
+
+impl LapTrack {
+    pub fn new(simulation: &Simulation) -> Self {
+        let line = simulation.track.centre_line();
+        let (mut curves, mut spirals, mut verticals) = (0, 0, 0);
+        let mut parts: Vec<Part> = Vec::new();
+        let mut s = 0.0;
+        let mut last_curve: Option<String> = None;
+        let hand = |turn: f64| if turn > 0.0 { "left" } else { "right" };
+        for piece in &simulation.track.elements {
+            let to = s + piece.form().length();
+            let (kind, name) = match *piece {
+                Piece::Straight { slope, .. } if slope != 0.0 => {
+                    let way = if slope > 0.0 { "up" } else { "down" };
+                    (Kind::Climb, format!("the slope {way} ({} %)", trimmed(slope.abs() * 100.0, 1)))
+                }
+                Piece::Straight { .. } => {
+                    let name = match &last_curve {
+                        Some(curve) => format!("the straight behind {curve}"),
+                        None => "the straight at the start".to_owned(),
+                    };
+                    (Kind::Straight, name)
+                }
+                Piece::Arc { radius, turn_deg } => {
+                    curves += 1;
+                    last_curve = Some(format!("curve {curves}"));
+                    (Kind::Curve, format!("curve {curves} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
+                }
+                Piece::Spiral { radius, turn_deg, .. } => {
+                    spirals += 1;
+                    last_curve = Some(format!("spiral {spirals}"));
+                    (Kind::Spiral, format!("spiral {spirals} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
+                }
+                Piece::Vertical { radius, .. } => {
+                    verticals += 1;
+                    (Kind::Climb, format!("vertical curve {verticals} ({} m)", trimmed(radius, 3)))
+                }
+            };
+            parts.push(Part { kind, from: s, to, name });
+            s = to;
+        }
+        let motors = simulation.motors.s_m.iter().map(|s| (*s, s + simulation.motors.length_m)).collect();
+        LapTrack { line, parts, motors }
+    }
+
+    /// The part at arc length `s`, in [0, S).
+    pub fn part(&self, s: f64) -> Option<&Part> {
+        self.parts.iter().find(|part| part.from <= s && s < part.to)
+    }
+}
