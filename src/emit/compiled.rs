@@ -39,7 +39,8 @@ impl Compiled {
         if let (Some(level), true) = (layout.levels.first(), space.legs.iter().any(climbs)) {
             let message = "the bill of elements leaves out vertical curves and spirals";
             let label = "heights begin here";
-            heights.push(Diagnostic::new(Code::W0711, message, level.span, label));
+            let help = "order them by hand: `layout.json` lists every piece with its slopes in `centre_line`";
+            heights.push(Diagnostic::new(Code::W0711, message, level.span, label).help(help));
         }
         Compiled {
             bill: elements::bill(&sequence, &layout),

@@ -44,7 +44,7 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
         say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");
     }
     for effect in &layout.effects {
-        say(effect.span, "`effect`", "remove it: nothing is simulated yet");
+        say(effect.span, "`effect`", "remove it: the nominal model is simulated");
     }
     found.sort_by_key(|d| d.label.span);
     found
