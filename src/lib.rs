@@ -9,7 +9,9 @@
 //! 5. `problem` states the optimisation problem without a solver,
 //! 6. `solve` solves it in stages,
 //! 7. `elements` covers the result with standard track elements,
-//! 8. `emit` writes drawings, tables and simulation inputs.
+//! 8. `emit` writes drawings, tables and simulation inputs,
+//! 9. [`kinematics`] closes the chain of carts on the centre line,
+//! 10. [`dynamics`] moves it.
 //!
 //! [`signal`] judges runs, measured or simulated: files, filters, spectra, load cycles, deviations.
 //!
