@@ -22,7 +22,7 @@ pub struct Chain {
     pub width: Width,
     /// Pitch at which this phase closes, m.
     pub closing_pitch: f64,
-    /// Evaluations of all forces so far.
+    /// Evaluations of all forces so far; where only the command changed, they are not counted.
     pub evaluations: u64,
 }
 
@@ -51,6 +51,10 @@ impl Chain {
     /// Forces and accelerations of the present state.
     pub fn evaluate(&mut self, commit: bool) {
         self.evaluations += 1;
+        self.run(commit, false);
+    }
+
+    fn run(&mut self, commit: bool, again: bool) {
         self.width.run(Evaluation {
             model: &self.model,
             bodies: &self.state.bodies,
@@ -59,6 +63,7 @@ impl Chain {
             out: &mut self.accelerations,
             command: self.control.command,
             commit,
+            again,
         });
     }
 
@@ -68,7 +73,7 @@ impl Chain {
         let before = self.control.command;
         self.control.sample(&self.model.controller, self.model.motors.force, self.model.speed, speed);
         if self.control.command != before {
-            self.evaluate(true);
+            self.run(true, true);
         }
     }
 

@@ -121,6 +121,8 @@ pub struct Evaluation<'a> {
     pub command: f64,
     /// Whether contacts remember what they meet: not in the stages of a step that may be taken back.
     pub commit: bool,
+    /// Whether only the command has changed since the last evaluation: front joints and joints are then as they were.
+    pub again: bool,
 }
 
 impl WithSimd for Evaluation<'_> {
@@ -141,17 +143,19 @@ impl Evaluation<'_> {
     fn run<S: Simd, const LEVEL: bool>(&mut self, simd: S) {
         // Nested loops, so that the offset in a pack is a constant where vectors are as wide as packs.
         let packs = self.bodies.len();
-        for pack in 0..packs {
-            for part in 0..PACK / S::F64_LANES {
-                self.fronts::<S, LEVEL>(simd, pack, part);
+        if !self.again {
+            for pack in 0..packs {
+                for part in 0..PACK / S::F64_LANES {
+                    self.fronts::<S, LEVEL>(simd, pack, part);
+                }
             }
-        }
-        self.close_ring();
-        let forces = &mut *self.forces;
-        motors::share(self.model, &forces.station, &mut forces.share, &mut forces.motor_cursor);
-        for pack in 0..packs {
-            for part in 0..PACK / S::F64_LANES {
-                self.joints(simd, pack, part);
+            self.close_ring();
+            let forces = &mut *self.forces;
+            motors::share(self.model, &forces.station, &mut forces.share, &mut forces.motor_cursor);
+            for pack in 0..packs {
+                for part in 0..PACK / S::F64_LANES {
+                    self.joints(simd, pack, part);
+                }
             }
         }
         let carts = self.model.carts;

@@ -162,7 +162,9 @@ pub fn spectrum(spectrum: &Spectrum, marks: &[(&str, f64, bool)]) -> Markup {
                 @if log(*f) > scale.from && log(*f) < scale.to {
                     line class=(if *passing { "mark" } else { "dotted" }) x1=(fixed(scale.x(log(*f)), 1)) x2=(fixed(scale.x(log(*f)), 1))
                         y1=(TOP + 10.0) y2=(HEIGHT - BELOW) {}
-                    text.tick x=(fixed(scale.x(log(*f)), 1)) y=(TOP + 7.0) text-anchor="middle" { (name) }
+                    // To either side, as cart passing and a ring mode may lie near each other.
+                    @let (side, anchor) = if *passing { (-3.0, "end") } else { (3.0, "start") };
+                    text.tick x=(fixed(scale.x(log(*f)) + side, 1)) y=(TOP + 7.0) text-anchor=(anchor) { (name) }
                 }
             }
             path.trace d=(format!("M{}", path.join("L"))) {}
