@@ -379,6 +379,8 @@ fn numbers_that_no_chain_can_have_are_refused() {
         ("track.elements.0.length", -1.0),
         ("controller.period_s", 0.0),
         ("sensor.lowpass_hz", 1e5),
+        ("chain.speed_m_s", 0.0),
+        ("chain.speed_m_s", 1e-6),
     ];
     for (name, value) in cases {
         let changed = parameters::set(&input("smallest"), &[(name.into(), value.to_string())]).expect("a name");

@@ -232,7 +232,7 @@ fn check(simulation: &Simulation) -> Result<(), Unfit> {
     let mut rows = vec![
         ("gravity_m_s2".to_owned(), simulation.gravity_m_s2, 0.0, 1e3, false),
         ("chain.tension_n".to_owned(), simulation.chain.tension_n, -1e6, 1e6, false),
-        ("chain.speed_m_s".to_owned(), simulation.chain.speed_m_s, 0.0, 20.0, false),
+        ("chain.speed_m_s".to_owned(), simulation.chain.speed_m_s, 0.0, 20.0, true),
         ("cart.mass_kg".to_owned(), cart.mass_kg, 0.0, 1e6, true),
         ("cart.centre_of_mass_m.0".to_owned(), cart.centre_of_mass_m[0], -10.0, 10.0, false),
         ("cart.centre_of_mass_m.1".to_owned(), cart.centre_of_mass_m[1], -10.0, 10.0, false),
@@ -245,10 +245,11 @@ fn check(simulation: &Simulation) -> Result<(), Unfit> {
         ("controller.derivative_n_s2_per_m".to_owned(), control.derivative_n_s2_per_m, 0.0, 1e9, false),
         ("controller.period_s".to_owned(), control.period_s, 1e-5, 1e3, false),
         ("sensor.lowpass_hz".to_owned(), sensor.lowpass_hz, 0.0, 1e6, true),
-        ("sensor.rate_hz".to_owned(), sensor.rate_hz, 0.0, 1e5, true),
+        ("sensor.rate_hz".to_owned(), sensor.rate_hz, 1.0, 2e4, false),
         ("sensor.photocell_s_m".to_owned(), sensor.photocell_s_m, -1e6, 1e6, false),
         ("sensor.trigger_length_m".to_owned(), sensor.trigger_length_m, 0.0, 1e3, false),
     ];
+    rows.extend(simulation.supports_every_m.map(|every| ("supports_every_m".to_owned(), every, 0.05, 1e6, false)));
     rows.extend((0..3).map(|k| (format!("cart.inertia_kg_m2.{k}"), cart.inertia_kg_m2[k], 0.0, 1e6, true)));
     rows.extend(wheel("steering_wheel", steering));
     rows.extend(wheel("running_wheel", running));

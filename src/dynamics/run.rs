@@ -46,6 +46,9 @@ pub enum Method {
 /// Local error that Cash-Karp keeps a step below, relative to 1 mm, 1 mrad, 0.1 m/s and 0.1 rad/s.
 const TOLERANCE: f64 = 1e-4;
 
+/// Samples of a run, at most: 2.4 GB of channels while it is recorded.
+const MOST_SAMPLES: f64 = 2e7;
+
 /// How far a simulation is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
@@ -104,6 +107,11 @@ pub fn simulate(
 ) -> Result<Outcome, Unfit> {
     let model = Arc::new(Model::new(simulation)?);
     let sensor = &simulation.sensor;
+    let samples = plan.laps as f64 * model.segments.line.length / model.speed * sensor.rate_hz;
+    if samples > MOST_SAMPLES {
+        let why = format!("{samples:.1e} samples are more than {MOST_SAMPLES:.0e}: record fewer laps, or at a lower rate");
+        return Err(Unfit { place: "sensor.rate_hz".into(), why });
+    }
     let clock = Clock::new(plan.step.unwrap_or_else(|| model.largest_step()), sensor.rate_hz, model.controller.period);
     let mut integrator: Box<dyn Integrator> = match plan.method {
         Method::Verlet if plan.step.is_some() => Box::new(Verlet::new(clock.step)),
@@ -126,7 +134,7 @@ pub fn simulate(
         tension: 0.0,
     };
     let settling = (plan.settle / clock.step).round() as u64;
-    let (cart, nominal) = (sensor.cart - 1, plan.laps as f64 * lap / model.speed.max(0.01));
+    let (cart, nominal) = (sensor.cart - 1, plan.laps as f64 * lap / model.speed);
     // Nobody waits for a chain that hardly moves.
     let patience = settling + (4.0 * nominal / clock.step) as u64 + 1;
     let (mut travelled, mut before) = (0.0, chain.forces.station[cart]);
@@ -156,7 +164,7 @@ pub fn simulate(
             let laps = travelled / lap;
             let left = plan.laps as f64 * lap - travelled;
             let time = tick as f64 / clock.ticks_a_second;
-            let to_go = (plan.settle - time).max(0.0) + left / model.speed.max(0.01);
+            let to_go = (plan.settle - time).max(0.0) + left / model.speed;
             if !watch(Progress { time, laps, done: time / (time + to_go).max(1e-9) }) {
                 end = End::Interrupted;
                 break;
