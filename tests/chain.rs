@@ -2,7 +2,7 @@
 //! and itself with other steps, integrators and vector widths (design: chain model, checks with a known answer).
 
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
-use lss::dynamics::{Chain, End, Kind, Model, PACK, Plan, Width, parameters, simulate};
+use lss::dynamics::{Chain, End, Kind, Model, PACK, Plan, Width, parameters, simulate, simulate_all};
 use lss::emit::simulation::{Piece, Simulation, Track};
 use std::path::Path;
 use std::sync::Arc;
@@ -367,6 +367,19 @@ fn an_interrupted_run_keeps_what_it_has() {
     let outcome = simulate(&input("smallest"), &plan, Width::widest(), watch).expect("fit");
     assert_eq!(outcome.end, End::Interrupted);
     assert!((0.3..0.6).contains(&outcome.run.duration()), "{}", outcome.run.duration());
+}
+
+#[test]
+fn many_at_once_are_as_one_by_one() {
+    let plan = Plan { settle: 0.2, ..Plan::default() };
+    let inputs: Vec<(Simulation, Plan)> = [200.0, 300.0, 400.0]
+        .map(|tension| (with(&input("smallest"), &[("chain.tension_n", tension)]), plan.clone()))
+        .to_vec();
+    let all = simulate_all(&inputs, Width::widest(), 3);
+    for ((simulation, plan), together) in inputs.iter().zip(&all) {
+        let alone = simulate(simulation, plan, Width::widest(), &mut |_| true).expect("fit");
+        assert_eq!(alone.run, together.as_ref().expect("fit").run);
+    }
 }
 
 #[test]

@@ -109,7 +109,8 @@ pub fn simulate(
     let sensor = &simulation.sensor;
     let samples = plan.laps as f64 * model.segments.line.length / model.speed * sensor.rate_hz;
     if samples > MOST_SAMPLES {
-        let why = format!("{samples:.1e} samples are more than {MOST_SAMPLES:.0e}: record fewer laps, or at a lower rate");
+        let why =
+            format!("{samples:.1e} samples are more than {MOST_SAMPLES:.0e}: record fewer laps, or at a lower rate");
         return Err(Unfit { place: "sensor.rate_hz".into(), why });
     }
     let clock = Clock::new(plan.step.unwrap_or_else(|| model.largest_step()), sensor.rate_hz, model.controller.period);

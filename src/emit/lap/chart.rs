@@ -172,6 +172,24 @@ pub fn spectrum(spectrum: &Spectrum, marks: &[(&str, f64, bool)]) -> Markup {
     }
 }
 
+/// An amplitude spectrum over orders, up to so many.
+pub fn orders(spectrum: &Spectrum, most: f64) -> Markup {
+    let lines: Vec<(f64, f64)> = spectrum.points().skip(1).take_while(|(order, _)| *order <= most).collect();
+    let high = lines.iter().map(|p| p.1).fold(0.0, f64::max);
+    if lines.len() < 2 || !high.is_finite() {
+        return html! {};
+    }
+    let scale = Scale::new(0.0, most, 0.0, high);
+    let path: Vec<String> =
+        lines.iter().map(|p| format!("{} {}", fixed(scale.x(p.0), 1), fixed(scale.y(p.1), 1))).collect();
+    html! {
+        svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
+            (frame(&scale, ""))
+            path.trace d=(format!("M{}", path.join("L"))) {}
+        }
+    }
+}
+
 /// The envelope of the supports' loads as bars.
 pub fn supports(track: &LapTrack, supports: &[SupportLoad], of: impl Fn(&SupportLoad) -> (f64, f64)) -> Markup {
     let low = supports.iter().map(|s| of(s).0).fold(0.0, f64::min);

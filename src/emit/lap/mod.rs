@@ -10,7 +10,8 @@ pub use hotspot::{Hotspot, hotspots};
 
 use super::number::{fixed, trimmed};
 use super::simulation::Simulation;
-use crate::signal::measures::statistics;
+use crate::signal::measures::{Section, Statistics, by_section, statistics};
+use crate::signal::order::order_spectrum;
 use crate::signal::spectrum::welch;
 use crate::signal::{Channel, Run, SupportLoad, position, rainflow};
 use lap_track::LapTrack;
@@ -72,6 +73,19 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
                 figcaption { b { (channel.name()) } ", N/√Hz over Hz" }
                 (chart::spectrum(&welch(samples, run.rate(), SEGMENT), &marks(simulation)))
             }
+        }
+        @if let Some(place) = &place {
+            h2 { "Orders" }
+            p { "Amplitude over cycles a cart pitch: what cart passing makes stands at whole orders. Cycles a wheel turn are these times 2πr/L, "
+                (trimmed(std::f64::consts::TAU * simulation.running_wheel.radius_m / pitch(simulation), 4)) " for a running wheel." }
+            @for (channel, samples) in forces.iter().filter(|(c, _)| matches!(c, Channel::SteerLeft | Channel::JointXi)) {
+                figure {
+                    figcaption { b { (channel.name()) } ", N over cycles a cart pitch" }
+                    (chart::orders(&order_spectrum(&place.s, samples, pitch(simulation)), ORDERS))
+                }
+            }
+            h2 { "Section by section" }
+            (sections(&track, &stations, run))
         }
         @if !supports.is_empty() {
             h2 { "Reactions of the supports" }
@@ -152,10 +166,44 @@ fn damage(samples: &[f64]) -> String {
     load.map_or_else(String::new, |load| fixed(load, 2))
 }
 
+/// Orders shown.
+const ORDERS: f64 = 10.0;
+
+/// Length of the centre line a cart, m.
+fn pitch(simulation: &Simulation) -> f64 {
+    simulation.chain.track_length_m / simulation.chain.carts.max(1) as f64
+}
+
+/// Curves, climbs and spirals with the forces on them.
+fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
+    let parts: Vec<&lap_track::Part> =
+        track.parts.iter().filter(|part| part.kind != lap_track::Kind::Straight).collect();
+    let bounds: Vec<Section> = parts.iter().map(|p| Section { name: p.name.clone(), from: p.from, to: p.to }).collect();
+    let columns: Vec<(Channel, Vec<Option<Statistics>>)> =
+        [Channel::SteerLeft, Channel::SteerRight, Channel::RunLeft, Channel::RunRight, Channel::JointXi]
+            .into_iter()
+            .filter_map(|c| run.channels.get(&c).map(|x| (c, by_section(stations, x, track.line.length, &bounds))))
+            .collect();
+    html! {
+        div.scroll { table {
+            thead { tr { th { "" } th { "s, m" } @for (channel, _) in &columns { th { (channel.name()) ", N" } } } }
+            tbody { @for (k, part) in parts.iter().enumerate() {
+                tr {
+                    td { (part.name) } td.number { (fixed(part.from, 2)) " … " (fixed(part.to, 2)) }
+                    @for (_, column) in &columns {
+                        td.number { @if let Some(s) = column.get(k).and_then(Option::as_ref) { (fixed(s.mean, 0)) " (" (fixed(s.max, 0)) ")" } }
+                    }
+                }
+            } }
+        } }
+        p.note { "Mean and, in brackets, largest value on each section." }
+    }
+}
+
 /// Frequencies worth a line in a spectrum: name, Hz, and whether it is of cart passing.
 fn marks(simulation: &Simulation) -> Vec<(&'static str, f64, bool)> {
     let chain = &simulation.chain;
-    let pitch = chain.track_length_m / chain.carts.max(1) as f64;
+    let pitch = pitch(simulation);
     let passing = chain.speed_m_s / pitch;
     let wheel = chain.speed_m_s / (std::f64::consts::TAU * simulation.running_wheel.radius_m);
     let wave = pitch * (simulation.joint.axial.stiffness_n_per_m_n / simulation.cart.mass_kg).sqrt();
