@@ -90,6 +90,18 @@ fn stations_have_the_heights_of_their_level() {
     assert!((photocell.z - 2.6).abs() < 1e-9);
 }
 
+#[test]
+fn elements_of_raised_tracks_stand_where_their_arc_length_says() {
+    for name in ["levels", "spiral"] {
+        let compiled = example(name);
+        for element in lss::emit::layout::LayoutFile::new(&compiled).elements {
+            let at = compiled.station_at(element.s_m).point;
+            let apart = (at.x - element.begin_m[0]).hypot(at.y - element.begin_m[1]);
+            assert!(apart < 1e-6, "{name}: {} at {} m is {apart} m off", element.article, element.s_m);
+        }
+    }
+}
+
 fn said(heights: &str) -> Vec<String> {
     let text = format!(
         "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  \

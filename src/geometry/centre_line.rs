@@ -52,6 +52,32 @@ impl Form {
         }
     }
 
+    /// Along its plan, m.
+    pub fn run(&self) -> f64 {
+        match *self {
+            Form::Straight { length, slope } => length / trig::hypot(1.0, slope),
+            Form::Arc { radius, turn } | Form::Spiral { radius, turn, .. } => radius * turn.abs(),
+            Form::Vertical { radius, .. } => {
+                let (begin, end) = self.inclination();
+                radius * (trig::sin(end) - trig::sin(begin)).abs()
+            }
+        }
+    }
+
+    /// Along the centre line where its plan is `run` from its begin, m.
+    pub fn along(&self, run: f64) -> f64 {
+        match *self {
+            Form::Straight { slope, .. } => run * trig::hypot(1.0, slope),
+            Form::Arc { .. } => run,
+            Form::Spiral { .. } => run * self.length() / self.run(),
+            Form::Vertical { radius, .. } => {
+                let (begin, end) = self.inclination();
+                let sine = trig::sin(begin) + (end - begin).signum() * run / radius;
+                radius * (trig::asin(sine.clamp(-1.0, 1.0)) - begin).abs()
+            }
+        }
+    }
+
     /// Change of heading from begin to end, rad.
     pub fn turn(&self) -> f64 {
         match *self {
@@ -350,6 +376,21 @@ mod tests {
         assert!((line.length - length).abs() < 1e-12);
         let rise = (10.0 + 8.0) * (1.0 - libm::cos(angle)) + 5.0 * libm::sin(angle) + 1.12;
         assert!((line.at(line.length - 1e-9).position.z - 1.0 - rise).abs() < 1e-9);
+    }
+
+    #[test]
+    fn places_of_the_plan_are_found_along_the_slope() {
+        for stretch in &ramp().stretches {
+            let run = stretch.form.run();
+            assert!((stretch.form.along(run) - stretch.length).abs() < 1e-12);
+            let flat = |d: f64| stretch.at(d).position.xy();
+            // The plan's length by many small steps.
+            let d = stretch.form.along(0.37 * run);
+            let steps = 20_000;
+            let step = |k: i32| flat(d * f64::from(k) / f64::from(steps));
+            let walked: f64 = (0..steps).map(|k| (step(k + 1) - step(k)).norm()).sum();
+            assert!((walked - 0.37 * run).abs() < 1e-7, "{:?}: {walked} of {run}", stretch.form);
+        }
     }
 
     #[test]

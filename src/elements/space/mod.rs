@@ -25,6 +25,8 @@ pub struct Leg {
 pub struct Space {
     pub legs: Vec<Leg>,
     pub line: CentreLine,
+    /// Arc length of the plan, from vertex 0's outgoing tangent point, where this begins, m.
+    begin: f64,
 }
 
 impl Space {
@@ -38,10 +40,28 @@ impl Space {
         };
         let first = legs.first().map(|leg| (leg.vertex, leg.curve));
         let begins = |e: &&Element| Some((e.vertex, matches!(e.shape, Shape::Curve { .. }))) == first;
-        let (point, heading) =
-            sequence.elements.iter().find(begins).map_or((Point::default(), 0.0), |e| (e.position, e.heading));
+        let (point, heading, s) = sequence
+            .elements
+            .iter()
+            .find(begins)
+            .map_or((Point::default(), 0.0, 0.0), |e| (e.position, e.heading, e.s));
         let forms: Vec<Form> = legs.iter().map(|leg| leg.form).collect();
-        (Space { line: CentreLine::new([point.x, point.y, begin, heading], &forms), legs }, said)
+        (Space { line: CentreLine::new([point.x, point.y, begin, heading], &forms), legs, begin: s }, said)
+    }
+
+    /// Arc length of what lies `s` along the plan from vertex 0's outgoing tangent point, m.
+    pub fn from_plan(&self, s: f64) -> f64 {
+        let plan: f64 = self.line.stretches.iter().map(|stretch| stretch.form.run()).sum();
+        let mut left = (s - self.begin).rem_euclid(plan.max(f64::MIN_POSITIVE));
+        for stretch in &self.line.stretches {
+            let run = stretch.form.run();
+            // Both arc lengths carry rounding: what ends here begins the next piece.
+            if left < run - 1e-9 {
+                return stretch.s + stretch.form.along(left);
+            }
+            left = (left - run).max(0.0);
+        }
+        self.line.length
     }
 
     /// Arc length where a section's straight begins, or what follows it if it has no length, m.
