@@ -96,7 +96,7 @@ fn elements_of_raised_tracks_stand_where_their_arc_length_says() {
         let compiled = example(name);
         for element in lss::emit::layout::LayoutFile::new(&compiled).elements {
             let at = compiled.station_at(element.s_m).point;
-            let apart = (at.x - element.begin_m[0]).hypot(at.y - element.begin_m[1]);
+            let apart = at.distance(lss::geometry::Point::new(element.begin_m[0], element.begin_m[1]));
             assert!(apart < 1e-6, "{name}: {} at {} m is {apart} m off", element.article, element.s_m);
         }
     }
