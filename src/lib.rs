@@ -23,6 +23,7 @@ pub mod dynamics;
 pub mod elements;
 pub mod emit;
 pub mod geometry;
+pub mod identify;
 pub mod kinematics;
 pub mod model;
 pub mod problem;

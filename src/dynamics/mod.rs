@@ -1,8 +1,10 @@
 //! The chain in motion: free rigid carts on any centre line, held by force elements (thesis chapter 2; design: chain model).
 
 mod chain;
+mod clock;
 mod contact;
 mod control;
+mod fleet;
 pub mod forces;
 mod inspect;
 pub mod integrate;
@@ -11,6 +13,7 @@ pub mod law;
 mod model;
 mod motors;
 pub mod parameters;
+pub mod parallel;
 mod reactions;
 mod run;
 mod segments;
@@ -21,6 +24,7 @@ mod trouble;
 mod width;
 
 pub use chain::Chain;
+pub use fleet::{CartRecord, Fleet, Settled, Survey, survey};
 pub use inspect::Placement;
 pub use model::{Model, Unfit};
 pub use run::{End, Method, Outcome, Plan, Progress, simulate, simulate_all};

@@ -1,8 +1,10 @@
 //! A whole simulation: settle, then record laps of the sensor cart.
 
 use super::chain::Chain;
+use super::clock::Clock;
 use super::integrate::{CashKarp, Integrator, Verlet};
 use super::model::{Model, Unfit};
+use super::parallel;
 use super::reactions::Reactions;
 use super::sensor::SensorCart;
 use super::trouble::Trouble;
@@ -41,6 +43,17 @@ pub enum Method {
     Verlet,
     /// Runge-Kutta of orders 5(4) of Cash and Karp, with adaptive steps.
     CashKarp,
+}
+
+impl Method {
+    /// An integrator with steps of at most `step`, s; steps that are not `fixed` keep to what the joints' damping leaves stable.
+    pub(super) fn integrator(self, step: f64, fixed: bool) -> Box<dyn Integrator> {
+        match self {
+            Method::Verlet if fixed => Box::new(Verlet::new(step)),
+            Method::Verlet => Box::new(Verlet::bounded(step)),
+            Method::CashKarp => Box::new(CashKarp::new(TOLERANCE)),
+        }
+    }
 }
 
 /// Local error that Cash-Karp keeps a step below, relative to 1 mm, 1 mrad, 0.1 m/s and 0.1 rad/s.
@@ -114,11 +127,7 @@ pub fn simulate(
         return Err(Unfit { place: "sensor.rate_hz".into(), why });
     }
     let clock = Clock::new(plan.step.unwrap_or_else(|| model.largest_step()), sensor.rate_hz, model.controller.period);
-    let mut integrator: Box<dyn Integrator> = match plan.method {
-        Method::Verlet if plan.step.is_some() => Box::new(Verlet::new(clock.step)),
-        Method::Verlet => Box::new(Verlet::bounded(clock.step)),
-        Method::CashKarp => Box::new(CashKarp::new(TOLERANCE)),
-    };
+    let mut integrator = plan.method.integrator(clock.step, plan.step.is_some());
     let mut chain = Chain::new(model.clone(), plan.front, width)?;
     let filter = |chain: &Chain| {
         SensorCart::new(sensor, chain, clock.step).ok_or_else(|| Unfit {
@@ -204,24 +213,7 @@ pub fn simulate(
 
 /// Simulates several chains at once, on as many threads; the results, in order, do not depend on how many.
 pub fn simulate_all(inputs: &[(Simulation, Plan)], width: Width, threads: usize) -> Vec<Result<Outcome, Unfit>> {
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let mut results: Vec<Option<Result<Outcome, Unfit>>> = inputs.iter().map(|_| None).collect();
-    let slots = std::sync::Mutex::new(&mut results);
-    std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, inputs.len().max(1)) {
-            scope.spawn(|| {
-                loop {
-                    let k = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    let Some((simulation, plan)) = inputs.get(k) else { break };
-                    let result = simulate(simulation, plan, width, &mut |_| true);
-                    if let Ok(mut slots) = slots.lock() {
-                        slots[k] = Some(result);
-                    }
-                }
-            });
-        }
-    });
-    results.into_iter().flatten().collect()
+    parallel::map(inputs, threads, |(simulation, plan)| simulate(simulation, plan, width, &mut |_| true))
 }
 
 /// What is kept while recording.
@@ -253,68 +245,5 @@ fn sidecar(simulation: &Simulation, plan: &Plan) -> Sidecar {
         lowpass: simulation.sensor.lowpass_hz,
         laps: plan.laps,
         notes: BTreeMap::new(),
-    }
-}
-
-/// Equal steps that meet the sensor's samples and, where periods allow, the controller's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Clock {
-    /// s
-    step: f64,
-    ticks_a_second: f64,
-    /// Steps from one sample to the next.
-    a_sample: u64,
-    /// T_c in steps; need not be whole.
-    a_control: f64,
-    /// Steps from one progress report to the next.
-    a_look: u64,
-}
-
-impl Clock {
-    fn new(largest: f64, rate: f64, period: f64) -> Self {
-        let least = (1.0 / (rate * largest) - 1e-9).ceil().max(1.0) as u64;
-        let whole = |n: &u64| {
-            let steps = period * rate * *n as f64;
-            (steps - steps.round()).abs() < 1e-6 && steps > 0.5
-        };
-        let a_sample = (least..least + 64).find(whole).unwrap_or(least);
-        let ticks_a_second = rate * a_sample as f64;
-        Clock {
-            step: 1.0 / ticks_a_second,
-            ticks_a_second,
-            a_sample,
-            a_control: period * ticks_a_second,
-            a_look: (ticks_a_second / 20.0).ceil().max(1.0) as u64,
-        }
-    }
-
-    fn samples(&self, tick: u64) -> bool {
-        tick.is_multiple_of(self.a_sample)
-    }
-
-    /// Whether the controller's next period begins at this step, or has begun since the last.
-    fn controls(&self, tick: u64) -> bool {
-        let now = (tick as f64 / self.a_control + 1e-9).floor();
-        let last = ((tick as f64 - 1.0) / self.a_control + 1e-9).floor();
-        now > last
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steps_meet_samples_and_control() {
-        let clock = Clock::new(0.546e-3, 500.0, 0.01);
-        assert_eq!((clock.step, clock.a_sample), (0.5e-3, 4));
-        let controls: Vec<u64> = (0..61).filter(|k| clock.controls(*k)).collect();
-        assert_eq!(controls, [0, 20, 40, 60]);
-        // A period of three and a half samples needs steps of half a sample.
-        assert_eq!(Clock::new(2e-3, 500.0, 0.007).a_sample, 2);
-        // One that no step divides is sampled at the step after.
-        let odd = Clock::new(1e-3, 1000.0, 0.002_345_678_9);
-        let controls: Vec<u64> = (0..9).filter(|k| odd.controls(*k)).collect();
-        assert_eq!(controls, [0, 3, 5, 8]);
     }
 }

@@ -47,10 +47,24 @@ impl Lowpass {
     /// Takes the next sample and returns the next filtered one (transposed direct form II).
     #[inline]
     pub fn step(&mut self, x: f64) -> f64 {
-        let y = self.b * x + self.z1;
-        self.z1 = 2.0 * self.b * x - self.a1 * y + self.z2;
-        self.z2 = self.b * x - self.a2 * y;
+        let [mut z1, mut z2] = self.delay();
+        let y = self.pass(x, &mut z1, &mut z2);
+        (self.z1, self.z2) = (z1, z2);
         y
+    }
+
+    /// The same with a memory kept elsewhere, for many channels behind equal filters.
+    #[inline(always)]
+    pub fn pass(&self, x: f64, z1: &mut f64, z2: &mut f64) -> f64 {
+        let y = self.b * x + *z1;
+        *z1 = 2.0 * self.b * x - self.a1 * y + *z2;
+        *z2 = self.b * x - self.a2 * y;
+        y
+    }
+
+    /// The filter's memory.
+    pub fn delay(&self) -> [f64; 2] {
+        [self.z1, self.z2]
     }
 
     /// At rest at `x`, as if it had been there for ever.

@@ -1,0 +1,312 @@
+//! Every cart a sensor cart: in a chain of equal carts each one passes the same places, so that a short simulation shows
+//! what many laps of one cart would.
+
+use super::chain::Chain;
+use super::clock::Clock;
+use super::model::{Model, Unfit};
+use super::run::Method;
+use super::forces::Memory;
+use super::state::{PACK, Row, State};
+use super::trouble::Trouble;
+use super::width::Width;
+use crate::emit::simulation::Simulation;
+use crate::signal::filter::Lowpass;
+use pulp::{Simd, WithSimd};
+use std::sync::Arc;
+
+/// What to record of a whole chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Survey {
+    /// Time before recording, s. The controller begins with the thrust that rolling resistance needs, so that the chain
+    /// does not slow down first.
+    pub settle: f64,
+    /// Time of recording, s.
+    pub duration: f64,
+    /// Largest step, s, when it shall be less than what the joints' stiffness asks for.
+    pub step: Option<f64>,
+    pub method: Method,
+    /// Arc length of the first cart's front joint at the start, m.
+    pub front: f64,
+}
+
+/// A chain that has settled, from which others with nearly the same parameters settle sooner.
+#[derive(Clone, Debug)]
+pub struct Settled {
+    state: State,
+    memory: Memory,
+    /// What the controller's integral commands, N a motor.
+    thrust: f64,
+    /// m/s
+    speed: f64,
+    /// c_rr of the running wheels.
+    resistance: f64,
+}
+
+impl Settled {
+    fn of(chain: &Chain) -> Self {
+        let model = &chain.model;
+        Settled {
+            state: chain.state.clone(),
+            memory: chain.memory.clone(),
+            thrust: model.controller.integral * chain.control.integral,
+            speed: model.speed,
+            resistance: model.running.resistance,
+        }
+    }
+
+    /// Puts a chain in this state, at its own speed and with the thrust that its own resistance needs.
+    fn put(&self, chain: &mut Chain) {
+        if self.state.carts != chain.model.carts {
+            return;
+        }
+        let model = chain.model.clone();
+        chain.state = self.state.clone();
+        chain.memory = self.memory.clone();
+        let faster = model.speed / self.speed;
+        for bodies in &mut chain.state.bodies {
+            for row in bodies.velocity.iter_mut().chain(&mut bodies.spin) {
+                row.iter_mut().for_each(|x| *x *= faster);
+            }
+        }
+        let thrust = self.thrust * model.running.resistance / self.resistance;
+        if model.controller.integral > 0.0 && thrust.is_finite() {
+            chain.control.integral = thrust / model.controller.integral;
+        }
+        chain.evaluate(true);
+    }
+}
+
+/// What one cart measured: forces behind the low-pass, sampled.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CartRecord {
+    /// Arc length on the track, m.
+    pub station: Vec<f32>,
+    /// Of the front joint along the track, m/s.
+    pub speed: Vec<f32>,
+    /// `steer_left`, `steer_right`, `run_left`, `run_right`, `joint_xi`, `joint_eta`, `joint_zeta`, N.
+    pub forces: [Vec<f32>; 7],
+}
+
+/// What the carts of a chain measured.
+#[derive(Clone, Debug)]
+pub struct Fleet {
+    /// Samples a second, Hz.
+    pub rate: f64,
+    pub carts: Vec<CartRecord>,
+    /// The chain at the end.
+    pub settled: Settled,
+    /// What ended the recording early.
+    pub trouble: Option<Trouble>,
+}
+
+/// Columns of a cart's record.
+const COLUMNS: usize = 9;
+
+/// Samples that are gathered before they are sorted by cart.
+const BLOCK: usize = 64;
+
+/// Simulates a chain, from its start or one that has settled, and records its carts.
+///
+/// # Errors
+///
+/// [`Unfit`] for an input that no chain can have.
+pub fn survey(
+    simulation: &Simulation,
+    survey: &Survey,
+    from: Option<&Settled>,
+    width: Width,
+) -> Result<Fleet, Unfit> {
+    let model = Arc::new(Model::new(simulation)?);
+    let sensor = &simulation.sensor;
+    let clock = Clock::new(survey.step.unwrap_or(f64::INFINITY).min(model.largest_step()), sensor.rate_hz, model.controller.period);
+    let lowpass = Lowpass::new(sensor.lowpass_hz, 1.0 / clock.step).ok_or_else(|| Unfit {
+        place: "sensor.lowpass_hz".into(),
+        why: format!("{} Hz must be below half the rate of steps, {:.0} Hz", sensor.lowpass_hz, 0.5 / clock.step),
+    })?;
+    let mut integrator = survey.method.integrator(clock.step, false);
+    let mut chain = Chain::new(model.clone(), survey.front, width)?;
+    match from {
+        Some(settled) => settled.put(&mut chain),
+        None => chain.control.integral = rolling_thrust(&model),
+    }
+    let settling = (survey.settle / clock.step).round() as u64;
+    let samples = (survey.duration * sensor.rate_hz).round() as usize;
+    let mut filters = Filters::new(&chain, lowpass);
+    let mut log = Log::new(model.carts, samples);
+    let mut trouble = None;
+    let mut tick: u64 = 0;
+    while log.samples < samples {
+        if clock.controls(tick) {
+            chain.sample_control();
+        }
+        if tick == settling {
+            filters = Filters::new(&chain, lowpass);
+        }
+        if tick >= settling && clock.samples(tick - settling) {
+            log.sample(&chain, &filters);
+        }
+        if let Err(too_fine) = integrator.advance(&mut chain, clock.step) {
+            trouble = Some(Trouble::too_fine(&chain, too_fine));
+            break;
+        }
+        tick += 1;
+        // Without adding up rounding.
+        chain.time = tick as f64 / clock.ticks_a_second;
+        if chain.forces.trouble {
+            trouble = Some(Trouble::of(&chain, clock.step));
+            break;
+        }
+        if tick > settling {
+            filters.step(&chain);
+        }
+    }
+    Ok(Fleet { rate: sensor.rate_hz, carts: log.finish(), settled: Settled::of(&chain), trouble })
+}
+
+/// The controller's integral at which the motors hold rolling resistance, m.
+fn rolling_thrust(model: &Model) -> f64 {
+    let weight = model.carts as f64 * model.cart.mass * model.gravity;
+    let command = (model.running.resistance * weight / model.motors.s.len().max(1) as f64).min(model.motors.force);
+    if model.controller.integral > 0.0 { command / model.controller.integral } else { 0.0 }
+}
+
+/// The low-passes of all carts: forces on wheels, and of the joint behind.
+struct Filters {
+    lowpass: Lowpass,
+    packs: Vec<Pack>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Pack {
+    /// Memory of the filter.
+    delay: [[Row; 2]; 7],
+    out: [Row; 7],
+}
+
+impl Filters {
+    /// At rest at the present forces.
+    fn new(chain: &Chain, lowpass: Lowpass) -> Self {
+        let mut filters = Filters { lowpass, packs: vec![Pack::default(); chain.forces.loads.len()] };
+        for (pack, loads) in filters.packs.iter_mut().zip(&chain.forces.loads) {
+            let now = rows(loads);
+            for (k, row) in now.iter().enumerate() {
+                for (lane, x) in row.iter().enumerate() {
+                    let mut filter = lowpass;
+                    filter.reset_to(*x);
+                    [pack.delay[k][0][lane], pack.delay[k][1][lane]] = filter.delay();
+                }
+                pack.out[k] = *row;
+            }
+        }
+        filters
+    }
+
+    fn step(&mut self, chain: &Chain) {
+        chain.width.run(Step { lowpass: self.lowpass, packs: &mut self.packs, loads: &chain.forces.loads });
+    }
+}
+
+/// Forces of a pack in the order of a record, those of the joint being of the one behind, on the follower.
+#[inline(always)]
+fn rows(loads: &super::state::Loads) -> [Row; 7] {
+    let mut rows = [[0.0; PACK]; 7];
+    for lane in 0..PACK {
+        let steering = loads.steering[lane];
+        rows[0][lane] = if steering > 0.0 { steering } else { 0.0 };
+        rows[1][lane] = if steering < 0.0 { -steering } else { 0.0 };
+        rows[2][lane] = loads.running[0][lane].abs();
+        rows[3][lane] = loads.running[1][lane].abs();
+        for k in 0..3 {
+            rows[4 + k][lane] = -loads.joint[k][lane];
+        }
+    }
+    rows
+}
+
+struct Step<'a> {
+    lowpass: Lowpass,
+    packs: &'a mut [Pack],
+    loads: &'a [super::state::Loads],
+}
+
+impl WithSimd for Step<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (pack, loads) in self.packs.iter_mut().zip(self.loads) {
+            let now = rows(loads);
+            for k in 0..7 {
+                let [first, second] = &mut pack.delay[k];
+                for lane in 0..PACK {
+                    pack.out[k][lane] = self.lowpass.pass(now[k][lane], &mut first[lane], &mut second[lane]);
+                }
+            }
+        }
+    }
+}
+
+/// Samples, gathered in blocks and then sorted by cart and column.
+struct Log {
+    carts: usize,
+    records: Vec<CartRecord>,
+    block: Vec<[f32; COLUMNS]>,
+    samples: usize,
+}
+
+impl Log {
+    fn new(carts: usize, samples: usize) -> Self {
+        let column = || Vec::with_capacity(samples);
+        let record = || CartRecord { station: column(), speed: column(), forces: std::array::from_fn(|_| column()) };
+        Log {
+            records: (0..carts).map(|_| record()).collect(),
+            block: Vec::with_capacity(BLOCK * carts),
+            carts,
+            samples: 0,
+        }
+    }
+
+    fn sample(&mut self, chain: &Chain, filters: &Filters) {
+        for cart in 0..self.carts {
+            let own = &filters.packs[cart / PACK].out;
+            let leader = (cart + self.carts - 1) % self.carts;
+            let ahead = &filters.packs[leader / PACK].out;
+            let (lane, other) = (cart % PACK, leader % PACK);
+            self.block.push([
+                chain.forces.station[cart] as f32,
+                chain.forces.speed[cart] as f32,
+                own[0][lane] as f32,
+                own[1][lane] as f32,
+                own[2][lane] as f32,
+                own[3][lane] as f32,
+                ahead[4][other] as f32,
+                ahead[5][other] as f32,
+                ahead[6][other] as f32,
+            ]);
+        }
+        self.samples += 1;
+        if self.block.len() >= BLOCK * self.carts {
+            self.sort();
+        }
+    }
+
+    fn sort(&mut self) {
+        let stride = self.carts;
+        for (k, record) in self.records.iter_mut().enumerate() {
+            let rows = || self.block[k..].iter().step_by(stride);
+            record.station.extend(rows().map(|row| row[0]));
+            record.speed.extend(rows().map(|row| row[1]));
+            for (c, force) in record.forces.iter_mut().enumerate() {
+                force.extend(rows().map(|row| row[2 + c]));
+            }
+        }
+        self.block.clear();
+    }
+
+    fn finish(mut self) -> Vec<CartRecord> {
+        if !self.block.is_empty() {
+            self.sort();
+        }
+        self.records
+    }
+}

@@ -1,0 +1,156 @@
+//! A measured run made ready: gaps bridged, and every sample's place told from the trigger and the wheels.
+
+use super::summary::{FORCES, Samples};
+use crate::emit::simulation::Simulation;
+use crate::signal::gaps::bridge;
+use crate::signal::position::position;
+use crate::signal::{Channel, Run};
+
+/// The forces in the order of a record.
+pub const CHANNELS: [Channel; FORCES] = [
+    Channel::SteerLeft,
+    Channel::SteerRight,
+    Channel::RunLeft,
+    Channel::RunRight,
+    Channel::JointXi,
+    Channel::JointEta,
+    Channel::JointZeta,
+];
+
+/// How well the wheels tell the speed, as a share of it: their radii are known to no better.
+const WHEELS: f64 = 1e-4;
+
+/// A run whose samples have places.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Samples a second, Hz.
+    pub rate: f64,
+    /// Laps covered, whole and in part.
+    pub laps: f64,
+    /// Corner of the low-pass, Hz.
+    pub lowpass: f64,
+    /// Mean speed and its deviation, m/s; `None` when neither two edges of the trigger nor a wheel tell it.
+    pub speed: Option<(f64, f64)>,
+    /// Speed set and trigger's place by the sidecar.
+    pub nominal_speed: f64,
+    pub nominal_trigger: f64,
+    /// Samples left out of every residual, and those bridged.
+    pub masked: usize,
+    pub filled: usize,
+    /// Distance past the first edge of the trigger, m.
+    past: Vec<f32>,
+    speeds: Vec<f32>,
+    forces: [Vec<f32>; FORCES],
+}
+
+impl Measured {
+    /// Places the samples of a run on the layout's track.
+    ///
+    /// # Errors
+    ///
+    /// In words, when the run cannot be used: no force was measured, or the trigger never rises.
+    pub fn new(run: &Run, simulation: &Simulation, lap: f64) -> Result<Measured, String> {
+        if !CHANNELS.iter().any(|c| run.channels.contains_key(c)) {
+            return Err(format!("it has none of {}", CHANNELS.map(Channel::name).join(", ")));
+        }
+        let Some(place) = position(run, lap) else {
+            return Err("the trigger never rises, so no sample has a place on the track".into());
+        };
+        let (mut masked, mut filled) = (0, 0);
+        let mut channel = |channel: Channel| {
+            let samples = run.channels.get(&channel)?;
+            let bridged = bridge(&run.time, samples);
+            masked += bridged.masked.iter().filter(|m| **m).count();
+            filled += bridged.filled;
+            bridged.samples.iter().any(|x| !x.is_nan()).then_some(bridged.samples)
+        };
+        let forces = CHANNELS.map(|c| channel(c).unwrap_or_default());
+        let wheels = [
+            (Channel::WheelSpeedRunLeft, Channel::WheelSpeedRunRight, simulation.running_wheel.radius_m),
+            (Channel::WheelSpeedSteerLeft, Channel::WheelSpeedSteerRight, simulation.steering_wheel.radius_m),
+        ];
+        // A pair's mean is that of the front joint, in curves too.
+        let speeds = wheels.into_iter().find_map(|(left, right, radius)| {
+            let (left, right) = (channel(left)?, channel(right)?);
+            Some(left.iter().zip(&right).map(|(a, b)| 0.5 * (a + b) * radius).collect::<Vec<f64>>())
+        });
+        let past = match &speeds {
+            Some(speeds) => travelled(run, speeds, &place.edges, lap),
+            None => place.s.iter().map(|s| s - run.sidecar.trigger_position).collect(),
+        };
+        let duration = run.duration();
+        let speed = if let ([first, .., last], false) = (&place.edges[..], place.edges.len() < 2) {
+            let time = last - first;
+            Some((place.speed, place.speed * 1.5 / run.rate() / time))
+        } else {
+            speeds.as_ref().and_then(|speeds| {
+                let known: Vec<f64> = speeds.iter().copied().filter(|v| !v.is_nan()).collect();
+                let mean = known.iter().sum::<f64>() / known.len() as f64;
+                (mean > 0.0).then_some((mean, WHEELS * mean))
+            })
+        };
+        let narrow = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect::<Vec<f32>>();
+        Ok(Measured {
+            rate: run.rate(),
+            laps: duration * speed.map_or(place.speed, |s| s.0) / lap,
+            lowpass: run.sidecar.lowpass,
+            speed,
+            nominal_speed: run.sidecar.speed_setpoint,
+            nominal_trigger: run.sidecar.trigger_position,
+            masked,
+            filled,
+            past: narrow(past),
+            speeds: speeds.map(narrow).unwrap_or_default(),
+            forces: forces.map(narrow),
+        })
+    }
+
+    /// The samples; a summary's offset is the trigger's place.
+    pub fn samples(&self) -> Samples<'_> {
+        Samples {
+            station: &self.past,
+            speed: &self.speeds,
+            forces: std::array::from_fn(|k| self.forces[k].as_slice()),
+        }
+    }
+
+    /// Whether a force was measured.
+    pub fn has(&self, force: usize) -> bool {
+        !self.forces[force].is_empty()
+    }
+}
+
+/// Distance past the first edge by the wheels' speed, stretched so that a lap lies between two edges.
+fn travelled(run: &Run, speeds: &[f64], edges: &[f64], lap: f64) -> Vec<f64> {
+    let known: Vec<f64> = speeds.iter().copied().filter(|v| !v.is_nan()).collect();
+    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let mut path = Vec::with_capacity(speeds.len());
+    let mut s = 0.0;
+    for (i, v) in speeds.iter().enumerate() {
+        if i > 0 {
+            let (a, b) = (speeds[i - 1], *v);
+            let v = 0.5 * (if a.is_nan() { mean } else { a } + if b.is_nan() { mean } else { b });
+            s += v * (run.time[i] - run.time[i - 1]);
+        }
+        path.push(s);
+    }
+    // Distance by the wheels at each edge.
+    let at = |t: f64| {
+        let i = run.time.partition_point(|x| *x <= t).clamp(1, run.time.len() - 1);
+        let share = (t - run.time[i - 1]) / (run.time[i] - run.time[i - 1]);
+        path[i - 1] + share * (path[i] - path[i - 1])
+    };
+    let marks: Vec<f64> = edges.iter().map(|t| at(*t)).collect();
+    let (first, last) = (marks[0], marks[marks.len() - 1]);
+    let overall = if marks.len() > 1 { (marks.len() - 1) as f64 * lap / (last - first) } else { 1.0 };
+    path.iter()
+        .map(|&d| {
+            let k = marks.partition_point(|m| *m <= d);
+            match (k, marks.get(k)) {
+                (0, _) => (d - first) * overall,
+                (k, Some(next)) => (k - 1) as f64 * lap + lap * (d - marks[k - 1]) / (next - marks[k - 1]),
+                (_, None) => (marks.len() - 1) as f64 * lap + (d - last) * overall,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,143 @@
+//! The chain as a model of summaries: parameters in, features out.
+
+use super::measured::Measured;
+use super::parameter::{COUNT, Parameter};
+use super::places::Places;
+use super::summary::{FORCES, Recipe, Samples, Summary};
+use crate::dynamics::{self, CartRecord, Fleet, Method, Settled, Survey, Width};
+use crate::emit::simulation::{ContactLaw, Simulation};
+use crate::geometry::trig;
+use std::sync::Arc;
+
+/// A point of the parameters' space, in coordinates.
+pub type Coordinates = [f64; COUNT];
+
+/// Time before a survey is recorded, s, from the start and from a chain that has settled with nearly the same parameters: the
+/// waves along the chain that a start leaves die away slowly.
+const SETTLE: (f64, f64) = (40.0, 12.0);
+
+/// A layout's chain in one law, as it may have measured one run.
+#[derive(Clone)]
+pub struct Model {
+    pub simulation: Simulation,
+    pub law: ContactLaw,
+    pub nominal: [f64; COUNT],
+    pub bounds: [(f64, f64); COUNT],
+    pub recipe: Recipe,
+    pub width: Width,
+}
+
+/// How a point is simulated.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Plan<'a> {
+    /// Carts that pass each place while it is recorded.
+    pub passes: f64,
+    /// Logarithm of a factor on the floor of approach speeds.
+    pub floor: f64,
+    /// Largest step, s, when not the usual one.
+    pub step: Option<f64>,
+    pub from: Option<&'a Settled>,
+    /// Time before recording, s, when not the usual one.
+    pub settle: Option<f64>,
+}
+
+/// What a simulated point gives.
+pub struct Answer {
+    pub summary: Summary,
+    pub features: Vec<f64>,
+    /// m/s
+    pub speed: f64,
+}
+
+impl Model {
+    /// `simulation` with the nominal values of a run's sidecar.
+    pub fn new(simulation: &Simulation, law: ContactLaw, measured: &Measured, width: Width) -> Self {
+        let mut simulation = simulation.clone();
+        simulation.contact_law = law;
+        simulation.sensor.lowpass_hz = measured.lowpass;
+        simulation.sensor.rate_hz = measured.rate;
+        simulation.chain.speed_m_s = measured.nominal_speed;
+        simulation.sensor.photocell_s_m = measured.nominal_trigger;
+        let nominal = Parameter::ALL.map(|p| p.get(&simulation));
+        let places = Arc::new(Places::new(&simulation));
+        let pitch = places.lap / simulation.chain.carts as f64;
+        let passing = measured.speed.map_or(measured.nominal_speed, |s| s.0) / pitch;
+        Model {
+            nominal,
+            bounds: Parameter::ALL.map(|p| p.bounds(nominal[p.index()])),
+            recipe: Recipe::new(places, measured.rate, passing, measured.lowpass),
+            simulation,
+            law,
+            width,
+        }
+    }
+
+    pub fn value(&self, p: Parameter, at: &Coordinates) -> f64 {
+        p.value(self.law, at[p.index()], self.bounds[p.index()])
+    }
+
+    pub fn coordinate(&self, p: Parameter, value: f64) -> f64 {
+        p.coordinate(self.law, value)
+    }
+
+    /// Bounds in the coordinate, lower first.
+    pub fn range(&self, p: Parameter) -> (f64, f64) {
+        let (a, b) = self.bounds[p.index()];
+        let (a, b) = (self.coordinate(p, a), self.coordinate(p, b));
+        (a.min(b), a.max(b))
+    }
+
+    /// The simulation input of a point.
+    pub fn input(&self, at: &Coordinates) -> Simulation {
+        let mut simulation = self.simulation.clone();
+        for p in Parameter::ALL {
+            p.set(&mut simulation, self.value(p, at));
+        }
+        simulation
+    }
+
+    /// Simulates a point.
+    pub fn survey(&self, at: &Coordinates, plan: &Plan) -> Option<Fleet> {
+        let mut simulation = self.input(at);
+        simulation.joint.approach_floor_m_s *= trig::exp(plan.floor);
+        let pitch = self.recipe.places.lap / simulation.chain.carts as f64;
+        let survey = Survey {
+            settle: plan.settle.unwrap_or(if plan.from.is_some() { SETTLE.1 } else { SETTLE.0 }),
+            duration: plan.passes * pitch / simulation.chain.speed_m_s,
+            step: plan.step,
+            method: Method::Verlet,
+            front: 0.0,
+        };
+        dynamics::survey(&simulation, &survey, plan.from, self.width).ok().filter(|fleet| fleet.trouble.is_none())
+    }
+
+    /// The usual largest step at a point, s.
+    pub fn step(&self, at: &Coordinates) -> Option<f64> {
+        dynamics::Model::new(&self.input(at)).ok().map(|model| model.largest_step())
+    }
+
+    /// The features of a fleet, moved along the track by `offset`, m.
+    pub fn answer(&self, fleet: &Fleet, offset: f64, noise: u64) -> Answer {
+        let mut summary = Summary::new(&self.recipe.places);
+        for (k, cart) in fleet.carts.iter().enumerate() {
+            summary.add(&self.recipe, &samples(cart), offset, Some(noise.wrapping_add(k as u64)));
+        }
+        Answer { features: summary.features(1.0), speed: summary.mean_speed().unwrap_or(f64::NAN), summary }
+    }
+
+    /// Each cart's own summary.
+    pub fn each(&self, fleet: &Fleet, noise: u64) -> Vec<Summary> {
+        let one = |(k, cart): (usize, &CartRecord)| {
+            let mut summary = Summary::new(&self.recipe.places);
+            summary.add(&self.recipe, &samples(cart), 0.0, Some(noise.wrapping_add(k as u64)));
+            summary
+        };
+        fleet.carts.iter().enumerate().map(one).collect()
+    }
+}
+
+/// A cart's record as samples.
+pub fn samples(cart: &CartRecord) -> Samples<'_> {
+    let forces: [&[f32]; FORCES] = std::array::from_fn(|k| cart.forces[k].as_slice());
+    Samples { station: &cart.station, speed: &cart.speed, forces }
+}

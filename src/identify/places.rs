@@ -1,0 +1,87 @@
+//! Where on the track features are taken: cells of two carts' length for means, and straights and curves for the rest.
+
+use crate::emit::simulation::Simulation;
+use crate::geometry::{CentreLine, Form};
+
+/// What the track does at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Straight,
+    Left,
+    Right,
+    /// A vertical curve.
+    Vertical,
+}
+
+/// A piece of track long enough for statistics of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zone {
+    /// Arc length, m.
+    pub from: f64,
+    pub to: f64,
+    pub kind: Kind,
+}
+
+/// The places of a track.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Places {
+    /// m
+    pub lap: f64,
+    /// Cells of two pitches, as nearly as a whole number of them fills the lap: within one, what repeats with each cart
+    /// cancels.
+    pub cells: usize,
+    pub zones: Vec<Zone>,
+    /// Zone of each of [`Places::fine`] equal parts of the lap.
+    zone_of: Vec<u16>,
+}
+
+/// A zone is at least so many carts long.
+const LEAST: f64 = 2.0;
+
+/// Parts of a cell of which the zone is looked up.
+const FINE: usize = 16;
+
+impl Places {
+    pub fn new(simulation: &Simulation) -> Self {
+        let line = simulation.track.centre_line();
+        let (lap, pitch) = (line.length, line.length / simulation.chain.carts as f64);
+        let cells = ((lap / (2.0 * pitch)).round() as usize).max(1);
+        let zones = zones(&line, LEAST * pitch);
+        let fine = cells * FINE;
+        let middle = |k: usize| (k as f64 + 0.5) * lap / fine as f64;
+        let holds = |s: f64| zones.iter().position(|z| z.from <= s && s < z.to).unwrap_or(0) as u16;
+        Places { lap, cells, zone_of: (0..fine).map(|k| holds(middle(k))).collect(), zones }
+    }
+
+    /// Parts of the lap that a sample may be in: [`Places::cell`] and [`Places::zone`] take them.
+    pub fn fine(&self) -> usize {
+        self.zone_of.len()
+    }
+
+    pub fn cell(fine: usize) -> usize {
+        fine / FINE
+    }
+
+    pub fn zone(&self, fine: usize) -> usize {
+        self.zone_of[fine] as usize
+    }
+}
+
+/// The pieces of the centre line; short ones belong to the one before.
+fn zones(line: &CentreLine, least: f64) -> Vec<Zone> {
+    let mut zones: Vec<Zone> = Vec::new();
+    for piece in &line.stretches {
+        let kind = match piece.form {
+            Form::Straight { .. } => Kind::Straight,
+            Form::Vertical { .. } => Kind::Vertical,
+            Form::Arc { turn, .. } | Form::Spiral { turn, .. } if turn > 0.0 => Kind::Left,
+            Form::Arc { .. } | Form::Spiral { .. } => Kind::Right,
+        };
+        let to = piece.s + piece.length;
+        match zones.last_mut() {
+            Some(last) if last.kind == kind || piece.length < least => last.to = to,
+            _ => zones.push(Zone { from: piece.s, to, kind }),
+        }
+    }
+    zones
+}

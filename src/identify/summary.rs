@@ -1,0 +1,362 @@
+//! What a lap amounts to, in numbers that two honest simulations of it share.
+//!
+//! The motion is chaotic, so samples are not compared at the same instant. Compared are means over the passing of two carts at
+//! each place of the track, the spread within each straight and curve, how often forces are low or high, and the power in
+//! bands around the passing of carts. All are sums over samples, so laps and carts add up.
+
+use super::places::{Kind, Places};
+use crate::geometry::trig;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+/// Forces that a sensor cart measures, in the order of a record.
+pub const FORCES: usize = 7;
+
+/// Thresholds a force is held against in each kind of place.
+pub const THRESHOLDS: usize = 3;
+
+/// Kinds of place with thresholds of their own: straights (also those that climb), left curves, right curves.
+const KINDS: usize = 3;
+
+/// Samples that are averaged before they are held against a threshold: 40 ms at 500 Hz.
+const BLOCK_S: f64 = 0.04;
+
+/// Length of a spectrum's segment, s.
+const SEGMENT_S: f64 = 4.0;
+
+/// Edges of the bands, in passings of a cart.
+const EDGES: [f64; 9] = [0.3, 0.7, 1.3, 1.7, 2.3, 4.0, 9.0, 20.0, 60.0];
+
+/// Bands of power.
+pub const BANDS: usize = EDGES.len() - 1;
+
+/// Bands of the chain's speed: the first ones.
+const SPEED_BANDS: usize = 3;
+
+/// Samples of one cart: NaN is lost. `speed` may be empty.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples<'a> {
+    /// Arc length, m; any lap's.
+    pub station: &'a [f32],
+    pub speed: &'a [f32],
+    pub forces: [&'a [f32]; FORCES],
+}
+
+/// How samples become a summary; the same for a measured run and every simulation of it.
+#[derive(Clone)]
+pub struct Recipe {
+    pub places: Arc<Places>,
+    /// Samples a second, Hz.
+    pub rate: f64,
+    /// Passings of a cart a second, Hz.
+    pub passing: f64,
+    /// Of each kind of place and force, N.
+    pub thresholds: [[[f32; THRESHOLDS]; FORCES]; KINDS],
+    /// Deviation of white noise that a simulated sensor needs to measure as the real one, N.
+    pub noise: [f32; FORCES],
+    segment: usize,
+    block: usize,
+    window: Arc<Vec<f32>>,
+    plan: Arc<dyn RealToComplex<f32>>,
+    /// Lines of each band, and of the band above the low-pass in which noise shows.
+    bands: [(usize, usize); BANDS],
+    high: (usize, usize),
+}
+
+impl Recipe {
+    pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64) -> Self {
+        let segment = ((SEGMENT_S * rate).round() as usize).max(16).next_power_of_two();
+        let line = |hz: f64| ((hz * segment as f64 / rate).round() as usize).clamp(1, segment / 2);
+        let bands = std::array::from_fn(|k| {
+            let top = 0.45 * rate;
+            (line((EDGES[k] * passing).min(top)), line((EDGES[k + 1] * passing).min(top)))
+        });
+        // Where the low-pass leaves a fifth or less of the forces.
+        let high = if 2.0 * lowpass < 0.46 * rate { (line(0.4 * rate), line(0.49 * rate)) } else { (0, 0) };
+        let window: Vec<f32> = (0..segment)
+            .map(|i| (0.5 - 0.5 * trig::cos(trig::TAU * i as f64 / segment as f64)) as f32)
+            .collect();
+        Recipe {
+            places,
+            rate,
+            passing,
+            thresholds: Default::default(),
+            noise: [0.0; FORCES],
+            segment,
+            block: ((BLOCK_S * rate).round() as usize).max(1),
+            window: Arc::new(window),
+            plan: RealFftPlanner::<f32>::new().plan_fft_forward(segment),
+            bands,
+            high,
+        }
+    }
+
+    /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means.
+    pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
+        let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
+        self.blocks(samples, offset, |kind, force, mean| found[kind * FORCES + force].push(mean));
+        for (k, means) in found.iter_mut().enumerate() {
+            means.sort_by(f32::total_cmp);
+            for (t, share) in [0.1, 0.5, 0.9].into_iter().enumerate() {
+                let at = (share * means.len() as f64) as usize;
+                self.thresholds[k / FORCES][k % FORCES][t] = means.get(at).copied().unwrap_or(0.0);
+            }
+        }
+    }
+
+    /// Means of blocks of samples that lie in one zone, with the kind of place.
+    fn blocks(&self, samples: &Samples, offset: f64, mut take: impl FnMut(usize, usize, f32)) {
+        let places = &self.places;
+        for begin in (0..samples.station.len()).step_by(self.block) {
+            let end = begin + self.block;
+            let Some(station) = samples.station.get(begin..end) else { break };
+            let zone = |s: f32| places.zone(fine(places, s, offset));
+            let first = zone(station[0]);
+            if zone(station[self.block - 1]) != first {
+                continue;
+            }
+            let kind = match places.zones[first].kind {
+                Kind::Straight | Kind::Vertical => 0,
+                Kind::Left => 1,
+                Kind::Right => 2,
+            };
+            for (force, values) in samples.forces.iter().enumerate() {
+                if let Some(values) = values.get(begin..end) {
+                    let mean = values.iter().sum::<f32>() / self.block as f32;
+                    if !mean.is_nan() {
+                        take(kind, force, mean);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Part of the lap in which a station lies.
+fn fine(places: &Places, station: f32, offset: f64) -> usize {
+    let share = (f64::from(station) + offset) / places.lap;
+    let fine = ((share - share.floor()) * places.fine() as f64) as usize;
+    fine.min(places.fine() - 1)
+}
+
+/// Sums over samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    cells: Vec<[(f64, f64); FORCES]>,
+    zones: Vec<[[f64; 3]; FORCES]>,
+    below: [[[f64; THRESHOLDS + 1]; FORCES]; KINDS],
+    power: [[f64; BANDS]; FORCES],
+    high: [f64; FORCES],
+    segments: [f64; FORCES],
+    speed_power: [f64; SPEED_BANDS],
+    speed_segments: f64,
+    speed: (f64, f64),
+}
+
+/// A group of features of one kind and force, which share what the model may miss.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Block {
+    /// Means along the track.
+    Mean(usize),
+    /// Deviation within straights and curves.
+    Spread(usize),
+    /// Shares below thresholds.
+    Share(usize),
+    /// Power in bands.
+    Power(usize),
+    /// Power in bands of the chain's speed.
+    SpeedPower,
+    /// Mean speed.
+    Speed,
+}
+
+impl Summary {
+    pub fn new(places: &Places) -> Self {
+        Summary {
+            cells: vec![[(0.0, 0.0); FORCES]; places.cells],
+            zones: vec![[[0.0; 3]; FORCES]; places.zones.len()],
+            below: Default::default(),
+            power: Default::default(),
+            high: Default::default(),
+            segments: Default::default(),
+            speed_power: Default::default(),
+            speed_segments: 0.0,
+            speed: (0.0, 0.0),
+        }
+    }
+
+    /// Adds a cart's samples, moved along the track by `offset`, m. `noise` picks the white noise that is added to them.
+    pub fn add(&mut self, recipe: &Recipe, samples: &Samples, offset: f64, noise: Option<u64>) {
+        let noisy: Vec<Vec<f32>>;
+        let mut samples = *samples;
+        if let Some(seed) = noise.filter(|_| recipe.noise.iter().any(|n| *n > 0.0)) {
+            noisy = samples
+                .forces
+                .iter()
+                .enumerate()
+                .map(|(k, force)| super::noise::noisy(force, recipe.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64)))
+                .collect();
+            samples.forces = std::array::from_fn(|k| noisy[k].as_slice());
+        }
+        self.add_places(recipe, &samples, offset);
+        recipe.blocks(&samples, offset, |kind, force, mean| {
+            let below = &mut self.below[kind][force];
+            for (count, threshold) in below.iter_mut().zip(recipe.thresholds[kind][force]) {
+                *count += if mean < threshold { 1.0 } else { 0.0 };
+            }
+            below[THRESHOLDS] += 1.0;
+        });
+        self.add_spectra(recipe, &samples);
+    }
+
+    /// Adds to the sums by place alone.
+    pub fn add_places(&mut self, recipe: &Recipe, samples: &Samples, offset: f64) {
+        let places = &recipe.places;
+        let parts: Vec<u32> = samples.station.iter().map(|s| fine(places, *s, offset) as u32).collect();
+        for (force, values) in samples.forces.iter().enumerate() {
+            // Runs of samples in the same part of the lap, which lies in one cell and one zone.
+            let mut begin = 0;
+            while begin < values.len().min(parts.len()) {
+                let part = parts[begin];
+                let (mut n, mut sum, mut squares) = (0.0, 0.0, 0.0);
+                while begin < values.len().min(parts.len()) && parts[begin] == part {
+                    let x = f64::from(values[begin]);
+                    if !x.is_nan() {
+                        n += 1.0;
+                        sum += x;
+                        squares += x * x;
+                    }
+                    begin += 1;
+                }
+                let cell = &mut self.cells[Places::cell(part as usize)][force];
+                cell.0 += n;
+                cell.1 += sum;
+                let zone = &mut self.zones[places.zone(part as usize)][force];
+                zone[0] += n;
+                zone[1] += sum;
+                zone[2] += squares;
+            }
+        }
+        for v in samples.speed.iter().filter(|v| !v.is_nan()) {
+            self.speed.0 += 1.0;
+            self.speed.1 += f64::from(*v);
+        }
+    }
+
+    fn add_spectra(&mut self, recipe: &Recipe, samples: &Samples) {
+        let n = recipe.segment;
+        let mut lines = recipe.plan.make_output_vec();
+        let mut scratch = recipe.plan.make_scratch_vec();
+        let mut input = vec![0.0_f32; n];
+        let scale = 8.0 / 3.0 / (n as f64 * n as f64);
+        let mut spectrum = |part: &[f32]| -> Option<Vec<f64>> {
+            let mean = part.iter().sum::<f32>() / n as f32;
+            if mean.is_nan() {
+                return None;
+            }
+            for ((x, y), w) in input.iter_mut().zip(part).zip(recipe.window.iter()) {
+                *x = (y - mean) * w;
+            }
+            recipe.plan.process_with_scratch(&mut input, &mut lines, &mut scratch).ok()?;
+            // One-sided power in each line, so that the sum is the variance.
+            Some(lines.iter().map(|c| 2.0 * scale * f64::from(c.norm_sqr())).collect())
+        };
+        for (force, values) in samples.forces.iter().enumerate() {
+            for begin in (0..values.len()).step_by(n / 2) {
+                let Some(power) = values.get(begin..begin + n).and_then(&mut spectrum) else { continue };
+                for (sum, (from, to)) in self.power[force].iter_mut().zip(recipe.bands) {
+                    *sum += power[from..to].iter().sum::<f64>();
+                }
+                self.high[force] += power[recipe.high.0..recipe.high.1].iter().sum::<f64>();
+                self.segments[force] += 1.0;
+            }
+        }
+        for begin in (0..samples.speed.len()).step_by(n / 2) {
+            let Some(power) = samples.speed.get(begin..begin + n).and_then(&mut spectrum) else { continue };
+            for (sum, (from, to)) in self.speed_power.iter_mut().zip(recipe.bands) {
+                *sum += power[from..to].iter().sum::<f64>();
+            }
+            self.speed_segments += 1.0;
+        }
+    }
+
+    /// Adds another summary of the same recipe.
+    pub fn merge(&mut self, other: &Summary) {
+        for (a, b) in self.cells.iter_mut().flatten().zip(other.cells.iter().flatten()) {
+            *a = (a.0 + b.0, a.1 + b.1);
+        }
+        let add = |a: &mut f64, b: &f64| *a += b;
+        let pairs = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| add(a, b));
+        for (a, b) in self.zones.iter_mut().flatten().zip(other.zones.iter().flatten()) {
+            pairs(a, b);
+        }
+        for (a, b) in self.below.iter_mut().flatten().zip(other.below.iter().flatten()) {
+            pairs(a, b);
+        }
+        for (a, b) in self.power.iter_mut().zip(&other.power) {
+            pairs(a, b);
+        }
+        pairs(&mut self.high, &other.high);
+        pairs(&mut self.segments, &other.segments);
+        pairs(&mut self.speed_power, &other.speed_power);
+        self.speed_segments += other.speed_segments;
+        self.speed = (self.speed.0 + other.speed.0, self.speed.1 + other.speed.1);
+    }
+
+    /// Variance of what lies above the low-pass, and the share of white noise that does.
+    pub fn high_power(&self, recipe: &Recipe) -> ([f64; FORCES], f64) {
+        let share = 2.0 * (recipe.high.1 - recipe.high.0) as f64 / recipe.segment as f64;
+        (std::array::from_fn(|k| self.high[k] / self.segments[k].max(1.0)), share)
+    }
+
+    /// Mean speed, m/s.
+    pub fn mean_speed(&self) -> Option<f64> {
+        (self.speed.0 > 0.0).then(|| self.speed.1 / self.speed.0)
+    }
+
+    /// Mean of a force over all samples, N.
+    pub fn mean(&self, force: usize) -> Option<f64> {
+        let (n, sum) = self.cells.iter().fold((0.0, 0.0), |a, c| (a.0 + c[force].0, a.1 + c[force].1));
+        (n > 0.0).then(|| sum / n)
+    }
+
+    /// The features, each with its block; NaN where there are too few samples. `least` is how many make a cell's mean. All
+    /// but the mean speed, which is measured otherwise.
+    pub fn features(&self, least: f64) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
+        for force in 0..FORCES {
+            out.extend(self.cells.iter().map(|c| if c[force].0 >= least { c[force].1 / c[force].0 } else { f64::NAN }));
+        }
+        for force in 0..FORCES {
+            out.extend(self.zones.iter().map(|z| {
+                let [n, sum, squares] = z[force];
+                let variance = squares / n - sum / n * (sum / n);
+                if n >= least && variance > 0.0 { 0.5 * trig::ln(variance) } else { f64::NAN }
+            }));
+        }
+        for force in 0..FORCES {
+            for kind in &self.below {
+                let count = kind[force][THRESHOLDS];
+                let share = |n: &f64| if count >= 20.0 { n / count } else { f64::NAN };
+                out.extend(kind[force][..THRESHOLDS].iter().map(share));
+            }
+        }
+        let power = |sum: f64, n: f64| if n > 0.0 && sum > 0.0 { 0.5 * trig::ln(sum / n) } else { f64::NAN };
+        for force in 0..FORCES {
+            out.extend(self.power[force].iter().map(|p| power(*p, self.segments[force])));
+        }
+        out.extend(self.speed_power.iter().map(|p| power(*p, self.speed_segments)));
+        out
+    }
+
+    /// The block of each feature.
+    pub fn blocks(places: &Places) -> Vec<Block> {
+        let mut out = Vec::new();
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Mean(f); places.cells]));
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Spread(f); places.zones.len()]));
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Share(f); KINDS * THRESHOLDS]));
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Power(f); BANDS]));
+        out.extend(vec![Block::SpeedPower; SPEED_BANDS]);
+        out
+    }
+}
