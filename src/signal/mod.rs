@@ -14,6 +14,7 @@
 //! assert_eq!(measures::statistics(&run.channels[&Channel::JointXi]).unwrap().mean, 409.5);
 //! ```
 
+pub mod campaign;
 mod channel;
 pub mod compare;
 pub mod csv;
@@ -21,6 +22,7 @@ mod digits;
 mod error;
 pub mod filter;
 pub mod gaps;
+mod keys;
 pub mod measures;
 pub mod order;
 pub mod parquet;
@@ -31,6 +33,7 @@ mod sidecar;
 pub mod spectrum;
 mod supports;
 
+pub use campaign::{Campaign, Entry};
 pub use channel::Channel;
 pub use error::{Place, Problem, RunError};
 pub use run::{Run, sidecar_path};

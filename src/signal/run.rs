@@ -29,15 +29,7 @@ impl Run {
             Some("parquet") => parquet::read(std::fs::File::open(path).map_err(unreadable)?, path)?,
             _ => return Err(error(Problem::UnknownFormat)),
         };
-        let beside = sidecar_path(path);
-        let sidecar = match std::fs::read(&beside) {
-            Ok(bytes) => Sidecar::read(&bytes, &beside)?,
-            Err(why) if why.kind() == std::io::ErrorKind::NotFound => {
-                return Err(error(Problem::MissingSidecar(beside)));
-            }
-            Err(why) => return Err(RunError::new(&beside, Problem::Unreadable(why.to_string()))),
-        };
-        let run = Run { time, channels, sidecar };
+        let run = Run { time, channels, sidecar: Sidecar::beside(path)? };
         let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);
         // Times are decimal numbers, so a rate of exactly twice the low-pass may come out a bit lower.
         if rate_hz < 2.0 * lowpass_hz * (1.0 - 1e-9) {
@@ -100,6 +92,11 @@ impl Run {
 /// The sidecar beside a data file: `run-01.toml` for `run-01.csv`.
 pub fn sidecar_path(data: &Path) -> PathBuf {
     data.with_extension("toml")
+}
+
+/// Whether a path ends as data files do.
+pub(super) fn is_data(path: &Path) -> bool {
+    path.extension().is_some_and(|e| ["csv", "parquet", "mf4"].iter().any(|data| e == *data))
 }
 
 /// The channel of a column, which is not among those `taken`.
