@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     pub file: PathBuf,
-    /// In text, the line of the file, with the header as row 1; in Parquet, the number of the sample from 1.
+    /// In text, the line of the file, with the header as row 1; in Parquet and MDF4, the number of the sample from 1.
     pub row: Option<usize>,
     /// Column of the data, or key of the sidecar.
     pub column: Option<String>,
@@ -75,6 +75,11 @@ pub enum Problem {
     NoRuns,
     /// A channel of MDF4 that was sampled at other times than the rest.
     OtherTimeBase,
+    /// A channel of MDF4 in another unit than this format's.
+    OtherUnit {
+        expected: &'static str,
+        found: String,
+    },
     /// Sampled at less than twice the low-pass: what was measured cannot be told from its alias.
     Undersampled {
         rate_hz: f64,
@@ -154,6 +159,7 @@ impl RunError {
                     .to_owned()
             }
             Problem::OtherTimeBase => "export all channels with one rate, on one time base".to_owned(),
+            Problem::OtherUnit { expected, .. } => format!("export it in {expected}"),
             Problem::Undersampled { lowpass_hz, .. } => {
                 format!("sample at {} Hz or more, or give the low-pass that was used", 2.0 * lowpass_hz)
             }
@@ -200,6 +206,7 @@ impl fmt::Display for Problem {
             Problem::DuplicateRun(other) => write!(f, "the run has the same name as {}", other.display()),
             Problem::NoRuns => write!(f, "the campaign has no runs"),
             Problem::OtherTimeBase => write!(f, "the channel is written in a group with another time base"),
+            Problem::OtherUnit { expected, found } => write!(f, "the unit is {found}, not {expected}"),
             Problem::Undersampled { rate_hz, lowpass_hz } => {
                 write!(f, "sampled at {rate_hz:.1} Hz, less than twice the low-pass of {lowpass_hz} Hz")
             }

@@ -1,6 +1,7 @@
 //! Runs, measured or simulated, and what is read from them.
 //!
-//! A [`Run`] is one data file and one sidecar; [`csv`] and [`parquet`] write and read it, [`gaps`] bridges lost samples
+//! A [`Run`] is one data file and one sidecar; [`csv`] and [`parquet`] write and read it, [`mdf4`]
+//! reads it too, and a [`Campaign`] lists many. [`gaps`] bridges lost samples
 //! and [`position`] turns time into places on the track. The rest are plain functions over slices: [`filter`]s,
 //! [`measures`], [`spectrum`] and [`order`] spectra, [`rainflow`] counts. [`compare`] puts two runs side by side.
 //!
@@ -23,6 +24,7 @@ mod error;
 pub mod filter;
 pub mod gaps;
 mod keys;
+pub mod mdf4;
 pub mod measures;
 pub mod order;
 pub mod parquet;

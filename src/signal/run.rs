@@ -1,6 +1,6 @@
 //! A run: samples in columns over time, and its sidecar.
 
-use super::{Channel, Problem, RunError, Sidecar, csv, parquet, position};
+use super::{Channel, Problem, RunError, Sidecar, csv, mdf4, parquet, position};
 use crate::emit::number;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Reads `path`, which ends in `.csv` or `.parquet`, and the `.toml` beside it.
+    /// Reads `path`, which ends in `.csv`, `.parquet` or `.mf4`, and the `.toml` beside it.
     ///
     /// # Errors
     ///
@@ -26,6 +26,7 @@ impl Run {
         let unreadable = |why: std::io::Error| error(Problem::Unreadable(why.to_string()));
         let (time, channels) = match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => csv::read(&std::fs::read(path).map_err(unreadable)?, path)?,
+            Some("mf4") => mdf4::read(&std::fs::read(path).map_err(unreadable)?, path)?,
             Some("parquet") => parquet::read(std::fs::File::open(path).map_err(unreadable)?, path)?,
             _ => return Err(error(Problem::UnknownFormat)),
         };
