@@ -23,6 +23,7 @@ mod digits;
 mod error;
 pub mod filter;
 pub mod gaps;
+pub mod health;
 mod keys;
 pub mod mdf4;
 pub mod measures;

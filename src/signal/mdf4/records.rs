@@ -185,7 +185,8 @@ fn number(bytes: &[u8], field: &Field) -> f64 {
     let join = |bits: u128, &b: &u8| bits << 8 | u128::from(b);
     // Odd kinds are big-endian.
     let bits =
-        if field.number % 2 == 0 { bytes.iter().rev().fold(0, join) } else { bytes.iter().fold(0, join) } >> field.bit;
+        if field.number.is_multiple_of(2) { bytes.iter().rev().fold(0, join) } else { bytes.iter().fold(0, join) }
+            >> field.bit;
     let bits = (bits as u64) << (64 - field.bits);
     match field.number {
         0 | 1 => (bits >> (64 - field.bits)) as f64,
