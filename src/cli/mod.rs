@@ -8,6 +8,7 @@ mod compare;
 mod explain;
 mod fmt;
 mod generate;
+mod identify;
 mod new;
 mod progress;
 mod read;
@@ -34,6 +35,7 @@ enum Verb {
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Runs(runs::Runs),
+    Identify(identify::Identify),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
@@ -77,6 +79,7 @@ pub fn main() -> ExitCode {
         Verb::Simulate(verb) => verb.run(),
         Verb::Compare(verb) => verb.run(),
         Verb::Runs(verb) => verb.run(),
+        Verb::Identify(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),
