@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn a_folder_alone_is_a_campaign_of_the_runs_with_sidecars() {
         let files =
-            [("b.csv", ""), ("b.toml", SIDECAR), ("a.mf4", ""), ("a.toml", SIDECAR), ("bill.csv", ""), ("n.txt", "")];
+            [("b.csv", ""), ("b.toml", SIDECAR), ("a.MF4", ""), ("a.toml", SIDECAR), ("bill.csv", ""), ("n.txt", "")];
         let at = folder(&files);
         let campaign = Campaign::read(at.path()).expect("a campaign");
         assert_eq!(campaign.runs.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);

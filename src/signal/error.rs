@@ -115,7 +115,7 @@ impl RunError {
             Problem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
             Problem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
                 Some("toml") => "write it as TOML in UTF-8: lines of key = value, text in quotes".to_owned(),
-                Some("mf4") => "export the file again as MDF 4.x, finalised and sorted, or as CSV".to_owned(),
+                Some("mf4" | "MF4") => "export the file again as MDF 4.x, finalised and sorted, or as CSV".to_owned(),
                 _ => "write the file again as CSV in UTF-8, or as Parquet with snappy or no compression".to_owned(),
             },
             Problem::NoTime => "begin the header with `time`, and separate columns by commas".to_owned(),

@@ -24,7 +24,7 @@ impl Run {
     pub fn read(path: &Path) -> Result<Run, RunError> {
         let error = |problem| RunError::new(path, problem);
         let unreadable = |why: std::io::Error| error(Problem::Unreadable(why.to_string()));
-        let (time, channels) = match path.extension().and_then(|e| e.to_str()) {
+        let (time, channels) = match ending(path).as_deref() {
             Some("csv") => csv::read(&std::fs::read(path).map_err(unreadable)?, path)?,
             Some("mf4") => mdf4::read(&std::fs::read(path).map_err(unreadable)?, path)?,
             Some("parquet") => parquet::read(std::fs::File::open(path).map_err(unreadable)?, path)?,
@@ -97,7 +97,12 @@ pub fn sidecar_path(data: &Path) -> PathBuf {
 
 /// Whether a path ends as data files do.
 pub(super) fn is_data(path: &Path) -> bool {
-    path.extension().is_some_and(|e| ["csv", "parquet", "mf4"].iter().any(|data| e == *data))
+    ending(path).is_some_and(|e| ["csv", "parquet", "mf4"].contains(&&*e))
+}
+
+/// How a path ends, in small letters: measuring systems write `.MF4`.
+fn ending(path: &Path) -> Option<String> {
+    path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)
 }
 
 /// The channel of a column, which is not among those `taken`.
