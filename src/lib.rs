@@ -15,6 +15,8 @@
 //!
 //! [`signal`] judges runs, measured or simulated: files, filters, spectra, load cycles, deviations.
 //!
+//! [`identify`] finds the parameters of the model that measurements speak for.
+//!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod cli;

@@ -119,7 +119,7 @@ fn mistakes_end_in_a_sentence() {
         ),
         (&["slow.csv", "a.csv"], "error: slow.csv: sampled at 10.0 Hz, less than twice the low-pass of 100 Hz\n", 1),
         (&["a.csv", "text.csv"], "error: text.csv, row 3, `steer_left`: `two` is not a number\n", 1),
-        (&["a.toml", "a.csv"], "error: a.toml: is neither CSV nor Parquet\n  help: name a data file", 1),
+        (&["a.toml", "a.csv"], "error: a.toml: is none of CSV, Parquet and MDF4\n  help: name a data file", 1),
         (&["a.csv", "b.parquet", "--lap", "0m"], "error: invalid value '0m' for '--lap <LENGTH>'", 2),
     ];
     for (arguments, expected, expected_code) in cases {

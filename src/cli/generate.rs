@@ -32,8 +32,10 @@ impl Man {
         let mut command = Cli::command();
         command.build();
         let mut files = Files::default();
-        let verbs = command.get_subcommands().cloned().collect::<Vec<_>>();
-        for page in std::iter::once(command).chain(verbs) {
+        let mut pages = vec![command];
+        while let Some(page) = pages.pop() {
+            // Verbs may have verbs of their own; those of `help` are all of them once more.
+            pages.extend(page.get_subcommands().filter(|verb| verb.get_name() != "help").cloned());
             let name = page.get_display_name().unwrap_or(page.get_name()).to_owned();
             let mut text = Vec::new();
             if let Err(why) = clap_mangen::Man::new(page).render(&mut text) {

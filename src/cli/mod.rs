@@ -8,10 +8,12 @@ mod compare;
 mod explain;
 mod fmt;
 mod generate;
+mod identify;
 mod new;
 mod progress;
 mod read;
 mod report;
+mod runs;
 mod simulate;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -32,6 +34,8 @@ enum Verb {
     Check(check::Check),
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
+    Runs(runs::Runs),
+    Identify(identify::Identify),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
@@ -74,6 +78,8 @@ pub fn main() -> ExitCode {
         Verb::Check(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Compare(verb) => verb.run(),
+        Verb::Runs(verb) => verb.run(),
+        Verb::Identify(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),

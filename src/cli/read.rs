@@ -1,10 +1,12 @@
-//! The way from a file to one checked layout that can be built, shared by the verbs that need one.
+//! The way from a file to one checked layout that can be built, or on to the input of its simulation, shared by the verbs
+//! that need one.
 
 use super::check::{Opened, open};
-use super::{MessageFormat, Outcome, could_not, report};
+use super::{MessageFormat, Outcome, build, could_not, report};
 use crate::diagnostic::Diagnostic;
+use crate::emit::simulation::Simulation;
 use crate::model::Layout;
-use crate::semantics::analyse;
+use crate::semantics::{analyse, unsupported};
 use crate::source::SourceMap;
 use std::path::Path;
 
@@ -34,6 +36,30 @@ pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Re
             }
             Err(tell(&sources, &said, format))
         }
+    }
+}
+
+/// The simulation input that a `.json` is, or that a layout builds.
+pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Simulation, Outcome> {
+    if file.extension().is_some_and(|e| e == "json") {
+        let bytes = std::fs::read(file).map_err(|why| could_not("read", file, why))?;
+        return serde_json::from_slice(&bytes).map_err(|why| {
+            report::error(&format!("{} is not a simulation input: {why}", file.display()));
+            Outcome::Problems
+        });
+    }
+    let Read { sources, layout, mut said } = read(file, name, format)?;
+    said.extend(unsupported(&layout));
+    if said.iter().any(Diagnostic::is_error) {
+        return Err(tell(&sources, &said, format));
+    }
+    let compiled = build::solve_quietly(&layout);
+    said.extend(crate::solve::diagnose(&compiled.stages));
+    // The bill does not matter here.
+    said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
+    match tell(&sources, &said, format) {
+        Outcome::Clean => Ok(Simulation::new(&compiled)),
+        failed => Err(failed),
     }
 }
 

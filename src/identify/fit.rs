@@ -28,6 +28,9 @@ impl Default for Settings {
     }
 }
 
+/// What the floor of approach speeds is divided by, as the logarithm of a factor.
+pub const FLOOR_SCALE: f64 = 0.35;
+
 /// Steps at most.
 const STEPS: usize = 5;
 
@@ -405,7 +408,7 @@ impl Fitter<'_> {
     ) -> (Information, DMatrix<f64>) {
         let rows: Vec<usize> = (0..self.blocks.len()).filter(|k| residuals.of[*k].is_finite()).collect();
         let last = slopes.slopes.nrows() - 1;
-        let reach = |j: usize| Parameter::ALL.get(j).map_or(0.35, |p| p.reach());
+        let reach = |j: usize| Parameter::ALL.get(j).map_or(FLOOR_SCALE, |p| p.reach());
         let laps = self.measured.laps.max(0.02);
         let spread: Vec<f64> = rows
             .iter()

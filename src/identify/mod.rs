@@ -1,17 +1,32 @@
-//! Identification: the chain model's parameters from measured laps (thesis §2.4).
+//! Identification: the chain model's parameters from measured laps, as the thesis' §2.4 has it.
+//!
+//! [`Measured`] makes a run ready; [`fit`](fit::fit) finds the parameters of one run in one damping law; [`study`] goes over the runs
+//! of a campaign and all laws; [`share`] combines runs. [`stiffness`] is the static test of a joint.
+//!
+//! The motion is chaotic, so laps are compared by what two honest laps share (`summary`), weighted by how far apart
+//! such laps are (`floor`). Slopes come from designs of simulations rather than from single differences (`design`, `local`), and
+//! what the run and the prior together say is a normal distribution within bounds (`posterior`).
 
 mod design;
 pub mod fit;
-pub mod floor;
-pub mod local;
+mod floor;
+mod local;
 mod measured;
-pub mod model;
+mod model;
 pub mod noise;
 mod parameter;
 mod places;
-pub mod posterior;
-pub mod summary;
+mod posterior;
+pub mod share;
+pub mod static_test;
+pub mod stiffness;
+pub mod student;
+pub mod study;
+mod summary;
+mod words;
 
 pub use fit::{Fit, Settings};
 pub use measured::{CHANNELS, Measured};
+pub use model::{Coordinates, Model};
 pub use parameter::{COUNT, Parameter, damping, restitution};
+pub use posterior::interval;

@@ -166,8 +166,6 @@ pub enum Block {
     Power(usize),
     /// Power in bands of the chain's speed.
     SpeedPower,
-    /// Mean speed.
-    Speed,
 }
 
 impl Summary {

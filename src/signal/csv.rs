@@ -83,7 +83,7 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
 }
 
 /// The line on which a record begins: its position is where the one before ended, and empty lines are passed over.
-fn line(bytes: &[u8], position: &::csv::Position) -> usize {
+pub(crate) fn line(bytes: &[u8], position: &::csv::Position) -> usize {
     let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
     let empty = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n')).filter(|&&b| b == b'\n').count();
     position.line() as usize + empty

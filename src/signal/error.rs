@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     pub file: PathBuf,
-    /// In text, the line of the file, with the header as row 1; in Parquet, the number of the sample from 1.
+    /// In text, the line of the file, with the header as row 1; in Parquet and MDF4, the number of the sample from 1.
     pub row: Option<usize>,
     /// Column of the data, or key of the sidecar.
     pub column: Option<String>,
@@ -27,9 +27,9 @@ pub struct RunError {
 pub enum Problem {
     /// The file cannot be opened; the reason.
     Unreadable(String),
-    /// Neither `.csv` nor `.parquet`.
+    /// None of `.csv`, `.parquet` and `.mf4`.
     UnknownFormat,
-    /// Not text in UTF-8, or not Parquet that can be read; the reason.
+    /// Not text in UTF-8, or not Parquet, MDF4 or TOML that can be read; the reason.
     Malformed(String),
     /// The first column is not `time`.
     NoTime,
@@ -57,11 +57,28 @@ pub enum Problem {
     },
     /// There is no sidecar of this name.
     MissingSidecar(PathBuf),
-    /// The sidecar lacks a key.
+    /// The sidecar or campaign lacks a key.
     MissingKey,
-    /// The sidecar's value is not what the key takes.
+    /// The value is not what the key takes.
     WrongValue {
         expected: &'static str,
+    },
+    /// A key that a campaign does not have; those it has.
+    UnknownKey {
+        known: &'static [&'static str],
+    },
+    /// A run of the campaign whose data file is not there.
+    MissingRun(PathBuf),
+    /// A run of the same name as another one, which is this.
+    DuplicateRun(PathBuf),
+    /// A campaign without runs.
+    NoRuns,
+    /// A channel of MDF4 that was sampled at other times than the rest.
+    OtherTimeBase,
+    /// A channel of MDF4 in another unit than this format's.
+    OtherUnit {
+        expected: &'static str,
+        found: String,
     },
     /// Sampled at less than twice the low-pass: what was measured cannot be told from its alias.
     Undersampled {
@@ -95,10 +112,12 @@ impl RunError {
         let column = self.place.column.as_deref().unwrap_or_default();
         match &self.problem {
             Problem::Unreadable(_) => "check the path and its permissions".to_owned(),
-            Problem::UnknownFormat => "name a data file that ends in .csv or .parquet".to_owned(),
-            Problem::Malformed(_) => {
-                "write the file again as CSV in UTF-8, or as Parquet with snappy or no compression".to_owned()
-            }
+            Problem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
+            Problem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
+                Some("toml") => "write it as TOML in UTF-8: lines of key = value, text in quotes".to_owned(),
+                Some("mf4" | "MF4") => "export the file again as MDF 4.x, finalised and sorted, or as CSV".to_owned(),
+                _ => "write the file again as CSV in UTF-8, or as Parquet with snappy or no compression".to_owned(),
+            },
             Problem::NoTime => "begin the header with `time`, and separate columns by commas".to_owned(),
             Problem::UnknownColumn => match nearest(column, Channel::ALL.map(Channel::name)) {
                 Some(name) => format!("did you mean `{name}`?"),
@@ -120,12 +139,27 @@ impl RunError {
             Problem::MissingKey => match column {
                 "layout" => "add layout = \"FILE.lss\", the path of the layout or of its simulation.json".to_owned(),
                 "sensor_cart" => "add sensor_cart = K, the number of the cart that carries the sensors".to_owned(),
+                "file" => "add file = \"run-01.csv\", the path of the run's data".to_owned(),
                 "laps" => "add laps = N, the number of laps that were recorded".to_owned(),
                 "lowpass" => "add lowpass = HZ, the corner of the second-order low-pass before sampling".to_owned(),
                 "speed_setpoint" => "add speed_setpoint = V, in m/s".to_owned(),
                 _ => "add trigger_position = S, the metres along the track from its start to the photocell".to_owned(),
             },
             Problem::WrongValue { .. } => "change the value".to_owned(),
+            Problem::UnknownKey { known } => match nearest(column, known.iter().copied()) {
+                Some(name) => format!("did you mean `{name}`?"),
+                None => format!("remove it; keys are {}", known.join(", ")),
+            },
+            Problem::MissingRun(_) => "paths are seen from the campaign's folder".to_owned(),
+            Problem::DuplicateRun(_) => {
+                "a run is known by its file's name without the ending: rename one of the two".to_owned()
+            }
+            Problem::NoRuns => {
+                "add [[run]] with file = \"run-01.csv\" to campaign.toml, or put data files with their sidecars into the folder"
+                    .to_owned()
+            }
+            Problem::OtherTimeBase => "export all channels with one rate, on one time base".to_owned(),
+            Problem::OtherUnit { expected, .. } => format!("export it in {expected}"),
             Problem::Undersampled { lowpass_hz, .. } => {
                 format!("sample at {} Hz or more, or give the low-pass that was used", 2.0 * lowpass_hz)
             }
@@ -150,7 +184,7 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Problem::Unreadable(why) => write!(f, "cannot be read: {why}"),
-            Problem::UnknownFormat => write!(f, "is neither CSV nor Parquet"),
+            Problem::UnknownFormat => write!(f, "is none of CSV, Parquet and MDF4"),
             Problem::Malformed(why) => write!(f, "is malformed: {why}"),
             Problem::NoTime => write!(f, "the first column is not `time`"),
             Problem::UnknownColumn => write!(f, "there is no such column"),
@@ -167,6 +201,12 @@ impl fmt::Display for Problem {
             Problem::MissingSidecar(path) => write!(f, "there is no sidecar {}", path.display()),
             Problem::MissingKey => write!(f, "the key is missing"),
             Problem::WrongValue { expected } => write!(f, "the value is not {expected}"),
+            Problem::UnknownKey { .. } => write!(f, "there is no such key"),
+            Problem::MissingRun(path) => write!(f, "there is no file {}", path.display()),
+            Problem::DuplicateRun(other) => write!(f, "the run has the same name as {}", other.display()),
+            Problem::NoRuns => write!(f, "the campaign has no runs"),
+            Problem::OtherTimeBase => write!(f, "the channel is written in a group with another time base"),
+            Problem::OtherUnit { expected, found } => write!(f, "the unit is {found}, not {expected}"),
             Problem::Undersampled { rate_hz, lowpass_hz } => {
                 write!(f, "sampled at {rate_hz:.1} Hz, less than twice the low-pass of {lowpass_hz} Hz")
             }

@@ -1,6 +1,7 @@
 //! Runs, measured or simulated, and what is read from them.
 //!
-//! A [`Run`] is one data file and one sidecar; [`csv`] and [`parquet`] write and read it, [`gaps`] bridges lost samples
+//! A [`Run`] is one data file and one sidecar; [`csv`] and [`parquet`] write and read it, [`mdf4`]
+//! reads it too, and a [`Campaign`] lists many. [`gaps`] bridges lost samples
 //! and [`position`] turns time into places on the track. The rest are plain functions over slices: [`filter`]s,
 //! [`measures`], [`spectrum`] and [`order`] spectra, [`rainflow`] counts. [`compare`] puts two runs side by side.
 //!
@@ -14,6 +15,7 @@
 //! assert_eq!(measures::statistics(&run.channels[&Channel::JointXi]).unwrap().mean, 409.5);
 //! ```
 
+pub mod campaign;
 mod channel;
 pub mod compare;
 pub mod csv;
@@ -21,6 +23,9 @@ mod digits;
 mod error;
 pub mod filter;
 pub mod gaps;
+pub mod health;
+mod keys;
+pub mod mdf4;
 pub mod measures;
 pub mod order;
 pub mod parquet;
@@ -31,6 +36,7 @@ mod sidecar;
 pub mod spectrum;
 mod supports;
 
+pub use campaign::{Campaign, Entry};
 pub use channel::Channel;
 pub use error::{Place, Problem, RunError};
 pub use run::{Run, sidecar_path};

@@ -35,7 +35,7 @@ impl Position {
 /// at the mean speed. An edge is midway between the last 0 and the first 1. `None` without an edge, or for a lap that has
 /// no length.
 pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
-    let edges = rising(&run.time, run.channels.get(&Channel::Trigger)?);
+    let edges = edges(run);
     let (&first, &last) = (edges.first()?, edges.last()?);
     let laps = (edges.len() - 1) as f64;
     let speed = if laps > 0.0 { laps * lap_length / (last - first) } else { run.sidecar.speed_setpoint };
@@ -59,18 +59,18 @@ pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
 
 /// Mean time of a lap between the first and the last of two or more edges, s.
 pub fn lap_time(run: &Run) -> Option<f64> {
-    let edges = rising(&run.time, run.channels.get(&Channel::Trigger)?);
+    let edges = edges(run);
     match edges[..] {
         [first, .., last] => Some((last - first) / (edges.len() - 1) as f64),
         _ => None,
     }
 }
 
-/// Times between a 0 and the next 1, lost samples aside.
-fn rising(time: &[f64], trigger: &[f64]) -> Vec<f64> {
+/// Times of the trigger's rising edges, midway between a 0 and the next 1, lost samples aside, s.
+pub fn edges(run: &Run) -> Vec<f64> {
     let mut edges = Vec::new();
     let mut low = None;
-    for (&t, &x) in time.iter().zip(trigger) {
+    for (&t, &x) in run.time.iter().zip(run.channels.get(&Channel::Trigger).into_iter().flatten()) {
         if x == 0.0 {
             low = Some(t);
         } else if x == 1.0

@@ -1,6 +1,6 @@
 //! A run: samples in columns over time, and its sidecar.
 
-use super::{Channel, Problem, RunError, Sidecar, csv, parquet, position};
+use super::{Channel, Problem, RunError, Sidecar, csv, mdf4, parquet, position};
 use crate::emit::number;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Reads `path`, which ends in `.csv` or `.parquet`, and the `.toml` beside it.
+    /// Reads `path`, which ends in `.csv`, `.parquet` or `.mf4`, and the `.toml` beside it.
     ///
     /// # Errors
     ///
@@ -24,20 +24,13 @@ impl Run {
     pub fn read(path: &Path) -> Result<Run, RunError> {
         let error = |problem| RunError::new(path, problem);
         let unreadable = |why: std::io::Error| error(Problem::Unreadable(why.to_string()));
-        let (time, channels) = match path.extension().and_then(|e| e.to_str()) {
+        let (time, channels) = match ending(path).as_deref() {
             Some("csv") => csv::read(&std::fs::read(path).map_err(unreadable)?, path)?,
+            Some("mf4") => mdf4::read(&std::fs::read(path).map_err(unreadable)?, path)?,
             Some("parquet") => parquet::read(std::fs::File::open(path).map_err(unreadable)?, path)?,
             _ => return Err(error(Problem::UnknownFormat)),
         };
-        let beside = sidecar_path(path);
-        let sidecar = match std::fs::read(&beside) {
-            Ok(bytes) => Sidecar::read(&bytes, &beside)?,
-            Err(why) if why.kind() == std::io::ErrorKind::NotFound => {
-                return Err(error(Problem::MissingSidecar(beside)));
-            }
-            Err(why) => return Err(RunError::new(&beside, Problem::Unreadable(why.to_string()))),
-        };
-        let run = Run { time, channels, sidecar };
+        let run = Run { time, channels, sidecar: Sidecar::beside(path)? };
         let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);
         // Times are decimal numbers, so a rate of exactly twice the low-pass may come out a bit lower.
         if rate_hz < 2.0 * lowpass_hz * (1.0 - 1e-9) {
@@ -100,6 +93,16 @@ impl Run {
 /// The sidecar beside a data file: `run-01.toml` for `run-01.csv`.
 pub fn sidecar_path(data: &Path) -> PathBuf {
     data.with_extension("toml")
+}
+
+/// Whether a path ends as data files do.
+pub(super) fn is_data(path: &Path) -> bool {
+    ending(path).is_some_and(|e| ["csv", "parquet", "mf4"].contains(&&*e))
+}
+
+/// How a path ends, in small letters: measuring systems write `.MF4`.
+fn ending(path: &Path) -> Option<String> {
+    path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)
 }
 
 /// The channel of a column, which is not among those `taken`.

@@ -1,10 +1,12 @@
 //! The sidecar: what stands beside the data, in TOML.
 
-use super::{Problem, RunError};
+use super::keys::{self, Text};
+use super::{Problem, RunError, sidecar_path};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
-use toml::{Spanned, Value};
+use toml::Value;
 
 /// What is known about a run beside its samples. The values are nominal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -42,6 +44,20 @@ impl Sidecar {
         toml::to_string(self).unwrap_or_default().into_bytes()
     }
 
+    /// Reads the sidecar of a data file.
+    ///
+    /// # Errors
+    ///
+    /// [`Problem::MissingSidecar`] of the data file; of the sidecar, [`Problem::Unreadable`] and those of [`Sidecar::read`].
+    pub fn beside(data: &Path) -> Result<Sidecar, RunError> {
+        let file = sidecar_path(data);
+        match std::fs::read(&file) {
+            Ok(bytes) => Sidecar::read(&bytes, &file),
+            Err(why) if why.kind() == ErrorKind::NotFound => Err(RunError::new(data, Problem::MissingSidecar(file))),
+            Err(why) => Err(RunError::new(&file, Problem::Unreadable(why.to_string()))),
+        }
+    }
+
     /// Reads TOML; `file` is named in errors.
     ///
     /// # Errors
@@ -49,61 +65,18 @@ impl Sidecar {
     /// [`Problem::Malformed`] for text that is no TOML, [`Problem::MissingKey`] and [`Problem::WrongValue`] with the key
     /// and its line.
     pub fn read(bytes: &[u8], file: &Path) -> Result<Sidecar, RunError> {
-        let malformed = |why: String| RunError::new(file, Problem::Malformed(why));
-        let text = std::str::from_utf8(bytes).map_err(|why| malformed(why.to_string()))?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let line = |byte: usize| 1 + text.bytes().take(byte).filter(|&b| b == b'\n').count();
-        let keys: BTreeMap<String, Spanned<Value>> = toml::from_str(text).map_err(|why| {
-            let error = malformed(why.message().to_owned());
-            match why.span() {
-                Some(span) => error.row(line(span.start)),
-                None => error,
-            }
-        })?;
-        let mut reader = Reader { keys, file, line: &line };
+        let text = Text::new(bytes, file)?;
+        let mut reader = text.reader(text.parse()?);
         Ok(Sidecar {
-            layout: reader.take("layout", "a path", |v| v.as_str().map(str::to_owned))?,
-            sensor_cart: reader.take("sensor_cart", "a whole number from 1", |v| whole(v).filter(|&n| n > 0))?,
-            speed_setpoint: reader.take("speed_setpoint", "a speed above 0", |v| number(v).filter(|&x| x > 0.0))?,
-            trigger_position: reader.take("trigger_position", "a number", number)?,
-            lowpass: reader.take("lowpass", "a frequency above 0", |v| number(v).filter(|&x| x > 0.0))?,
-            laps: reader.take("laps", "a whole number", whole)?,
-            notes: reader.keys.into_iter().map(|(key, value)| (key, value.into_inner())).collect(),
+            layout: reader.take("layout", "a path", keys::text)?,
+            sensor_cart: reader.take("sensor_cart", "a whole number from 1", |v| keys::whole(v).filter(|&n| n > 0))?,
+            speed_setpoint: reader.take("speed_setpoint", "a speed above 0", keys::positive)?,
+            trigger_position: reader.take("trigger_position", "a number", keys::number)?,
+            lowpass: reader.take("lowpass", "a frequency above 0", keys::positive)?,
+            laps: reader.take("laps", "a whole number", keys::whole)?,
+            notes: reader.rest(),
         })
     }
-}
-
-struct Reader<'a, L> {
-    keys: BTreeMap<String, Spanned<Value>>,
-    file: &'a Path,
-    line: &'a L,
-}
-
-impl<L: Fn(usize) -> usize> Reader<'_, L> {
-    fn take<T>(
-        &mut self,
-        key: &str,
-        expected: &'static str,
-        read: impl Fn(&Value) -> Option<T>,
-    ) -> Result<T, RunError> {
-        let error = |problem| RunError::new(self.file, problem).column(key);
-        let value = self.keys.remove(key).ok_or_else(|| error(Problem::MissingKey))?;
-        read(value.get_ref())
-            .ok_or_else(|| error(Problem::WrongValue { expected }).row((self.line)(value.span().start)))
-    }
-}
-
-fn number(value: &Value) -> Option<f64> {
-    let number = match value {
-        Value::Integer(n) => *n as f64,
-        Value::Float(x) => *x,
-        _ => return None,
-    };
-    number.is_finite().then_some(number)
-}
-
-fn whole(value: &Value) -> Option<usize> {
-    value.as_integer().and_then(|n| usize::try_from(n).ok())
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// (NRMSD), and by 0.0 to 0.3 % in the mean over two carts.
 #[derive(Debug, clap::Args)]
 pub struct Compare {
-    /// The reference: a data file, .csv or .parquet, with its sidecar .toml beside it.
+    /// The reference: a data file, .csv, .parquet or .mf4, with its sidecar .toml beside it.
     run_a: PathBuf,
     /// The run that is compared with it.
     run_b: PathBuf,

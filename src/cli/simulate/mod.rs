@@ -3,13 +3,10 @@
 mod progress;
 mod report;
 
-use super::read::{Read, read, tell};
-use super::{MessageFormat, Outcome, build, could_not};
-use crate::diagnostic::Diagnostic;
+use super::{MessageFormat, Outcome, could_not, read};
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::emit::simulation::{ContactLaw, Simulation};
-use crate::emit::{Compiled, Files, json, lap};
-use crate::semantics::unsupported;
+use crate::emit::{Files, json, lap};
 use crate::signal::{csv, parquet};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
@@ -86,7 +83,9 @@ enum Format {
 
 impl Simulate {
     pub fn run(&self) -> Outcome {
-        let simulation = match self.input().and_then(|input| self.changed(&input)) {
+        let simulation = match read::simulation(&self.file, self.layout.as_deref(), self.message_format)
+            .and_then(|input| self.changed(&input))
+        {
             Ok(simulation) => simulation,
             Err(outcome) => return outcome,
         };
@@ -142,30 +141,6 @@ impl Simulate {
                 eprintln!("  {kept} samples recorded before are kept");
                 Outcome::Problems
             }
-        }
-    }
-
-    /// The simulation input that FILE is or builds.
-    fn input(&self) -> Result<Simulation, Outcome> {
-        if self.file.extension().is_some_and(|e| e == "json") {
-            let bytes = std::fs::read(&self.file).map_err(|why| could_not("read", &self.file, why))?;
-            return serde_json::from_slice(&bytes).map_err(|why| {
-                super::report::error(&format!("{} is not a simulation input: {why}", self.file.display()));
-                Outcome::Problems
-            });
-        }
-        let Read { sources, layout, mut said } = read(&self.file, self.layout.as_deref(), self.message_format)?;
-        said.extend(unsupported(&layout));
-        if said.iter().any(Diagnostic::is_error) {
-            return Err(tell(&sources, &said, self.message_format));
-        }
-        let compiled: Compiled = build::solve_quietly(&layout);
-        said.extend(crate::solve::diagnose(&compiled.stages));
-        // The bill does not matter here.
-        said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
-        match tell(&sources, &said, self.message_format) {
-            Outcome::Clean => Ok(Simulation::new(&compiled)),
-            failed => Err(failed),
         }
     }
 

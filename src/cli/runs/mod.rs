@@ -1,0 +1,182 @@
+//! `lss runs`: a campaign at a glance.
+
+mod table;
+
+use super::{MessageFormat, Outcome, read, report};
+use crate::emit::simulation::Simulation;
+use crate::signal::health::{Health, health};
+use crate::signal::measures::Statistics;
+use crate::signal::{Campaign, Entry, Run, RunError};
+use clap::ValueEnum;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Show a campaign of runs at a glance: laps, lost samples, levels, speeds, and channels that look wrong.
+///
+/// FOLDER holds a campaign.toml, or data files with their sidecars. Laps, speeds and sides need the layout of a run: its
+/// simulation.json is read, its .lss is built. A run that cannot be read does not hide the others; the exit code is 1 then.
+#[derive(Debug, clap::Args)]
+pub struct Runs {
+    /// Folder of a campaign, its campaign.toml, or a single data file.
+    folder: PathBuf,
+    /// Layout of all runs, .lss or simulation.json, instead of those that campaign and sidecars name.
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
+    /// How the runs are written to standard output.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+enum Format {
+    #[default]
+    Text,
+    Json,
+}
+
+/// The campaign in JSON.
+#[derive(Serialize)]
+struct Report {
+    runs: Vec<Glance>,
+    refused: Vec<Refused>,
+}
+
+/// A run at a glance.
+#[derive(Serialize)]
+struct Glance {
+    name: String,
+    file: String,
+    layout: String,
+    samples: usize,
+    rate_hz: f64,
+    duration_s: f64,
+    laps: Option<f64>,
+    edges: usize,
+    lost: usize,
+    bridged: usize,
+    masked: usize,
+    speed_trigger: Option<f64>,
+    speed_wheels: Option<f64>,
+    channels: BTreeMap<&'static str, Level>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Level {
+    mean: f64,
+    sd: f64,
+    min: f64,
+    max: f64,
+}
+
+/// A run that cannot be read.
+#[derive(Serialize)]
+struct Refused {
+    name: String,
+    file: String,
+    error: String,
+}
+
+impl Runs {
+    pub fn run(&self) -> Outcome {
+        let (campaign, refused) = match Campaign::survey(&self.folder) {
+            Ok(found) => found,
+            Err(error) => {
+                report::error(&error.to_string());
+                return if error.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems };
+            }
+        };
+        let mut refused: Vec<Refused> = refused.iter().map(|r| Refused::new(&r.name, &r.file, &r.error)).collect();
+        let mut runs = Vec::new();
+        let mut layouts = Layouts::default();
+        for entry in &campaign.runs {
+            match Run::read(&entry.file) {
+                Ok(run) => {
+                    let path = self.layout.as_deref().unwrap_or(&entry.layout);
+                    let (layout, trouble) = layouts.get(path);
+                    let mut health = health(&run, layout);
+                    health.warnings.extend(trouble);
+                    runs.push(Glance::new(entry, path, health));
+                }
+                Err(error) => refused.push(Refused::new(&entry.name, &entry.file, &error)),
+            }
+        }
+        for refused in &refused {
+            report::error(&refused.error);
+        }
+        let outcome = if refused.is_empty() && !layouts.broken { Outcome::Clean } else { Outcome::Problems };
+        let report = Report { runs, refused };
+        report::print(&match self.format {
+            Format::Text => table::text(&report),
+            Format::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
+        });
+        outcome
+    }
+}
+
+/// The layouts that were read, each once.
+#[derive(Default)]
+struct Layouts {
+    read: BTreeMap<PathBuf, Result<Simulation, String>>,
+    /// Whether one that is there is wrong.
+    broken: bool,
+}
+
+impl Layouts {
+    /// The layout at a path, or what cannot be told without it.
+    fn get(&mut self, path: &Path) -> (Option<&Simulation>, Option<String>) {
+        if !self.read.contains_key(path) {
+            let read = if path.is_file() {
+                read::simulation(path, None, MessageFormat::Text).map_err(|_| {
+                    self.broken = true;
+                    format!("the layout {} cannot be used", path.display())
+                })
+            } else {
+                Err(format!("the layout {} is not there", path.display()))
+            };
+            self.read.insert(path.to_owned(), read);
+        }
+        match self.read.get(path) {
+            Some(Ok(layout)) => (Some(layout), None),
+            Some(Err(why)) => {
+                (None, Some(format!("{why}: laps, speeds and sides cannot be told; give it with --layout")))
+            }
+            None => (None, None),
+        }
+    }
+}
+
+impl Glance {
+    fn new(entry: &Entry, layout: &Path, health: Health) -> Self {
+        Glance {
+            name: entry.name.clone(),
+            file: entry.file.display().to_string(),
+            layout: layout.display().to_string(),
+            samples: health.samples,
+            rate_hz: health.rate,
+            duration_s: health.duration,
+            laps: health.laps,
+            edges: health.edges,
+            lost: health.lost,
+            bridged: health.bridged,
+            masked: health.masked,
+            speed_trigger: health.speed_trigger,
+            speed_wheels: health.speed_wheels,
+            channels: health.channels.iter().map(|(c, level)| (c.name(), Level::new(level))).collect(),
+            warnings: health.warnings,
+        }
+    }
+}
+
+impl Level {
+    fn new(of: &Statistics) -> Self {
+        Level { mean: of.mean, sd: of.sd, min: of.min, max: of.max }
+    }
+}
+
+impl Refused {
+    fn new(name: &str, file: &Path, error: &RunError) -> Self {
+        Refused { name: name.to_owned(), file: file.display().to_string(), error: error.to_string() }
+    }
+}

@@ -1,0 +1,322 @@
+//! A study: every run of a campaign fitted in every law that is asked for.
+//!
+//! Six of the laws are the same model in other coordinates, so what one law's fit found is carried over through its damping χ, and
+//! only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is another model.
+
+use super::fit::{Fit, Settings, fit};
+use super::measured::{CHANNELS, Measured};
+use super::model::{Coordinates, Model};
+use super::parameter::{COUNT, Parameter, damping};
+use super::posterior::{Information, correlations, interval};
+use super::summary::{Block, FORCES};
+use super::words::identifiability;
+use crate::dynamics::law::achieved_restitution;
+use crate::dynamics::{self, Plan, Width};
+use crate::emit::number::tidy;
+use crate::emit::simulation::{ContactLaw, Simulation};
+use crate::signal::compare::{Scale, compare};
+use crate::signal::{Channel, Run};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Share of the posterior that an interval holds.
+pub const CONFIDENCE: f64 = 0.9;
+
+/// A run with the chain that is thought to have made it.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    pub name: String,
+    pub run: Run,
+    pub simulation: Simulation,
+}
+
+/// A fitted parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    pub value: f64,
+    /// The 90 % interval.
+    pub low: f64,
+    pub high: f64,
+    pub at_bound: bool,
+    /// Whether it was fitted; otherwise the nominal value, or one shared by all runs.
+    pub fitted: bool,
+}
+
+/// A run's fit in one law, as files keep it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fitted {
+    pub run: String,
+    pub law: ContactLaw,
+    /// Of everything that the fit depends on.
+    pub key: String,
+    /// Of another law, when it was not fitted anew but carried over through χ.
+    pub carried_from: Option<ContactLaw>,
+    /// Residuals over the floor, root mean square: 1 is as near as two honest laps are.
+    pub objective: f64,
+    pub parameters: BTreeMap<String, Estimate>,
+    /// χ of the restitutions (Kelvin-Voigt: ζ), and what a free impact achieves with it.
+    pub damping: BTreeMap<String, f64>,
+    pub achieved: BTreeMap<String, f64>,
+    /// Of a simulated lap with these parameters: root mean square difference over the measured range (thesis §2.3).
+    pub nrmsd: BTreeMap<String, f64>,
+    /// The same of moving means over two carts.
+    pub nrmsd_two_carts: BTreeMap<String, f64>,
+    /// What the run can tell, in words.
+    pub identifiability: Vec<String>,
+    /// Blocks of features whose residuals are far over the floor: what the model misses, or an effect it lacks.
+    pub misfits: BTreeMap<String, f64>,
+    /// Of the sensors' white noise, N.
+    pub noise: BTreeMap<String, f64>,
+    pub laps: f64,
+    /// Samples bridged and left out.
+    pub filled: usize,
+    pub masked: usize,
+    pub steps: usize,
+    pub simulations: usize,
+    /// Coordinates, and row by row their covariance, the run's own information, and where that pulls.
+    pub coordinates: Vec<f64>,
+    pub covariance: Vec<f64>,
+    pub information: Vec<f64>,
+    pub pull: Vec<f64>,
+}
+
+impl Fitted {
+    /// The fit as a combination of runs needs it.
+    pub fn fit(&self) -> Fit {
+        let square = |x: &[f64]| DMatrix::from_row_slice(COUNT, COUNT, x);
+        Fit {
+            at: self.at(),
+            covariance: square(&self.covariance),
+            bound: vec![0; COUNT],
+            objective: self.objective,
+            blocks: BTreeMap::new(),
+            information: DMatrix::zeros(0, 0),
+            own: Information { matrix: square(&self.information), pull: DVector::from_row_slice(&self.pull) },
+            steps: self.steps,
+            simulations: self.simulations,
+            noise: [0.0; FORCES],
+        }
+    }
+
+    pub fn at(&self) -> Coordinates {
+        std::array::from_fn(|k| self.coordinates.get(k).copied().unwrap_or(0.0))
+    }
+
+    /// Whether what stands in a file is whole.
+    pub fn is_whole(&self) -> bool {
+        let square = COUNT * COUNT;
+        [self.coordinates.len(), self.covariance.len(), self.information.len(), self.pull.len()]
+            == [COUNT, square, square, COUNT]
+    }
+
+    /// Correlations of the parameters.
+    pub fn correlations(&self) -> DMatrix<f64> {
+        correlations(&DMatrix::from_row_slice(COUNT, COUNT, &self.covariance))
+    }
+
+    /// The simulation input with the fitted values.
+    pub fn input(&self, subject: &Subject) -> Simulation {
+        let mut simulation = subject.simulation.clone();
+        simulation.contact_law = self.law;
+        for p in Parameter::ALL {
+            if let Some(estimate) = self.parameters.get(p.name()) {
+                p.set(&mut simulation, estimate.value);
+            }
+        }
+        simulation
+    }
+}
+
+/// What everything a fit depends on hashes to (Fowler, Noll and Vo's FNV-1a, 64 bits).
+pub fn key(subject: &Subject, law: ContactLaw, settings: &Settings, held: &str) -> String {
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut take = |bytes: &[u8]| {
+        for byte in bytes {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    take(&crate::emit::json::to_json(&subject.simulation));
+    take(&subject.run.sidecar.write());
+    subject.run.time.iter().for_each(|t| take(&t.to_le_bytes()));
+    for (channel, samples) in &subject.run.channels {
+        take(channel.name().as_bytes());
+        samples.iter().for_each(|x| take(&x.to_le_bytes()));
+    }
+    take(format!("{law:?} {:?} {} {held} {}", settings.free, settings.seed, env!("CARGO_PKG_VERSION")).as_bytes());
+    format!("{hash:016x}")
+}
+
+/// Fits a run in a law; `start` is the fit to begin from, whose values what is not free keeps.
+///
+/// # Errors
+///
+/// In words, when the run cannot be used or its chain cannot be simulated.
+pub fn fit_run(
+    subject: &Subject,
+    law: ContactLaw,
+    start: Option<(ContactLaw, &Coordinates)>,
+    settings: &Settings,
+    width: Width,
+    key: String,
+) -> Result<Fitted, String> {
+    let lap = subject.simulation.track.centre_line().length;
+    let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
+    let mut model = Model::new(&subject.simulation, law, &measured, width);
+    let start = start.map(|(from, at)| carried(&model, from, at));
+    let found = fit(&mut model, &measured, start, settings)?;
+    Ok(fitted(subject, &model, &measured, &found, settings, key))
+}
+
+/// Carries a fit over to another law of the same model. `None` where a restitution would be beyond its bounds, or to or from
+/// Kelvin and Voigt's.
+pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Settings, width: Width) -> Option<Fitted> {
+    let same = |law: ContactLaw| law != ContactLaw::KelvinVoigt;
+    if !same(law) || !same(from.law) {
+        return None;
+    }
+    let lap = subject.simulation.track.centre_line().length;
+    let measured = Measured::new(&subject.run, &subject.simulation, lap).ok()?;
+    let model = Model::new(&subject.simulation, law, &measured, width);
+    let at = from.at();
+    for p in Parameter::RESTITUTIONS {
+        let (low, high) = model.range(p);
+        let estimate = from.parameters.get(p.name())?;
+        if settings.free[p.index()] && (at[p.index()] < low || at[p.index()] > high || estimate.at_bound) {
+            return None;
+        }
+    }
+    let mut carried = from.clone();
+    carried.law = law;
+    carried.carried_from = Some(from.law);
+    carried.key = String::new();
+    let covariance = DMatrix::from_row_slice(COUNT, COUNT, &from.covariance);
+    (carried.parameters, carried.damping, carried.achieved) =
+        estimates(&model, &at, &covariance, &[0; COUNT], &settings.free);
+    Some(carried)
+}
+
+/// Coordinates in a law from those in another.
+fn carried(model: &Model, from: ContactLaw, at: &Coordinates) -> Coordinates {
+    let mut out = *at;
+    for p in Parameter::ALL {
+        if from != model.law && (from == ContactLaw::KelvinVoigt || model.law == ContactLaw::KelvinVoigt) && p.is_restitution() {
+            // By what a free impact achieves.
+            let value = p.value(from, at[p.index()], (1e-6, 1.0));
+            out[p.index()] = model.coordinate(p, achieved(from, value));
+        }
+        let (low, high) = model.range(p);
+        out[p.index()] = out[p.index()].clamp(low, high);
+    }
+    out
+}
+
+/// The restitution that a free impact really has.
+fn achieved(law: ContactLaw, e: f64) -> f64 {
+    if law == ContactLaw::KelvinVoigt { e } else { achieved_restitution(law.factor(e)) }
+}
+
+type Estimates = (BTreeMap<String, Estimate>, BTreeMap<String, f64>, BTreeMap<String, f64>);
+
+fn estimates(model: &Model, at: &Coordinates, covariance: &DMatrix<f64>, bound: &[i8], free: &[bool; COUNT]) -> Estimates {
+    let (mut parameters, mut factors, mut impacts) = Estimates::default();
+    for p in Parameter::ALL {
+        let k = p.index();
+        let range = model.range(p);
+        let (a, b) = interval(at[k], covariance[(k, k)].max(0.0).sqrt(), range, CONFIDENCE);
+        let value = |x: f64| tidy(model_value(model, p, x));
+        let (a, b) = (value(a), value(b));
+        let estimate = Estimate {
+            value: value(at[k]),
+            low: a.min(b),
+            high: a.max(b),
+            at_bound: bound[k] != 0 || at[k] <= range.0 || at[k] >= range.1,
+            fitted: free[k],
+        };
+        if p.is_restitution() {
+            factors.insert(p.name().to_owned(), tidy(damping(model.law, estimate.value)));
+            impacts.insert(p.name().to_owned(), tidy(achieved(model.law, estimate.value)));
+        }
+        parameters.insert(p.name().to_owned(), estimate);
+    }
+    (parameters, factors, impacts)
+}
+
+fn model_value(model: &Model, p: Parameter, coordinate: f64) -> f64 {
+    p.value(model.law, coordinate, model.bounds[p.index()])
+}
+
+fn fitted(
+    subject: &Subject,
+    model: &Model,
+    measured: &Measured,
+    found: &Fit,
+    settings: &Settings,
+    key: String,
+) -> Fitted {
+    let (parameters, damping, achieved) =
+        estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
+    let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
+    let names = |values: [f64; FORCES]| {
+        let all = CHANNELS.iter().zip(values).enumerate().filter(|(k, _)| measured.has(*k));
+        all.map(|(_, (c, x))| (c.name().to_owned(), tidy(x))).collect()
+    };
+    let rows = |m: &DMatrix<f64>| m.transpose().as_slice().iter().map(|x| tidy(*x)).collect::<Vec<f64>>();
+    let misfits = found.blocks.iter().filter(|(_, x)| **x > 2.0).map(|(block, x)| (block_name(*block), tidy(*x)));
+    let mut out = Fitted {
+        run: subject.name.clone(),
+        law: model.law,
+        key,
+        carried_from: None,
+        objective: tidy(found.objective),
+        parameters,
+        damping,
+        achieved,
+        nrmsd: BTreeMap::new(),
+        nrmsd_two_carts: BTreeMap::new(),
+        identifiability: identifiability(&found.information, &prior, super::fit::FLOOR_SCALE, &settings.free),
+        misfits: misfits.collect(),
+        noise: names(found.noise),
+        laps: tidy(measured.laps),
+        filled: measured.filled,
+        masked: measured.masked,
+        steps: found.steps,
+        simulations: found.simulations,
+        coordinates: found.at.to_vec(),
+        covariance: rows(&found.covariance),
+        information: rows(&found.own.matrix),
+        pull: found.own.pull.iter().map(|x| tidy(*x)).collect(),
+    };
+    let scale = Scale {
+        lap: Some(model.recipe.places.lap),
+        pitch: Some(model.recipe.places.lap / subject.simulation.chain.carts as f64),
+        exponent: 3.0,
+    };
+    if let Ok(lap) = dynamics::simulate(&out.input(subject), &Plan::default(), model.width, &mut |_| true) {
+        // The measured run with its trigger where the fit puts it.
+        let mut placed = subject.run.clone();
+        placed.sidecar.trigger_position = out.input(subject).sensor.photocell_s_m;
+        for (channel, deviation) in compare(&placed, &lap.run, &scale).into_iter().filter(|(c, _)| is_force(*c)) {
+            let name = channel.name().to_owned();
+            out.nrmsd.extend(deviation.nrmsd.map(|x| (name.clone(), tidy(x))));
+            out.nrmsd_two_carts.extend(deviation.nrmsd_two_carts.map(|x| (name, tidy(x))));
+        }
+    }
+    out
+}
+
+fn is_force(channel: Channel) -> bool {
+    CHANNELS.contains(&channel)
+}
+
+/// What a block of features is, in words.
+fn block_name(block: Block) -> String {
+    let of = |what: &str, force: usize| format!("{what} of {}", CHANNELS[force].name());
+    match block {
+        Block::Mean(k) => of("means along the track", k),
+        Block::Spread(k) => of("spread within curves and straights", k),
+        Block::Share(k) => of("distribution", k),
+        Block::Power(k) => of("spectrum", k),
+        Block::SpeedPower => "spectrum of the chain's speed".to_owned(),
+    }
+}

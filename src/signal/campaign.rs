@@ -1,0 +1,340 @@
+//! Campaigns: runs that belong together, listed in a `campaign.toml` or simply in one folder.
+//!
+//! ```toml
+//! layout = "reference.lss"      # of every run that names none
+//!
+//! [[run]]
+//! file = "run-01.csv"
+//! speed = 2.05                  # nominal, m/s
+//! tension = 1000                # nominal, N
+//! ```
+
+use super::keys::{self, Reader, Table, Text};
+use super::{Place, Problem, RunError, Sidecar, run, sidecar_path};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use toml::{Spanned, Value};
+
+/// Runs that belong together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Campaign {
+    pub folder: PathBuf,
+    /// As `campaign.toml` lists them; without it, by name.
+    pub runs: Vec<Entry>,
+    /// Channels that another machine declares for itself, name to unit. Such a campaign needs no layout.
+    pub channels: BTreeMap<String, String>,
+}
+
+/// A run of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The data file's name without its ending; no other run of the campaign has it.
+    pub name: String,
+    /// The data file.
+    pub file: PathBuf,
+    /// A `.lss` or a `simulation.json`, which need not exist: the entry's, else the campaign's, else that of the run's
+    /// sidecar. Empty in a campaign that declares its own channels and names no layout.
+    pub layout: PathBuf,
+    /// Nominal, to group runs by, m/s.
+    pub speed: Option<f64>,
+    /// Nominal, to group runs by, N.
+    pub tension: Option<f64>,
+}
+
+/// A run of a campaign that cannot be read, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    pub name: String,
+    pub file: PathBuf,
+    pub error: RunError,
+}
+
+const KEYS: &[&str] = &["layout", "run", "channels"];
+const RUN_KEYS: &[&str] = &["file", "layout", "speed", "tension"];
+
+/// The tables of a `campaign.toml`, read for the lines of their keys.
+#[derive(Deserialize)]
+struct Tables {
+    #[serde(default)]
+    run: Vec<Spanned<Table>>,
+    #[serde(default)]
+    channels: Table,
+}
+
+/// A run as it is listed.
+struct Listed {
+    file: PathBuf,
+    layout: Option<PathBuf>,
+    speed: Option<f64>,
+    tension: Option<f64>,
+    /// Where it is listed.
+    place: Place,
+}
+
+impl Campaign {
+    /// The name of the file that lists a campaign's runs.
+    pub const FILE: &str = "campaign.toml";
+
+    /// Reads the folder of a campaign, or its `campaign.toml`. A folder without one is a campaign of all data files that
+    /// have a sidecar, and a single data file is a campaign of one run.
+    ///
+    /// # Errors
+    ///
+    /// [`Problem::UnknownKey`], [`Problem::MissingKey`] and [`Problem::WrongValue`] with the key and its line;
+    /// [`Problem::MissingRun`], [`Problem::DuplicateRun`], [`Problem::NoRuns`]; and what [`Sidecar::read`] says when the
+    /// layout has to be found there.
+    pub fn read(path: &Path) -> Result<Campaign, RunError> {
+        let (campaign, refused) = Campaign::survey(path)?;
+        match refused.into_iter().next() {
+            Some(refused) => Err(refused.error),
+            None => Ok(campaign),
+        }
+    }
+
+    /// As [`Campaign::read`], but a run whose files are missing or whose sidecar is wrong does not hide the others.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Campaign::read`] that concern the campaign as a whole.
+    pub fn survey(path: &Path) -> Result<(Campaign, Vec<Refused>), RunError> {
+        let unreadable = |why: std::io::Error| RunError::new(path, Problem::Unreadable(why.to_string()));
+        let (folder, list) = if fs::metadata(path).map_err(unreadable)?.is_dir() {
+            (path.to_owned(), path.join(Campaign::FILE))
+        } else {
+            (path.parent().unwrap_or(Path::new("")).to_owned(), path.to_owned())
+        };
+        let mut campaign = Campaign { folder, ..Campaign::default() };
+        let listed = if run::is_data(&list) {
+            vec![Listed::found(list.clone())]
+        } else {
+            match fs::read(&list) {
+                Ok(bytes) => campaign.listed(&bytes, &list)?,
+                Err(why) if why.kind() == ErrorKind::NotFound => found(&campaign.folder).map_err(unreadable)?,
+                Err(why) => return Err(RunError::new(&list, Problem::Unreadable(why.to_string()))),
+            }
+        };
+        if listed.is_empty() {
+            return Err(RunError::new(if list.exists() { &list } else { path }, Problem::NoRuns));
+        }
+        let mut refused = Vec::new();
+        let mut names: BTreeMap<String, PathBuf> = BTreeMap::new();
+        for run in listed {
+            let name = run.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            if let Some(other) = names.insert(name.clone(), run.file.clone()) {
+                return Err(RunError { place: run.place, problem: Problem::DuplicateRun(other) });
+            }
+            let file = run.file.clone();
+            match run.entry(&name, !campaign.channels.is_empty()) {
+                Ok(entry) => campaign.runs.push(entry),
+                Err(error) => refused.push(Refused { name, file, error: *error }),
+            }
+        }
+        Ok((campaign, refused))
+    }
+
+    /// The runs of a `campaign.toml`; its channels are kept.
+    fn listed(&mut self, bytes: &[u8], file: &Path) -> Result<Vec<Listed>, RunError> {
+        let text = Text::new(bytes, file)?;
+        let mut reader = text.reader(text.parse()?);
+        let layout = reader.optional("layout", "a path", keys::text)?.map(|l| self.folder.join(l));
+        reader.optional("run", "tables, each headed by [[run]]", |value| {
+            value.as_array().filter(|runs| runs.iter().all(Value::is_table)).map(|_| ())
+        })?;
+        reader.optional("channels", "a table headed by [channels]", |value| value.as_table().map(|_| ()))?;
+        reader.finish(KEYS)?;
+        let Tables { run, channels } = text.parse()?;
+        let names: Vec<String> = channels.keys().cloned().collect();
+        let mut reader = text.reader(channels);
+        for name in names {
+            let unit = reader.take(&name, "a unit in quotes", |v| v.as_str().map(str::to_owned))?;
+            self.channels.insert(name, unit);
+        }
+        let runs = run.into_iter().map(|table| {
+            let begin = text.line(table.span().start);
+            self.entry(text.reader(table.into_inner()), file, begin, layout.as_deref())
+        });
+        runs.collect()
+    }
+
+    /// One `[[run]]`, which begins on the line `begin`.
+    fn entry(&self, mut keys: Reader, list: &Path, begin: usize, layout: Option<&Path>) -> Result<Listed, RunError> {
+        let line = keys.line("file").unwrap_or(begin);
+        let place = Place { file: list.to_owned(), row: Some(line), column: Some("file".to_owned()) };
+        let told = |error: RunError| if error.place.row.is_some() { error } else { error.row(begin) };
+        let listed = Listed {
+            file: self.folder.join(keys.take("file", "a path", keys::text).map_err(told)?),
+            layout: keys
+                .optional("layout", "a path", keys::text)?
+                .map(|l| self.folder.join(l))
+                .or_else(|| layout.map(Path::to_owned)),
+            speed: keys.optional("speed", "a speed above 0", keys::positive)?,
+            tension: keys.optional("tension", "a force from 0", |v| keys::number(v).filter(|&x| x >= 0.0))?,
+            place,
+        };
+        keys.finish(RUN_KEYS)?;
+        Ok(listed)
+    }
+}
+
+impl Listed {
+    /// A run that no `campaign.toml` lists.
+    fn found(file: PathBuf) -> Self {
+        let place = Place { file: file.clone(), ..Place::default() };
+        Listed { file, layout: None, speed: None, tension: None, place }
+    }
+
+    /// The run, when its files are there and a layout is named.
+    fn entry(self, name: &str, foreign: bool) -> Result<Entry, Box<RunError>> {
+        let Listed { file, layout, speed, tension, place } = self;
+        if !file.is_file() {
+            return Err(Box::new(RunError { place, problem: Problem::MissingRun(file) }));
+        }
+        let layout = match layout {
+            Some(layout) => layout,
+            None if foreign => PathBuf::new(),
+            None => {
+                let beside = sidecar_path(&file);
+                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file)?.layout)
+            }
+        };
+        Ok(Entry { name: name.to_owned(), file, layout, speed, tension })
+    }
+}
+
+/// The data files of a folder that have a sidecar, by name.
+fn found(folder: &Path) -> std::io::Result<Vec<Listed>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if run::is_data(&path) && sidecar_path(&path).is_file() {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files.into_iter().map(Listed::found).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDECAR: &str = "layout = \"lines/b.lss\"\nsensor_cart = 1\nspeed_setpoint = 2\ntrigger_position = 0\nlowpass = 100\nlaps = 1\n";
+
+    /// A folder with these files.
+    fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+            fs::write(path, text).expect("written");
+        }
+        folder
+    }
+
+    fn told(folder: &tempfile::TempDir) -> String {
+        let error = Campaign::read(folder.path()).expect_err("a mistake").to_string();
+        error.replace(&format!("{}{}", folder.path().display(), std::path::MAIN_SEPARATOR), "")
+    }
+
+    #[test]
+    fn runs_take_their_layout_from_the_entry_the_campaign_or_the_sidecar() {
+        let list = "[[run]]\nfile = \"one.csv\"\nlayout = \"a.lss\"\nspeed = 2\ntension = 1e3\n\n[[run]]\nfile = \"sub/two.parquet\"\n";
+        let files = [
+            ("campaign.toml", list),
+            ("one.csv", ""),
+            ("sub/two.parquet", ""),
+            ("sub/two.toml", SIDECAR),
+            ("c.csv", ""),
+        ];
+        let at = folder(&files);
+        let campaign = Campaign::read(at.path()).expect("a campaign");
+        let entry = |name: &str, file: &str, layout: &str, nominal: Option<(f64, f64)>| Entry {
+            name: name.to_owned(),
+            file: at.path().join(file),
+            layout: at.path().join(layout),
+            speed: nominal.map(|n| n.0),
+            tension: nominal.map(|n| n.1),
+        };
+        let one = entry("one", "one.csv", "a.lss", Some((2.0, 1000.0)));
+        assert_eq!(campaign.runs, [one.clone(), entry("two", "sub/two.parquet", "sub/lines/b.lss", None)]);
+        assert_eq!(Campaign::read(&at.path().join("campaign.toml")), Ok(campaign), "the file names its folder");
+        fs::write(at.path().join("campaign.toml"), format!("layout = \"d.lss\"\n{list}")).expect("written");
+        let campaign = Campaign::read(at.path()).expect("a campaign");
+        assert_eq!(campaign.runs, [one, entry("two", "sub/two.parquet", "d.lss", None)]);
+    }
+
+    #[test]
+    fn a_folder_alone_is_a_campaign_of_the_runs_with_sidecars() {
+        let files =
+            [("b.csv", ""), ("b.toml", SIDECAR), ("a.MF4", ""), ("a.toml", SIDECAR), ("bill.csv", ""), ("n.txt", "")];
+        let at = folder(&files);
+        let campaign = Campaign::read(at.path()).expect("a campaign");
+        assert_eq!(campaign.runs.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        assert_eq!(campaign.runs[1].layout, at.path().join("lines/b.lss"));
+        let single = Campaign::read(&at.path().join("b.csv")).expect("a campaign");
+        assert_eq!(single.runs, campaign.runs[1..]);
+    }
+
+    #[test]
+    fn another_machine_declares_its_channels_and_needs_no_layout() {
+        let list = "[[run]]\nfile = \"one.csv\"\n[channels]\nposition = \"m\"\nforce = \"N\"\n";
+        let campaign = Campaign::read(folder(&[("campaign.toml", list), ("one.csv", "")]).path()).expect("a campaign");
+        assert_eq!(campaign.channels, [("force", "N"), ("position", "m")].map(|(a, b)| (a.into(), b.into())).into());
+        assert_eq!(campaign.runs[0].layout, PathBuf::new());
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_line_and_a_way_out() {
+        let run = "[[run]]\nfile = \"one.csv\"\n";
+        let cases = [
+            (String::new(), "campaign.toml: the campaign has no runs\n  help: add [[run]] with file"),
+            (
+                format!("# all\nlayuot = \"a\"\n{run}"),
+                "campaign.toml, row 2, `layuot`: there is no such key\n  help: did you mean `layout`?",
+            ),
+            (
+                format!("{run}weather = \"dry\""),
+                "campaign.toml, row 3, `weather`: there is no such key\n  help: remove it; keys are file, layout, speed, tension",
+            ),
+            ("run = 3".into(), "campaign.toml, row 1, `run`: the value is not tables, each headed by [[run]]"),
+            ("run = [3]".into(), "campaign.toml, row 1, `run`: the value is not tables, each headed by [[run]]"),
+            ("channels = 3".into(), "campaign.toml, row 1, `channels`: the value is not a table headed by [channels]"),
+            ("[channels]\nx = 3".into(), "campaign.toml, row 2, `x`: the value is not a unit in quotes"),
+            (format!("{run}speed = 0"), "campaign.toml, row 3, `speed`: the value is not a speed above 0"),
+            (format!("{run}tension = \"1 kN\""), "campaign.toml, row 3, `tension`: the value is not a force from 0"),
+            (
+                format!("{run}\n[[run]]\nspeed = 2"),
+                "campaign.toml, row 4, `file`: the key is missing\n  help: add file = \"run-01.csv\", the path",
+            ),
+            (
+                format!("{run}layout = \"a.lss\"\n{}", run.replace("one", "none")),
+                "campaign.toml, row 5, `file`: there is no file none.csv\n  help: paths are seen from the campaign's folder",
+            ),
+            (
+                format!("layout = \"a.lss\"\n{run}{run}"),
+                "campaign.toml, row 5, `file`: the run has the same name as one.csv\n  help: a run is known by its file's name",
+            ),
+            (run.to_owned(), "one.csv: there is no sidecar one.toml\n  help: write it with layout"),
+            ("[[run]\n".into(), "campaign.toml, row 1: is malformed: "),
+        ];
+        for (list, expected) in cases {
+            let told = told(&folder(&[("campaign.toml", &list), ("one.csv", "")]));
+            assert!(told.starts_with(expected), "{list}\n{told}\n{expected}");
+        }
+        let twice = folder(&[("one.csv", ""), ("one.parquet", ""), ("one.toml", SIDECAR)]);
+        assert!(told(&twice).starts_with("one.parquet: the run has the same name as one.csv"), "{}", told(&twice));
+        assert!(told(&folder(&[("lonely.csv", "")])).contains(": the campaign has no runs"));
+        assert!(Campaign::read(Path::new("no/such/folder")).expect_err("nothing").is_unreadable());
+    }
+
+    #[test]
+    fn a_bad_run_does_not_hide_the_good_ones() {
+        let files = [("a.csv", ""), ("a.toml", "laps = 1"), ("b.csv", ""), ("b.toml", SIDECAR)];
+        let (campaign, refused) = Campaign::survey(folder(&files).path()).expect("a campaign");
+        assert_eq!((campaign.runs[0].name.as_str(), refused[0].name.as_str()), ("b", "a"));
+        assert_eq!(refused[0].error.problem, Problem::MissingKey);
+    }
+}

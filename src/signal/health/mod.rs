@@ -1,0 +1,125 @@
+//! A run at a glance: what it holds, what it lost, how fast it went, and which channels look wrong.
+//!
+//! Suspicions, each with a rule that can be argued with:
+//!
+//! | suspicion | rule |
+//! |---|---|
+//! | empty | every sample is lost |
+//! | dead | a force or wheel speed takes at most [`DEAD`] different values in a hundred samples or more: the last digits of a constant. A steering wheel at 0 is none on a layout without a curve to its side |
+//! | clipped | a force or wheel speed stays at its largest or smallest value for [`CLIPPED_ROW`] samples or more at a time, [`CLIPPED`] in all, and more than three times as often as at the value next to it. A wheel without load is at 0, which is no clipping |
+//! | left and right exchanged | in curves the difference left − right goes against what the layout makes of it: slope of the regression on the expected difference below −0.5, correlation below −0.2 |
+//! | curves not followed | the same slope of the steering wheels is between −0.2 and 0.2: the layout or `trigger_position` is not the run's |
+//! | joint axes exchanged | `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their joints |
+//! | speeds differ | running wheels and trigger disagree by more than [`SLIP`] |
+//!
+//! **What is expected in a curve** of curvature κ (left positive) for cart length L, mass m, μ = m/L, tension T and speed v, from the
+//! balance of a cart: its steering wheels push with (T − μv²)Lκ to the outside, which loads the inner one (thesis §2.3; the
+//! chain model's long-curve check). About the centre of mass, which is z_c above the joints, with the steering contact h_s below the
+//! joints and the running wheels ±b_r aside: run_left − run_right = (h_s (T − μv²)Lκ − z_c m v²κ)/b_r. The inner wheels turn slower,
+//! by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
+
+mod suspect;
+
+use super::gaps::bridge;
+use super::measures::{Statistics, statistics};
+use super::position::{self, Position};
+use super::{Channel, Run};
+use crate::emit::simulation::Simulation;
+use std::collections::BTreeMap;
+
+pub use suspect::{CLIPPED, CLIPPED_ROW, DEAD, SLIP};
+
+/// A run at a glance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Health {
+    pub samples: usize,
+    /// Hz
+    pub rate: f64,
+    /// s
+    pub duration: f64,
+    /// Laps, whole and in part, that the run covers, when the trigger and the lap's length tell.
+    pub laps: Option<f64>,
+    /// Rising edges of the trigger.
+    pub edges: usize,
+    /// Lost samples of all channels.
+    pub lost: usize,
+    /// Those of them that were bridged.
+    pub bridged: usize,
+    /// Those of them that are left out.
+    pub masked: usize,
+    /// Laps over their time, from the first to the last edge of two or more, m/s.
+    pub speed_trigger: Option<f64>,
+    /// Mean of the running wheels' speed times their radius, m/s.
+    pub speed_wheels: Option<f64>,
+    /// What each channel amounts to, short gaps bridged; a channel without a sample is left out.
+    pub channels: BTreeMap<Channel, Statistics>,
+    /// What cannot be told, and what looks wrong, as sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Looks at a run; with the simulation input of its layout also at lap, speeds, and sides.
+pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
+    let mut health = Health {
+        samples: run.time.len(),
+        rate: run.rate(),
+        duration: run.duration(),
+        laps: None,
+        edges: position::edges(run).len(),
+        lost: 0,
+        bridged: 0,
+        masked: 0,
+        speed_trigger: None,
+        speed_wheels: None,
+        channels: BTreeMap::new(),
+        warnings: run.warnings(layout.map(|l| l.chain.track_length_m)),
+    };
+    let mut channels: BTreeMap<Channel, Vec<f64>> = BTreeMap::new();
+    for (&channel, samples) in &run.channels {
+        let lost = samples.iter().filter(|x| x.is_nan()).count();
+        health.lost += lost;
+        let samples = if channel == Channel::Trigger {
+            samples.clone()
+        } else {
+            let bridged = bridge(&run.time, samples);
+            health.bridged += bridged.filled;
+            bridged.samples
+        };
+        match statistics(&samples) {
+            Some(level) => {
+                health.channels.insert(channel, level);
+                let idle = level.rms == 0.0 && layout.is_some_and(|layout| !suspect::loaded(channel, layout));
+                // What was filled in is no measurement, so that values are looked at as they were recorded.
+                let recorded = run.channels.get(&channel).filter(|_| !idle);
+                health.warnings.extend(recorded.and_then(|recorded| suspect::channel(channel, recorded)));
+            }
+            None => health.warnings.push(format!("{channel} is empty: every sample is lost")),
+        }
+        channels.insert(channel, samples);
+    }
+    health.masked = health.lost - health.bridged;
+    if let Some(exchanged) = suspect::joint(&health.channels) {
+        health.warnings.push(exchanged);
+        // Then it is no tension that curves could be judged by.
+        channels.remove(&Channel::JointXi);
+    }
+    if let Some(layout) = layout {
+        let place = position::position(run, layout.chain.track_length_m);
+        health.laps = place.as_ref().map(Position::laps);
+        health.speed_trigger = place.as_ref().filter(|p| p.edges.len() > 1).map(|p| p.speed);
+        health.speed_wheels = wheels(&health.channels, layout.running_wheel.radius_m);
+        health.warnings.extend(suspect::speeds(health.speed_trigger, health.speed_wheels));
+        if let Some(place) = &place {
+            health.warnings.extend(suspect::laps(place));
+            let speed = health.speed_trigger.or(health.speed_wheels).unwrap_or(place.speed);
+            health.warnings.extend(suspect::sides(&channels, place, speed, layout));
+        }
+    }
+    health
+}
+
+/// Mean speed of the running wheels that are there, m/s.
+fn wheels(levels: &BTreeMap<Channel, Statistics>, radius: f64) -> Option<f64> {
+    let wheels = [Channel::WheelSpeedRunLeft, Channel::WheelSpeedRunRight];
+    let speeds: Vec<f64> = wheels.iter().filter_map(|c| levels.get(c)).map(|l| l.mean * radius).collect();
+    statistics(&speeds).map(|s| s.mean)
+}

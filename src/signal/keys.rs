@@ -1,0 +1,126 @@
+//! Keys of a TOML file, taken one by one, with their lines.
+
+use super::{Problem, RunError};
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::{Spanned, Value};
+
+/// The keys of one table.
+pub(super) type Table = BTreeMap<String, Spanned<Value>>;
+
+/// A TOML file, and where its bytes stand in lines.
+pub(super) struct Text<'a> {
+    text: &'a str,
+    file: &'a Path,
+}
+
+impl<'a> Text<'a> {
+    /// UTF-8 with or without a byte order mark; `file` is named in errors.
+    pub fn new(bytes: &'a [u8], file: &'a Path) -> Result<Self, RunError> {
+        let text =
+            std::str::from_utf8(bytes).map_err(|why| RunError::new(file, Problem::Malformed(why.to_string())))?;
+        Ok(Text { text: text.strip_prefix('\u{feff}').unwrap_or(text), file })
+    }
+
+    /// The whole file as `T`.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, RunError> {
+        toml::from_str(self.text).map_err(|why| {
+            let error = RunError::new(self.file, Problem::Malformed(why.message().to_owned()));
+            match why.span() {
+                Some(span) => error.row(self.line(span.start)),
+                None => error,
+            }
+        })
+    }
+
+    /// The line of a byte, from 1.
+    pub fn line(&self, byte: usize) -> usize {
+        1 + self.text.bytes().take(byte).filter(|&b| b == b'\n').count()
+    }
+
+    /// The keys of a table of this file.
+    pub fn reader(&self, keys: Table) -> Reader<'_> {
+        Reader { keys, text: self }
+    }
+}
+
+/// Takes the keys of one table.
+pub(super) struct Reader<'a> {
+    keys: Table,
+    text: &'a Text<'a>,
+}
+
+impl Reader<'_> {
+    /// A key that has to be there.
+    pub fn take<T>(
+        &mut self,
+        key: &str,
+        expected: &'static str,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<T, RunError> {
+        self.optional(key, expected, read)?
+            .ok_or_else(|| RunError::new(self.text.file, Problem::MissingKey).column(key))
+    }
+
+    /// A key that may be there.
+    pub fn optional<T>(
+        &mut self,
+        key: &str,
+        expected: &'static str,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<Option<T>, RunError> {
+        let Some(value) = self.keys.remove(key) else { return Ok(None) };
+        match read(value.get_ref()) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.error(Problem::WrongValue { expected }, key, &value)),
+        }
+    }
+
+    /// The line of a key, while it is not taken.
+    pub fn line(&self, key: &str) -> Option<usize> {
+        self.keys.get(key).map(|value| self.text.line(value.span().start))
+    }
+
+    /// What was not taken.
+    pub fn rest(self) -> BTreeMap<String, Value> {
+        self.keys.into_iter().map(|(key, value)| (key, value.into_inner())).collect()
+    }
+
+    /// That nothing is left; `known` are the keys that there are.
+    pub fn finish(self, known: &'static [&'static str]) -> Result<(), RunError> {
+        match self.keys.iter().min_by_key(|(_, value)| value.span().start) {
+            Some((key, value)) => Err(self.error(Problem::UnknownKey { known }, key, value)),
+            None => Ok(()),
+        }
+    }
+
+    fn error(&self, problem: Problem, key: &str, value: &Spanned<Value>) -> RunError {
+        RunError::new(self.text.file, problem).column(key).row(self.text.line(value.span().start))
+    }
+}
+
+/// Text that says something.
+pub(super) fn text(value: &Value) -> Option<String> {
+    value.as_str().filter(|text| !text.is_empty()).map(str::to_owned)
+}
+
+/// A finite number, written with or without a point.
+pub(super) fn number(value: &Value) -> Option<f64> {
+    let number = match value {
+        Value::Integer(n) => *n as f64,
+        Value::Float(x) => *x,
+        _ => return None,
+    };
+    number.is_finite().then_some(number)
+}
+
+/// A finite number above 0.
+pub(super) fn positive(value: &Value) -> Option<f64> {
+    number(value).filter(|&x| x > 0.0)
+}
+
+/// A whole number from 0.
+pub(super) fn whole(value: &Value) -> Option<usize> {
+    value.as_integer().and_then(|n| usize::try_from(n).ok())
+}

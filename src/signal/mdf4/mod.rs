@@ -1,0 +1,223 @@
+//! Runs as MDF4 (ASAM MDF 4.x), as measuring systems write it: groups of channels over a time master each.
+//!
+//! What is read: records sorted or not, in one block or in lists of them, plain or compressed (deflate, transposed or not);
+//! integers and floats of either byte order, at any bit; conversions that are linear or rational; invalidation bits, which
+//! make a lost sample; masters that are written or counted. Blocks are laid out as the ASAM MDF standard, version 4.1,
+//! describes them in its chapter on block types.
+//!
+//! This reader is the project's own: the crates for MDF4 that read compressed data allocate what a length field asks for, so
+//! that one wrong byte aborts the process. Here every access is checked, and no more is allocated than the file can fill.
+
+mod blocks;
+mod records;
+
+use super::csv::Columns;
+use super::{Channel, Problem, RunError, run};
+use blocks::{Block, Blocks};
+use records::Records;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Why bytes are no MDF4 that can be read.
+type Torn = String;
+
+/// A group of channels that were sampled together.
+struct Group<'a> {
+    records: Records<'a>,
+    time: Option<Block<'a>>,
+    channels: Vec<(Channel, Block<'a>)>,
+}
+
+/// Reads a data file; `file` is named in errors. A channel called `time`, `t` or `timestamp`, or the master, is time; the
+/// others are known by their names and have their units, if they name any.
+///
+/// # Errors
+///
+/// The first of what [`Problem`] lists, with the number of the sample and the channel. [`Problem::OtherTimeBase`] for a
+/// channel outside the group that holds most, unless its times are the same ones: to resample would be to guess.
+pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
+    let torn = |why: Torn| RunError::new(file, Problem::Malformed(why));
+    let blocks = Blocks::new(bytes).map_err(torn)?;
+    let mut groups = Vec::new();
+    let mut taken = Vec::new();
+    for records in Records::all(&blocks).map_err(torn)? {
+        let group = group(&blocks, records, &mut taken, file)?;
+        if !group.channels.is_empty() {
+            groups.push(group);
+        }
+    }
+    // The first of those that hold most.
+    groups.sort_by_key(|group| std::cmp::Reverse(group.channels.len()));
+    let mut base: Option<Vec<f64>> = None;
+    let mut channels: BTreeMap<Channel, Vec<f64>> = BTreeMap::new();
+    for group in &groups {
+        let Some((first, _)) = group.channels.first() else { continue };
+        let at = |problem| RunError::new(file, problem).column(first.name());
+        let bytes = group.records.bytes(&blocks).map_err(|why| torn(why).column(first.name()))?;
+        let Some(time) = &group.time else {
+            return Err(at(Problem::Malformed("its group has no channel of time".to_owned())));
+        };
+        let samples = |channel: &Block, name| {
+            records::samples(&blocks, channel, &group.records, &bytes)
+                .map_err(|problem| RunError::new(file, problem).column(name))
+        };
+        let time = samples(time, "time")?;
+        match &base {
+            Some(base) if !same(base, &time) => return Err(at(Problem::OtherTimeBase)),
+            Some(_) => {}
+            None => base = Some(time),
+        }
+        for (channel, block) in &group.channels {
+            channels.insert(*channel, samples(block, channel.name())?);
+        }
+    }
+    let time = base.ok_or_else(|| RunError::new(file, Problem::TooFewSamples))?;
+    run::check(&time, &channels, file, 1)?;
+    Ok((time, channels))
+}
+
+/// Tells a group's channels by their names; those of groups before it are `taken`.
+fn group<'a>(
+    blocks: &Blocks<'a>,
+    records: Records<'a>,
+    taken: &mut Vec<Channel>,
+    file: &Path,
+) -> Result<Group<'a>, RunError> {
+    let torn = |why: Torn| RunError::new(file, Problem::Malformed(why));
+    let mut group = Group { records, time: None, channels: Vec::new() };
+    let mut named = None;
+    for block in blocks.chain(group.records.first_channel, b"##CN").map_err(torn)? {
+        let name = blocks.text(block.link(2)).map_err(torn)?;
+        let at = |problem| RunError::new(file, problem).column(&name);
+        let master = matches!(block.u8(0), Some(records::MASTER | records::VIRTUAL_MASTER));
+        if master || matches!(&*name, "time" | "t" | "timestamp") {
+            unit(blocks, &block, "s").map_err(at)?;
+            // A master goes before a channel that is only called so.
+            let place = if master { &mut group.time } else { &mut named };
+            if place.replace(block).is_some() {
+                return Err(at(Problem::DuplicateColumn));
+            }
+            continue;
+        }
+        let channel = run::channel(&name, taken).map_err(at)?;
+        if channel != Channel::Trigger {
+            unit(blocks, &block, channel.unit()).map_err(at)?;
+        }
+        taken.push(channel);
+        group.channels.push((channel, block));
+    }
+    group.time = group.time.or(named);
+    Ok(group)
+}
+
+/// That a channel's unit, when it or its conversion names one, is this.
+fn unit(blocks: &Blocks, channel: &Block, expected: &'static str) -> Result<(), Problem> {
+    let mut found = blocks.text(channel.link(6)).map_err(Problem::Malformed)?;
+    if found.is_empty() && channel.link(4) != 0 {
+        let conversion = blocks.block(channel.link(4), b"##CC").map_err(Problem::Malformed)?;
+        found = blocks.text(conversion.link(1)).map_err(Problem::Malformed)?;
+    }
+    let same = match (expected, found.as_str()) {
+        (_, "") | ("°C", "degC" | "C") => true,
+        (expected, found) => expected == found,
+    };
+    if same { Ok(()) } else { Err(Problem::OtherUnit { expected, found }) }
+}
+
+/// Whether two groups were sampled at the same times, to a nanosecond.
+fn same(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len()
+        && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs().max(1.0) || a.is_nan() && b.is_nan())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::csv;
+    use super::*;
+
+    const CSV: &[u8] = include_bytes!("../../../tests/fixtures/mdf4/run.csv");
+    const PLAIN: &[u8] = include_bytes!("../../../tests/fixtures/mdf4/plain.mf4");
+    const DEFLATED: &[u8] = include_bytes!("../../../tests/fixtures/mdf4/deflated.mf4");
+    const TRANSPOSED: &[u8] = include_bytes!("../../../tests/fixtures/mdf4/transposed.mf4");
+
+    const FRAGMENTS: &[u8] = include_bytes!("../../../tests/fixtures/mdf4/fragments.mf4");
+
+    fn back(bytes: &[u8]) -> Result<Columns, RunError> {
+        read(bytes, Path::new("run.mf4"))
+    }
+
+    /// Columns in bits, with one NaN for all.
+    fn bits((time, channels): Columns) -> (Vec<u64>, BTreeMap<Channel, Vec<u64>>) {
+        let bits = |x: Vec<f64>| x.into_iter().map(|x| if x.is_nan() { 0 } else { (x + 0.0).to_bits() + 1 }).collect();
+        (bits(time), channels.into_iter().map(|(c, x)| (c, bits(x))).collect())
+    }
+
+    #[test]
+    fn another_writers_files_say_the_same_as_csv() {
+        let expected = bits(csv::read(CSV, Path::new("run.csv")).expect("a run"));
+        assert_eq!(expected.1.len(), 5);
+        for bytes in [PLAIN, DEFLATED, TRANSPOSED, FRAGMENTS] {
+            assert_eq!(bits(back(bytes).expect("a run")), expected);
+        }
+        assert!(FRAGMENTS.windows(4).any(|w| w == b"##DL"));
+        assert!(DEFLATED.windows(4).any(|w| w == b"##DZ") && !PLAIN.windows(4).any(|w| w == b"##DZ"));
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_channel_and_a_way_out() {
+        let cases: [(&[u8], &str); 6] = [
+            (
+                include_bytes!("../../../tests/fixtures/mdf4/rates.mf4"),
+                "run.mf4, `temperature`: the channel is written in a group with another time base\n  help: export all channels with one rate, on one time base",
+            ),
+            (
+                include_bytes!("../../../tests/fixtures/mdf4/foreign.mf4"),
+                "run.mf4, `steer_lefd`: there is no such column\n  help: did you mean `steer_left`?",
+            ),
+            (
+                include_bytes!("../../../tests/fixtures/mdf4/unit.mf4"),
+                "run.mf4, `joint_xi`: the unit is kN, not N\n  help: export it in N",
+            ),
+            (
+                include_bytes!("../../../tests/fixtures/mdf4/text.mf4"),
+                "run.mf4, `trigger`: `text or bytes` is not a number",
+            ),
+            (CSV, "run.mf4: is malformed: this is not MDF\n  help: export the file again as MDF 4.x"),
+            (b"UnFinMF 4.10    ", "run.mf4: is malformed: the recording was not finalised"),
+        ];
+        for (bytes, expected) in cases {
+            let told = back(bytes).expect_err("a mistake").to_string();
+            assert!(told.starts_with(expected), "{told}\n{expected}");
+        }
+    }
+
+    /// A file cut off anywhere is refused, or what is lost is no part of the run.
+    #[test]
+    fn torn_files_are_refused() {
+        for whole in [PLAIN, TRANSPOSED] {
+            let expected = bits(back(whole).expect("a run"));
+            for length in 0..whole.len() {
+                match back(&whole[..length]) {
+                    Ok(run) => assert_eq!(bits(run), expected, "cut at {length}"),
+                    Err(error) => assert!(matches!(error.problem, Problem::Malformed(_)), "cut at {length}: {error}"),
+                }
+            }
+        }
+    }
+
+    /// Any byte may be wrong: that ends in an error or in other numbers, never in a panic, nor in memory without end.
+    #[test]
+    fn a_wrong_byte_is_no_panic() {
+        for whole in [PLAIN, TRANSPOSED] {
+            for i in 0..whole.len() {
+                for wrong in [0x00, 0x55, 0xff] {
+                    let mut bytes = whole.to_vec();
+                    bytes[i] ^= wrong;
+                    if let Ok((time, _)) = back(&bytes) {
+                        assert!(time.len() <= 1000 * whole.len());
+                    }
+                }
+            }
+        }
+    }
+}
