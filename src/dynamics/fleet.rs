@@ -3,9 +3,9 @@
 
 use super::chain::Chain;
 use super::clock::Clock;
+use super::forces::Memory;
 use super::model::{Model, Unfit};
 use super::run::Method;
-use super::forces::Memory;
 use super::state::{PACK, Row, State};
 use super::trouble::Trouble;
 use super::width::Width;
@@ -110,15 +110,14 @@ const BLOCK: usize = 64;
 /// # Errors
 ///
 /// [`Unfit`] for an input that no chain can have.
-pub fn survey(
-    simulation: &Simulation,
-    survey: &Survey,
-    from: Option<&Settled>,
-    width: Width,
-) -> Result<Fleet, Unfit> {
+pub fn survey(simulation: &Simulation, survey: &Survey, from: Option<&Settled>, width: Width) -> Result<Fleet, Unfit> {
     let model = Arc::new(Model::new(simulation)?);
     let sensor = &simulation.sensor;
-    let clock = Clock::new(survey.step.unwrap_or(f64::INFINITY).min(model.largest_step()), sensor.rate_hz, model.controller.period);
+    let clock = Clock::new(
+        survey.step.unwrap_or(f64::INFINITY).min(model.largest_step()),
+        sensor.rate_hz,
+        model.controller.period,
+    );
     let lowpass = Lowpass::new(sensor.lowpass_hz, 1.0 / clock.step).ok_or_else(|| Unfit {
         place: "sensor.lowpass_hz".into(),
         why: format!("{} Hz must be below half the rate of steps, {:.0} Hz", sensor.lowpass_hz, 0.5 / clock.step),

@@ -7,6 +7,7 @@ pub mod dxf;
 mod files;
 #[cfg(test)]
 mod fixture;
+pub mod identification;
 pub mod json;
 pub mod lap;
 pub mod layout;
@@ -16,6 +17,7 @@ pub mod png;
 mod schemas;
 pub mod simulation;
 mod station;
+mod style;
 pub mod svg;
 
 pub use compiled::Compiled;

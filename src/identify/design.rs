@@ -30,7 +30,8 @@ mod tests {
             for b in 0..a {
                 let product: f64 = (0..RUNS).map(|run| levels(run)[a] * levels(run)[b]).sum();
                 assert_eq!(product, 0.0, "columns {a} and {b}");
-                let of_two = |c: usize| (0..RUNS).map(|run| levels(run)[a] * levels(run)[b] * levels(run)[c]).sum::<f64>();
+                let of_two =
+                    |c: usize| (0..RUNS).map(|run| levels(run)[a] * levels(run)[b] * levels(run)[c]).sum::<f64>();
                 assert!((0..COLUMNS).all(|c| of_two(c) == 0.0), "columns {a} and {b} together are no other's");
             }
         }

@@ -20,11 +20,13 @@ pub struct Settings {
     pub free: [bool; COUNT],
     pub seed: u64,
     pub threads: usize,
+    /// Steps at most; with none, only what the run can tell is found.
+    pub steps: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { free: [true; COUNT], seed: 1, threads: 1 }
+        Settings { free: [true; COUNT], seed: 1, threads: 1, steps: STEPS }
     }
 }
 
@@ -82,7 +84,12 @@ impl Residuals {
 /// # Errors
 ///
 /// In words, when the chain cannot be simulated with parameters like these.
-pub fn fit(model: &mut Model, measured: &Measured, start: Option<Coordinates>, settings: &Settings) -> Result<Fit, String> {
+pub fn fit(
+    model: &mut Model,
+    measured: &Measured,
+    start: Option<Coordinates>,
+    settings: &Settings,
+) -> Result<Fit, String> {
     let mut fitter = Fitter { measured, settings, simulations: 0, blocks: Summary::blocks(&model.recipe.places) };
     let lost = "the chain cannot be simulated with parameters like these";
     let global = start.is_none();
@@ -123,7 +130,8 @@ pub fn fit(model: &mut Model, measured: &Measured, start: Option<Coordinates>, s
             None => {
                 fitter.simulations += super::design::RUNS;
                 let seed = settings.seed.wrapping_add(7919 * steps as u64);
-                let found = Sensitivity::new(model, &floor, &at, &centre, &reach, seed, settings.threads).ok_or(lost)?;
+                let found =
+                    Sensitivity::new(model, &floor, &at, &centre, &reach, seed, settings.threads).ok_or(lost)?;
                 (at, found)
             }
         };
@@ -134,13 +142,13 @@ pub fn fit(model: &mut Model, measured: &Measured, start: Option<Coordinates>, s
         let (information, whole) = fitter.information(&slopes.1, &residuals, &floor, &numerics, &misfit);
         let found = fitter.posterior(model, &at, &information);
         let length = deviations(&found, &settings.free);
-        if length < SHORT || steps == STEPS {
+        if length < SHORT || steps == settings.steps {
             let covariance = DMatrix::from_fn(COUNT, COUNT, |i, j| {
                 found.covariance[(i, j)] * Parameter::ALL[i].reach() * Parameter::ALL[j].reach()
             });
             let trigger = Parameter::TriggerPosition.index();
             let mut covariance: DMatrix<f64> = covariance;
-            if length >= SHORT {
+            if length >= SHORT && steps > 0 {
                 // Where the steps would still go is not known better than that.
                 for p in Parameter::ALL {
                     let left = found.step[p.index()] * p.reach();
@@ -418,7 +426,8 @@ impl Fitter<'_> {
         let mut scaled = DMatrix::from_fn(rows.len() + 1, WITH_FLOOR, |i, j| {
             rows.get(i).map_or(0.0, |&k| slopes.slopes[(k, j)] * reach(j) / spread[i])
         });
-        let mut right = DVector::from_fn(rows.len() + 1, |i, _| rows.get(i).map_or(0.0, |&k| residuals.of[k] / spread[i]));
+        let mut right =
+            DVector::from_fn(rows.len() + 1, |i, _| rows.get(i).map_or(0.0, |&k| residuals.of[k] / spread[i]));
         let speed = rows.len();
         if let Some((r, deviation)) = residuals.speed {
             for j in 0..WITH_FLOOR {

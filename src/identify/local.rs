@@ -82,7 +82,8 @@ impl Sensitivity {
             }
             let lift = levels[MOVED.len()] * FLOOR_REACH;
             let seed = seed.wrapping_add(1000 * (run as u64 + 1));
-            let plan = Plan { passes: DESIGN_PASSES, floor: lift, from: Some(&centre.fleet.settled), ..Plan::default() };
+            let plan =
+                Plan { passes: DESIGN_PASSES, floor: lift, from: Some(&centre.fleet.settled), ..Plan::default() };
             let fleet = model.survey(&point, &plan)?;
             let answer = model.answer(&fleet, 0.0, seed);
             let moved: Vec<f64> = MOVED.iter().map(|p| point[p.index()] - at[p.index()]).chain([lift]).collect();
@@ -141,14 +142,7 @@ impl Blocks {
     /// Takes from the slopes what chaos alone would make of them: in each block of features and each column, the slopes are
     /// shrunk together by the share of their sum of squares that is noise (James and Stein 1961, positive part), two deviations
     /// of the noise's own sum added.
-    fn shrink(
-        &self,
-        slopes: &mut DMatrix<f64>,
-        left_over: &[f64],
-        variance: &[f64],
-        columns: &[usize],
-        floor: &Floor,
-    ) {
+    fn shrink(&self, slopes: &mut DMatrix<f64>, left_over: &[f64], variance: &[f64], columns: &[usize], floor: &Floor) {
         for rows in self.0.values() {
             let square = |x: f64, k: usize| x * x / (floor.deviation[k] * floor.deviation[k]);
             let noise: f64 = rows.iter().map(|&k| square(left_over[k].sqrt(), k)).sum();

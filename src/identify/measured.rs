@@ -107,11 +107,7 @@ impl Measured {
 
     /// The samples; a summary's offset is the trigger's place.
     pub fn samples(&self) -> Samples<'_> {
-        Samples {
-            station: &self.past,
-            speed: &self.speeds,
-            forces: std::array::from_fn(|k| self.forces[k].as_slice()),
-        }
+        Samples { station: &self.past, speed: &self.speeds, forces: std::array::from_fn(|k| self.forces[k].as_slice()) }
     }
 
     /// Whether a force was measured.

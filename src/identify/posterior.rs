@@ -150,7 +150,10 @@ mod tests {
             assert!((normal_quantile(p) - x).abs() < 1e-8, "{p}");
         }
         let (low, high) = interval(0.0, 1.0, (0.0, 9.0), 0.9);
-        assert!((low - 0.062_706_778).abs() < 1e-6 && (high - 1.959_963_985).abs() < 1e-6, "half a normal: {low} {high}");
+        assert!(
+            (low - 0.062_706_778).abs() < 1e-6 && (high - 1.959_963_985).abs() < 1e-6,
+            "half a normal: {low} {high}"
+        );
     }
 
     #[test]

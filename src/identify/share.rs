@@ -45,7 +45,9 @@ pub fn combine(shared: &[Parameter], runs: &[(&Model, &Fit)]) -> Option<Shared> 
         let reduced = part(shared, shared) - &across * solved.solve(&across.transpose());
         let left = DVector::from_fn(m, |i, _| own.pull[shared[i].index()]) - &across * solved.solve(&right);
         // About the first run's place instead of this one's.
-        let away = DVector::from_fn(m, |i, _| (fit.at[shared[i].index()] - runs[0].1.at[shared[i].index()]) / reach(&shared[i]));
+        let away = DVector::from_fn(m, |i, _| {
+            (fit.at[shared[i].index()] - runs[0].1.at[shared[i].index()]) / reach(&shared[i])
+        });
         let left = left + &reduced * away;
         for (i, p) in shared.iter().enumerate() {
             pull[p.index()] += left[i];

@@ -200,7 +200,10 @@ pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Setti
 fn carried(model: &Model, from: ContactLaw, at: &Coordinates) -> Coordinates {
     let mut out = *at;
     for p in Parameter::ALL {
-        if from != model.law && (from == ContactLaw::KelvinVoigt || model.law == ContactLaw::KelvinVoigt) && p.is_restitution() {
+        if from != model.law
+            && (from == ContactLaw::KelvinVoigt || model.law == ContactLaw::KelvinVoigt)
+            && p.is_restitution()
+        {
             // By what a free impact achieves.
             let value = p.value(from, at[p.index()], (1e-6, 1.0));
             out[p.index()] = model.coordinate(p, achieved(from, value));
@@ -218,7 +221,13 @@ fn achieved(law: ContactLaw, e: f64) -> f64 {
 
 type Estimates = (BTreeMap<String, Estimate>, BTreeMap<String, f64>, BTreeMap<String, f64>);
 
-fn estimates(model: &Model, at: &Coordinates, covariance: &DMatrix<f64>, bound: &[i8], free: &[bool; COUNT]) -> Estimates {
+fn estimates(
+    model: &Model,
+    at: &Coordinates,
+    covariance: &DMatrix<f64>,
+    bound: &[i8],
+    free: &[bool; COUNT],
+) -> Estimates {
     let (mut parameters, mut factors, mut impacts) = Estimates::default();
     for p in Parameter::ALL {
         let k = p.index();
@@ -254,8 +263,7 @@ fn fitted(
     settings: &Settings,
     key: String,
 ) -> Fitted {
-    let (parameters, damping, achieved) =
-        estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
+    let (parameters, damping, achieved) = estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
     let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
     let names = |values: [f64; FORCES]| {
         let all = CHANNELS.iter().zip(values).enumerate().filter(|(k, _)| measured.has(*k));

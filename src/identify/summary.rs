@@ -73,9 +73,8 @@ impl Recipe {
         });
         // Where the low-pass leaves a fifth or less of the forces.
         let high = if 2.0 * lowpass < 0.46 * rate { (line(0.4 * rate), line(0.49 * rate)) } else { (0, 0) };
-        let window: Vec<f32> = (0..segment)
-            .map(|i| (0.5 - 0.5 * trig::cos(trig::TAU * i as f64 / segment as f64)) as f32)
-            .collect();
+        let window: Vec<f32> =
+            (0..segment).map(|i| (0.5 - 0.5 * trig::cos(trig::TAU * i as f64 / segment as f64)) as f32).collect();
         Recipe {
             places,
             rate,
@@ -192,7 +191,9 @@ impl Summary {
                 .forces
                 .iter()
                 .enumerate()
-                .map(|(k, force)| super::noise::noisy(force, recipe.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64)))
+                .map(|(k, force)| {
+                    super::noise::noisy(force, recipe.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64))
+                })
                 .collect();
             samples.forces = std::array::from_fn(|k| noisy[k].as_slice());
         }

@@ -16,7 +16,12 @@ const FLOOR_PRIOR: f64 = 0.5;
 
 /// What a run's information means. `information` is in coordinates divided by `reach`, the floor of approach speeds last; `prior` the
 /// deviations believed before, in the same.
-pub fn identifiability(information: &DMatrix<f64>, prior: &[f64; COUNT], reach_of_floor: f64, free: &[bool; COUNT]) -> Vec<String> {
+pub fn identifiability(
+    information: &DMatrix<f64>,
+    prior: &[f64; COUNT],
+    reach_of_floor: f64,
+    free: &[bool; COUNT],
+) -> Vec<String> {
     let mut said = Vec::new();
     let open: Vec<Parameter> = Parameter::ALL.into_iter().filter(|p| free[p.index()]).collect();
     let posterior = |with_floor: bool| {
@@ -33,7 +38,10 @@ pub fn identifiability(information: &DMatrix<f64>, prior: &[f64; COUNT], reach_o
     let share: Vec<f64> = open.iter().enumerate().map(|(i, p)| known[(i, i)].sqrt() / prior[p.index()]).collect();
     let silent: Vec<&str> = (0..open.len()).filter(|i| share[*i] > NOTHING).map(|i| open[i].name()).collect();
     if !silent.is_empty() {
-        said.push(format!("the run says almost nothing of {}: what is given is what was believed before", list(&silent)));
+        said.push(format!(
+            "the run says almost nothing of {}: what is given is what was believed before",
+            list(&silent)
+        ));
     }
     let together = correlations(&known);
     for i in 0..open.len() {
@@ -87,7 +95,9 @@ mod tests {
         let said = identifiability(&information, &[2.0; COUNT], 0.35, &[true; COUNT]);
         assert_eq!(said.len(), 3, "{said:?}");
         assert!(said[0].contains("almost nothing of k_i"));
-        assert!(said[1].starts_with("restitution_joint_axial and restitution_joint_radial make up for each other (correlation -0.9"));
+        assert!(said[1].starts_with(
+            "restitution_joint_axial and restitution_joint_radial make up for each other (correlation -0.9"
+        ));
         assert!(said[2].starts_with("restitution_steering is told apart from the floor"));
     }
 }

@@ -4,7 +4,6 @@ mod chart;
 mod hotspot;
 mod lap_track;
 mod map;
-mod style;
 
 pub use hotspot::{Hotspot, hotspots};
 
@@ -103,7 +102,7 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (simulation.name) ": a lap" }
-                style { (PreEscaped(style::STYLE)) }
+                style { (PreEscaped(crate::emit::style::STYLE)) }
             }
             body { main { (body) } }
         }

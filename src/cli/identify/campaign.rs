@@ -1,0 +1,370 @@
+//! `lss identify CAMPAIGN`: every run, every law.
+
+use super::{fitted, table};
+use crate::cli::{MessageFormat, Outcome, could_not, read, report};
+use crate::dynamics::{Width, parallel};
+use crate::emit::simulation::{ContactLaw, Simulation};
+use crate::emit::{Files, identification, json};
+use crate::identify::share::{Shared, combine};
+use crate::identify::study::{self, CONFIDENCE, Estimate, Fitted, Subject, carry, fit_run};
+use crate::identify::{Measured, Model, Parameter, Settings, interval};
+use crate::signal::{self, Run};
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub struct Campaign {
+    /// Folder of a campaign, its campaign.toml, or a single data file.
+    #[arg(required = true)]
+    campaign: Option<PathBuf>,
+    /// Folder for the outputs; created if it is missing.
+    #[arg(short, long, value_name = "DIR", required = true)]
+    output: Option<PathBuf>,
+    /// Layout of all runs, .lss or simulation.json, instead of those that campaign and sidecars name.
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
+    /// Damping law, or `all`.
+    #[arg(long, value_name = "NAME", default_value = "herbert_mcwhannell", value_parser = laws)]
+    law: Laws,
+    /// Parameters to fit; all when not given. The others keep the layout's and the sidecar's values.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    free: Vec<Parameter>,
+    /// Parameters that all runs have in common.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    share: Vec<Parameter>,
+    /// Only say what the runs can tell of the parameters, without fitting them.
+    #[arg(long)]
+    identifiability: bool,
+    /// Where in a pitch simulations start and which noise they get: another seed, another honest answer.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// How the result is written to standard output: json is one object a line, a law each.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+enum Format {
+    #[default]
+    Text,
+    Json,
+}
+
+/// Laws to fit, the first as it is, the others from it.
+#[derive(Clone, Debug)]
+struct Laws(Vec<ContactLaw>);
+
+fn laws(text: &str) -> Result<Laws, String> {
+    if text == "all" {
+        let mut all = vec![ContactLaw::default()];
+        all.extend(ContactLaw::value_variants().iter().filter(|l| **l != ContactLaw::default()));
+        return Ok(Laws(all));
+    }
+    ContactLaw::from_str(text, false).map(|law| Laws(vec![law])).map_err(|_| {
+        let names: Vec<String> = ContactLaw::value_variants().iter().map(|l| law_name(*l)).collect();
+        format!("there is no law {text}; take `all` or one of {}", names.join(", "))
+    })
+}
+
+/// A law as files and options call it.
+pub fn law_name(law: ContactLaw) -> String {
+    law.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
+}
+
+/// What a law's fits amount to: the interface of `--format json`.
+#[derive(Serialize)]
+pub struct LawReport<'a> {
+    pub law: String,
+    /// Root mean square over runs.
+    pub objective: f64,
+    pub shared: BTreeMap<String, Estimate>,
+    pub runs: BTreeMap<&'a str, &'a Fitted>,
+}
+
+/// A run and the layout it names.
+pub struct Case {
+    pub subject: Subject,
+    /// The layout's file.
+    pub layout: PathBuf,
+}
+
+impl Campaign {
+    pub fn run(&self) -> Outcome {
+        let (Some(folder), Some(output)) = (&self.campaign, &self.output) else { return Outcome::CouldNotRun };
+        if let Some(p) = self.share.iter().find(|p| !self.free.is_empty() && !self.free.contains(p)) {
+            report::error(&format!("{p} cannot be shared, as it is not fitted: add it to --free"));
+            return Outcome::CouldNotRun;
+        }
+        let (cases, broken) = match self.cases(folder) {
+            Ok(found) => found,
+            Err(outcome) => return outcome,
+        };
+        if cases.is_empty() {
+            report::error("no run is left to fit");
+            return Outcome::Problems;
+        }
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let free = std::array::from_fn(|k| self.free.is_empty() || self.free.contains(&Parameter::ALL[k]));
+        let settings =
+            Settings { free, seed: self.seed, threads: (threads / cases.len()).max(1), ..Settings::default() };
+        if self.identifiability {
+            return self.tell(&cases, &settings, threads, broken);
+        }
+        let bar = progress(cases.len() * self.law.0.len());
+        let mut done: Vec<(ContactLaw, Vec<Fitted>, Vec<Shared>)> = Vec::new();
+        let mut failed = broken;
+        for &law in &self.law.0 {
+            let first = done.first().map(|(_, fits, _)| fits.clone());
+            let work = Work { output, law, settings, first: first.as_deref(), bar: bar.as_ref() };
+            let results = parallel::map(&cases, threads, |case| work.fit(case));
+            let mut fits = Vec::new();
+            for (case, result) in cases.iter().zip(results) {
+                match result {
+                    Ok(fit) => fits.push(fit),
+                    Err(why) => {
+                        failed = true;
+                        report::error(&format!("{}, {}: {why}", case.subject.name, law_name(law)));
+                    }
+                }
+            }
+            let shared = match work.share(&cases, &mut fits, &self.share, threads) {
+                Ok(shared) => shared,
+                Err(why) => {
+                    failed = true;
+                    report::error(&why);
+                    None
+                }
+            };
+            done.push((law, fits, shared.into_iter().collect()));
+        }
+        if let Some(bar) = &bar {
+            bar.finish_and_clear();
+        }
+        let reports: Vec<LawReport> = done.iter().map(|(law, fits, shared)| report_of(*law, fits, shared)).collect();
+        let mut files = Files::default();
+        for law in &reports {
+            files.push(format!("{}.json", law.law), json::to_json(law));
+        }
+        let pages: Vec<(ContactLaw, &[Fitted])> = done.iter().map(|(law, fits, _)| (*law, fits.as_slice())).collect();
+        files.push("identification.html", identification::page(&pages, &self.share));
+        if let Some((_, fits, _)) = done.first() {
+            match fitted::files(&cases, fits, output) {
+                Ok(more) => files.extend(more),
+                Err(outcome) => return outcome,
+            }
+        }
+        if let Err(error) = files.write(output) {
+            return could_not("write", &error.path, &error.reason);
+        }
+        report::print(&match self.format {
+            Format::Json => {
+                let line = |law: &LawReport| serde_json::to_string(law).unwrap_or_default() + "\n";
+                reports.iter().map(line).collect::<String>()
+            }
+            Format::Text => format!("{}written to {}\n", table::text(&reports), output.display()),
+        });
+        if failed { Outcome::Problems } else { Outcome::Clean }
+    }
+
+    /// The runs that can be read, and whether some cannot.
+    fn cases(&self, folder: &Path) -> Result<(Vec<Case>, bool), Outcome> {
+        let (campaign, refused) = signal::Campaign::survey(folder).map_err(|error| {
+            report::error(&error.to_string());
+            if error.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
+        })?;
+        let mut broken = !refused.is_empty();
+        refused.iter().for_each(|r| report::error(&r.error.to_string()));
+        let mut layouts: BTreeMap<PathBuf, Simulation> = BTreeMap::new();
+        let mut cases = Vec::new();
+        for entry in &campaign.runs {
+            let path = self.layout.clone().unwrap_or_else(|| entry.layout.clone());
+            if !path.is_file() {
+                report::error(&format!(
+                    "{}: the layout {} is not there\n  help: give it with --layout",
+                    entry.name,
+                    path.display()
+                ));
+                broken = true;
+                continue;
+            }
+            let run = match Run::read(&entry.file) {
+                Ok(run) => run,
+                Err(error) => {
+                    report::error(&error.to_string());
+                    broken = true;
+                    continue;
+                }
+            };
+            if !layouts.contains_key(&path) {
+                layouts.insert(path.clone(), read::simulation(&path, None, MessageFormat::Text)?);
+            }
+            let Some(layout) = layouts.get(&path) else { continue };
+            let mut simulation = layout.clone();
+            if let Some(tension) = entry.tension {
+                simulation.chain.tension_n = tension;
+            }
+            for warning in run.warnings(Some(simulation.chain.track_length_m)) {
+                report::warning(&format!("{}: {warning}", entry.name));
+            }
+            let subject = Subject { name: entry.name.clone(), run, simulation };
+            cases.push(Case { subject, layout: path });
+        }
+        Ok((cases, broken))
+    }
+
+    /// What the runs can tell, before anything is fitted.
+    fn tell(&self, cases: &[Case], settings: &Settings, threads: usize, broken: bool) -> Outcome {
+        let settings = Settings { steps: 0, ..*settings };
+        let law = self.law.0[0];
+        let results = parallel::map(cases, threads, |case| {
+            fit_run(&case.subject, law, None, &settings, Width::widest(), String::new())
+        });
+        let mut failed = broken;
+        let mut text = String::new();
+        for (case, result) in cases.iter().zip(results) {
+            match result {
+                Ok(fit) => text.push_str(&table::identifiability(&fit)),
+                Err(why) => {
+                    failed = true;
+                    report::error(&format!("{}: {why}", case.subject.name));
+                }
+            }
+        }
+        report::print(&text);
+        if failed { Outcome::Problems } else { Outcome::Clean }
+    }
+}
+
+/// The fits of one law.
+struct Work<'a> {
+    output: &'a Path,
+    law: ContactLaw,
+    settings: Settings,
+    /// Those of the first law.
+    first: Option<&'a [Fitted]>,
+    bar: Option<&'a ProgressBar>,
+}
+
+impl Work<'_> {
+    /// A run's fit: from the disk when it is there and nothing has changed, else made and kept.
+    fn fit(&self, case: &Case) -> Result<Fitted, String> {
+        let subject = &case.subject;
+        let start = self.first.and_then(|fits| fits.iter().find(|f| f.run == subject.name));
+        let carried = start.and_then(|from| carry(subject, from, self.law, &self.settings, Width::widest()));
+        let fit = match carried {
+            Some(carried) => Ok(carried),
+            None => {
+                let held = start.map_or_else(String::new, |s| s.key.clone());
+                let key = study::key(subject, self.law, &self.settings, &held);
+                self.kept(&subject.name, &key, || {
+                    let from = start.map(|s| (s.law, s.at()));
+                    let from = from.as_ref().map(|(law, at)| (*law, at));
+                    fit_run(subject, self.law, from, &self.settings, Width::widest(), key.clone())
+                })
+            }
+        };
+        if let Some(bar) = self.bar {
+            bar.set_message(format!("{}, {}", subject.name, law_name(self.law)));
+            bar.inc(1);
+        }
+        fit
+    }
+
+    fn kept(&self, name: &str, key: &str, make: impl FnOnce() -> Result<Fitted, String>) -> Result<Fitted, String> {
+        let folder = self.output.join("fits").join(law_name(self.law));
+        let file = format!("{name}.json");
+        let known = std::fs::read(folder.join(&file)).ok().and_then(|b| serde_json::from_slice::<Fitted>(&b).ok());
+        if let Some(known) = known.filter(|k| k.key == key && k.is_whole()) {
+            return Ok(known);
+        }
+        let made = make()?;
+        let mut files = Files::default();
+        files.push(file, json::to_json(&made));
+        files.write(&folder).map_err(|error| error.to_string())?;
+        // What was kept and what was made read the same.
+        serde_json::from_slice(&json::to_json(&made)).map_err(|why| why.to_string())
+    }
+
+    /// Fits what is shared over all runs, and the rest of each run anew with it.
+    fn share(
+        &self,
+        cases: &[Case],
+        fits: &mut Vec<Fitted>,
+        names: &[Parameter],
+        threads: usize,
+    ) -> Result<Option<Shared>, String> {
+        if names.is_empty() || fits.is_empty() {
+            return Ok(None);
+        }
+        let case_of = |fit: &Fitted| cases.iter().find(|c| c.subject.name == fit.run);
+        let mut models = Vec::new();
+        for fit in fits.iter() {
+            let Some(case) = case_of(fit) else { continue };
+            let lap = case.subject.simulation.chain.track_length_m;
+            let measured = Measured::new(&case.subject.run, &case.subject.simulation, lap)?;
+            models.push((Model::new(&case.subject.simulation, self.law, &measured, Width::widest()), fit.fit()));
+        }
+        let pairs: Vec<_> = models.iter().map(|(model, fit)| (model, fit)).collect();
+        let shared = combine(names, &pairs).ok_or("what the runs say of shared parameters cannot be combined")?;
+        let settings = Settings {
+            free: std::array::from_fn(|k| self.settings.free[k] && !names.contains(&Parameter::ALL[k])),
+            ..self.settings
+        };
+        let again = parallel::map(fits, threads, |fit| {
+            let case = case_of(fit).ok_or("the run is gone")?;
+            let mut at = fit.at();
+            for (p, x) in shared.parameters.iter().zip(&shared.at) {
+                at[p.index()] = *x;
+            }
+            let key = study::key(&case.subject, self.law, &settings, &format!("{at:?}"));
+            let name = format!("{}-shared", fit.run);
+            self.kept(&name, &key, || {
+                fit_run(&case.subject, self.law, Some((self.law, &at)), &settings, Width::widest(), key.clone())
+            })
+        });
+        *fits = again.into_iter().collect::<Result<_, String>>()?;
+        Ok(Some(shared))
+    }
+}
+
+fn report_of<'a>(law: ContactLaw, fits: &'a [Fitted], shared: &[Shared]) -> LawReport<'a> {
+    let squares: f64 = fits.iter().map(|f| f.objective * f.objective).sum();
+    let mut estimates = BTreeMap::new();
+    for shared in shared {
+        for (i, p) in shared.parameters.iter().enumerate() {
+            // Every run keeps the shared value, so any of them has it.
+            let Some(own) = fits.first().and_then(|f| f.parameters.get(p.name())) else { continue };
+            let bounds = p.bounds(own.value);
+            let (a, b) = interval(shared.at[i], shared.deviation[i], (f64::NEG_INFINITY, f64::INFINITY), CONFIDENCE);
+            let value = |x: f64| p.value(law, x, if p.is_restitution() { bounds } else { (f64::MIN, f64::MAX) });
+            let (a, b) = (value(a), value(b));
+            let at_bound = shared.bound[i] != 0;
+            estimates.insert(
+                p.name().to_owned(),
+                Estimate { value: own.value, low: a.min(b), high: a.max(b), at_bound, fitted: true },
+            );
+        }
+    }
+    LawReport {
+        law: law_name(law),
+        objective: crate::emit::number::tidy((squares / fits.len().max(1) as f64).sqrt()),
+        shared: estimates,
+        runs: fits.iter().map(|f| (f.run.as_str(), f)).collect(),
+    }
+}
+
+fn progress(steps: usize) -> Option<ProgressBar> {
+    std::io::stderr().is_terminal().then(|| {
+        let bar = ProgressBar::new(steps as u64).with_style(
+            ProgressStyle::with_template("{spinner} [{bar:24}] {pos} of {len} fits, {msg}, {eta} left")
+                .unwrap_or_else(|_| ProgressStyle::default_bar())
+                .progress_chars("=> "),
+        );
+        bar.enable_steady_tick(std::time::Duration::from_millis(200));
+        bar
+    })
+}
