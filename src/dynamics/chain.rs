@@ -99,7 +99,7 @@ impl Chain {
     /// Largest step that damping at the joints leaves stable now, with a margin, s: the integrator is stable below hλ = 2,
     /// as Heun's method.
     pub fn stable_step(&self) -> f64 {
-        1.3 / self.damping_rate().max(1e-9)
+        1.1 / self.damping_rate().max(1e-9)
     }
 
     /// Kinetic energy of all carts, J.

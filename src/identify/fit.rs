@@ -343,7 +343,7 @@ impl Fitter<'_> {
             let difference = x - centre.answer.features[k] - numerics.correction[k] - floor.bias[k] / laps;
             let lap = floor.deviation[k] * floor.deviation[k] / laps;
             let spread = lap + numerics.variance[k];
-            let usable = difference.is_finite() && lap > 0.0;
+            let usable = difference.is_finite() && spread.is_finite() && lap > 0.0;
             of.push(if usable { difference } else { f64::NAN });
             variance.push(spread);
         }

@@ -4,6 +4,7 @@
 use super::model::{Coordinates, Model, Plan};
 use super::summary::{Block, Summary};
 use crate::dynamics::{Fleet, Settled};
+use crate::geometry::trig;
 use std::collections::BTreeMap;
 
 /// How features of one cart's lap scatter about those of all carts.
@@ -28,9 +29,20 @@ pub struct Numerics {
     /// By how much features may be off together: half the correction, and what a fresh start does that has had the usual 30 s to
     /// settle, as a measured chain seldom has longer.
     pub doubts: [Vec<f64>; 2],
-    /// Mean square of the doubts in a feature's block.
+    /// The doubts squared, or their mean in a feature's block when that is more; infinite for what the step makes.
     pub variance: Vec<f64>,
 }
+
+/// Change of a spread, a share or an amplitude's logarithm with the step above which it is not the chain's.
+const MADE_BY_THE_STEP: f64 = 0.1;
+
+/// A feature's deviation is at least this share of its block's.
+const LEAST_SHARE: f64 = 0.1;
+
+/// To what independent programs and sensors agree at best: of the range of a force's means along the track, and relative to spreads and
+/// amplitudes (design: chain model, Chaos: two-cart means to 0.0-0.3 %).
+const MEANS_AGREE: f64 = 5e-4;
+const LOGARITHMS_AGREE: f64 = 3e-3;
 
 /// Time that a measured chain ran before, at least, s.
 const RAN_BEFORE: f64 = 30.0;
@@ -53,13 +65,18 @@ impl Numerics {
         };
         let correction: Vec<f64> = less(&finer)?.into_iter().map(|x| 4.0 / 3.0 * x).collect();
         let doubts = [correction.iter().map(|x| 0.5 * x).collect(), less(&fresh)?];
-        let mut blocks: BTreeMap<Block, (f64, f64)> = BTreeMap::new();
         let named = Summary::blocks(&model.recipe.places);
-        for (k, block) in named.iter().enumerate() {
-            let sum = blocks.entry(*block).or_default();
-            *sum = (sum.0 + doubts.iter().map(|d| d[k] * d[k]).sum::<f64>(), sum.1 + 1.0);
+        // What is mostly made by the step is left out: neither its size nor its slopes are the chain's.
+        let made = |k: usize| !matches!(named[k], Block::Mean(_)) && correction[k].abs() > MADE_BY_THE_STEP;
+        let own = |k: usize| doubts.iter().map(|d: &Vec<f64>| d[k] * d[k]).sum::<f64>();
+        let mut blocks: BTreeMap<Block, (f64, f64)> = BTreeMap::new();
+        for k in (0..named.len()).filter(|k| !made(*k)) {
+            let sum = blocks.entry(named[k]).or_default();
+            *sum = (sum.0 + own(k), sum.1 + 1.0);
         }
-        let variance = named.iter().map(|b| blocks.get(b).map_or(0.0, |(sum, n)| sum / n)).collect();
+        let mean = |block: &Block| blocks.get(block).map_or(0.0, |(sum, n)| sum / n);
+        let variance =
+            (0..named.len()).map(|k| if made(k) { f64::INFINITY } else { mean(&named[k]).max(own(k)) }).collect();
         Some(Numerics { correction, doubts, variance })
     }
 }
@@ -76,14 +93,20 @@ impl Floor {
         let column = |k: usize| single.iter().map(move |one| one[k]).filter(|x| !x.is_nan());
         let mean: Vec<f64> =
             (0..whole.len()).map(|k| column(k).sum::<f64>() / column(k).count().max(1) as f64).collect();
-        let deviation = (0..whole.len())
+        let resolution = each.first().map_or_else(Vec::new, Summary::resolution);
+        let deviation: Vec<f64> = (0..whole.len())
             .map(|k| {
                 let count = column(k).count();
                 let sum: f64 = column(k).map(|x| (x - mean[k]) * (x - mean[k])).sum();
                 // A feature that half of the carts lack tells nothing.
-                if 2 * count < single.len() { f64::NAN } else { (sum / (count - 1).max(1) as f64).sqrt() }
+                if 2 * count < single.len() {
+                    f64::NAN
+                } else {
+                    trig::hypot((sum / (count - 1).max(1) as f64).sqrt(), resolution[k])
+                }
             })
             .collect();
+        let deviation = levelled(&deviation, &whole, &Summary::blocks(&model.recipe.places));
         let scatter =
             single.iter().map(|one| one.iter().zip(&mean).map(|(x, m)| if x.is_nan() { 0.0 } else { x - m }).collect());
         let speeds: Vec<f64> = each.iter().filter_map(Summary::mean_speed).collect();
@@ -100,4 +123,34 @@ impl Floor {
     pub fn fleet(model: &Model, at: &Coordinates, from: Option<&Settled>) -> Option<Fleet> {
         model.survey(at, &Plan { passes: model.simulation.chain.carts as f64, from, ..Plan::default() })
     }
+}
+
+/// No feature is believed much better than the others of its block, as where a wheel never touches carts agree by chance; nor better than
+/// independent programs and sensors agree: a share of a block's range for means, of itself for what is a logarithm.
+fn levelled(deviation: &[f64], whole: &[f64], blocks: &[Block]) -> Vec<f64> {
+    struct Own {
+        squares: f64,
+        count: f64,
+        low: f64,
+        high: f64,
+    }
+    let mut all: BTreeMap<Block, Own> = BTreeMap::new();
+    for ((block, x), value) in blocks.iter().zip(deviation).zip(whole).filter(|((_, x), _)| !x.is_nan()) {
+        let none = Own { squares: 0.0, count: 0.0, low: f64::INFINITY, high: f64::NEG_INFINITY };
+        let own = all.entry(*block).or_insert(none);
+        own.squares += x * x;
+        own.count += 1.0;
+        own.low = own.low.min(*value);
+        own.high = own.high.max(*value);
+    }
+    let least = |block: &Block| {
+        let Some(own) = all.get(block) else { return 0.0 };
+        let agreed = match block {
+            Block::Mean(_) => MEANS_AGREE * (own.high - own.low),
+            _ => LOGARITHMS_AGREE,
+        };
+        agreed.max(LEAST_SHARE * (own.squares / own.count).sqrt())
+    };
+    // NaN stays.
+    deviation.iter().zip(blocks).map(|(x, block)| if *x < least(block) { least(block) } else { *x }).collect()
 }

@@ -155,14 +155,13 @@ impl Blocks {
         }
     }
 
-    /// What is left over in a block beyond its carts' scatter, for each of its features in proportion to the floor.
+    /// What is left over in the mean of a block beyond its carts' scatter.
     fn unexplained(&self, left_over: &[f64], floor: &Floor) -> Vec<f64> {
         let mut out = vec![0.0; left_over.len()];
         for rows in self.0.values() {
-            let square = |k: usize| floor.deviation[k] * floor.deviation[k];
-            let mean = rows.iter().map(|&k| left_over[k] / square(k)).sum::<f64>() / rows.len() as f64;
-            let excess = (mean - 1.0 / DESIGN_PASSES).max(0.0);
-            rows.iter().for_each(|&k| out[k] = excess * square(k));
+            let excess = |&k: &usize| left_over[k] - floor.deviation[k] * floor.deviation[k] / DESIGN_PASSES;
+            let mean = (rows.iter().map(excess).sum::<f64>() / rows.len() as f64).max(0.0);
+            rows.iter().for_each(|&k| out[k] = mean);
         }
         out
     }

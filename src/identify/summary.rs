@@ -90,15 +90,17 @@ impl Recipe {
         }
     }
 
-    /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means.
+    /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range above: a wheel
+    /// that does not touch has a force of 0 for long, which no threshold must split.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
         self.blocks(samples, offset, |kind, force, mean| found[kind * FORCES + force].push(mean));
         for (k, means) in found.iter_mut().enumerate() {
             means.sort_by(f32::total_cmp);
+            let above = 0.01 * means.last().zip(means.first()).map_or(0.0, |(high, low)| high - low);
             for (t, share) in [0.1, 0.5, 0.9].into_iter().enumerate() {
                 let at = (share * means.len() as f64) as usize;
-                self.thresholds[k / FORCES][k % FORCES][t] = means.get(at).copied().unwrap_or(0.0);
+                self.thresholds[k / FORCES][k % FORCES][t] = above + means.get(at).copied().unwrap_or(0.0);
             }
         }
     }
@@ -345,6 +347,18 @@ impl Summary {
             out.extend(self.power[force].iter().map(|p| power(*p, self.segments[force])));
         }
         out.extend(self.speed_power.iter().map(|p| power(*p, self.speed_segments)));
+        out
+    }
+
+    /// How finely this summary tells each feature: a share changes by whole blocks of samples; 0 for the others.
+    pub fn resolution(&self) -> Vec<f64> {
+        let mut out = vec![0.0; (self.cells.len() + self.zones.len()) * FORCES];
+        for force in 0..FORCES {
+            for kind in &self.below {
+                out.extend([1.0 / kind[force][THRESHOLDS].max(1.0); THRESHOLDS]);
+            }
+        }
+        out.extend([0.0; FORCES * BANDS + SPEED_BANDS]);
         out
     }
 
