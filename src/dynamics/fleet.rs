@@ -208,18 +208,10 @@ impl Filters {
 /// Forces of a pack in the order of a record, those of the joint being of the one behind, on the follower.
 #[inline(always)]
 fn rows(loads: &super::state::Loads) -> [Row; 7] {
-    let mut rows = [[0.0; PACK]; 7];
-    for lane in 0..PACK {
-        let steering = loads.steering[lane];
-        rows[0][lane] = if steering > 0.0 { steering } else { 0.0 };
-        rows[1][lane] = if steering < 0.0 { -steering } else { 0.0 };
-        rows[2][lane] = loads.running[0][lane].abs();
-        rows[3][lane] = loads.running[1][lane].abs();
-        for k in 0..3 {
-            rows[4 + k][lane] = -loads.joint[k][lane];
-        }
-    }
-    rows
+    let positive = |x: f64| if x > 0.0 { x } else { 0.0 };
+    let [xi, eta, zeta] = loads.joint.map(|row| row.map(|x| -x));
+    let [left, right] = loads.running.map(|row| row.map(f64::abs));
+    [loads.steering.map(positive), loads.steering.map(|x| positive(-x)), left, right, xi, eta, zeta]
 }
 
 struct Step<'a> {
@@ -234,11 +226,10 @@ impl WithSimd for Step<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         for (pack, loads) in self.packs.iter_mut().zip(self.loads) {
-            let now = rows(loads);
-            for k in 0..7 {
-                let [first, second] = &mut pack.delay[k];
-                for lane in 0..PACK {
-                    pack.out[k][lane] = self.lowpass.pass(now[k][lane], &mut first[lane], &mut second[lane]);
+            for ((now, delay), out) in rows(loads).iter().zip(&mut pack.delay).zip(&mut pack.out) {
+                let [first, second] = delay;
+                for (((x, y), z1), z2) in now.iter().zip(out).zip(first).zip(second) {
+                    *y = self.lowpass.pass(*x, z1, z2);
                 }
             }
         }

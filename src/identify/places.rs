@@ -45,8 +45,11 @@ impl Places {
     pub fn new(simulation: &Simulation) -> Self {
         let line = simulation.track.centre_line();
         let (lap, pitch) = (line.length, line.length / simulation.chain.carts as f64);
-        let cells = ((lap / (2.0 * pitch)).round() as usize).max(1);
-        let zones = zones(&line, LEAST * pitch);
+        Places::of(lap, ((lap / (2.0 * pitch)).round() as usize).max(1), zones(&line, LEAST * pitch))
+    }
+
+    /// Places of a lap with so many cells, and zones that fill it.
+    pub fn of(lap: f64, cells: usize, zones: Vec<Zone>) -> Self {
         let fine = cells * FINE;
         let middle = |k: usize| (k as f64 + 0.5) * lap / fine as f64;
         let holds = |s: f64| zones.iter().position(|z| z.from <= s && s < z.to).unwrap_or(0) as u16;

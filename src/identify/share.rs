@@ -76,3 +76,63 @@ pub fn combine(shared: &[Parameter], runs: &[(&Model, &Fit)]) -> Option<Shared> 
         bound: shared.iter().map(|p| bound[p.index()]).collect(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emit::simulation::{ContactLaw, Simulation};
+    use crate::identify::Measured;
+    use crate::signal::{Channel, Run, Sidecar};
+    use std::collections::BTreeMap;
+
+    fn model() -> Model {
+        let text =
+            include_str!("../../tests/cases/levels/5-simulation.snap").splitn(3, "---\n").nth(2).expect("a body");
+        let simulation: Simulation = serde_json::from_str(text).expect("an input");
+        let time: Vec<f64> = (0..100).map(|i| f64::from(i) / 500.0).collect();
+        let trigger = time.iter().map(|t| if *t > 0.1 { 1.0 } else { 0.0 }).collect();
+        let channels = [(Channel::JointXi, vec![1.0; 100]), (Channel::Trigger, trigger)].into();
+        let sidecar = Sidecar { speed_setpoint: 2.0, lowpass: 100.0, laps: 1, ..Sidecar::default() };
+        let measured = Measured::new(&Run { time, channels, sidecar }, &simulation, 150.45).expect("a run");
+        Model::new(&simulation, ContactLaw::default(), &measured, crate::dynamics::Width::widest())
+    }
+
+    /// Two runs that know a parameter four times and once as well, and one of them only together with another parameter.
+    #[test]
+    fn runs_count_by_what_they_know() {
+        let model = model();
+        let p = Parameter::RollingResistance;
+        let (k, other) = (p.index(), Parameter::Tension.index());
+        let at = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).0);
+        let fit = |information: f64, away: f64, mixed: f64| {
+            let mut matrix = DMatrix::zeros(COUNT, COUNT);
+            matrix[(k, k)] = information;
+            matrix[(other, other)] = 1e6;
+            matrix[(k, other)] = mixed;
+            matrix[(other, k)] = mixed;
+            let mut at = at;
+            at[k] += away;
+            Fit {
+                at,
+                covariance: DMatrix::zeros(COUNT, COUNT),
+                bound: vec![0; COUNT],
+                objective: 1.0,
+                blocks: BTreeMap::new(),
+                information: DMatrix::zeros(0, 0),
+                own: Information { matrix, pull: DVector::zeros(COUNT) },
+                steps: 1,
+                simulations: 1,
+                noise: [0.0; 7],
+            }
+        };
+        let (a, b) = (fit(4e4, 0.01, 0.0), fit(1e4, -0.02, 0.0));
+        let shared = combine(&[p], &[(&model, &a), (&model, &b)]).expect("combined");
+        // (4 · 0.01 − 1 · 0.02) / 5, but for the prior's little weight.
+        assert!((shared.at[0] - at[k] - 0.004).abs() < 1e-5, "{}", shared.at[0] - at[k]);
+        assert!((shared.deviation[0] - p.reach() / 5e4_f64.sqrt()).abs() < 1e-6);
+        // What goes into another parameter is lost: 4e4 − 1.8e5² / 1e6.
+        let mixed = fit(4e4, 0.01, 1.8e5);
+        let alone = combine(&[p], &[(&model, &mixed)]).expect("combined");
+        assert!((alone.deviation[0] - p.reach() / 7.6e3_f64.sqrt()).abs() < 1e-5, "{}", alone.deviation[0]);
+    }
+}

@@ -373,3 +373,93 @@ impl Summary {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::places::Zone;
+
+    /// A lap of 40 m in 8 cells, the second half a left curve.
+    fn recipe() -> Recipe {
+        let zone = |from, to, kind| Zone { from, to, kind };
+        let places = Places::of(40.0, 8, vec![zone(0.0, 20.0, Kind::Straight), zone(20.0, 40.0, Kind::Left)]);
+        Recipe::new(Arc::new(places), 500.0, 1.6, 100.0)
+    }
+
+    /// Two laps at 2 m/s: 100 N on the straight, 300 N in the curve, and a sine of 10 N at 4 Hz.
+    fn lap() -> (Vec<f32>, Vec<f32>) {
+        let time: Vec<f64> = (0..20_000).map(|i| f64::from(i) / 500.0).collect();
+        let station: Vec<f32> = time.iter().map(|t| (2.0 * t + 0.001) as f32).collect();
+        let level = |t: &f64| if (2.0 * t + 0.001).rem_euclid(40.0) < 20.0 { 100.0 } else { 300.0 };
+        let force = time.iter().map(|t| (level(t) + 10.0 * trig::sin(trig::TAU * 4.0 * t)) as f32).collect();
+        (station, force)
+    }
+
+    fn of_joint<'a>(station: &'a [f32], force: &'a [f32]) -> Samples<'a> {
+        let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
+        forces[4] = force;
+        Samples { station, speed: &[], forces }
+    }
+
+    fn features_of(block: Block, recipe: &Recipe, features: &[f64]) -> Vec<f64> {
+        let blocks = Summary::blocks(&recipe.places);
+        assert_eq!(blocks.len(), features.len());
+        blocks.iter().zip(features).filter(|(b, _)| **b == block).map(|(_, x)| *x).collect()
+    }
+
+    #[test]
+    fn features_of_a_known_signal() {
+        let mut recipe = recipe();
+        let (station, force) = lap();
+        let samples = of_joint(&station, &force);
+        recipe.set_thresholds(&samples, 0.0);
+        let mut summary = Summary::new(&recipe.places);
+        summary.add(&recipe, &samples, 0.0, None);
+        let features = summary.features(1.0);
+        let of = |block| features_of(block, &recipe, &features);
+        for (cell, mean) in of(Block::Mean(4)).iter().enumerate() {
+            assert!((mean - if cell < 4 { 100.0 } else { 300.0 }).abs() < 0.02, "cell {cell}: {mean}");
+        }
+        // A sine's deviation is its amplitude over √2.
+        assert!(of(Block::Spread(4)).iter().all(|x| (x - trig::ln(10.0 / 2_f64.sqrt())).abs() < 1e-3));
+        // The median by construction, on straights and in left curves; no right curve.
+        let shares = of(Block::Share(4));
+        assert!((shares[1] - 0.5).abs() < 0.05 && (shares[4] - 0.5).abs() < 0.05, "{shares:?}");
+        assert!(shares[6..].iter().all(|x| x.is_nan()));
+        // 4 Hz is 2.5 passings: in the fifth band, and without the levels in no other.
+        let sine: Vec<f32> = force.iter().map(|x| if *x < 200.0 { x - 100.0 } else { x - 300.0 }).collect();
+        let mut alone = Summary::new(&recipe.places);
+        alone.add(&recipe, &of_joint(&station, &sine), 0.0, None);
+        let power = features_of(Block::Power(4), &recipe, &alone.features(1.0));
+        assert!((power[4] - trig::ln(10.0 / 2_f64.sqrt())).abs() < 1e-3, "{power:?}");
+        assert!((0..BANDS).all(|k| k == 4 || power[k] < power[4] - 4.0), "{power:?}");
+        assert!(of(Block::Mean(0)).iter().all(|x| x.is_nan()), "what was not measured has no features");
+        // Moved by half a lap, the levels change places; two halves add up to the whole.
+        let mut moved = Summary::new(&recipe.places);
+        moved.add(&recipe, &samples, 20.0, None);
+        let means = features_of(Block::Mean(4), &recipe, &moved.features(1.0));
+        assert!((means[0] - 300.0).abs() < 0.5 && (means[5] - 100.0).abs() < 0.5);
+        let mut twice = summary.clone();
+        twice.merge(&summary);
+        let both = twice.features(1.0);
+        let same = |(a, b): (&f64, &f64)| (a.is_nan() && b.is_nan()) || (a - b).abs() < 1e-12 * a.abs().max(1.0);
+        assert!(features.iter().zip(&both).all(same));
+    }
+
+    #[test]
+    fn lost_samples_take_no_part_and_noise_shows_above_the_low_pass() {
+        let mut recipe = recipe();
+        let (station, mut force) = lap();
+        force[300..400].fill(f32::NAN);
+        let mut summary = Summary::new(&recipe.places);
+        summary.add(&recipe, &of_joint(&station, &force), 0.0, None);
+        let means = features_of(Block::Mean(4), &recipe, &summary.features(1.0));
+        assert!(means.iter().all(|x| x.is_finite()));
+        recipe.noise[4] = 3.0;
+        let mut noisy = Summary::new(&recipe.places);
+        noisy.add(&recipe, &of_joint(&station, &force), 0.0, Some(5));
+        let ((clean, share), (loud, _)) = (summary.high_power(&recipe), noisy.high_power(&recipe));
+        let found = ((loud[4] - clean[4]) / share).sqrt();
+        assert!((found - 3.0).abs() < 0.15, "{found}");
+    }
+}

@@ -61,7 +61,7 @@ fn run(fit: &Fitted) -> String {
         fixed(fit.laps, 2),
         fit.simulations
     );
-    let _ = writeln!(out, "    {:<26}{:>11}  {:<24}{}", "parameter", "value", "90 % interval", "");
+    let _ = writeln!(out, "    {:<26}{:>11}  90 % interval", "parameter", "value");
     for p in Parameter::ALL {
         let Some(e) = fit.parameters.get(p.name()) else { continue };
         let interval = if e.fitted { format!("{} to {}", digits(e.low), digits(e.high)) } else { "not fitted".into() };
