@@ -426,13 +426,13 @@ mod tests {
         let shares = of(Block::Share(4));
         assert!((shares[1] - 0.5).abs() < 0.05 && (shares[4] - 0.5).abs() < 0.05, "{shares:?}");
         assert!(shares[6..].iter().all(|x| x.is_nan()));
-        // 4 Hz is 2.5 passings: in the fifth band, and without the levels in no other.
+        // 4 Hz is 2.5 passings: in the fifth band, and without the levels in no other but for what the window leaks.
         let sine: Vec<f32> = force.iter().map(|x| if *x < 200.0 { x - 100.0 } else { x - 300.0 }).collect();
         let mut alone = Summary::new(&recipe.places);
         alone.add(&recipe, &of_joint(&station, &sine), 0.0, None);
         let power = features_of(Block::Power(4), &recipe, &alone.features(1.0));
         assert!((power[4] - trig::ln(10.0 / 2_f64.sqrt())).abs() < 1e-3, "{power:?}");
-        assert!((0..BANDS).all(|k| k == 4 || power[k] < power[4] - 4.0), "{power:?}");
+        assert!((0..BANDS).all(|k| k == 4 || power[k] < power[4] - 3.0), "{power:?}");
         assert!(of(Block::Mean(0)).iter().all(|x| x.is_nan()), "what was not measured has no features");
         // Moved by half a lap, the levels change places; two halves add up to the whole.
         let mut moved = Summary::new(&recipe.places);
