@@ -1,5 +1,7 @@
 //! The one way numbers are written: the same digits everywhere, and never a negative zero.
 
+use crate::geometry::trig;
+
 /// With a fixed number of decimals: `1.50`.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -30,6 +32,18 @@ pub fn tidy(value: f64) -> f64 {
 /// Zero without a sign.
 pub fn normal(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value }
+}
+
+/// Round steps: 1, 2 or 5 times a power of ten, about `count` of them.
+pub fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
+    let raw = (high - low) / count;
+    if !(raw > 0.0 && raw.is_finite()) {
+        return Vec::new();
+    }
+    let power = trig::pow(10.0, trig::log10(raw).floor());
+    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw).unwrap_or(raw);
+    let first = (low / step).ceil() as i64;
+    (first..).map(|k| k as f64 * step).take_while(|t| *t <= high).take(50).collect()
 }
 
 #[cfg(test)]

@@ -122,16 +122,16 @@ impl<'t> Context<'t> {
 
     fn unused_imports(&self) {
         let used = self.used.borrow();
-        for (index, module) in self.program.modules.iter().enumerate().filter(|(_, m)| !m.standard) {
-            // What did not parse may well use the import.
-            if module.flawed {
-                continue;
-            }
-            for (number, import) in module.imports.iter().enumerate() {
-                if !used.contains(&(index, number)) {
-                    let message = format!("{} is imported, but not used", import.shown);
-                    self.report(Diagnostic::new(Code::W0701, message, import.span, "not used").fix(import.span, ""));
-                }
+        // What another file imports is for all who use that file: this one may have replaced it.
+        let Some(module) = self.program.modules.first() else { return };
+        // What did not parse may well use the import.
+        if module.flawed {
+            return;
+        }
+        for (number, import) in module.imports.iter().enumerate() {
+            if !used.contains(&(0, number)) {
+                let message = format!("{} is imported, but not used", import.shown);
+                self.report(Diagnostic::new(Code::W0701, message, import.span, "not used").fix(import.span, ""));
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::{fitted, table};
 use crate::cli::{MessageFormat, Outcome, could_not, read, report};
 use crate::dynamics::{Width, parallel};
+use crate::emit::number::fixed;
 use crate::emit::simulation::{ContactLaw, Simulation};
 use crate::emit::{Files, identification, json};
 use crate::identify::share::{Shared, combine};
@@ -69,6 +70,9 @@ fn laws(text: &str) -> Result<Laws, String> {
         format!("there is no law {text}; take `all` or one of {}", names.join(", "))
     })
 }
+
+/// Laps from which a run is taken to go once around: its ends are not known to the sample.
+const WHOLE_LAP: f64 = 0.98;
 
 /// A law as files and options call it.
 pub fn law_name(law: ContactLaw) -> String {
@@ -207,7 +211,16 @@ impl Campaign {
             if let Some(tension) = entry.tension {
                 simulation.chain.tension_n = tension;
             }
-            for warning in run.warnings(Some(simulation.chain.track_length_m)) {
+            let mut warnings = run.warnings(None);
+            // The wheels may know the speed where the sidecar's is off.
+            match Measured::new(&run, &simulation, simulation.chain.track_length_m) {
+                Ok(measured) if measured.laps < WHOLE_LAP => warnings.push(format!(
+                    "it covers {} of a lap: of the rest of the track nothing can be told",
+                    fixed(measured.laps, 2)
+                )),
+                _ => {}
+            }
+            for warning in warnings {
                 report::warning(&format!("{}: {warning}", entry.name));
             }
             let subject = Subject { name: entry.name.clone(), run, simulation };

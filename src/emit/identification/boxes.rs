@@ -1,6 +1,6 @@
 //! Box plots (Tukey 1977) in SVG, one row a group.
 
-use crate::emit::number::{fixed, trimmed};
+use crate::emit::number::{fixed, ticks, trimmed};
 use maud::{Markup, html};
 
 /// Values of one group.
@@ -53,8 +53,7 @@ pub fn boxes(groups: &[Group], bounds: Option<(f64, f64)>, unit: &str) -> Markup
     let at = |value: f64| fixed(x(value), 1);
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {height}")) role="img" {
-            @for k in 0..=5 {
-                @let value = low + (high - low) * f64::from(k) / 5.0;
+            @for value in ticks(low, high, 6.0) {
                 line.axis x1=(at(value)) x2=(at(value)) y1="0" y2=(fixed(height - BELOW, 1)) {}
                 text.tick x=(at(value)) y=(fixed(height - 6.0, 1)) text-anchor="middle" { (label(value)) }
             }

@@ -1,7 +1,7 @@
 //! Line charts in SVG: a channel along the track, a spectrum, the supports.
 
 use super::lap_track::{Kind, LapTrack};
-use crate::emit::number::{fixed, trimmed};
+use crate::emit::number::{fixed, ticks, trimmed};
 use crate::geometry::trig;
 use crate::signal::SupportLoad;
 use crate::signal::spectrum::Spectrum;
@@ -38,18 +38,6 @@ impl Scale {
     fn y(&self, value: f64) -> f64 {
         TOP + (self.high - value) / (self.high - self.low) * (HEIGHT - TOP - BELOW)
     }
-}
-
-/// Round steps: 1, 2 or 5 times a power of ten, about `count` of them.
-fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
-    let raw = (high - low) / count;
-    if !(raw > 0.0 && raw.is_finite()) {
-        return Vec::new();
-    }
-    let power = trig::pow(10.0, trig::log10(raw).floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw).unwrap_or(raw);
-    let first = (low / step).ceil() as i64;
-    (first..).map(|k| k as f64 * step).take_while(|t| *t <= high).take(50).collect()
 }
 
 fn number(value: f64) -> String {
