@@ -419,16 +419,7 @@ fn every_cart_of_a_survey_is_a_sensor_cart() {
         let plan = Plan { settle: 0.2, front: 0.4, ..Plan::default() };
         let run = simulate(&own, &plan, Width::widest(), &mut |p| p.time < 1.2).expect("fit").run;
         let record = &fleet.carts[cart as usize - 1];
-        let channels = [
-            Channel::SteerLeft,
-            Channel::SteerRight,
-            Channel::RunLeft,
-            Channel::RunRight,
-            Channel::JointXi,
-            Channel::JointEta,
-            Channel::JointZeta,
-        ];
-        for (channel, force) in channels.iter().zip(&record.forces) {
+        for (channel, force) in Channel::FORCES.iter().zip(&record.forces) {
             assert_eq!(force.len(), 400);
             let expected: Vec<f32> = run.channels[channel][..400].iter().map(|x| *x as f32).collect();
             assert_eq!(force, &expected, "{} of cart {cart}", channel.name());

@@ -2,7 +2,7 @@
 
 use super::progress::Line;
 use super::read::{Read, read, tell};
-use super::{MessageFormat, Outcome, could_not, report};
+use super::{MessageFormat, Outcome, OutputFormat, could_not, report};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::emit::{self, Compiled, DrawError, Files};
@@ -31,7 +31,7 @@ pub struct Build {
     layout: Option<String>,
     /// How the summary is written to standard output.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
     /// How diagnostics are written to standard error.
     #[arg(long, value_enum, default_value_t)]
     message_format: MessageFormat,
@@ -53,13 +53,6 @@ pub struct Build {
     /// Threads to use; the result does not depend on it. All cores when not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     threads: Option<u64>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
-enum Format {
-    #[default]
-    Text,
-    Json,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -196,8 +189,8 @@ impl Build {
             feasible: !compiled.failed(),
         };
         let text = match self.format {
-            Format::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
-            Format::Text => text(&summary, compiled.raised(), self.output.as_ref()),
+            OutputFormat::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
+            OutputFormat::Text => text(&summary, compiled.raised(), self.output.as_ref()),
         };
         report::print(&text);
     }

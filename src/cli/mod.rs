@@ -71,6 +71,14 @@ pub enum MessageFormat {
     Json,
 }
 
+/// How a verb writes its result to standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum OutputFormat {
+    #[default]
+    Text,
+    Json,
+}
+
 /// Runs the command line.
 pub fn main() -> ExitCode {
     let outcome = match Cli::parse().verb {

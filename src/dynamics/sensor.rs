@@ -13,17 +13,6 @@ use std::collections::BTreeMap;
 /// Nominal temperature of the wheels' cores, °C.
 const TEMPERATURE: f64 = 20.0;
 
-/// Forces that pass the low-pass, in the order of [`forces`].
-const FORCES: [Channel; 7] = [
-    Channel::SteerLeft,
-    Channel::SteerRight,
-    Channel::RunLeft,
-    Channel::RunRight,
-    Channel::JointXi,
-    Channel::JointEta,
-    Channel::JointZeta,
-];
-
 /// The cart that carries the sensors.
 #[derive(Clone, Debug)]
 pub struct SensorCart {
@@ -58,7 +47,7 @@ impl SensorCart {
     /// All channels now.
     pub fn sample(&self, chain: &Chain, into: &mut BTreeMap<Channel, Vec<f64>>) {
         let mut put = |channel: Channel, value: f64| into.entry(channel).or_default().push(value);
-        for (channel, value) in FORCES.into_iter().zip(self.filtered) {
+        for (channel, value) in Channel::FORCES.into_iter().zip(self.filtered) {
             put(channel, value);
         }
         for (channel, value) in self.wheel_speeds(chain) {

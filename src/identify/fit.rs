@@ -143,11 +143,10 @@ pub fn fit(
         let found = fitter.posterior(model, &at, &information);
         let length = deviations(&found, &settings.free);
         if length < SHORT || steps == settings.steps {
-            let covariance = DMatrix::from_fn(COUNT, COUNT, |i, j| {
+            let mut covariance: DMatrix<f64> = DMatrix::from_fn(COUNT, COUNT, |i, j| {
                 found.covariance[(i, j)] * Parameter::ALL[i].reach() * Parameter::ALL[j].reach()
             });
             let trigger = Parameter::TriggerPosition.index();
-            let mut covariance: DMatrix<f64> = covariance;
             if length >= SHORT && steps > 0 {
                 // Where the steps would still go is not known better than that.
                 for p in Parameter::ALL {
@@ -361,31 +360,26 @@ impl Fitter<'_> {
         }
     }
 
-    /// Mean square of the residuals of each block, over the floor's.
-    fn misfit(&self, residuals: &Residuals) -> BTreeMap<Block, f64> {
+    /// Of each block the sum of squared residuals over the floor's, and their number.
+    fn squares(&self, residuals: &Residuals) -> BTreeMap<Block, (f64, f64)> {
         let mut sums: BTreeMap<Block, (f64, f64)> = BTreeMap::new();
-        for (k, block) in self.blocks.iter().enumerate() {
-            if residuals.of[k].is_finite() {
-                let sum = sums.entry(*block).or_default();
-                sum.0 += residuals.of[k] * residuals.of[k] / residuals.variance[k];
-                sum.1 += 1.0;
-            }
+        for (k, block) in self.blocks.iter().enumerate().filter(|(k, _)| residuals.of[*k].is_finite()) {
+            let sum = sums.entry(*block).or_default();
+            *sum = (sum.0 + residuals.of[k] * residuals.of[k] / residuals.variance[k], sum.1 + 1.0);
         }
-        sums.into_iter().map(|(block, (sum, n))| (block, (sum / n).max(1.0))).collect()
+        sums
     }
 
+    /// By how much a block's mean square is over the floor's.
+    fn misfit(&self, residuals: &Residuals) -> BTreeMap<Block, f64> {
+        self.squares(residuals).into_iter().map(|(block, (sum, n))| (block, (sum / n).max(1.0))).collect()
+    }
+
+    /// Root mean square over all features, and over each block's.
     fn objective(&self, residuals: &Residuals) -> (f64, BTreeMap<Block, f64>) {
-        let mut sums: BTreeMap<Block, (f64, f64)> = BTreeMap::new();
-        let (mut sum, mut n) = (0.0, 0.0_f64);
-        for (k, block) in self.blocks.iter().enumerate() {
-            if residuals.of[k].is_finite() {
-                let square = residuals.of[k] * residuals.of[k] / residuals.variance[k];
-                let own = sums.entry(*block).or_default();
-                *own = (own.0 + square, own.1 + 1.0);
-                (sum, n) = (sum + square, n + 1.0);
-            }
-        }
-        ((sum / n.max(1.0)).sqrt(), sums.into_iter().map(|(b, (s, n))| (b, (s / n).sqrt())).collect())
+        let squares = self.squares(residuals);
+        let (sum, n) = squares.values().fold((0.0, 0.0), |a: (f64, f64), b| (a.0 + b.0, a.1 + b.1));
+        ((sum / n.max(1.0)).sqrt(), squares.into_iter().map(|(b, (s, n))| (b, (s / n).sqrt())).collect())
     }
 
     fn cost(&self, model: &Model, at: &Coordinates, residuals: &Residuals, misfit: &BTreeMap<Block, f64>) -> f64 {

@@ -3,19 +3,9 @@
 use super::summary::{FORCES, Samples};
 use crate::emit::simulation::Simulation;
 use crate::signal::gaps::bridge;
+use crate::signal::measures::statistics;
 use crate::signal::position::position;
 use crate::signal::{Channel, Run};
-
-/// The forces in the order of a record.
-pub const CHANNELS: [Channel; FORCES] = [
-    Channel::SteerLeft,
-    Channel::SteerRight,
-    Channel::RunLeft,
-    Channel::RunRight,
-    Channel::JointXi,
-    Channel::JointEta,
-    Channel::JointZeta,
-];
 
 /// How well the wheels tell the speed, as a share of it: their radii are known to no better.
 const WHEELS: f64 = 1e-4;
@@ -50,8 +40,8 @@ impl Measured {
     ///
     /// In words, when the run cannot be used: no force was measured, or the trigger never rises.
     pub fn new(run: &Run, simulation: &Simulation, lap: f64) -> Result<Measured, String> {
-        if !CHANNELS.iter().any(|c| run.channels.contains_key(c)) {
-            return Err(format!("it has none of {}", CHANNELS.map(Channel::name).join(", ")));
+        if !Channel::FORCES.iter().any(|c| run.channels.contains_key(c)) {
+            return Err(format!("it has none of {}", Channel::FORCES.map(Channel::name).join(", ")));
         }
         let Some(place) = position(run, lap) else {
             return Err("the trigger never rises, so no sample has a place on the track".into());
@@ -64,7 +54,7 @@ impl Measured {
             filled += bridged.filled;
             bridged.samples.iter().any(|x| !x.is_nan()).then_some(bridged.samples)
         };
-        let forces = CHANNELS.map(|c| channel(c).unwrap_or_default());
+        let forces = Channel::FORCES.map(|c| channel(c).unwrap_or_default());
         let wheels = [
             (Channel::WheelSpeedRunLeft, Channel::WheelSpeedRunRight, simulation.running_wheel.radius_m),
             (Channel::WheelSpeedSteerLeft, Channel::WheelSpeedSteerRight, simulation.steering_wheel.radius_m),
@@ -72,7 +62,9 @@ impl Measured {
         // A pair's mean is that of the front joint, in curves too.
         let speeds = wheels.into_iter().find_map(|(left, right, radius)| {
             let (left, right) = (channel(left)?, channel(right)?);
-            Some(left.iter().zip(&right).map(|(a, b)| 0.5 * (a + b) * radius).collect::<Vec<f64>>())
+            let speeds: Vec<f64> = left.iter().zip(&right).map(|(a, b)| 0.5 * (a + b) * radius).collect();
+            // A sensor that stands still tells no place.
+            mean(&speeds).filter(|v| (0.5..2.0).contains(&(v / run.sidecar.speed_setpoint))).map(|_| speeds)
         });
         let past = match &speeds {
             Some(speeds) => travelled(run, speeds, &place.edges, lap),
@@ -83,11 +75,7 @@ impl Measured {
             let time = last - first;
             Some((place.speed, place.speed * 1.5 / run.rate() / time))
         } else {
-            speeds.as_ref().and_then(|speeds| {
-                let known: Vec<f64> = speeds.iter().copied().filter(|v| !v.is_nan()).collect();
-                let mean = known.iter().sum::<f64>() / known.len() as f64;
-                (mean > 0.0).then_some((mean, WHEELS * mean))
-            })
+            speeds.as_deref().and_then(mean).map(|v| (v, WHEELS * v))
         };
         let narrow = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect::<Vec<f32>>();
         Ok(Measured {
@@ -116,10 +104,14 @@ impl Measured {
     }
 }
 
+/// Of what is not lost.
+fn mean(samples: &[f64]) -> Option<f64> {
+    statistics(samples).map(|s| s.mean)
+}
+
 /// Distance past the first edge by the wheels' speed, stretched so that a lap lies between two edges.
 fn travelled(run: &Run, speeds: &[f64], edges: &[f64], lap: f64) -> Vec<f64> {
-    let known: Vec<f64> = speeds.iter().copied().filter(|v| !v.is_nan()).collect();
-    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let mean = mean(speeds).unwrap_or(run.sidecar.speed_setpoint);
     let mut path = Vec::with_capacity(speeds.len());
     let mut s = 0.0;
     for (i, v) in speeds.iter().enumerate() {

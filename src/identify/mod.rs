@@ -26,7 +26,7 @@ mod summary;
 mod words;
 
 pub use fit::{Fit, Settings};
-pub use measured::{CHANNELS, Measured};
+pub use measured::Measured;
 pub use model::{Coordinates, Model};
 pub use parameter::{COUNT, Parameter, damping, restitution};
 pub use posterior::interval;

@@ -4,7 +4,7 @@
 //! only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is another model.
 
 use super::fit::{Fit, Settings, fit};
-use super::measured::{CHANNELS, Measured};
+use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter, damping};
 use super::posterior::{Information, correlations, interval};
@@ -266,7 +266,7 @@ fn fitted(
     let (parameters, damping, achieved) = estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
     let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
     let names = |values: [f64; FORCES]| {
-        let all = CHANNELS.iter().zip(values).enumerate().filter(|(k, _)| measured.has(*k));
+        let all = Channel::FORCES.iter().zip(values).enumerate().filter(|(k, _)| measured.has(*k));
         all.map(|(_, (c, x))| (c.name().to_owned(), tidy(x))).collect()
     };
     let rows = |m: &DMatrix<f64>| m.transpose().as_slice().iter().map(|x| tidy(*x)).collect::<Vec<f64>>();
@@ -304,7 +304,7 @@ fn fitted(
         // The measured run with its trigger where the fit puts it.
         let mut placed = subject.run.clone();
         placed.sidecar.trigger_position = out.input(subject).sensor.photocell_s_m;
-        for (channel, deviation) in compare(&placed, &lap.run, &scale).into_iter().filter(|(c, _)| is_force(*c)) {
+        for (channel, deviation) in compare(&placed, &lap.run, &scale).into_iter().filter(|(c, _)| c.is_force()) {
             let name = channel.name().to_owned();
             out.nrmsd.extend(deviation.nrmsd.map(|x| (name.clone(), tidy(x))));
             out.nrmsd_two_carts.extend(deviation.nrmsd_two_carts.map(|x| (name, tidy(x))));
@@ -313,13 +313,9 @@ fn fitted(
     out
 }
 
-fn is_force(channel: Channel) -> bool {
-    CHANNELS.contains(&channel)
-}
-
 /// What a block of features is, in words.
 fn block_name(block: Block) -> String {
-    let of = |what: &str, force: usize| format!("{what} of {}", CHANNELS[force].name());
+    let of = |what: &str, force: usize| format!("{what} of {}", Channel::FORCES[force].name());
     match block {
         Block::Mean(k) => of("means along the track", k),
         Block::Spread(k) => of("spread within curves and straights", k),

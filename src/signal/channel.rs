@@ -43,6 +43,17 @@ impl Channel {
         Channel::Trigger,
     ];
 
+    /// The forces that pass the low-pass.
+    pub const FORCES: [Channel; 7] = [
+        Channel::SteerLeft,
+        Channel::SteerRight,
+        Channel::RunLeft,
+        Channel::RunRight,
+        Channel::JointXi,
+        Channel::JointEta,
+        Channel::JointZeta,
+    ];
+
     /// Name, unit and label.
     const fn words(self) -> (&'static str, &'static str, &'static str) {
         match self {

@@ -3,11 +3,10 @@
 mod scale;
 mod table;
 
-use super::{Outcome, build, report};
+use super::{Outcome, OutputFormat, build, report};
 use crate::signal::compare::{Deviation, compare};
 use crate::signal::measures::Statistics;
 use crate::signal::{Channel, Run};
-use clap::ValueEnum;
 use scale::Known;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -35,14 +34,7 @@ pub struct Compare {
     slope: f64,
     /// How the measures are written to standard output.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
-enum Format {
-    #[default]
-    Text,
-    Json,
+    format: OutputFormat,
 }
 
 /// The measures in JSON.
@@ -117,8 +109,8 @@ impl Compare {
         let names = [self.run_a.to_string_lossy(), self.run_b.to_string_lossy()];
         let report = Report::new([(&names[0], &a), (&names[1], &b)], &known, self.slope, &channels);
         report::print(&match self.format {
-            Format::Text => table::text(&report),
-            Format::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
+            OutputFormat::Text => table::text(&report),
+            OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
         });
         Outcome::Clean
     }

@@ -1,7 +1,7 @@
 //! `lss identify CAMPAIGN`: every run, every law.
 
 use super::{fitted, table};
-use crate::cli::{MessageFormat, Outcome, could_not, read, report};
+use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
 use crate::dynamics::{Width, parallel};
 use crate::emit::number::fixed;
 use crate::emit::simulation::{ContactLaw, Simulation};
@@ -45,14 +45,7 @@ pub struct Campaign {
     seed: u64,
     /// How the result is written to standard output: json is one object a line, a law each.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
-enum Format {
-    #[default]
-    Text,
-    Json,
+    format: OutputFormat,
 }
 
 /// Laws to fit, the first as it is, the others from it.
@@ -165,11 +158,11 @@ impl Campaign {
             return could_not("write", &error.path, &error.reason);
         }
         report::print(&match self.format {
-            Format::Json => {
+            OutputFormat::Json => {
                 let line = |law: &LawReport| serde_json::to_string(law).unwrap_or_default() + "\n";
                 reports.iter().map(line).collect::<String>()
             }
-            Format::Text => format!("{}written to {}\n", table::text(&reports), output.display()),
+            OutputFormat::Text => format!("{}written to {}\n", table::text(&reports), output.display()),
         });
         if failed { Outcome::Problems } else { Outcome::Clean }
     }

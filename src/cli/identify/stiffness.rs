@@ -1,10 +1,9 @@
 //! `lss identify stiffness`: a joint's K and n from a static test.
 
-use crate::cli::{Outcome, could_not, report};
+use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::number::{fixed, shortest, trimmed};
 use crate::identify::static_test::{self, Direction, Points};
 use crate::identify::stiffness::{Estimate, Fixed, Unfit, fit, fit_with};
-use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,14 +24,7 @@ pub struct Stiffness {
     direction: Option<Direction>,
     /// How the fit is written to standard output.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
-enum Format {
-    #[default]
-    Text,
-    Json,
+    format: OutputFormat,
 }
 
 /// The fits in JSON.
@@ -102,8 +94,8 @@ impl Stiffness {
             return could_not("write", path, why);
         }
         report::print(&match self.format {
-            Format::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
-            Format::Text => match &self.output {
+            OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
+            OutputFormat::Text => match &self.output {
                 Some(path) => format!("{}\nwritten to {}\n", report.table(), path.display()),
                 None => format!("{}\n{declaration}", report.table()),
             },

@@ -1,8 +1,8 @@
 //! Fits as a terminal shows them.
 
 use super::campaign::LawReport;
-use crate::emit::identification::quantile;
-use crate::emit::number::{fixed, trimmed};
+use crate::emit::identification::{digits, quantile};
+use crate::emit::number::fixed;
 use crate::identify::Parameter;
 use crate::identify::study::Fitted;
 use std::fmt::Write;
@@ -34,21 +34,6 @@ pub fn text(laws: &[LawReport]) -> String {
         out.push('\n');
     }
     out
-}
-
-/// Four significant digits or so.
-fn digits(value: f64) -> String {
-    let size = value.abs();
-    trimmed(
-        value,
-        if size >= 100.0 {
-            1
-        } else if size >= 1.0 {
-            4
-        } else {
-            5
-        },
-    )
 }
 
 fn run(fit: &Fitted) -> String {

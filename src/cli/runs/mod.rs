@@ -2,12 +2,11 @@
 
 mod table;
 
-use super::{MessageFormat, Outcome, read, report};
+use super::{MessageFormat, Outcome, OutputFormat, read, report};
 use crate::emit::simulation::Simulation;
 use crate::signal::health::{Health, health};
 use crate::signal::measures::Statistics;
 use crate::signal::{Campaign, Entry, Run, RunError};
-use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,14 +24,7 @@ pub struct Runs {
     layout: Option<PathBuf>,
     /// How the runs are written to standard output.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
-enum Format {
-    #[default]
-    Text,
-    Json,
+    format: OutputFormat,
 }
 
 /// The campaign in JSON.
@@ -108,8 +100,8 @@ impl Runs {
         let outcome = if refused.is_empty() && !layouts.broken { Outcome::Clean } else { Outcome::Problems };
         let report = Report { runs, refused };
         report::print(&match self.format {
-            Format::Text => table::text(&report),
-            Format::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
+            OutputFormat::Text => table::text(&report),
+            OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
         });
         outcome
     }

@@ -3,7 +3,7 @@
 mod progress;
 mod report;
 
-use super::{MessageFormat, Outcome, could_not, read};
+use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::emit::simulation::{ContactLaw, Simulation};
 use crate::emit::{Files, json, lap};
@@ -56,12 +56,12 @@ pub struct Simulate {
     /// Print every parameter that --set knows, with its value, instead of simulating.
     #[arg(long)]
     list_parameters: bool,
-    /// Format of the run's data file.
+    /// OutputFormat of the run's data file.
     #[arg(long, value_enum, default_value_t)]
     run_format: RunFormat,
     /// How the summary is written to standard output.
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: OutputFormat,
     /// How diagnostics are written to standard error.
     #[arg(long, value_enum, default_value_t)]
     message_format: MessageFormat,
@@ -72,13 +72,6 @@ enum RunFormat {
     #[default]
     Csv,
     Parquet,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
-enum Format {
-    #[default]
-    Text,
-    Json,
 }
 
 impl Simulate {
@@ -122,8 +115,8 @@ impl Simulate {
             }
         }
         super::report::print(&match self.format {
-            Format::Json => report::json(&outcome, wall),
-            Format::Text => report::text(&simulation, &outcome, wall, self.output.as_deref()),
+            OutputFormat::Json => report::json(&outcome, wall),
+            OutputFormat::Text => report::text(&simulation, &outcome, wall, self.output.as_deref()),
         });
         match &outcome.end {
             End::Complete => Outcome::Clean,

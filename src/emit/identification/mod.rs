@@ -173,7 +173,8 @@ fn interval(e: &Estimate) -> String {
     if e.fitted { format!("{} … {}", digits(e.low), digits(e.high)) } else { "not fitted".to_owned() }
 }
 
-fn digits(value: f64) -> String {
+/// Four significant digits or so.
+pub fn digits(value: f64) -> String {
     let size = value.abs();
     trimmed(
         value,
