@@ -17,6 +17,8 @@
 //!
 //! [`identify`] finds the parameters of the model that measurements speak for.
 //!
+//! [`gap`] says where a built system and its simulation part, which effect does it, and how much adding it closes.
+//!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod cli;
@@ -24,6 +26,7 @@ pub mod diagnostic;
 pub mod dynamics;
 pub mod elements;
 pub mod emit;
+pub mod gap;
 pub mod geometry;
 pub mod identify;
 pub mod kinematics;

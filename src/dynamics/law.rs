@@ -29,10 +29,14 @@ impl ContactLaw {
         }
         let ln = trig::ln(e);
         let ratio = -ln / (trig::PI * trig::PI + ln * ln).sqrt();
-        let indentation = trig::pow(load.abs() / stiffness, 1.0 / exponent);
-        let tangent = exponent * stiffness * trig::pow(indentation, exponent - 1.0);
-        2.0 * ratio * (tangent * mass).sqrt()
+        2.0 * ratio * (tangent(stiffness, exponent, load) * mass).sqrt()
     }
+}
+
+/// Stiffness of F = K δⁿ about a load, N/m: n K δⁿ⁻¹.
+pub fn tangent(stiffness: f64, exponent: f64, load: f64) -> f64 {
+    let indentation = trig::pow(load.abs() / stiffness, 1.0 / exponent);
+    exponent * stiffness * trig::pow(indentation, exponent - 1.0)
 }
 
 /// The restitution that a free impact achieves under F = K δⁿ (1 + d δ̇/v₀): the e of d(1+e) = ln((1+d)/(1−e d)), whatever K

@@ -1,6 +1,6 @@
 //! The chain model's constants, worked out once from a simulation input (design: chain model).
 
-use super::law::Damped;
+use super::law::{Damped, tangent};
 use super::segments::Segments;
 use crate::emit::simulation::{self as input, ContactLaw, Simulation};
 use crate::kinematics::closing;
@@ -31,6 +31,9 @@ pub struct Model {
     pub speed: f64,
     /// T₀, N
     pub tension: f64,
+    /// Square of the highest frequency across the chain, 1/s², with joints at their static stretch and running wheels under
+    /// their weight.
+    pub stiffness_rate: f64,
     /// Mean closing pitch over 16 phases, m.
     pub pitch: f64,
 }
@@ -136,20 +139,25 @@ impl Model {
             radius: wheel.radius_m,
             resistance: wheel.rolling_resistance,
         };
+        let cart = Cart {
+            length,
+            mass,
+            inertia: simulation.cart.inertia_kg_m2,
+            centre: simulation.cart.centre_of_mass_m,
+            motor_height: simulation.cart.motor_height_m,
+        };
+        let weight = mass * simulation.gravity_m_s2;
+        let (running, radial) = (&simulation.running_wheel, damped(&simulation.joint.radial, tension));
+        let wheels = 2.0 * tangent_of(&running.contact, weight / 2.0);
         Ok(Model {
             carts,
             gravity: simulation.gravity_m_s2,
-            cart: Cart {
-                length,
-                mass,
-                inertia: simulation.cart.inertia_kg_m2,
-                centre: simulation.cart.centre_of_mass_m,
-                motor_height: simulation.cart.motor_height_m,
-            },
+            cart,
             steering: wheel(&simulation.steering_wheel, STEERING_LOAD),
-            running: wheel(&simulation.running_wheel, mass * simulation.gravity_m_s2 / 2.0),
+            running: wheel(running, weight / 2.0),
             axial,
-            radial: damped(&simulation.joint.radial, tension),
+            radial,
+            stiffness_rate: cart.ends().rate(tangent_of(&simulation.joint.radial, weight / 2.0), wheels),
             floor: simulation.joint.approach_floor_m_s,
             motors: Motors {
                 s: simulation.motors.s_m.iter().map(|s| s.rem_euclid(line.length)).collect(),
@@ -179,27 +187,49 @@ impl Model {
     pub fn largest_step(&self) -> f64 {
         let axial = &self.axial;
         let load = self.tension.abs().max(0.25 * self.cart.mass * self.gravity);
-        let stretch = crate::geometry::trig::pow(load / axial.stiffness, 1.0 / axial.exponent);
-        let tangent = axial.exponent * load / stretch.max(1e-12);
+        let tangent = tangent(axial.stiffness, axial.exponent, load);
         0.7 / (4.0 * tangent / self.cart.mass).sqrt()
     }
 
     /// Largest step with which a chain at its static tension is sure to run, s: with twice that tension at the joints.
     pub fn rest_step(&self) -> f64 {
-        let (along, _) = self.mobility();
-        let damping = along * (2.0 * self.tension.abs() * self.axial.factor / self.floor + self.axial.viscosity);
+        let damping =
+            4.0 / self.cart.mass * (2.0 * self.tension.abs() * self.axial.factor / self.floor + self.axial.viscosity);
         self.largest_step().min(1.0 / damping.max(1e-9))
     }
+}
 
-    /// How much the rate of a joint changes with its force, with the worst help of its neighbours, 1/kg: along the chain 4/m;
-    /// across it twice Σ (1/m + a²/I), with a the joints' arms about the centre of mass.
-    pub fn mobility(&self) -> (f64, f64) {
-        let cart = &self.cart;
-        let [xi, zeta] = cart.centre;
-        let turning = cart.inertia[1].min(cart.inertia[2]);
-        let square = |arm: f64| (arm * arm + zeta * zeta) / turning;
-        (4.0 / cart.mass, 2.0 * (2.0 / cart.mass + square(xi) + square(cart.length + xi)))
+impl Cart {
+    /// How its ends answer forces across the chain.
+    pub fn ends(&self) -> Ends {
+        let turning = self.inertia[1].min(self.inertia[2]);
+        let (front, rear) = (-self.centre[0], -self.centre[0] - self.length);
+        let answer = |a: f64, b: f64| 1.0 / self.mass + a * b / turning;
+        Ends { front: answer(front, front), rear: answer(rear, rear), between: answer(front, rear) }
     }
+}
+
+/// How a cart's ends answer forces across the chain, 1/kg: each to one on itself, and each to one on the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ends {
+    front: f64,
+    rear: f64,
+    between: f64,
+}
+
+impl Ends {
+    /// Fastest rate at which dampers act in an endless chain, 1/s: `joint` between each cart's rear and the next one's front,
+    /// `wheels` between front and track, N s/m; of springs, N/m, the square of the highest frequency, 1/s². The larger eigenvalue of W D, with the ends' answers W and the dampers
+    /// D = joint [[1, ±1], [±1, 1]] + wheels [[1, 0], [0, 0]] where neighbours move alike or against each other.
+    pub fn rate(&self, joint: f64, wheels: f64) -> f64 {
+        let trace = joint * (self.front + self.rear + 2.0 * self.between.abs()) + wheels * self.front;
+        let determinant = (self.front * self.rear - self.between * self.between) * joint * wheels;
+        0.5 * (trace + (trace * trace - 4.0 * determinant).max(0.0).sqrt())
+    }
+}
+
+fn tangent_of(contact: &input::Contact, load: f64) -> f64 {
+    tangent(contact.stiffness_n_per_m_n, contact.exponent, load)
 }
 
 fn damped(law: ContactLaw, contact: &input::Contact, load: f64, mass: f64) -> Damped {

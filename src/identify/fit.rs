@@ -448,6 +448,10 @@ impl Fitter<'_> {
             let one = answer(&|k| doubt[k]);
             b += &one * one.transpose();
         }
+        for force in 0..FORCES {
+            let one = answer(&|k| if self.blocks[k] == Block::Mean(force) { floor.level[k] } else { 0.0 });
+            b += &one * one.transpose();
+        }
         // What the slopes leave unexplained is each feature's own.
         for (i, &k) in rows.iter().enumerate() {
             let row = scaled.row(i).transpose();

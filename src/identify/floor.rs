@@ -16,6 +16,9 @@ pub struct Floor {
     pub bias: Vec<f64>,
     /// Each cart's feature less the mean of all.
     pub scatter: Vec<Vec<f64>>,
+    /// By how much all means of a force may be off together, as independent programs and sensors agree no better; 0 for what is no
+    /// mean.
+    pub level: Vec<f64>,
     /// The mean speed of a lap scatters by, m/s.
     pub speed: f64,
 }
@@ -106,7 +109,8 @@ impl Floor {
                 }
             })
             .collect();
-        let deviation = levelled(&deviation, &whole, &Summary::blocks(&model.recipe.places));
+        let agreed = Agreed::new(&deviation, &whole, Summary::blocks(&model.recipe.places));
+        let deviation = agreed.levelled(&deviation);
         let scatter =
             single.iter().map(|one| one.iter().zip(&mean).map(|(x, m)| if x.is_nan() { 0.0 } else { x - m }).collect());
         let speeds: Vec<f64> = each.iter().filter_map(Summary::mean_speed).collect();
@@ -115,6 +119,7 @@ impl Floor {
             deviation,
             bias: mean.iter().zip(&whole).map(|(m, w)| if (m - w).is_nan() { 0.0 } else { m - w }).collect(),
             scatter: scatter.collect(),
+            level: agreed.level(),
             speed: (speeds.iter().map(|v| (v - speed) * (v - speed)).sum::<f64>() / n).sqrt(),
         }
     }
@@ -125,32 +130,57 @@ impl Floor {
     }
 }
 
-/// No feature is believed much better than the others of its block, as where a wheel never touches carts agree by chance; nor better than
-/// independent programs and sensors agree: a share of a block's range for means, of itself for what is a logarithm.
-fn levelled(deviation: &[f64], whole: &[f64], blocks: &[Block]) -> Vec<f64> {
-    struct Own {
-        squares: f64,
-        count: f64,
-        low: f64,
-        high: f64,
+/// What a block of features has in common.
+#[derive(Clone, Copy)]
+struct Common {
+    squares: f64,
+    count: f64,
+    low: f64,
+    high: f64,
+}
+
+/// How well features are known at best.
+struct Agreed {
+    blocks: Vec<Block>,
+    all: BTreeMap<Block, Common>,
+}
+
+impl Agreed {
+    fn new(deviation: &[f64], whole: &[f64], blocks: Vec<Block>) -> Self {
+        let mut all: BTreeMap<Block, Common> = BTreeMap::new();
+        for ((block, x), value) in blocks.iter().zip(deviation).zip(whole).filter(|((_, x), _)| !x.is_nan()) {
+            let none = Common { squares: 0.0, count: 0.0, low: f64::INFINITY, high: f64::NEG_INFINITY };
+            let own = all.entry(*block).or_insert(none);
+            own.squares += x * x;
+            own.count += 1.0;
+            own.low = own.low.min(*value);
+            own.high = own.high.max(*value);
+        }
+        Agreed { blocks, all }
     }
-    let mut all: BTreeMap<Block, Own> = BTreeMap::new();
-    for ((block, x), value) in blocks.iter().zip(deviation).zip(whole).filter(|((_, x), _)| !x.is_nan()) {
-        let none = Own { squares: 0.0, count: 0.0, low: f64::INFINITY, high: f64::NEG_INFINITY };
-        let own = all.entry(*block).or_insert(none);
-        own.squares += x * x;
-        own.count += 1.0;
-        own.low = own.low.min(*value);
-        own.high = own.high.max(*value);
+
+    /// To what independent programs and sensors agree: a share of a block's range for means, of itself for what is a logarithm.
+    fn least(&self, block: Block) -> f64 {
+        match (block, self.all.get(&block)) {
+            (Block::Mean(_), Some(own)) => MEANS_AGREE * (own.high - own.low),
+            (_, Some(_)) => LOGARITHMS_AGREE,
+            (_, None) => 0.0,
+        }
     }
-    let least = |block: &Block| {
-        let Some(own) = all.get(block) else { return 0.0 };
-        let agreed = match block {
-            Block::Mean(_) => MEANS_AGREE * (own.high - own.low),
-            _ => LOGARITHMS_AGREE,
+
+    /// No feature is believed better than that, nor much better than the others of its block, as where a wheel never touches carts
+    /// agree by chance. NaN stays.
+    fn levelled(&self, deviation: &[f64]) -> Vec<f64> {
+        let least = |block: Block| {
+            let others = self.all.get(&block).map_or(0.0, |own| (own.squares / own.count).sqrt());
+            self.least(block).max(LEAST_SHARE * others)
         };
-        agreed.max(LEAST_SHARE * (own.squares / own.count).sqrt())
-    };
-    // NaN stays.
-    deviation.iter().zip(blocks).map(|(x, block)| if *x < least(block) { least(block) } else { *x }).collect()
+        deviation.iter().zip(&self.blocks).map(|(x, b)| if *x < least(*b) { least(*b) } else { *x }).collect()
+    }
+
+    /// The same of all means of a force together.
+    fn level(&self) -> Vec<f64> {
+        let of = |block: &Block| if matches!(block, Block::Mean(_)) { self.least(*block) } else { 0.0 };
+        self.blocks.iter().map(of).collect()
+    }
 }

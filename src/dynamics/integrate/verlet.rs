@@ -145,3 +145,26 @@ impl WithSimd for Kick<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    /// One step of an oscillator x″ = −ω² x − λ x′ with h = 1, on (x, v, a).
+    fn grows(frequency: f64, damping: f64) -> bool {
+        let x = [1.0, 1.0, 0.5];
+        let a: [f64; 3] = std::array::from_fn(|k| -frequency * frequency * x[k] - damping * [0.0, 1.0, 1.0][k]);
+        let v: [f64; 3] = std::array::from_fn(|k| [0.0, 1.0, 0.5][k] + 0.5 * a[k]);
+        let step = Matrix3::from_fn(|i, j| [x, v, a][i][j]);
+        step.complex_eigenvalues().iter().any(|e| e.norm() > 1.0 + 1e-9)
+    }
+
+    #[test]
+    fn damped_oscillators_are_stable_to_the_bound_that_steps_keep() {
+        for frequency in [0.05, 0.3, 0.7, 1.1, 1.6] {
+            let bound = 1.0 - 0.25 * frequency * frequency;
+            assert!(!grows(frequency, 0.999 * bound), "ω h = {frequency}");
+            assert!(grows(frequency, 1.001 * bound), "ω h = {frequency}");
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts is one
+//! such model, any program outside is another.
+
+use nalgebra::DMatrix;
+
+/// A model whose runs can be simulated with effects.
+pub trait Simulator: Sync {
+    /// Effects that may be added, each at one place: an effect that may sit at several places is several candidates.
+    fn candidates(&self) -> &[Candidate];
+
+    /// Each run, with the nominal model already fitted to it.
+    fn frames(&self) -> &[Frame];
+
+    /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels. `None` where
+    /// nothing can be simulated.
+    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>>;
+
+    /// Features of several requests, in order; the answer does not depend on how many threads are used.
+    fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        requests.iter().map(|r| self.simulate(r.run, &r.step, &r.effects)).collect()
+    }
+}
+
+/// A simulation to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    pub run: usize,
+    pub step: Vec<f64>,
+    pub effects: Vec<Applied>,
+}
+
+/// An effect with its strengths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Applied {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// In the order of its strengths, in SI units.
+    pub strengths: Vec<f64>,
+}
+
+/// An effect at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Of the effect, as `gap.json` has it.
+    pub effect: String,
+    /// Where it sits, in words; empty when it has no place.
+    pub place: String,
+    /// What says the place, as an `effect` of a layout takes it: channel, motor, s, ...
+    pub fixed: Vec<(String, f64)>,
+    /// What is fitted.
+    pub strengths: Vec<Strength>,
+    /// Whether it is in the sensors rather than in the machine.
+    pub sensor: bool,
+    /// A candidate like it that must not explain anything: its places permuted or its phase scrambled.
+    pub placebo: Option<usize>,
+}
+
+/// A strength of an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strength {
+    pub name: String,
+    /// SI unit; empty for a ratio.
+    pub unit: String,
+    /// A small one, of which the signature is taken.
+    pub trial: f64,
+    /// Bounds; 0 is no effect.
+    pub low: f64,
+    pub high: f64,
+}
+
+/// A run as the diagnosis sees it: features, how far two honest laps' are apart, and how they answer the nuisances.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    pub run: String,
+    pub labels: Vec<Label>,
+    /// NaN where a feature is missing.
+    pub measured: Vec<f64>,
+    /// Of the nominal model at its fit.
+    pub nominal: Vec<f64>,
+    /// Variance of the difference of two honest laps; infinite for what tells nothing.
+    pub variance: Vec<f64>,
+    /// Whole deviations of honest laps from their mean, each a sample of the floor with all its correlations.
+    pub scatter: Vec<Vec<f64>>,
+    /// By how much features may be off together.
+    pub doubts: Vec<Vec<f64>>,
+    /// Slopes: a row a feature, a column a nuisance.
+    pub slopes: DMatrix<f64>,
+    /// Of each nuisance's step, mean and deviation before the run.
+    pub prior: Vec<(f64, f64)>,
+    /// Names of the nuisances.
+    pub nuisances: Vec<String>,
+}
+
+/// What a feature is about.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Label {
+    pub channel: String,
+    pub band: Band,
+    /// Of the features of its channel and band, counted along the track or in time.
+    pub index: usize,
+    /// Extent in mm along the track (or ms in time), so that labels sort.
+    pub from: u64,
+    pub to: u64,
+}
+
+/// Which kind of deviation a feature tells of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Band {
+    /// Means that belong to a place.
+    Track,
+    /// How much a channel fluctuates at a place.
+    Fluctuation,
+    /// How often it is low or high.
+    Distribution,
+    /// Power by frequency around the passing of carts.
+    Cart,
+    /// Power at orders of the wheels.
+    Wheel,
+    /// Power at orders of the motors.
+    Motor,
+    /// What changes slowly in time.
+    Drift,
+}
+
+impl Band {
+    pub fn name(self) -> &'static str {
+        match self {
+            Band::Track => "track",
+            Band::Fluctuation => "fluctuation",
+            Band::Distribution => "distribution",
+            Band::Cart => "cart",
+            Band::Wheel => "wheel",
+            Band::Motor => "motor",
+            Band::Drift => "drift",
+        }
+    }
+}
+
+impl Frame {
+    /// Residual of features, NaN where one is missing or tells nothing.
+    pub fn residual(&self, features: &[f64]) -> Vec<f64> {
+        let usable = |k: usize| self.variance[k].is_finite() && self.variance[k] > 0.0;
+        let rows = self.measured.iter().zip(features).enumerate();
+        rows.map(|(k, (a, b))| if usable(k) && (a - b).is_finite() { a - b } else { f64::NAN }).collect()
+    }
+}
