@@ -1,6 +1,7 @@
 //! A chain that moves: state, memory of its contacts, controller and clock.
 
-use super::control::Control;
+use super::control::{Control, Late};
+use super::deviations::Deviations;
 use super::forces::{Evaluation, Forces, Memory};
 use super::law::Damped;
 use super::model::{Model, Unfit};
@@ -72,7 +73,15 @@ impl Chain {
     pub fn sample_control(&mut self) {
         let speed = self.forces.mean_speed(self.model.carts);
         let before = self.control.command;
-        self.control.sample(&self.model.controller, self.model.motors.force, self.model.speed, speed);
+        let model = &self.model;
+        let deviations = &model.deviations;
+        if deviations.delay > 0.0 || deviations.saturation < 1.0 || deviations.hum[0] != 0.0 {
+            let Deviations { delay, saturation, hum, .. } = **deviations;
+            let late = Late { delay, saturation, hum, time: self.time };
+            self.control.sample_late(&model.controller, model.motors.force, model.speed, speed, &late);
+        } else {
+            self.control.sample(&model.controller, model.motors.force, model.speed, speed);
+        }
         if self.control.command != before {
             self.run(true, true);
         }

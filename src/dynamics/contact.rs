@@ -72,6 +72,12 @@ impl<S: Simd> Joint<S> {
         Joint { pushes, size: e.abs(), growth: rate.select(pushes, -rate), memory: memory.select(pushes, -memory) }
     }
 
+    /// Takes half a play from the elongation.
+    #[inline(always)]
+    pub fn ease(&mut self, half: Lane<S>) {
+        self.size = clamped(self.size - half);
+    }
+
     /// With the sign of e.
     #[inline(always)]
     pub fn signed(&self, x: Lane<S>) -> Lane<S> {

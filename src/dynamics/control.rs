@@ -1,9 +1,11 @@
 //! The sampled speed controller: PID with one command for all motors and a zero-order hold (design: chain model).
 
 use super::model::Controller;
+use crate::geometry::trig;
+use std::collections::VecDeque;
 
 /// The controller's memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Control {
     /// ∫ error dt, m.
     pub integral: f64,
@@ -12,6 +14,21 @@ pub struct Control {
     pub command: f64,
     /// Chain speed at the last sample, m/s.
     pub speed: f64,
+    /// Commands before, the latest first; kept only where they come late.
+    past: VecDeque<f64>,
+}
+
+/// How the drive deviates from its controller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Late {
+    /// s
+    pub delay: f64,
+    /// Of F_max.
+    pub saturation: f64,
+    /// Amplitude, N, and frequency, Hz, of a force beside the command.
+    pub hum: [f64; 2],
+    /// s
+    pub time: f64,
 }
 
 impl Control {
@@ -29,6 +46,18 @@ impl Control {
             controller.proportional * error + controller.integral * self.integral + controller.derivative * slope;
         self.command = output.clamp(0.0, largest);
         self.speed = speed;
+    }
+
+    /// The same behind a delay, s, and with the motors' force bounded to a share; between two samples' commands in proportion.
+    pub fn sample_late(&mut self, controller: &Controller, largest: f64, setpoint: f64, speed: f64, late: &Late) {
+        self.sample(controller, late.saturation * largest, setpoint, speed);
+        let (now, periods) = (self.command, (late.delay / controller.period).max(0.0));
+        self.past.truncate(periods as usize + 2);
+        self.past.push_front(now);
+        let at = |k: usize| self.past.get(k).or(self.past.back()).copied().unwrap_or(now);
+        let (whole, share) = (periods as usize, periods - periods.floor());
+        let hum = late.hum[0] * trig::sin(trig::TAU * late.hum[1] * late.time);
+        self.command = ((1.0 - share) * at(whole) + share * at(whole + 1) + hum).max(0.0);
     }
 }
 

@@ -1,8 +1,11 @@
 //! The chain model's constants, worked out once from a simulation input (design: chain model).
 
+use super::deviations::Deviations;
 use super::law::{Damped, tangent};
 use super::segments::Segments;
+use super::state::{PACK, Row};
 use crate::emit::simulation::{self as input, ContactLaw, Simulation};
+use crate::gap::effects;
 use crate::kinematics::closing;
 use std::fmt;
 
@@ -36,6 +39,12 @@ pub struct Model {
     pub stiffness_rate: f64,
     /// Mean closing pitch over 16 phases, m.
     pub pitch: f64,
+    /// How it deviates from the nominal chain.
+    pub deviations: Box<Deviations>,
+    /// Whether all motors' thrust is even and alike.
+    pub even: bool,
+    /// What each cart is longer by, in packs, m; empty when they are alike.
+    pub longer: Vec<Row>,
 }
 
 /// A rigid cart; lengths in m, from the front joint.
@@ -110,6 +119,12 @@ impl Model {
     /// Checks the input and closes the chain: the free cart length is ℓ − sign(T₀)(|T₀|/K)^(1/n), with ℓ the pitch at which
     /// the chain closes, averaged over phases.
     pub fn new(simulation: &Simulation) -> Result<Model, Unfit> {
+        let (simulation, deviations) = effects::built(simulation)?;
+        Model::deviating(&simulation, deviations)
+    }
+
+    /// The chain of an input without effects, deviating from it as it is told.
+    pub fn deviating(simulation: &Simulation, deviations: Deviations) -> Result<Model, Unfit> {
         check(simulation)?;
         let line = simulation.track.centre_line();
         let (gap, angle) = line.closure;
@@ -129,7 +144,8 @@ impl Model {
         let (mass, tension) = (simulation.cart.mass_kg, simulation.chain.tension_n);
         let damped = |contact: &input::Contact, load: f64| damped(law, contact, load, mass);
         let axial = damped(&simulation.joint.axial, tension);
-        let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent);
+        let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent)
+            + 0.5 * deviations.clearance;
         let length = if tension < 0.0 { pitch + stretch } else { pitch - stretch };
         let wheel = |wheel: &input::Wheel, load: f64| Wheel {
             contact: damped(&wheel.contact, load),
@@ -173,6 +189,9 @@ impl Model {
             speed: simulation.chain.speed_m_s,
             tension,
             pitch,
+            even: deviations.thrust.is_empty() && deviations.ripple.ratio == 0.0,
+            longer: rows(&deviations.pitch, carts),
+            deviations: Box::new(deviations),
             segments: Segments::new(line),
         })
     }
@@ -226,6 +245,17 @@ impl Ends {
         let determinant = (self.front * self.rear - self.between * self.between) * joint * wheels;
         0.5 * (trace + (trace * trace - 4.0 * determinant).max(0.0).sqrt())
     }
+}
+
+/// One number a cart, in packs; what all have in common, which the take-up takes, is left out. Empty of an empty list.
+fn rows(list: &[f64], carts: usize) -> Vec<Row> {
+    if list.is_empty() {
+        return Vec::new();
+    }
+    let of = |i: usize| list.get(i).copied().unwrap_or(0.0);
+    let mean = (0..carts).map(of).sum::<f64>() / carts as f64;
+    let value = |i: usize| if i < carts { of(i) - mean } else { 0.0 };
+    (0..carts.div_ceil(PACK)).map(|pack| std::array::from_fn(|lane| value(pack * PACK + lane))).collect()
 }
 
 fn tangent_of(contact: &input::Contact, load: f64) -> f64 {
@@ -319,12 +349,6 @@ fn check(simulation: &Simulation) -> Result<(), Unfit> {
     }
     if let Some(k) = motors.s_m.iter().position(|s| !s.is_finite()) {
         return refuse(&format!("motors.s_m.{k}"), "it must be a number".into());
-    }
-    if let Some(effect) = simulation.effects.first() {
-        return refuse(
-            "effects",
-            format!("`{}` is not simulated yet; remove it to run the nominal model", effect.name),
-        );
     }
     Ok(())
 }

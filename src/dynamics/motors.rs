@@ -18,7 +18,7 @@ pub fn share(model: &Model, station: &[f64], share: &mut [f64], cursor: &mut [us
             d
         }
     };
-    for (begin, cursor) in model.motors.s.iter().zip(cursor) {
+    for (motor, (begin, cursor)) in model.motors.s.iter().zip(cursor).enumerate() {
         // The cart whose front joint is the next ahead of the motor's begin: its follower has almost a lap to go.
         let mut cart = *cursor % carts;
         for _ in 0..carts {
@@ -32,7 +32,9 @@ pub fn share(model: &Model, station: &[f64], share: &mut [f64], cursor: &mut [us
         let mut covered = 0.0;
         for _ in 0..carts {
             let reach = ahead(cart, *begin).min(length);
-            share[cart] += (reach - covered) / length;
+            let own = (reach - covered) / length;
+            // Deviations cost nothing where there are none.
+            share[cart] += if model.even { own } else { own * model.deviations.factor(motor, ahead(cart, *begin)) };
             covered = reach;
             if covered >= length {
                 break;

@@ -2,6 +2,7 @@
 
 use super::chain::Chain;
 use super::clock::Clock;
+use super::deviations::Deviations;
 use super::integrate::{CashKarp, Integrator, Verlet};
 use super::model::{Model, Unfit};
 use super::parallel;
@@ -10,6 +11,7 @@ use super::sensor::SensorCart;
 use super::trouble::Trouble;
 use super::width::Width;
 use crate::emit::simulation::Simulation;
+use crate::gap::effects::{self, Sensed};
 use crate::signal::{Channel, Run, Sidecar, SupportLoad};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -118,7 +120,31 @@ pub fn simulate(
     width: Width,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Outcome, Unfit> {
-    let model = Arc::new(Model::new(simulation)?);
+    run(simulation, Model::new(simulation)?, plan, width, watch)
+}
+
+/// The same of a chain that deviates from its input as it is told.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn simulate_deviating(
+    simulation: &Simulation,
+    deviations: Deviations,
+    plan: &Plan,
+    width: Width,
+) -> Result<Outcome, Unfit> {
+    run(simulation, Model::deviating(simulation, deviations)?, plan, width, &mut |_| true)
+}
+
+fn run(
+    simulation: &Simulation,
+    model: Model,
+    plan: &Plan,
+    width: Width,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Outcome, Unfit> {
+    let model = Arc::new(model);
     let sensor = &simulation.sensor;
     let samples = plan.laps as f64 * model.segments.line.length / model.speed * sensor.rate_hz;
     if samples > MOST_SAMPLES {
@@ -195,6 +221,7 @@ pub fn simulate(
             measuring.step(&chain);
         }
     }
+    recorder.sense(simulation);
     let samples = recorder.time.len().max(1) as f64;
     Ok(Outcome {
         end,
@@ -232,6 +259,21 @@ impl Recorder {
         if let Some(reactions) = &mut self.reactions {
             reactions.take(chain);
         }
+    }
+}
+
+impl Recorder {
+    /// Lets the sensors' effects in.
+    fn sense(&mut self, simulation: &Simulation) {
+        if simulation.effects.is_empty() {
+            return;
+        }
+        let take = |c: Channel| self.channels.remove(&c).unwrap_or_default();
+        let mut forces = Channel::FORCES.map(take);
+        let top = |x: &Vec<f64>| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let tops = std::array::from_fn(|k| top(&forces[k]));
+        effects::sense(simulation, &mut Sensed { time: &self.time, forces: &mut forces, tops });
+        self.channels.extend(Channel::FORCES.into_iter().zip(forces));
     }
 }
 

@@ -4,6 +4,7 @@
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
 mod diagnosis;
+pub mod effects;
 mod simulator;
 
 pub use diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};

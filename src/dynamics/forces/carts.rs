@@ -29,6 +29,13 @@ impl<S: Simd> Running<S> {
         Running { side: Side { depth, rate: (-climb).select(low, climb) }, low, speed: foot.tangent.dot(velocity) }
     }
 
+    /// Rail and wheel meet higher by `offset`, which changes at a rate.
+    #[inline(always)]
+    fn lift(&mut self, offset: Lane<S>, rate: Lane<S>) {
+        self.side.depth = self.side.depth + offset.select(self.low, -offset);
+        self.side.rate = self.side.rate + rate.select(self.low, -rate);
+    }
+
     /// On the cart, in the world, N.
     #[inline(always)]
     fn force<const LEVEL: bool>(&self, foot: &Foot<S>, normal: Lane<S>, drag: Lane<S>) -> Lane3<S> {
@@ -85,12 +92,20 @@ impl Evaluation<'_> {
         }
 
         // One steering wheel and one surface a running wheel can be in contact at a time.
-        let lateral = at_front.normal.dot(velocity);
+        let mut lateral = at_front.normal.dot(velocity);
+        if let Some(built) = self.forces.built.get(pack) {
+            at_front.y = at_front.y - Lane::of(simd, &built.offset[0], part);
+            lateral = lateral - Lane::of(simd, &built.rate[0], part);
+        }
         let leftward = c.of(0.0).less(at_front.y);
         let steering =
             Side { depth: at_front.y.abs() - c.of(model.steering.gap), rate: lateral.select(leftward, -lateral) };
-        let left = Running::new::<LEVEL>(&model.running, &at_left, swing + roll);
-        let right = Running::new::<LEVEL>(&model.running, &at_right, swing - roll);
+        let mut left = Running::new::<LEVEL>(&model.running, &at_left, swing + roll);
+        let mut right = Running::new::<LEVEL>(&model.running, &at_right, swing - roll);
+        if let Some(built) = self.forces.built.get(pack) {
+            left.lift(Lane::of(simd, &built.offset[1], part), Lane::of(simd, &built.rate[1], part));
+            right.lift(Lane::of(simd, &built.offset[2], part), Lane::of(simd, &built.rate[2], part));
+        }
         let approach = &mut self.memory.approach[pack];
         let mut steer_memory = Lane::of(simd, &approach.steering, part);
         let mut left_memory = Lane::of(simd, &approach.running[0], part);
@@ -127,7 +142,10 @@ impl Evaluation<'_> {
         let (steering_drag, running_drag) = (c.of(-model.steering.resistance), c.of(-model.running.resistance));
         let pull = load(simd, &self.forces.pull, place);
         let resisted = at_front.tangent.scale_add(steer * steering_drag * sign, pull);
-        let pulled = at_front.normal.scale_add(-signed, resisted);
+        let mut pulled = at_front.normal.scale_add(-signed, resisted);
+        if let Some(built) = self.forces.built.get(pack) {
+            pulled = pulled + Lane3::of(simd, &built.push, part);
+        }
         let on_left = left.force::<LEVEL>(&at_left, run_left, run_left * running_drag * sign_left);
         let on_right = right.force::<LEVEL>(&at_right, run_right, run_right * running_drag * sign_right);
 
@@ -160,11 +178,15 @@ impl Evaluation<'_> {
         }
 
         // Newton and Euler.
-        let mut linear = force.scale(c.of(1.0 / model.cart.mass));
-        linear.z = linear.z - c.of(model.gravity);
         let [ix, iy, iz] = model.cart.inertia;
         let momentum = Lane3::new(spin.x * c.of(ix), spin.y * c.of(iy), spin.z * c.of(iz));
-        let net = torque - spin.cross(momentum);
+        let mut linear = force.scale(c.of(1.0 / model.cart.mass));
+        let mut net = torque - spin.cross(momentum);
+        if let Some(built) = self.forces.built.get(pack) {
+            let lightness = Lane::of(simd, &built.lightness, part);
+            (linear, net) = (linear.scale(lightness), net.scale(lightness));
+        }
+        linear.z = linear.z - c.of(model.gravity);
         let angular = Lane3::new(net.x * c.of(1.0 / ix), net.y * c.of(1.0 / iy), net.z * c.of(1.0 / iz));
         let out = &mut self.out[pack];
         linear.put(&mut out.linear, part);

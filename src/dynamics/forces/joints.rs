@@ -2,7 +2,7 @@
 
 use super::{Evaluation, arm, axes, load, store};
 use crate::dynamics::contact::{Joint, fresh_joint, joint, refreshed};
-use crate::dynamics::lanes::{Lane3, Splat};
+use crate::dynamics::lanes::{Lane, Lane3, Splat};
 use crate::dynamics::state::PACK;
 use pulp::Simd;
 
@@ -19,7 +19,10 @@ impl Evaluation<'_> {
         let behind = load(simd, &forces.front, place + 1) - load(simd, &forces.front, place);
         let relative = load(simd, &forces.front_velocity, place + 1) - load(simd, &forces.front_velocity, place);
         // e and its rate in the leader's axes; its rear joint is at (−L, 0, 0) and moves there with ω × (−L, 0, 0).
-        let length = c.of(model.cart.length);
+        let mut length = c.of(model.cart.length);
+        if let Some(row) = model.longer.get(pack) {
+            length = length + Lane::of(simd, row, part);
+        }
         let mut e = axes.turn_back(behind);
         e.x = e.x + length;
         let rear = Lane3::new(c.of(0.0), -(spin.z * length), spin.y * length);
@@ -27,8 +30,14 @@ impl Evaluation<'_> {
 
         let approach = &mut self.memory.approach[pack].joint;
         let memory = Lane3::of(simd, approach, part);
-        let (x, y, z) =
+        let (mut x, mut y, mut z) =
             (Joint::new(e.x, rate.x, memory.x), Joint::new(e.y, rate.y, memory.y), Joint::new(e.z, rate.z, memory.z));
+        if model.deviations.clearance > 0.0 {
+            let half = c.of(0.5 * model.deviations.clearance);
+            x.ease(half);
+            y.ease(half);
+            z.ease(half);
+        }
         let (mut mx, mut my, mut mz) = (x.memory, y.memory, z.memory);
         if fresh_joint(&x).or(fresh_joint(&y)).or(fresh_joint(&z)).any() {
             mx = refreshed(fresh_joint(&x), model.floor, rate.x.abs(), mx);

@@ -4,10 +4,12 @@
 //! motors and weight, into accelerations. Each keeps its branches to what is rare, so that the processor can overlap the
 //! long latencies of roots and divisions.
 
+mod built;
 mod carts;
 mod fronts;
 mod joints;
 
+use self::built::Built;
 use super::lanes::{Axes, Lane, Lane3};
 use super::model::Model;
 use super::motors;
@@ -49,6 +51,8 @@ pub struct Forces {
     /// Offset of the front joints from the centre line: y and z, m.
     pub offset: Vec<[Row; 2]>,
     motor_cursor: Vec<usize>,
+    /// What deviations do to each cart; empty without them.
+    built: Vec<Built>,
     /// Whether a cart is off the rail, a joint broken, or a number no number.
     pub trouble: bool,
 }
@@ -69,6 +73,7 @@ impl Forces {
             joint_torque: vec![[[0.0; PACK]; 3]; packs],
             offset: vec![[[0.0; PACK]; 2]; packs],
             motor_cursor: vec![0; model.motors.s.len()],
+            built: if model.deviations.on_carts() { vec![Built::default(); packs] } else { Vec::new() },
             trouble: false,
         }
     }
@@ -156,6 +161,9 @@ impl Evaluation<'_> {
                 for part in 0..PACK / S::F64_LANES {
                     self.joints(simd, pack, part);
                 }
+            }
+            if !self.forces.built.is_empty() {
+                built::build(self.model, self.bodies, &self.memory.home, self.forces);
             }
         }
         let carts = self.model.carts;

@@ -41,6 +41,23 @@ pub struct Segment {
     pub stretch: usize,
 }
 
+impl Segment {
+    /// Curvature in plan, left positive, 1/m.
+    pub fn turning(&self) -> f64 {
+        if self.vertical { 0.0 } else { self.curvature }
+    }
+
+    /// Level unit vector to the left of the track at an arc length, m, as its middle's turned by κ(s − s₀).
+    pub fn normal_at(&self, s: f64) -> Vector3<f64> {
+        let left = Vector3::new(-self.along.y, self.along.x, 0.0).normalize();
+        // Where the lap begins, s jumps; a segment does not reach half around.
+        let ahead = s - self.s;
+        let angle = if ahead.abs() * self.curvature.abs() < 3.2 { self.turning() * ahead } else { 0.0 };
+        let (sin, cos) = (crate::geometry::trig::sin(angle), crate::geometry::trig::cos(angle));
+        Vector3::new(cos * left.x - sin * left.y, sin * left.x + cos * left.y, 0.0)
+    }
+}
+
 /// The segment of each cart's front joint, by pack.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,0 +1,141 @@
+//! How a built chain may deviate from the nominal one: what effects set and forces read.
+
+use crate::geometry::trig;
+
+/// Deviations of a built chain. The default has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deviations {
+    /// Play of every joint along each axis, m: a joint pulls or pushes once half of it is used up.
+    pub clearance: f64,
+    /// Friction coefficient of running wheels that slide sideways.
+    pub sliding: f64,
+    /// Moment that a wheel fork takes to swivel, N m.
+    pub swivel: f64,
+    /// Friction moment of a joint, N m.
+    pub joint_friction: f64,
+    /// Drag of a cart over the square of its speed, N s²/m².
+    pub drag: f64,
+    /// Speed, m/s, and turning rate, rad/s, over which dry friction comes up.
+    pub smoothing: [f64; 2],
+    /// Thrust of each motor as a share of the command; those beyond the list have 1.
+    pub thrust: Vec<f64>,
+    /// Ripple of the thrust along every motor.
+    pub ripple: Ripple,
+    /// Delay from the speed's measurement to the thrust, s.
+    pub delay: f64,
+    /// Share of F_max that motors really give.
+    pub saturation: f64,
+    /// A force added to every motor's command: amplitude, N, and frequency, Hz.
+    pub hum: [f64; 2],
+    /// Added to each cart's mass, its inertia in proportion, as a share; carts beyond the list have 0.
+    pub load: Vec<f64>,
+    /// Added to each cart's length, m; carts beyond the list have 0.
+    pub pitch: Vec<f64>,
+    /// Where the rails are beside where the centre line has them, m: to the left; upwards under the left and the right
+    /// running wheel. Closed tables over the lap, at equal distances; empty for none.
+    pub rails: [Vec<f64>; 3],
+    /// Radius of the steering wheels, the left and the right running wheels beside the nominal one, m, over a revolution. Every
+    /// cart's wheels are at another angle.
+    pub wheels: [Vec<f64>; 3],
+    /// Force along the track on a cart, N, over the lap; empty for none.
+    pub resistance: Vec<f64>,
+    /// Force across the track on a cart, to the left, N, over the lap; empty for none.
+    pub side_force: Vec<f64>,
+}
+
+/// Thrust times 1 + ratio · sin(2π d/wavelength + phase), with d how far a plate's front is past a motor's begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ripple {
+    pub ratio: f64,
+    /// m
+    pub wavelength: f64,
+    /// rad
+    pub phase: f64,
+}
+
+impl Default for Deviations {
+    fn default() -> Self {
+        Deviations {
+            clearance: 0.0,
+            sliding: 0.0,
+            swivel: 0.0,
+            joint_friction: 0.0,
+            drag: 0.0,
+            smoothing: [0.01, 0.02],
+            thrust: Vec::new(),
+            ripple: Ripple::default(),
+            delay: 0.0,
+            saturation: 1.0,
+            hum: [0.0; 2],
+            load: Vec::new(),
+            pitch: Vec::new(),
+            rails: Default::default(),
+            wheels: Default::default(),
+            resistance: Vec::new(),
+            side_force: Vec::new(),
+        }
+    }
+}
+
+/// Turns of a wheel from one cart to the next, beside whole ones: the golden ratio spreads any number of them evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+impl Deviations {
+    /// Whether carts feel anything that the nominal forces lack.
+    pub fn on_carts(&self) -> bool {
+        let tables = self.rails.iter().chain(&self.wheels).chain([&self.resistance, &self.side_force, &self.load]);
+        self.sliding > 0.0
+            || self.swivel > 0.0
+            || self.joint_friction > 0.0
+            || self.drag != 0.0
+            || tables.into_iter().any(|t| !t.is_empty())
+    }
+
+    /// Factor on a motor's thrust, for a plate whose front is so far past the motor's begin, m.
+    pub fn factor(&self, motor: usize, ahead: f64) -> f64 {
+        let share = self.thrust.get(motor).copied().unwrap_or(1.0);
+        let Ripple { ratio, wavelength, phase } = self.ripple;
+        if ratio == 0.0 { share } else { share * (1.0 + ratio * trig::sin(trig::TAU * ahead / wavelength + phase)) }
+    }
+
+    /// Offset and slope, m and 1, of rail and wheel `k` (lateral, left, right) under cart `i` at a share of the lap; `lap`
+    /// and `radius` in m.
+    pub fn offset(&self, k: usize, i: usize, station: f64, lap: f64, radius: f64) -> (f64, f64) {
+        let (rail, slope) = closed(&self.rails[k], station / lap);
+        let turns = station / (trig::TAU * radius) + GOLDEN * i as f64;
+        let (wheel, rate) = closed(&self.wheels[k], turns);
+        (rail + wheel, slope / lap + rate / (trig::TAU * radius))
+    }
+}
+
+/// Value and slope of a closed table at a share of its period, by Catmull and Rom's cubic (1974); 0 of an empty one.
+pub fn closed(table: &[f64], share: f64) -> (f64, f64) {
+    let n = table.len();
+    if n == 0 {
+        return (0.0, 0.0);
+    }
+    let x = (share - share.floor()) * n as f64;
+    let i = (x as usize).min(n - 1);
+    let t = x - i as f64;
+    let at = |k: usize| table[(i + n + k - 1) % n];
+    let (a, b, c, d) = (at(0), at(1), at(2), at(3));
+    let (p, q, r) = (c - a, 2.0 * a - 5.0 * b + 4.0 * c - d, 3.0 * (b - c) + d - a);
+    (b + 0.5 * t * (p + t * (q + t * r)), 0.5 * n as f64 * (p + t * (2.0 * q + 3.0 * t * r)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_closed_table_follows_a_sine_with_its_slope() {
+        let table: Vec<f64> = (0..64).map(|k| trig::sin(trig::TAU * f64::from(k) / 64.0)).collect();
+        for k in 0..200 {
+            let share = f64::from(k) * 0.0137 - 1.0;
+            let (value, slope) = closed(&table, share);
+            assert!((value - trig::sin(trig::TAU * share)).abs() < 2e-4, "{share}");
+            assert!((slope - trig::TAU * trig::cos(trig::TAU * share)).abs() < 0.02, "{share}");
+        }
+        assert_eq!(closed(&[], 0.3), (0.0, 0.0));
+    }
+}

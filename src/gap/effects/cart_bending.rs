@@ -1,0 +1,33 @@
+//! Carts that bend: their compliance adds to that of the joint across the chain, 1/K + c at the joint's static load (Shabana 2013, flexible
+//! bodies by their static modes).
+//!
+//! Signature: joint_eta and joint_zeta fluctuate less and their resonance falls.
+
+use super::{Act, Effect, Strength, Strengths, sites};
+use crate::dynamics::Deviations;
+use crate::dynamics::law::tangent;
+use crate::emit::simulation::Simulation;
+
+pub const EFFECT: Effect = Effect {
+    name: "cart_bending",
+    about: "carts that bend",
+    strengths: &[Strength {
+        name: "compliance",
+        unit: "m/N",
+        about: "of a cart's end",
+        trial: 2e-7,
+        low: 0.0,
+        high: 1e-4,
+    }],
+    places: &[],
+    sites: sites::everywhere,
+    act: Act::Chain(act),
+};
+
+fn act(strengths: &Strengths, simulation: &mut Simulation, _: &mut Deviations) {
+    let radial = &mut simulation.joint.radial;
+    // Two springs in line; the joint's own stiffness at the weight that it carries.
+    let load = 0.5 * simulation.cart.mass_kg * simulation.gravity_m_s2;
+    let own = tangent(radial.stiffness_n_per_m_n, radial.exponent, load);
+    radial.stiffness_n_per_m_n /= 1.0 + own * strengths.of("compliance");
+}

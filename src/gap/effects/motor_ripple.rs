@@ -1,0 +1,33 @@
+//! Ripple of a linear motor's thrust: F (1 + a sin(2πd/λ)) with the plate's way d over the motor (Jahns and Soong 1996, cogging and
+//! ripple repeat with the pole pitch).
+//!
+//! Signature: joint_xi and the chain's speed at v/λ.
+
+use super::{Act, Effect, Strength, Strengths, sites::Site};
+use crate::dynamics::{Deviations, Ripple};
+use crate::emit::simulation::Simulation;
+
+pub const EFFECT: Effect = Effect {
+    name: "motor_ripple",
+    about: "thrust that ripples with the pole pitch",
+    strengths: &[Strength { name: "ratio", unit: "", about: "amplitude over thrust", trial: 0.1, low: 0.0, high: 1.0 }],
+    places: &[("wavelength", 0.2), ("phase", 0.0)],
+    sites: wavelengths,
+    act: Act::Chain(act),
+};
+
+fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {
+    let wavelength = strengths.of("wavelength").max(1e-3);
+    deviations.ripple = Ripple { ratio: strengths.of("ratio"), wavelength, phase: strengths.of("phase") };
+}
+
+fn wavelengths(simulation: &Simulation) -> Vec<Site> {
+    let length = simulation.motors.length_m;
+    let each = [0.5, 0.2, 0.1, 0.05].map(|share| share * length);
+    let site = |wavelength: f64| Site {
+        words: format!("every {:.0} mm", 1e3 * wavelength),
+        fixed: vec![("wavelength", wavelength)],
+        extent: None,
+    };
+    each.into_iter().map(site).collect()
+}
