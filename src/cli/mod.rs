@@ -3,10 +3,12 @@
 //! Exit codes: 0 clean (warnings allowed), 1 problems in the input, 2 could not run.
 
 mod build;
+mod cases;
 mod check;
 mod compare;
 mod explain;
 mod fmt;
+mod gap;
 mod generate;
 mod identify;
 mod new;
@@ -36,6 +38,7 @@ enum Verb {
     Compare(compare::Compare),
     Runs(runs::Runs),
     Identify(identify::Identify),
+    Gap(gap::Gap),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Verb::Compare(verb) => verb.run(),
         Verb::Runs(verb) => verb.run(),
         Verb::Identify(verb) => verb.run(),
+        Verb::Gap(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),

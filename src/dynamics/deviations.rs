@@ -83,12 +83,18 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 impl Deviations {
     /// Whether carts feel anything that the nominal forces lack.
     pub fn on_carts(&self) -> bool {
-        let tables = self.rails.iter().chain(&self.wheels).chain([&self.resistance, &self.side_force, &self.load]);
-        self.sliding > 0.0
-            || self.swivel > 0.0
-            || self.joint_friction > 0.0
-            || self.drag != 0.0
-            || tables.into_iter().any(|t| !t.is_empty())
+        let moments = self.swivel > 0.0 || self.joint_friction > 0.0;
+        self.has_profiles() || self.has_pushes() || moments || !self.load.is_empty()
+    }
+
+    /// Whether rails or wheels are not where or as they should be.
+    pub fn has_profiles(&self) -> bool {
+        self.rails.iter().chain(&self.wheels).any(|table| !table.is_empty())
+    }
+
+    /// Whether forces act at front joints that the nominal ones lack.
+    pub fn has_pushes(&self) -> bool {
+        self.sliding > 0.0 || self.drag != 0.0 || !self.resistance.is_empty() || !self.side_force.is_empty()
     }
 
     /// Factor on a motor's thrust, for a plate whose front is so far past the motor's begin, m.

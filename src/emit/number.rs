@@ -22,6 +22,19 @@ pub fn shortest(value: f64) -> String {
     format!("{}", normal(value))
 }
 
+/// With so many significant digits, in powers of ten where it is very small or large: `0.00123`, `1.2e-7`.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return shortest(value);
+    }
+    let power = trig::log10(value.abs()).floor();
+    if (-4.0..6.0).contains(&power) {
+        return trimmed(value, (digits as f64 - 1.0 - power).max(0.0) as usize);
+    }
+    let scaled = value / trig::pow(10.0, power);
+    format!("{}e{power}", trimmed(scaled, digits - 1))
+}
+
 /// Rounds a computed quantity to 1e-12, which clears away the last bits' noise (12.000000000000002 m) and keeps far
 /// more than any use needs. Large numbers, whose own resolution is coarser, stay as they are.
 pub fn tidy(value: f64) -> f64 {

@@ -3,9 +3,18 @@
 //!
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
+pub mod chain;
+mod diagnose;
 mod diagnosis;
 pub mod effects;
+mod evidence;
+mod judge;
+mod refit;
+mod report;
+mod screen;
 mod simulator;
+mod words;
 
+pub use diagnose::{Stage, diagnose};
 pub use diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
 pub use simulator::{Applied, Band, Candidate, Frame, Label, Request, Simulator, Strength};

@@ -79,6 +79,24 @@ impl Residuals {
     }
 }
 
+/// What is known of a run about the point where its fit ended: features, floor and slopes.
+pub struct Landing {
+    /// Where the model was simulated last.
+    pub at: Coordinates,
+    pub measured: Vec<f64>,
+    /// What the model says of one such run.
+    pub nominal: Vec<f64>,
+    /// Of the difference of two honest runs.
+    pub variance: Vec<f64>,
+    pub sensitivity: Sensitivity,
+    pub floor: Floor,
+    pub numerics: Numerics,
+    pub centre: Centre,
+    pub blocks: Vec<Block>,
+    /// Speed measured less simulated, and its deviation, m/s.
+    pub speed: Option<(f64, f64)>,
+}
+
 /// Fits a run. `start` is where; nominal values when not given, found globally.
 ///
 /// # Errors
@@ -90,7 +108,21 @@ pub fn fit(
     start: Option<Coordinates>,
     settings: &Settings,
 ) -> Result<Fit, String> {
-    let mut fitter = Fitter { measured, settings, simulations: 0, blocks: Summary::blocks(&model.recipe.places) };
+    land(model, measured, start, settings).map(|(fit, _)| fit)
+}
+
+/// The same, with what is known about where it ended.
+///
+/// # Errors
+///
+/// As [`fit`].
+pub fn land(
+    model: &mut Model,
+    measured: &Measured,
+    start: Option<Coordinates>,
+    settings: &Settings,
+) -> Result<(Fit, Landing), String> {
+    let mut fitter = Fitter { measured, settings, simulations: 0, blocks: Summary::blocks(&model.recipe) };
     let lost = "the chain cannot be simulated with parameters like these";
     let global = start.is_none();
     let mut at = start.unwrap_or_else(|| Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()])));
@@ -161,10 +193,22 @@ pub fn fit(
             }
             let bare = fitter.residuals(model, &at, &centre, &floor, &numerics);
             let (objective, blocks) = fitter.objective(&bare);
+            let landing = Landing {
+                at,
+                measured: fitter.measure(model, &at),
+                nominal: fitter.predicted(&centre, &floor, &numerics),
+                variance: residuals.variance,
+                sensitivity: slopes.1,
+                floor,
+                numerics,
+                centre,
+                blocks: fitter.blocks,
+                speed: residuals.speed,
+            };
             let last = if length < SHORT { 1.0 } else { 0.0 };
             // The last step is too short to be worth a simulation.
             move_by(model, &mut at, &found, last);
-            return Ok(Fit {
+            let fit = Fit {
                 at,
                 covariance,
                 bound: found.bound.clone(),
@@ -175,7 +219,8 @@ pub fn fit(
                 steps,
                 simulations: fitter.simulations,
                 noise: model.recipe.noise.map(f64::from),
-            });
+            };
+            return Ok((fit, landing));
         }
         let before = fitter.cost(model, &at, &residuals, &misfit);
         // Slopes are believed as far as half as far again as their design went.
@@ -248,7 +293,7 @@ impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
     fn listen(&self, model: &mut Model, fleet: &Fleet) {
         let simulated = model.answer(fleet, 0.0, 0).summary;
-        let mut measured = Summary::new(&model.recipe.places);
+        let mut measured = Summary::new(&model.recipe);
         measured.add(&model.recipe, &self.measured.samples(), 0.0, None);
         let ((a, share), (b, _)) = (measured.high_power(&model.recipe), simulated.high_power(&model.recipe));
         for k in 0..FORCES {
@@ -263,7 +308,7 @@ impl Fitter<'_> {
 
     /// Features of the run with its trigger at a place.
     fn measure(&self, model: &Model, at: &Coordinates) -> Vec<f64> {
-        let mut summary = Summary::new(&model.recipe.places);
+        let mut summary = Summary::new(&model.recipe);
         summary.add(&model.recipe, &self.measured.samples(), at[Parameter::TriggerPosition.index()], None);
         // Half of what a cell's passage gives.
         let places = &model.recipe.places;
@@ -280,7 +325,7 @@ impl Fitter<'_> {
         let places = &model.recipe.places;
         let samples = self.measured.samples();
         let apart = |trigger: f64| {
-            let mut summary = Summary::new(places);
+            let mut summary = Summary::new(&model.recipe);
             summary.add_places(&model.recipe, &samples, trigger);
             let features = summary.features(1.0);
             let mut sum = 0.0;
@@ -313,7 +358,7 @@ impl Fitter<'_> {
     /// The global stage for the tension: in proportion to the joint's mean force. Whether it moved much.
     fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
-        let mut measured = Summary::new(&model.recipe.places);
+        let mut measured = Summary::new(&model.recipe);
         measured.add_places(&model.recipe, &self.measured.samples(), 0.0);
         let (Some(found), Some(simulated)) = (measured.mean(4), centre.answer.summary.mean(4)) else { return false };
         if !self.settings.free[k] || found <= 0.0 || simulated <= 0.0 {
@@ -335,11 +380,12 @@ impl Fitter<'_> {
     ) -> Residuals {
         let laps = self.measured.laps.max(0.02);
         let features = self.measure(model, at);
+        let predicted = self.predicted(centre, floor, numerics);
         let mut of = Vec::with_capacity(features.len());
         let mut variance = Vec::with_capacity(features.len());
         for (k, x) in features.iter().enumerate() {
             let laps = self.laps(k, laps);
-            let difference = x - centre.answer.features[k] - numerics.correction[k] - floor.bias[k] / laps;
+            let difference = x - predicted[k];
             let lap = floor.deviation[k] * floor.deviation[k] / laps;
             let spread = lap + numerics.variance[k];
             let usable = difference.is_finite() && spread.is_finite() && lap > 0.0;
@@ -352,12 +398,16 @@ impl Fitter<'_> {
         Residuals { of, variance, speed }
     }
 
+    /// Features that a run as long as the measured one has at a point.
+    fn predicted(&self, centre: &Centre, floor: &Floor, numerics: &Numerics) -> Vec<f64> {
+        let laps = self.measured.laps.max(0.02);
+        let features = centre.answer.features.iter().enumerate();
+        features.map(|(k, x)| x + numerics.correction[k] + floor.bias[k] / self.laps(k, laps)).collect()
+    }
+
     /// How many laps a feature is a mean over: what belongs to a place is measured once or not at all.
     fn laps(&self, feature: usize, laps: f64) -> f64 {
-        match self.blocks[feature] {
-            Block::Mean(_) | Block::Spread(_) => laps.max(1.0),
-            _ => laps,
-        }
+        self.blocks[feature].laps(laps)
     }
 
     /// Of each block the sum of squared residuals over the floor's, and their number.

@@ -68,7 +68,7 @@ impl Numerics {
         };
         let correction: Vec<f64> = less(&finer)?.into_iter().map(|x| 4.0 / 3.0 * x).collect();
         let doubts = [correction.iter().map(|x| 0.5 * x).collect(), less(&fresh)?];
-        let named = Summary::blocks(&model.recipe.places);
+        let named = Summary::blocks(&model.recipe);
         // What is mostly made by the step is left out: neither its size nor its slopes are the chain's.
         let made = |k: usize| !matches!(named[k], Block::Mean(_)) && correction[k].abs() > MADE_BY_THE_STEP;
         let own = |k: usize| doubts.iter().map(|d: &Vec<f64>| d[k] * d[k]).sum::<f64>();
@@ -88,7 +88,7 @@ impl Floor {
     /// From a survey in which every cart went at least once around.
     pub fn new(model: &Model, fleet: &Fleet, noise: u64) -> Floor {
         let each = model.each(fleet, noise);
-        let mut all = Summary::new(&model.recipe.places);
+        let mut all = Summary::new(&model.recipe);
         each.iter().for_each(|one| all.merge(one));
         let whole = all.features(1.0);
         let single: Vec<Vec<f64>> = each.iter().map(|one| one.features(1.0)).collect();
@@ -109,7 +109,7 @@ impl Floor {
                 }
             })
             .collect();
-        let agreed = Agreed::new(&deviation, &whole, Summary::blocks(&model.recipe.places));
+        let agreed = Agreed::new(&deviation, &whole, Summary::blocks(&model.recipe));
         let deviation = agreed.levelled(&deviation);
         let scatter =
             single.iter().map(|one| one.iter().zip(&mean).map(|(x, m)| if x.is_nan() { 0.0 } else { x - m }).collect());

@@ -132,7 +132,7 @@ struct Blocks(BTreeMap<Block, Vec<usize>>);
 impl Blocks {
     fn new(model: &Model, floor: &Floor, left_over: &[f64]) -> Self {
         let mut rows: BTreeMap<Block, Vec<usize>> = BTreeMap::new();
-        let named = Summary::blocks(&model.recipe.places);
+        let named = Summary::blocks(&model.recipe);
         for k in (0..named.len()).filter(|k| floor.deviation[*k] > 0.0 && !left_over[*k].is_nan()) {
             rows.entry(named[k]).or_default().push(k);
         }

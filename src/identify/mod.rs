@@ -9,20 +9,20 @@
 
 mod design;
 pub mod fit;
-mod floor;
-mod local;
+pub mod floor;
+pub mod local;
 mod measured;
-mod model;
+pub mod model;
 pub mod noise;
 mod parameter;
-mod places;
+pub mod places;
 mod posterior;
 pub mod share;
 pub mod static_test;
 pub mod stiffness;
 pub mod student;
 pub mod study;
-mod summary;
+pub mod summary;
 mod words;
 
 pub use fit::{Fit, Settings};

@@ -118,7 +118,7 @@ impl Model {
 
     /// The features of a fleet, moved along the track by `offset`, m.
     pub fn answer(&self, fleet: &Fleet, offset: f64, noise: u64) -> Answer {
-        let mut summary = Summary::new(&self.recipe.places);
+        let mut summary = Summary::new(&self.recipe);
         for (k, cart) in fleet.carts.iter().enumerate() {
             summary.add(&self.recipe, &samples(cart), offset, Some(noise.wrapping_add(k as u64)));
         }
@@ -128,7 +128,7 @@ impl Model {
     /// Each cart's own summary.
     pub fn each(&self, fleet: &Fleet, noise: u64) -> Vec<Summary> {
         let one = |(k, cart): (usize, &CartRecord)| {
-            let mut summary = Summary::new(&self.recipe.places);
+            let mut summary = Summary::new(&self.recipe);
             summary.add(&self.recipe, &samples(cart), 0.0, Some(noise.wrapping_add(k as u64)));
             summary
         };

@@ -321,6 +321,7 @@ fn block_name(block: Block) -> String {
         Block::Spread(k) => of("spread within curves and straights", k),
         Block::Share(k) => of("distribution", k),
         Block::Power(k) => of("spectrum", k),
+        Block::Order(k) => of("orders", k),
         Block::SpeedPower => "spectrum of the chain's speed".to_owned(),
     }
 }

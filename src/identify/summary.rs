@@ -61,6 +61,8 @@ pub struct Recipe {
     /// Lines of each band, and of the band above the low-pass in which noise shows.
     bands: [(usize, usize); BANDS],
     high: (usize, usize),
+    /// Lines of each order that is looked at besides: of wheels and motors.
+    orders: Vec<(usize, usize)>,
 }
 
 impl Recipe {
@@ -87,7 +89,19 @@ impl Recipe {
             plan: RealFftPlanner::<f32>::new().plan_fft_forward(segment),
             bands,
             high,
+            orders: Vec::new(),
         }
+    }
+
+    /// Looks at orders besides, Hz: within 3 % or a line of each.
+    pub fn set_orders(&mut self, orders: &[f64]) {
+        let line = |hz: f64| hz * self.segment as f64 / self.rate;
+        let lines = |hz: &f64| {
+            let most = self.segment / 2;
+            let low = (line(0.97 * hz).floor() as usize).clamp(1, most - 1);
+            (low, (line(1.03 * hz).ceil() as usize + 1).clamp(low + 1, most))
+        };
+        self.orders = orders.iter().map(lines).collect();
     }
 
     /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range above: a wheel
@@ -152,6 +166,7 @@ pub struct Summary {
     speed_power: [f64; SPEED_BANDS],
     speed_segments: f64,
     speed: (f64, f64),
+    orders: Vec<[f64; FORCES]>,
 }
 
 /// A group of features of one kind and force, which share what the model may miss.
@@ -167,10 +182,23 @@ pub enum Block {
     Power(usize),
     /// Power in bands of the chain's speed.
     SpeedPower,
+    /// Power at orders of wheels and motors.
+    Order(usize),
+}
+
+impl Block {
+    /// How many laps of a run a feature is a mean over: what belongs to a place is measured once or not at all.
+    pub fn laps(self, laps: f64) -> f64 {
+        match self {
+            Block::Mean(_) | Block::Spread(_) => laps.max(1.0),
+            _ => laps,
+        }
+    }
 }
 
 impl Summary {
-    pub fn new(places: &Places) -> Self {
+    pub fn new(recipe: &Recipe) -> Self {
+        let places = &recipe.places;
         Summary {
             cells: vec![[(0.0, 0.0); FORCES]; places.cells],
             zones: vec![[[0.0; 3]; FORCES]; places.zones.len()],
@@ -181,6 +209,7 @@ impl Summary {
             speed_power: Default::default(),
             speed_segments: 0.0,
             speed: (0.0, 0.0),
+            orders: vec![[0.0; FORCES]; recipe.orders.len()],
         }
     }
 
@@ -268,6 +297,9 @@ impl Summary {
                 for (sum, (from, to)) in self.power[force].iter_mut().zip(recipe.bands) {
                     *sum += power[from..to].iter().sum::<f64>();
                 }
+                for (sum, (from, to)) in self.orders.iter_mut().zip(&recipe.orders) {
+                    sum[force] += power[*from..*to].iter().sum::<f64>();
+                }
                 self.high[force] += power[recipe.high.0..recipe.high.1].iter().sum::<f64>();
                 self.segments[force] += 1.0;
             }
@@ -302,6 +334,9 @@ impl Summary {
         pairs(&mut self.speed_power, &other.speed_power);
         self.speed_segments += other.speed_segments;
         self.speed = (self.speed.0 + other.speed.0, self.speed.1 + other.speed.1);
+        for (a, b) in self.orders.iter_mut().zip(&other.orders) {
+            pairs(a, b);
+        }
     }
 
     /// Variance of what lies above the low-pass, and the share of white noise that does.
@@ -347,6 +382,9 @@ impl Summary {
             out.extend(self.power[force].iter().map(|p| power(*p, self.segments[force])));
         }
         out.extend(self.speed_power.iter().map(|p| power(*p, self.speed_segments)));
+        for force in 0..FORCES {
+            out.extend(self.orders.iter().map(|p| power(p[force], self.segments[force])));
+        }
         out
     }
 
@@ -359,17 +397,20 @@ impl Summary {
             }
         }
         out.extend([0.0; FORCES * BANDS + SPEED_BANDS]);
+        out.extend(vec![0.0; FORCES * self.orders.len()]);
         out
     }
 
     /// The block of each feature.
-    pub fn blocks(places: &Places) -> Vec<Block> {
+    pub fn blocks(recipe: &Recipe) -> Vec<Block> {
+        let places = &recipe.places;
         let mut out = Vec::new();
         (0..FORCES).for_each(|f| out.extend(vec![Block::Mean(f); places.cells]));
         (0..FORCES).for_each(|f| out.extend(vec![Block::Spread(f); places.zones.len()]));
         (0..FORCES).for_each(|f| out.extend(vec![Block::Share(f); KINDS * THRESHOLDS]));
         (0..FORCES).for_each(|f| out.extend(vec![Block::Power(f); BANDS]));
         out.extend(vec![Block::SpeedPower; SPEED_BANDS]);
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Order(f); recipe.orders.len()]));
         out
     }
 }
@@ -402,7 +443,7 @@ mod tests {
     }
 
     fn features_of(block: Block, recipe: &Recipe, features: &[f64]) -> Vec<f64> {
-        let blocks = Summary::blocks(&recipe.places);
+        let blocks = Summary::blocks(&recipe);
         assert_eq!(blocks.len(), features.len());
         blocks.iter().zip(features).filter(|(b, _)| **b == block).map(|(_, x)| *x).collect()
     }
@@ -413,7 +454,7 @@ mod tests {
         let (station, force) = lap();
         let samples = of_joint(&station, &force);
         recipe.set_thresholds(&samples, 0.0);
-        let mut summary = Summary::new(&recipe.places);
+        let mut summary = Summary::new(&recipe);
         summary.add(&recipe, &samples, 0.0, None);
         let features = summary.features(1.0);
         let of = |block| features_of(block, &recipe, &features);
@@ -428,14 +469,14 @@ mod tests {
         assert!(shares[6..].iter().all(|x| x.is_nan()));
         // 4 Hz is 2.5 passings: in the fifth band, and without the levels in no other but for what the window leaks.
         let sine: Vec<f32> = force.iter().map(|x| if *x < 200.0 { x - 100.0 } else { x - 300.0 }).collect();
-        let mut alone = Summary::new(&recipe.places);
+        let mut alone = Summary::new(&recipe);
         alone.add(&recipe, &of_joint(&station, &sine), 0.0, None);
         let power = features_of(Block::Power(4), &recipe, &alone.features(1.0));
         assert!((power[4] - trig::ln(10.0 / 2_f64.sqrt())).abs() < 1e-3, "{power:?}");
         assert!((0..BANDS).all(|k| k == 4 || power[k] < power[4] - 3.0), "{power:?}");
         assert!(of(Block::Mean(0)).iter().all(|x| x.is_nan()), "what was not measured has no features");
         // Moved by half a lap, the levels change places; two halves add up to the whole.
-        let mut moved = Summary::new(&recipe.places);
+        let mut moved = Summary::new(&recipe);
         moved.add(&recipe, &samples, 20.0, None);
         let means = features_of(Block::Mean(4), &recipe, &moved.features(1.0));
         assert!((means[0] - 300.0).abs() < 0.5 && (means[5] - 100.0).abs() < 0.5);
@@ -451,12 +492,12 @@ mod tests {
         let mut recipe = recipe();
         let (station, mut force) = lap();
         force[300..400].fill(f32::NAN);
-        let mut summary = Summary::new(&recipe.places);
+        let mut summary = Summary::new(&recipe);
         summary.add(&recipe, &of_joint(&station, &force), 0.0, None);
         let means = features_of(Block::Mean(4), &recipe, &summary.features(1.0));
         assert!(means.iter().all(|x| x.is_finite()));
         recipe.noise[4] = 3.0;
-        let mut noisy = Summary::new(&recipe.places);
+        let mut noisy = Summary::new(&recipe);
         noisy.add(&recipe, &of_joint(&station, &force), 0.0, Some(5));
         let ((clean, share), (loud, _)) = (summary.high_power(&recipe), noisy.high_power(&recipe));
         let found = ((loud[4] - clean[4]) / share).sqrt();

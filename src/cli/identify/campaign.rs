@@ -1,15 +1,14 @@
 //! `lss identify CAMPAIGN`: every run, every law.
 
 use super::{fitted, table};
-use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
+use crate::cli::cases::{Case, cases};
+use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::dynamics::{Width, parallel};
-use crate::emit::number::fixed;
-use crate::emit::simulation::{ContactLaw, Simulation};
+use crate::emit::simulation::ContactLaw;
 use crate::emit::{Files, identification, json};
 use crate::identify::share::{Shared, combine};
-use crate::identify::study::{self, CONFIDENCE, Estimate, Fitted, Subject, carry, fit_run};
+use crate::identify::study::{self, CONFIDENCE, Estimate, Fitted, carry, fit_run};
 use crate::identify::{Measured, Model, Parameter, Settings, interval};
-use crate::signal::{self, Run};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -64,9 +63,6 @@ fn laws(text: &str) -> Result<Laws, String> {
     })
 }
 
-/// Laps from which a run is taken to go once around: its ends are not known to the sample.
-const WHOLE_LAP: f64 = 0.98;
-
 /// A law as files and options call it.
 pub fn law_name(law: ContactLaw) -> String {
     law.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
@@ -82,13 +78,6 @@ pub struct LawReport<'a> {
     pub runs: BTreeMap<&'a str, &'a Fitted>,
 }
 
-/// A run and the layout it names.
-pub struct Case {
-    pub subject: Subject,
-    /// The layout's file.
-    pub layout: PathBuf,
-}
-
 impl Campaign {
     pub fn run(&self) -> Outcome {
         let (Some(folder), Some(output)) = (&self.campaign, &self.output) else { return Outcome::CouldNotRun };
@@ -96,7 +85,7 @@ impl Campaign {
             report::error(&format!("{p} cannot be shared, as it is not fitted: add it to --free"));
             return Outcome::CouldNotRun;
         }
-        let (cases, broken) = match self.cases(folder) {
+        let (cases, broken) = match cases(folder, self.layout.as_deref()) {
             Ok(found) => found,
             Err(outcome) => return outcome,
         };
@@ -165,61 +154,6 @@ impl Campaign {
             OutputFormat::Text => format!("{}written to {}\n", table::text(&reports), output.display()),
         });
         if failed { Outcome::Problems } else { Outcome::Clean }
-    }
-
-    /// The runs that can be read, and whether some cannot.
-    fn cases(&self, folder: &Path) -> Result<(Vec<Case>, bool), Outcome> {
-        let (campaign, refused) = signal::Campaign::survey(folder).map_err(|error| {
-            report::error(&error.to_string());
-            if error.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
-        })?;
-        let mut broken = !refused.is_empty();
-        refused.iter().for_each(|r| report::error(&r.error.to_string()));
-        let mut layouts: BTreeMap<PathBuf, Simulation> = BTreeMap::new();
-        let mut cases = Vec::new();
-        for entry in &campaign.runs {
-            let path = self.layout.clone().unwrap_or_else(|| entry.layout.clone());
-            if !path.is_file() {
-                report::error(&format!(
-                    "{}: the layout {} is not there\n  help: give it with --layout",
-                    entry.name,
-                    path.display()
-                ));
-                broken = true;
-                continue;
-            }
-            let run = match Run::read(&entry.file) {
-                Ok(run) => run,
-                Err(error) => {
-                    report::error(&error.to_string());
-                    broken = true;
-                    continue;
-                }
-            };
-            if !layouts.contains_key(&path) {
-                layouts.insert(path.clone(), read::simulation(&path, None, MessageFormat::Text)?);
-            }
-            let Some(layout) = layouts.get(&path) else { continue };
-            let mut simulation = layout.clone();
-            if let Some(tension) = entry.tension {
-                simulation.chain.tension_n = tension;
-            }
-            let mut warnings = run.warnings(None);
-            // The wheels may know the speed where the sidecar's is off.
-            match Measured::new(&run, &simulation, simulation.chain.track_length_m) {
-                Ok(measured) if measured.laps < WHOLE_LAP => warnings.push(format!(
-                    "it covers {} of a lap: of the rest of the track nothing can be told",
-                    fixed(measured.laps, 2)
-                )),
-                _ => {}
-            }
-            for warning in warnings {
-                report::warning(&format!("{}: {warning}", entry.name));
-            }
-            let subject = Subject { name: entry.name.clone(), run, simulation };
-            cases.push(Case { subject, layout: path });
-        }
-        Ok((cases, broken))
     }
 
     /// What the runs can tell, before anything is fitted.

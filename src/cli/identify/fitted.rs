@@ -1,6 +1,6 @@
 //! The fitted layouts: a `.lss` that changes only what was fitted, and its simulation input.
 
-use super::campaign::Case;
+use crate::cli::cases::Case;
 use crate::cli::{MessageFormat, Outcome, read};
 use crate::emit::json;
 use crate::emit::number::shortest;
@@ -50,7 +50,7 @@ pub fn files(cases: &[Case], fits: &[Fitted], output: &Path) -> Result<Vec<(Stri
 }
 
 /// How a file in `output` names the layout: by its relative path inside one project, else by a copy beside it.
-fn import(layout: &Path, output: &Path) -> (String, Option<Vec<u8>>) {
+pub fn import(layout: &Path, output: &Path) -> (String, Option<Vec<u8>>) {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (layout, output) = (absolute(layout), absolute(output));
     let is_root = |folder: &Path| folder.join("lss.toml").exists() || folder.join(".git").exists();

@@ -1,7 +1,7 @@
 //! `lss identify`: the model's parameters from measurements.
 
 mod campaign;
-mod fitted;
+pub mod fitted;
 mod stiffness;
 mod table;
 

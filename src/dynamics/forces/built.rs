@@ -32,57 +32,88 @@ impl Default for Built {
 /// Fills `forces.built`, and adds to the joints' torques.
 pub(super) fn build(model: &Model, bodies: &[Bodies], home: &[Home], forces: &mut Forces) {
     let deviations = &model.deviations;
+    if deviations.has_profiles() {
+        profiles(model, forces);
+    }
+    if !deviations.load.is_empty() {
+        for (i, load) in deviations.load.iter().enumerate().take(model.carts) {
+            forces.built[i / PACK].lightness[i % PACK] = 1.0 / (1.0 + load);
+        }
+    }
+    if deviations.has_pushes() {
+        pushes(model, bodies, home, forces);
+    }
+    if deviations.swivel > 0.0 || deviations.joint_friction > 0.0 {
+        moments(model, bodies, home, forces);
+    }
+}
+
+/// Offsets of rails and wheels.
+fn profiles(model: &Model, forces: &mut Forces) {
     let lap = model.segments.line.length;
-    let [slow, slow_turn] = deviations.smoothing;
     let radii = [model.steering.radius, model.running.radius, model.running.radius];
-    let spin = |i: usize| attitude(&bodies[i / PACK], i % PACK) * vector(&bodies[i / PACK].spin, i % PACK);
+    for i in 0..model.carts {
+        let built = &mut forces.built[i / PACK];
+        for (k, radius) in radii.into_iter().enumerate() {
+            let (offset, slope) = model.deviations.offset(k, i, forces.station[i], lap, radius);
+            built.offset[k][i % PACK] = offset;
+            built.rate[k][i % PACK] = slope * forces.speed[i];
+        }
+    }
+}
+
+/// Forces along and across the track.
+fn pushes(model: &Model, bodies: &[Bodies], home: &[Home], forces: &mut Forces) {
+    let deviations = &model.deviations;
+    let lap = model.segments.line.length;
     for i in 0..model.carts {
         let (pack, lane) = (i / PACK, i % PACK);
         let (station, speed) = (forces.station[i], forces.speed[i]);
-        let built = &mut forces.built[pack];
-        for k in 0..3 {
-            let (offset, slope) = deviations.offset(k, i, station, lap, radii[k]);
-            built.offset[k][lane] = offset;
-            built.rate[k][lane] = slope * speed;
-        }
-        built.lightness[lane] = 1.0 / (1.0 + deviations.load.get(i).copied().unwrap_or(0.0));
-
-        let turn = attitude(&bodies[pack], lane);
-        let forward = turn * Vector3::x();
-        let velocity = Vector3::from(std::array::from_fn::<f64, 3, _>(|k| forces.front_velocity[k][i]));
-        let load: f64 = forces.loads[pack].running.iter().map(|row| row[lane].abs()).sum();
-        let frame = model.segments.list[home[pack].segment[lane] as usize];
-        let normal = frame.normal_at(station);
-        let lateral = velocity.dot(&normal);
-        let slide = -deviations.sliding * load * trig::tanh(lateral / slow);
-        let (side, _) = closed(&deviations.side_force, station / lap);
         let (resistance, _) = closed(&deviations.resistance, station / lap);
         let drag = -deviations.drag * speed * speed.abs() - resistance;
-        let push = forward * drag + normal * (slide + side);
-        for k in 0..3 {
-            built.push[k][lane] = push[k];
+        let mut push = attitude(&bodies[pack], lane) * Vector3::x() * drag;
+        if deviations.sliding > 0.0 || !deviations.side_force.is_empty() {
+            let normal = model.segments.list[home[pack].segment[lane] as usize].normal_at(station);
+            let lateral = (0..3).map(|k| forces.front_velocity[k][i] * normal[k]).sum::<f64>();
+            let load: f64 = forces.loads[pack].running.iter().map(|row| row[lane].abs()).sum();
+            let slide = -deviations.sliding * load * trig::tanh(lateral / deviations.smoothing[0]);
+            let (side, _) = closed(&deviations.side_force, station / lap);
+            push += normal * (slide + side);
         }
+        let built = &mut forces.built[pack];
+        (0..3).for_each(|k| built.push[k][lane] = push[k]);
+    }
+}
+
+/// Dry friction against turning: of forks on the track, and of carts on each other.
+fn moments(model: &Model, bodies: &[Bodies], home: &[Home], forces: &mut Forces) {
+    let deviations = &model.deviations;
+    let slow = deviations.smoothing[1];
+    let turn = |i: usize| attitude(&bodies[i / PACK], i % PACK);
+    let spin = |i: usize| turn(i) * vector(&bodies[i / PACK].spin, i % PACK);
+    let first = spin(0);
+    let mut own = first;
+    for i in 0..model.carts {
+        let (pack, lane) = (i / PACK, i % PACK);
+        let follower = if i + 1 == model.carts { 0 } else { i + 1 };
+        let next = if follower == 0 { first } else { spin(follower) };
         if deviations.swivel > 0.0 {
             // How fast the cart turns against the track under its fork.
-            let yaw = spin(i).z - frame.turning() * speed;
-            forces.joint_torque[pack][2][lane] -= deviations.swivel * trig::tanh(yaw / slow_turn);
+            let segment = &model.segments.list[home[pack].segment[lane] as usize];
+            let yaw = own.z - segment.turning() * forces.speed[i];
+            forces.joint_torque[pack][2][lane] -= deviations.swivel * trig::tanh(yaw / slow);
         }
-        if deviations.joint_friction > 0.0 {
-            let follower = (i + 1) % model.carts;
-            let relative = spin(follower) - spin(i);
-            let rate = relative.norm();
-            if rate > 0.0 {
-                let torque = relative * (deviations.joint_friction * trig::tanh(rate / slow_turn) / rate);
-                let mut add = |cart: usize, torque: Vector3<f64>| {
-                    let (pack, lane) = (cart / PACK, cart % PACK);
-                    let own = attitude(&bodies[pack], lane).inverse() * torque;
-                    for k in 0..3 {
-                        forces.joint_torque[pack][k][lane] += own[k];
-                    }
-                };
-                add(i, torque);
-                add(follower, -torque);
-            }
+        let relative = next - own;
+        let rate = relative.norm();
+        if deviations.joint_friction > 0.0 && rate > 0.0 {
+            let torque = relative * (deviations.joint_friction * trig::tanh(rate / slow) / rate);
+            let mut add = |cart: usize, torque: Vector3<f64>| {
+                let own = turn(cart).inverse() * torque;
+                (0..3).for_each(|k| forces.joint_torque[cart / PACK][k][cart % PACK] += own[k]);
+            };
+            add(i, torque);
+            add(follower, -torque);
         }
+        own = next;
     }
 }

@@ -1,0 +1,75 @@
+//! The runs of a campaign with the layouts they name.
+
+use super::{MessageFormat, Outcome, read, report};
+use crate::emit::number::fixed;
+use crate::emit::simulation::Simulation;
+use crate::identify::Measured;
+use crate::identify::study::Subject;
+use crate::signal::{self, Run};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Laps from which a run is taken to go once around: its ends are not known to the sample.
+const WHOLE_LAP: f64 = 0.98;
+
+/// A run and the layout it names.
+pub struct Case {
+    pub subject: Subject,
+    /// The layout's file.
+    pub layout: PathBuf,
+}
+
+/// The runs that can be read, and whether some cannot.
+pub fn cases(folder: &Path, layout: Option<&Path>) -> Result<(Vec<Case>, bool), Outcome> {
+    let (campaign, refused) = signal::Campaign::survey(folder).map_err(|error| {
+        report::error(&error.to_string());
+        if error.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
+    })?;
+    let mut broken = !refused.is_empty();
+    refused.iter().for_each(|r| report::error(&r.error.to_string()));
+    let mut layouts: BTreeMap<PathBuf, Simulation> = BTreeMap::new();
+    let mut cases = Vec::new();
+    for entry in &campaign.runs {
+        let path = layout.map_or_else(|| entry.layout.clone(), Path::to_owned);
+        if !path.is_file() {
+            report::error(&format!(
+                "{}: the layout {} is not there\n  help: give it with --layout",
+                entry.name,
+                path.display()
+            ));
+            broken = true;
+            continue;
+        }
+        let run = match Run::read(&entry.file) {
+            Ok(run) => run,
+            Err(error) => {
+                report::error(&error.to_string());
+                broken = true;
+                continue;
+            }
+        };
+        if !layouts.contains_key(&path) {
+            layouts.insert(path.clone(), read::simulation(&path, None, MessageFormat::Text)?);
+        }
+        let Some(known) = layouts.get(&path) else { continue };
+        let mut simulation = known.clone();
+        if let Some(tension) = entry.tension {
+            simulation.chain.tension_n = tension;
+        }
+        let mut warnings = run.warnings(None);
+        // The wheels may know the speed where the sidecar's is off.
+        match Measured::new(&run, &simulation, simulation.chain.track_length_m) {
+            Ok(measured) if measured.laps < WHOLE_LAP => warnings.push(format!(
+                "it covers {} of a lap: of the rest of the track nothing can be told",
+                fixed(measured.laps, 2)
+            )),
+            _ => {}
+        }
+        for warning in warnings {
+            report::warning(&format!("{}: {warning}", entry.name));
+        }
+        let subject = Subject { name: entry.name.clone(), run, simulation };
+        cases.push(Case { subject, layout: path });
+    }
+    Ok((cases, broken))
+}

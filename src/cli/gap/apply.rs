@@ -1,0 +1,78 @@
+//! Layouts with the verdict's effects added.
+
+use crate::cli::cases::Case;
+use crate::cli::identify::fitted::import;
+use crate::cli::{MessageFormat, Outcome, read};
+use crate::emit::json;
+use crate::emit::number::shortest;
+use crate::emit::simulation::Effect;
+use crate::gap::chain::Chains;
+use crate::gap::{Diagnosis, Finding, Verdict};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+/// For each layout `NAME-gap.json`, and `NAME-gap.lss` where it came as `.lss`: the layout with the effects of the verdict.
+pub fn files(
+    cases: &[Case],
+    chains: &Chains,
+    found: &Diagnosis,
+    output: &Path,
+) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
+    let count = match found.verdict {
+        Verdict::None | Verdict::Unknown => 0,
+        Verdict::Pair => 2,
+        Verdict::Effect | Verdict::Sensor => 1,
+    };
+    let effects = &found.effects[..count.min(found.effects.len())];
+    let mut out: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    for (run, case) in cases.iter().enumerate() {
+        let stem = case.layout.file_stem().map_or_else(|| "layout".into(), |s| s.to_string_lossy().into_owned());
+        let mut simulation = chains.simulation(run).clone();
+        simulation.effects = effects.iter().map(effect).collect();
+        let name = format!("{stem}-gap");
+        out.entry(format!("{name}.json")).or_insert_with(|| json::to_json(&simulation));
+        if case.layout.extension().is_some_and(|e| e == "lss") && !out.contains_key(&format!("{name}.lss")) {
+            let layout = read::read(&case.layout, None, MessageFormat::Text)?.layout;
+            let (import, copy) = import(&case.layout, output);
+            if let Some(bytes) = copy {
+                out.insert(import.clone(), bytes);
+            }
+            out.insert(format!("{name}.lss"), text(&layout.name, &import, effects).into_bytes());
+        }
+    }
+    Ok(out.into_iter().collect())
+}
+
+fn effect(finding: &Finding) -> Effect {
+    let strengths = finding.strength.iter().map(|(name, amount)| (name.clone(), amount.value));
+    let places = finding.fixed.iter().map(|(name, x)| (name.clone(), *x));
+    Effect { name: finding.name.clone(), strengths: strengths.chain(places).collect() }
+}
+
+fn text(layout: &str, import: &str, effects: &[Finding]) -> String {
+    let mut out = format!(
+        "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\nlayout {layout}_gap from {layout} {{\n"
+    );
+    for finding in effects {
+        let strength = finding.strength.iter().map(|(name, a)| {
+            let unit = if a.unit.is_empty() { String::new() } else { format!(" {}", spelled(&a.unit)) };
+            format!("{name}: {}{unit}", shortest(a.value))
+        });
+        // Lengths among what says the place.
+        let metres = |name: &str| ["at", "span", "wavelength"].contains(&name);
+        let place = finding
+            .fixed
+            .iter()
+            .map(|(name, x)| format!("{name}: {}{}", shortest(*x), if metres(name) { " m" } else { "" }));
+        let all: Vec<String> = strength.chain(place).collect();
+        let _ = writeln!(out, "  effect {}({})", finding.name, all.join(", "));
+    }
+    out.push_str("}\n");
+    out
+}
+
+/// A unit as the language spells it.
+fn spelled(unit: &str) -> String {
+    unit.replace(' ', "*").replace('²', "^2")
+}

@@ -1,0 +1,445 @@
+//! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
+
+use super::effects::sites::Site;
+use super::effects::{Effect, LIBRARY, Sensed, built, sense};
+use super::simulator::{Applied, Band, Candidate, Frame, Label, Request, Simulator, Strength};
+use crate::dynamics::{CartRecord, Fleet, Width, parallel};
+use crate::emit::simulation::{self as input, Simulation};
+use crate::geometry::trig;
+use crate::identify::fit::{Landing, land};
+use crate::identify::local::WITH_FLOOR;
+use crate::identify::model::{Coordinates, Plan, samples};
+use crate::identify::study::Subject;
+use crate::identify::summary::{Block, FORCES, Summary};
+use crate::identify::{Measured, Model, Parameter, Settings};
+use crate::signal::Channel;
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+
+/// Carts that pass each place in a simulation with effects.
+const PASSES: f64 = 24.0;
+
+/// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
+const STEPS: usize = 3;
+
+/// Carts that listen with a sensor's effect.
+const LISTENERS: usize = 14;
+
+/// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
+const FLOOR_DEVIATION: f64 = 1.0;
+
+/// A campaign's runs on chains.
+pub struct Chains {
+    runs: Vec<Fitted>,
+    frames: Vec<Frame>,
+    candidates: Vec<Candidate>,
+    effects: Vec<&'static Effect>,
+    threads: usize,
+}
+
+/// A run, fitted.
+struct Fitted {
+    model: Model,
+    landing: Landing,
+    /// Laps, and where along the lap the run begins, m.
+    laps: f64,
+    begin: f64,
+    /// The largest of each channel that is simulated, N.
+    tops: [f64; FORCES],
+    /// Which channels were measured.
+    measured: [bool; FORCES],
+    seed: u64,
+}
+
+impl Chains {
+    /// Fits the nominal model to each run, over `threads`. `tell` is told which are done.
+    ///
+    /// # Errors
+    ///
+    /// The run and why it cannot be used.
+    pub fn new(
+        subjects: &[Subject],
+        seed: u64,
+        threads: usize,
+        width: Width,
+        tell: &(dyn Fn(&str) + Sync),
+    ) -> Result<Chains, (String, String)> {
+        let settings = Settings { seed, steps: STEPS, threads: 1, ..Settings::default() };
+        // More runs than threads at a time, so that none is left to a single one in the end.
+        let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
+            let found = fitted(subject, &settings, width).map_err(|why| (subject.name.clone(), why));
+            tell(&subject.name);
+            found
+        });
+        let runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
+        let mut out = Chains {
+            frames: subjects.iter().zip(&runs).map(|(s, run)| frame(&s.name, run)).collect(),
+            runs,
+            candidates: Vec::new(),
+            effects: Vec::new(),
+            threads,
+        };
+        for effect in LIBRARY {
+            for site in out.sites(effect) {
+                let strength = |s: &super::effects::Strength| Strength {
+                    name: s.name.to_owned(),
+                    unit: s.unit.to_owned(),
+                    trial: s.trial,
+                    low: s.low,
+                    high: s.high,
+                };
+                out.candidates.push(Candidate {
+                    effect: effect.name.to_owned(),
+                    place: site.words,
+                    fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
+                    strengths: effect.strengths.iter().map(strength).collect(),
+                    sensor: effect.is_sensor(),
+                    placebo: None,
+                });
+                out.effects.push(effect);
+            }
+        }
+        Ok(out)
+    }
+
+    /// Where an effect may sit: on what was measured, and steps of the rail where the gap is largest.
+    fn sites(&self, effect: &Effect) -> Vec<Site> {
+        let Some(first) = self.runs.first() else { return Vec::new() };
+        if effect.name == "rail_step" {
+            return self.steps();
+        }
+        let channel = |name: &str| ["channel", "first", "second"].contains(&name);
+        let measured = |site: &Site| {
+            let known = |x: f64| self.runs.iter().all(|r| r.measured.get(x as usize - 1).copied().unwrap_or(false));
+            site.fixed.iter().all(|(name, x)| !channel(name) || known(*x))
+        };
+        (effect.sites)(&first.model.simulation).into_iter().filter(measured).collect()
+    }
+
+    /// Cells in which each rail's channels are worst.
+    fn steps(&self) -> Vec<Site> {
+        let mut worst: Vec<(f64, usize, u64)> = Vec::new();
+        let rails: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
+        for (rail, forces) in rails.into_iter().enumerate() {
+            let mut cells: BTreeMap<u64, f64> = BTreeMap::new();
+            for frame in &self.frames {
+                let residual = frame.residual(&frame.nominal);
+                for (k, label) in frame.labels.iter().enumerate() {
+                    let own = forces.iter().any(|f| label.channel == Channel::FORCES[*f].name());
+                    if own && label.band == Band::Track && residual[k].is_finite() {
+                        *cells.entry(label.from).or_default() += residual[k] * residual[k] / frame.variance[k];
+                    }
+                }
+            }
+            let mut cells: Vec<(f64, usize, u64)> = cells.into_iter().map(|(at, x)| (x, rail, at)).collect();
+            cells.sort_by(|a, b| b.0.total_cmp(&a.0));
+            worst.extend(cells.into_iter().take(2));
+        }
+        let names = ["steering rail", "left rail", "right rail"];
+        let site = |(_, rail, at): (f64, usize, u64)| {
+            let at = at as f64 / 1e3;
+            Site {
+                words: format!("{} at {at:.1} m", names[rail]),
+                fixed: vec![("at", at), ("rail", rail as f64 + 1.0)],
+                extent: Some((at, at + 2.5)),
+            }
+        };
+        worst.into_iter().map(site).collect()
+    }
+
+    /// The effect of a candidate, as a simulation input has it.
+    fn effect(&self, applied: &Applied) -> input::Effect {
+        let candidate = &self.candidates[applied.candidate];
+        let fitted = candidate.strengths.iter().zip(&applied.strengths).map(|(s, x)| (s.name.clone(), *x));
+        input::Effect {
+            name: candidate.effect.clone(),
+            strengths: fitted.chain(candidate.fixed.iter().cloned()).collect(),
+        }
+    }
+
+    /// What the runs lack, and what it costs.
+    pub fn lost(&self) -> Vec<String> {
+        let mut lost = Vec::new();
+        for (run, frame) in self.runs.iter().zip(&self.frames) {
+            let missing: Vec<&str> =
+                (0..FORCES).filter(|k| !run.measured[*k]).map(|k| Channel::FORCES[k].name()).collect();
+            if !missing.is_empty() {
+                lost.push(format!(
+                    "{} lacks {}: effects that show only there cannot be seen",
+                    frame.run,
+                    missing.join(", ")
+                ));
+            }
+            if run.laps < 0.98 {
+                let share = crate::emit::number::fixed(100.0 * run.laps, 0);
+                lost.push(format!(
+                    "{} covers {share} % of a lap: of the rest of the track nothing can be told",
+                    frame.run
+                ));
+            }
+            if run.landing.speed.is_none() {
+                lost.push(format!("{} does not tell the chain's speed: drag and delay are hard to see", frame.run));
+            }
+        }
+        if self.runs.len() < 2 {
+            lost.push("one run only: nothing could be left out, so closures are not known".to_owned());
+        }
+        lost
+    }
+
+    /// The layout of a run with effects, for `--apply`.
+    pub fn simulation(&self, run: usize) -> &Simulation {
+        &self.runs[run].model.simulation
+    }
+}
+
+impl Simulator for Chains {
+    fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let fitted = &self.runs[run];
+        let mut at = fitted.landing.at;
+        let mut plan = Plan { passes: PASSES, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
+        for (k, moved) in step.iter().enumerate() {
+            match Parameter::ALL.get(k) {
+                Some(p) => {
+                    let (low, high) = fitted.model.range(*p);
+                    at[p.index()] = (at[p.index()] + moved * p.reach()).clamp(low, high);
+                }
+                None => plan.floor = moved * crate::identify::fit::FLOOR_SCALE,
+            }
+        }
+        let mut model = fitted.model.clone();
+        model.simulation.effects = effects.iter().map(|e| self.effect(e)).collect();
+        let sensor = effects.iter().any(|e| self.candidates[e.candidate].sensor);
+        let machine = effects.iter().any(|e| !self.candidates[e.candidate].sensor);
+        if !machine && step.iter().all(|x| *x == 0.0) {
+            return Some(fitted.overheard(&model, &self.frames[run].nominal));
+        }
+        let fleet = model.survey(&at, &plan)?;
+        let load = built(&model.simulation).ok()?.1.load;
+        let features = fitted.features(&model, &fleet, &load, sensor, at);
+        // Of what differs, chaos' share is taken out, block by block.
+        Some(fitted.calmed(&self.frames[run], &features))
+    }
+
+    fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        parallel::map(requests, self.threads, |r| self.simulate(r.run, &r.step, &r.effects))
+    }
+}
+
+impl Fitted {
+    /// Features of a fleet as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
+    fn features(&self, model: &Model, fleet: &Fleet, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
+        let empty = |k: usize| load.get(k).is_none_or(|x| *x == 0.0);
+        let some = (0..fleet.carts.len()).any(empty);
+        let mut summary = Summary::new(&self.model.recipe);
+        for (k, cart) in fleet.carts.iter().enumerate().filter(|(k, _)| !some || empty(*k)) {
+            let noise = Some(self.seed.wrapping_add(k as u64));
+            if sensor {
+                let heard = self.heard(model, cart, fleet.rate);
+                summary.add(&self.model.recipe, &samples(&heard), 0.0, noise);
+            } else {
+                summary.add(&self.model.recipe, &samples(cart), 0.0, noise);
+            }
+        }
+        let mut features = summary.features(1.0);
+        let landing = &self.landing;
+        for (k, x) in features.iter_mut().enumerate() {
+            *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(0.02));
+        }
+        let trigger = Parameter::TriggerPosition.index();
+        let moved = at[trigger] - landing.at[trigger];
+        if moved != 0.0 {
+            for (k, x) in features.iter_mut().enumerate() {
+                *x += landing.sensitivity.slopes[(k, trigger)] * moved;
+            }
+        }
+        features.push(summary.mean_speed().unwrap_or(f64::NAN));
+        features
+    }
+
+    /// Features of the nominal chain, heard by sensors with effects: a sensor's effect needs no simulation, and few carts, as what chaos
+    /// does to them is the same with and without it.
+    fn overheard(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
+        let fleet = &self.landing.centre.fleet;
+        let every = (fleet.carts.len() / LISTENERS).max(1);
+        let (mut plain, mut other) = (Summary::new(&self.model.recipe), Summary::new(&self.model.recipe));
+        for (k, cart) in fleet.carts.iter().enumerate().step_by(every) {
+            let noise = Some(self.seed.wrapping_add(k as u64));
+            let mut heard = self.heard(model, cart, fleet.rate);
+            let mut as_it_is = cart.clone();
+            for force in 0..FORCES {
+                // Channels that nothing was done to say nothing.
+                if heard.forces[force] == cart.forces[force] {
+                    heard.forces[force].clear();
+                    as_it_is.forces[force].clear();
+                }
+            }
+            plain.add(&self.model.recipe, &samples(&as_it_is), 0.0, noise);
+            other.add(&self.model.recipe, &samples(&heard), 0.0, noise);
+        }
+        let (plain, other) = (plain.features(1.0), other.features(1.0));
+        let changed = nominal.iter().zip(plain.iter().zip(&other));
+        let mut out: Vec<f64> = changed.map(|(n, (a, b))| if (b - a).is_finite() { n + b - a } else { *n }).collect();
+        // The chain's speed, which is the last, has no sensor of these.
+        out.extend(nominal.last());
+        out
+    }
+
+    /// A cart's record as sensors with effects have it. Time is that of the measured run at the same place.
+    fn heard(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
+        let lap = self.model.recipe.places.lap;
+        let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
+        let whole = (self.laps.ceil() - 1.0).max(0.0) * 0.5 * lap;
+        let first = cart.station.first().map_or(0.0, |s| f64::from(*s));
+        let begin = ((first - self.begin).rem_euclid(lap) + whole) / speed;
+        let time: Vec<f64> = (0..cart.station.len()).map(|i| begin + i as f64 / rate).collect();
+        let mut forces: [Vec<f64>; FORCES] =
+            std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
+        sense(&model.simulation, &mut Sensed { time: &time, forces: &mut forces, tops: self.tops });
+        CartRecord {
+            station: cart.station.clone(),
+            speed: cart.speed.clone(),
+            forces: forces.map(|f| f.into_iter().map(|x| x as f32).collect()),
+        }
+    }
+
+    /// Features moved back towards the nominal ones by the share of their difference that chaos makes (James and Stein 1961,
+    /// positive part), block by block.
+    fn calmed(&self, frame: &Frame, raw: &[f64]) -> Vec<f64> {
+        let mut sums: BTreeMap<(&str, Band), (f64, f64)> = BTreeMap::new();
+        let mut each = Vec::with_capacity(raw.len());
+        for (k, (x, n)) in raw.iter().zip(&frame.nominal).enumerate() {
+            let own = self.landing.floor.deviation.get(k).copied().unwrap_or(0.0);
+            let difference = if (x - n).is_finite() { x - n } else { 0.0 };
+            each.push(difference);
+            if own > 0.0 {
+                let label = &frame.labels[k];
+                let sum = sums.entry((&label.channel, label.band)).or_default();
+                *sum = (sum.0 + difference * difference / (own * own), sum.1 + 1.3 / PASSES);
+            }
+        }
+        let keep = |k: usize| {
+            let label = &frame.labels[k];
+            let (square, noise) = sums.get(&(label.channel.as_str(), label.band)).copied().unwrap_or((1.0, 0.0));
+            (1.0 - noise / square.max(1e-300)).max(0.0)
+        };
+        each.iter().enumerate().map(|(k, d)| frame.nominal[k] + keep(k) * d).collect()
+    }
+}
+
+fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fitted, String> {
+    let lap = subject.simulation.track.centre_line().length;
+    let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
+    let mut simulation = subject.simulation.clone();
+    simulation.effects.clear();
+    let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
+    let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
+    model.recipe.set_orders(&orders(&simulation, speed));
+    let (_, landing) = land(&mut model, &measured, None, settings)?;
+    let samples = measured.samples();
+    let trigger = landing.at[Parameter::TriggerPosition.index()];
+    let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
+    let carts = &landing.centre.fleet.carts;
+    let top = |k: usize| carts.iter().flat_map(|c| &c.forces[k]).copied().fold(f32::NEG_INFINITY, f32::max);
+    Ok(Fitted {
+        laps: measured.laps,
+        begin,
+        tops: std::array::from_fn(|k| f64::from(top(k))),
+        measured: std::array::from_fn(|k| measured.has(k)),
+        seed: settings.seed.wrapping_add(77),
+        model,
+        landing,
+    })
+}
+
+/// Orders of wheels, once and twice a turn, and of motors' ripple, Hz.
+fn orders(simulation: &Simulation, speed: f64) -> Vec<f64> {
+    let wheel = |radius: f64| [1.0, 2.0].map(|n| n * speed / (trig::TAU * radius));
+    let ripple = [0.5, 0.2, 0.1, 0.05].map(|share| speed / (share * simulation.motors.length_m));
+    let all = [wheel(simulation.steering_wheel.radius_m), wheel(simulation.running_wheel.radius_m)].concat();
+    all.into_iter().chain(ripple).filter(|hz| *hz < 0.4 * simulation.sensor.rate_hz).collect()
+}
+
+/// The run as the diagnosis sees it; the chain's speed is the last feature.
+fn frame(name: &str, run: &Fitted) -> Frame {
+    let landing = &run.landing;
+    let laps = run.laps.max(0.02);
+    let mut labels = labels(run);
+    labels.push(Label { channel: "speed".into(), band: Band::Drift, index: 0, from: 0, to: lap_mm(run) });
+    let (speed, deviation) = landing.speed.unwrap_or((0.0, f64::INFINITY));
+    let simulated = landing.centre.answer.speed;
+    let with = |list: &[f64], last: f64| list.iter().copied().chain([last]).collect::<Vec<f64>>();
+    let deviate = |lap: &Vec<f64>| {
+        let each = lap.iter().enumerate().map(|(k, x)| x / landing.blocks[k].laps(laps).sqrt());
+        each.chain([0.0]).collect::<Vec<f64>>()
+    };
+    let mut doubts: Vec<Vec<f64>> = landing.numerics.doubts.iter().map(|d| with(d, 0.0)).collect();
+    for force in 0..FORCES {
+        let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
+        doubts.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
+    }
+    let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::fit::FLOOR_SCALE, |p| p.reach());
+    let slopes = &landing.sensitivity.slopes;
+    Frame {
+        run: name.to_owned(),
+        labels,
+        measured: with(&landing.measured, simulated + speed),
+        nominal: with(&landing.nominal, simulated),
+        variance: with(&landing.variance, deviation * deviation),
+        scatter: landing.floor.scatter.iter().map(deviate).collect(),
+        doubts,
+        slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
+        prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
+        nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),
+    }
+}
+
+/// Of a nuisance's step from where the fit ended.
+fn prior(run: &Fitted, j: usize) -> (f64, f64) {
+    let Some(p) = Parameter::ALL.get(j) else {
+        return (0.0, FLOOR_DEVIATION / crate::identify::fit::FLOOR_SCALE);
+    };
+    let (mean, deviation) = p.prior(run.model.law, run.model.nominal[j]);
+    ((mean - run.landing.at[j]) / p.reach(), deviation / p.reach())
+}
+
+fn lap_mm(run: &Fitted) -> u64 {
+    (1e3 * run.model.recipe.places.lap).round() as u64
+}
+
+fn labels(run: &Fitted) -> Vec<Label> {
+    let places = &run.model.recipe.places;
+    let mut counted: BTreeMap<Block, usize> = BTreeMap::new();
+    let lap = lap_mm(run);
+    let mm = |x: f64| (1e3 * x).round() as u64;
+    let one = |block: &Block| {
+        let count = counted.entry(*block).or_default();
+        let index = *count;
+        *count += 1;
+        let (force, band, from, to) = match *block {
+            Block::Mean(f) => {
+                let cell = places.lap / places.cells as f64;
+                (f, Band::Track, mm(cell * index as f64), mm(cell * (index + 1) as f64))
+            }
+            Block::Spread(f) => {
+                let zone = places.zones.get(index).map_or((0.0, places.lap), |z| (z.from, z.to));
+                (f, Band::Fluctuation, mm(zone.0), mm(zone.1))
+            }
+            Block::Share(f) => (f, Band::Distribution, 0, lap),
+            Block::Power(f) => (f, Band::Cart, 0, lap),
+            Block::Order(f) => (f, if index < 4 { Band::Wheel } else { Band::Motor }, 0, lap),
+            Block::SpeedPower => (FORCES, Band::Drift, 0, lap),
+        };
+        let channel = Channel::FORCES.get(force).map_or("speed", |c| c.name());
+        Label { channel: channel.to_owned(), band, index, from, to }
+    };
+    run.landing.blocks.iter().map(one).collect()
+}

@@ -1,0 +1,150 @@
+//! The diagnosis: screen, re-fit, judge.
+
+use super::diagnosis::Diagnosis;
+use super::evidence::Evidence;
+use super::judge::{self, MOST_FREEDOM};
+use super::refit::{Fitted, Hypothesis, refit};
+use super::report::report;
+use super::screen::{Signature, signatures};
+use super::simulator::{Candidate, Simulator};
+use crate::geometry::trig;
+use std::collections::BTreeMap;
+
+/// Hypotheses that are re-fitted, and of these single effects at least.
+const REFITTED: (usize, usize) = (8, 4);
+
+/// Candidates of which pairs are made.
+const PAIRED: usize = 12;
+
+/// How far a diagnosis is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stage {
+    Screening { done: usize, of: usize },
+    Fitting { done: usize, of: usize },
+}
+
+/// A hypothesis with its weight.
+pub struct Judged {
+    pub fitted: Fitted,
+    /// Mean square residual of all runs over that of honest laps.
+    pub excess: f64,
+    /// Logarithm of its weight.
+    pub weight: f64,
+}
+
+/// What all hypotheses are judged by.
+pub struct Court<'a> {
+    pub simulator: &'a dyn Simulator,
+    pub evidence: Vec<Evidence>,
+    pub signatures: Vec<Signature>,
+    pub freedom: f64,
+    /// Of the nominal model.
+    pub excess: f64,
+    pub judged: Vec<Judged>,
+}
+
+/// Diagnoses the gap between a model and its runs.
+pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagnosis {
+    let evidence: Vec<Evidence> = simulator.frames().iter().map(Evidence::new).collect();
+    let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
+    let candidates = simulator.candidates();
+    let signatures = signatures(simulator, &evidence, &mut |done, of| tell(Stage::Screening { done, of }));
+    let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new() };
+    court.excess = court.mean_excess(|run| court.evidence[run].residual.clone());
+
+    let single = |c: usize| Hypothesis {
+        members: vec![c],
+        signatures: (0..court.signatures.len()).filter(|k| court.signatures[*k].candidate == c).collect(),
+    };
+    let mut singles: Vec<Judged> = (0..candidates.len()).map(|c| court.screened(single(c))).collect();
+    singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let first = |judged: &Judged| judged.fitted.hypothesis.members[0];
+    let mut pairs: Vec<Judged> = Vec::new();
+    for (rank, a) in singles.iter().enumerate().take(PAIRED) {
+        for b in &singles[rank + 1..] {
+            let (x, y) = (first(a), first(b));
+            if candidates[x].effect != candidates[y].effect {
+                let (one, two) = (single(x), single(y));
+                let signatures = [one.signatures, two.signatures].concat();
+                pairs.push(court.screened(Hypothesis { members: vec![x, y], signatures }));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let (chosen, rest) = court.shortlist(singles, pairs);
+    let chosen = chosen.into_iter().map(|j| j.fitted).collect();
+    let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
+        tell(Stage::Fitting { done, of });
+    });
+    let mut judged: Vec<Judged> = fitted.into_iter().map(|f| court.weigh(f)).collect();
+    judged.extend(rest);
+    judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    court.judged = judged;
+    report(&court)
+}
+
+impl Court<'_> {
+    pub fn candidates(&self) -> &[Candidate] {
+        self.simulator.candidates()
+    }
+
+    /// Over all runs, each for what it can tell.
+    pub fn mean_excess(&self, residual: impl Fn(usize) -> nalgebra::DVector<f64>) -> f64 {
+        let mut sum = (0.0, 0.0);
+        for (run, evidence) in self.evidence.iter().enumerate() {
+            sum = (sum.0 + evidence.freedom * evidence.excess(&residual(run)), sum.1 + evidence.freedom);
+        }
+        sum.0 / sum.1.max(1e-9)
+    }
+
+    fn screened(&self, hypothesis: Hypothesis) -> Judged {
+        self.weigh(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()))
+    }
+
+    fn weigh(&self, fitted: Fitted) -> Judged {
+        let candidates = self.candidates();
+        let excess = self.mean_excess(|run| fitted.residuals[run].clone());
+        let effects = {
+            let mut names: Vec<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();
+            names.sort_unstable();
+            names.dedup();
+            names.len().max(1) as f64
+        };
+        let members = &fitted.hypothesis.members;
+        let sites = |c: usize| candidates.iter().filter(|o| o.effect == candidates[c].effect).count() as f64;
+        let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
+        let prior = trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared;
+        let strengths = fitted.strengths.len() as f64;
+        let weight = judge::likelihood(excess, self.freedom) - judge::cost(strengths, self.freedom) + prior;
+        Judged { fitted, excess, weight }
+    }
+
+    /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.
+    fn shortlist(&self, singles: Vec<Judged>, pairs: Vec<Judged>) -> (Vec<Judged>, Vec<Judged>) {
+        let (mut chosen, mut rest) = (Vec::new(), Vec::new());
+        let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
+        let mut all: Vec<Judged> = singles.into_iter().chain(pairs).collect();
+        all.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let mut single = 0;
+        for judged in all {
+            let members = &judged.fitted.hypothesis.members;
+            let mut names: Vec<&str> = members.iter().map(|c| self.candidates()[*c].effect.as_str()).collect();
+            names.sort_unstable();
+            let alone = members.len() == 1;
+            let room = if alone {
+                single < REFITTED.1 || chosen.len() < REFITTED.0
+            } else {
+                chosen.len() + REFITTED.1.saturating_sub(single) < REFITTED.0
+            };
+            let known = seen.entry(names).or_default();
+            if room && *known == 0 && judged.fitted.strengths.iter().any(|x| *x != 0.0) {
+                *known += 1;
+                single += usize::from(alone);
+                chosen.push(judged);
+            } else {
+                rest.push(judged);
+            }
+        }
+        (chosen, rest)
+    }
+}

@@ -1,0 +1,165 @@
+//! What the runs say of a hypothesis: residuals over the floor, with nuisances and the floor's correlations projected out.
+//!
+//! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, doubts and the strongest
+//! common deviations of honest laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
+//! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
+
+use super::simulator::Frame;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Common deviations of honest laps that are told apart from each feature's own.
+const MODES: usize = 10;
+
+/// Their variance over a feature's own, at least.
+const STRONG: f64 = 3.0;
+
+/// A run made ready.
+pub struct Evidence {
+    /// Features that are used.
+    rows: Vec<usize>,
+    weights: Vec<f64>,
+    /// Orthonormal columns of what nuisances, doubts and modes reach, with the priors' rows below.
+    reach: DMatrix<f64>,
+    /// From projections to steps: the triangle of J = Q R.
+    triangle: DMatrix<f64>,
+    nuisances: usize,
+    /// Residual of the nominal model that nothing of this reaches.
+    pub residual: DVector<f64>,
+    /// The same before projection.
+    raw: DVector<f64>,
+    /// Mean square of honest laps' residuals, and the largest of 95 % of them.
+    pub honest: f64,
+    pub honest_high: f64,
+    /// As many independent features have mean squares that scatter as much as honest laps' do.
+    pub freedom: f64,
+}
+
+impl Evidence {
+    pub fn new(frame: &Frame) -> Evidence {
+        let residual = frame.residual(&frame.nominal);
+        let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
+        let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / frame.variance[k].sqrt()).collect();
+        let white = |x: &[f64]| {
+            let each = rows.iter().zip(&weights).map(|(&k, w)| if x[k].is_finite() { x[k] * w } else { 0.0 });
+            DVector::from_iterator(rows.len(), each)
+        };
+        let honest: Vec<DVector<f64>> = frame.scatter.iter().map(|lap| white(lap)).collect();
+        let doubts = frame.doubts.iter().map(|doubt| white(doubt)).filter(|d| d.norm_squared() > 1e-12);
+        let unit: Vec<DVector<f64>> = doubts.chain(modes(&honest)).collect();
+        let (n, p) = (rows.len(), frame.nuisances.len());
+        let columns = p + unit.len();
+        let mut reach = DMatrix::zeros(n + columns, columns);
+        for j in 0..p {
+            let slope: Vec<f64> = frame.slopes.column(j).iter().copied().collect();
+            reach.view_mut((0, j), (n, 1)).copy_from(&white(&slope));
+            reach[(n + j, j)] = 1.0 / frame.prior[j].1;
+        }
+        for (j, column) in unit.iter().enumerate() {
+            reach.view_mut((0, p + j), (n, 1)).copy_from(column);
+            reach[(n + p + j, p + j)] = 1.0;
+        }
+        let (reach, triangle) = reach.qr().unpack();
+        let mut raw = DVector::zeros(n + columns);
+        raw.rows_mut(0, n).copy_from(&white(&residual));
+        for j in 0..p {
+            raw[n + j] = frame.prior[j].0 / frame.prior[j].1;
+        }
+        let mut out = Evidence {
+            rows,
+            weights,
+            residual: &raw - &reach * (reach.transpose() * &raw),
+            raw,
+            reach,
+            triangle,
+            nuisances: p,
+            honest: 1.0,
+            honest_high: 1.0,
+            freedom: n as f64,
+        };
+        out.judge(&honest);
+        out
+    }
+
+    /// How honest laps' mean squares scatter.
+    fn judge(&mut self, laps: &[DVector<f64>]) {
+        let n = self.rows.len().max(1) as f64;
+        let mut squares: Vec<f64> = laps
+            .iter()
+            .map(|lap| {
+                let mut long = DVector::zeros(self.raw.len());
+                long.rows_mut(0, lap.len()).copy_from(lap);
+                self.project(&long).norm_squared() / n
+            })
+            .collect();
+        if squares.len() < 4 {
+            return;
+        }
+        squares.sort_by(f64::total_cmp);
+        let count = squares.len() as f64;
+        let mean = squares.iter().sum::<f64>() / count;
+        let variance = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (count - 1.0);
+        self.honest = mean.max(0.05);
+        self.honest_high = squares[((0.95 * count) as usize).min(squares.len() - 1)];
+        // χ² of f degrees of freedom over f has the variance 2/f.
+        self.freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
+    }
+
+    fn project(&self, long: &DVector<f64>) -> DVector<f64> {
+        long - &self.reach * (self.reach.transpose() * long)
+    }
+
+    /// A change of the features as a column that effects are fitted with.
+    pub fn column(&self, change: &[f64]) -> DVector<f64> {
+        self.project(&self.long(change))
+    }
+
+    fn long(&self, change: &[f64]) -> DVector<f64> {
+        let mut long = DVector::zeros(self.raw.len());
+        for (i, (&k, w)) in self.rows.iter().zip(&self.weights).enumerate() {
+            long[i] = if change[k].is_finite() { change[k] * w } else { 0.0 };
+        }
+        long
+    }
+
+    /// Steps of the nuisances that fit best, once effects have changed the features.
+    pub fn steps(&self, change: &[f64]) -> Vec<f64> {
+        let left = self.reach.transpose() * (&self.raw - self.long(change));
+        let found = self.triangle.solve_upper_triangular(&left);
+        found.map_or_else(|| vec![0.0; self.nuisances], |x| x.rows(0, self.nuisances).iter().copied().collect())
+    }
+
+    /// Mean square of a projected residual over that of honest laps.
+    pub fn excess(&self, residual: &DVector<f64>) -> f64 {
+        residual.norm_squared() / self.rows.len().max(1) as f64 / self.honest
+    }
+
+    /// Each used feature's projected residual, over its deviation.
+    pub fn each<'a>(&'a self, residual: &'a DVector<f64>) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.rows.iter().copied().zip(residual.iter().copied())
+    }
+}
+
+/// The strongest common deviations of honest laps beyond what each feature has of its own, each of unit variance.
+fn modes(laps: &[DVector<f64>]) -> Vec<DVector<f64>> {
+    let count = laps.len();
+    if count < 8 {
+        return Vec::new();
+    }
+    // Eigenvectors of the features' covariance from those of the laps' products.
+    let products = DMatrix::from_fn(count, count, |i, j| laps[i].dot(&laps[j]) / (count - 1) as f64);
+    let eigen = SymmetricEigen::new(products);
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let strong = order.into_iter().take(MODES).filter(|k| eigen.eigenvalues[*k] > STRONG);
+    strong
+        .map(|k| {
+            let variance = eigen.eigenvalues[k];
+            let mut mode = DVector::zeros(laps[0].len());
+            for (lap, share) in laps.iter().zip(eigen.eigenvectors.column(k).iter()) {
+                mode += lap * *share;
+            }
+            let norm = mode.norm().max(1e-300);
+            mode * ((variance - 1.0).sqrt() / norm)
+        })
+        .collect()
+}

@@ -1,0 +1,44 @@
+//! From mean squares to probabilities.
+//!
+//! With s the mean square residual of a hypothesis over that of honest laps and f their degrees of freedom, −f/2 ln s is the log
+//! likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's equation is never that of the
+//! machine. So f is bounded, and each strength costs ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior.
+
+/// Degrees of freedom that are believed of all runs together, at most.
+pub const MOST_FREEDOM: f64 = 60.0;
+
+/// Prior weights: no gap; one effect of the library, shared among its effects; two; something else.
+pub const NONE: f64 = 0.2;
+pub const ONE: f64 = 0.5;
+pub const PAIR: f64 = 0.15;
+pub const UNKNOWN: f64 = 0.15;
+
+/// What something unknown is thought to leave of a gap that a good hypothesis would close.
+const UNKNOWN_LEAVES: f64 = 0.35;
+
+/// Strengths that something unknown is charged for.
+const UNKNOWN_STRENGTHS: f64 = 2.0;
+
+/// Log likelihood of a mean square over that of honest laps.
+pub fn likelihood(excess: f64, freedom: f64) -> f64 {
+    // Less than honest laps have speaks for nothing.
+    -0.5 * freedom * crate::geometry::trig::ln(excess.max(0.9))
+}
+
+/// What a strength costs.
+pub fn cost(strengths: f64, freedom: f64) -> f64 {
+    0.5 * strengths * crate::geometry::trig::ln(freedom.max(2.0))
+}
+
+/// The mean square that an unknown effect would leave.
+pub fn unknown(excess: f64, freedom: f64) -> f64 {
+    likelihood(1.0 + UNKNOWN_LEAVES * (excess - 1.0).max(0.0), freedom) - cost(UNKNOWN_STRENGTHS, freedom)
+}
+
+/// Probabilities from logarithms of weights.
+pub fn normalised(logs: &[f64]) -> Vec<f64> {
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let each: Vec<f64> = logs.iter().map(|x| crate::geometry::trig::exp(x - most)).collect();
+    let sum: f64 = each.iter().sum();
+    each.into_iter().map(|x| x / sum).collect()
+}
