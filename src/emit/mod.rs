@@ -7,6 +7,7 @@ pub mod dxf;
 mod files;
 #[cfg(test)]
 mod fixture;
+pub mod gap;
 pub mod identification;
 pub mod json;
 pub mod lap;

@@ -7,17 +7,17 @@ use crate::signal::SupportLoad;
 use crate::signal::spectrum::Spectrum;
 use maud::{Markup, html};
 
-const WIDTH: f64 = 1100.0;
-const HEIGHT: f64 = 170.0;
+pub const WIDTH: f64 = 1100.0;
+pub const HEIGHT: f64 = 170.0;
 /// Room for the numbers at the left and below.
-const LEFT: f64 = 52.0;
-const BELOW: f64 = 22.0;
-const TOP: f64 = 8.0;
+pub const LEFT: f64 = 52.0;
+pub const BELOW: f64 = 22.0;
+pub const TOP: f64 = 8.0;
 /// Columns in which samples are gathered to their least and largest.
 const COLUMNS: usize = 1000;
 
 /// From values to the picture.
-struct Scale {
+pub struct Scale {
     from: f64,
     to: f64,
     low: f64,
@@ -26,16 +26,16 @@ struct Scale {
 
 impl Scale {
     /// With a margin, and never without height.
-    fn new(from: f64, to: f64, low: f64, high: f64) -> Self {
+    pub fn new(from: f64, to: f64, low: f64, high: f64) -> Self {
         let room = (0.05 * (high - low)).max(1e-6 * high.abs().max(1.0));
         Scale { from, to, low: low - room, high: high + room }
     }
 
-    fn x(&self, value: f64) -> f64 {
+    pub fn x(&self, value: f64) -> f64 {
         LEFT + (value - self.from) / (self.to - self.from) * (WIDTH - LEFT - 8.0)
     }
 
-    fn y(&self, value: f64) -> f64 {
+    pub fn y(&self, value: f64) -> f64 {
         TOP + (self.high - value) / (self.high - self.low) * (HEIGHT - TOP - BELOW)
     }
 }
@@ -44,7 +44,8 @@ fn number(value: f64) -> String {
     trimmed(value, if value.abs() < 1.0 { 4 } else { 1 })
 }
 
-fn frame(scale: &Scale, unit: &str) -> Markup {
+/// Lines and numbers of both axes.
+pub fn frame(scale: &Scale, unit: &str) -> Markup {
     html! {
         @for t in ticks(scale.low, scale.high, 5.0) {
             line.axis x1=(LEFT) x2=(WIDTH - 8.0) y1=(fixed(scale.y(t), 1)) y2=(fixed(scale.y(t), 1)) {}
@@ -57,7 +58,7 @@ fn frame(scale: &Scale, unit: &str) -> Markup {
 }
 
 /// Curves, climbs, spirals and motors behind a chart.
-fn shades(track: &LapTrack, scale: &Scale) -> Markup {
+pub fn shades(track: &LapTrack, scale: &Scale) -> Markup {
     html! {
         @for part in track.parts.iter().filter(|part| part.kind != Kind::Straight) {
             rect class=(part.kind.class()) x=(fixed(scale.x(part.from), 1)) y=(TOP)

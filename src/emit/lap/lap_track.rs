@@ -1,7 +1,7 @@
 //! The track as the page shades and names it.
 
 use crate::emit::number::trimmed;
-use crate::emit::simulation::{Piece, Simulation};
+use crate::emit::simulation::{Piece, Simulation, Track};
 use crate::geometry::CentreLine;
 
 /// Kinds of stretches that are shaded.
@@ -47,13 +47,19 @@ pub struct LapTrack {
 
 impl LapTrack {
     pub fn new(simulation: &Simulation) -> Self {
-        let line = simulation.track.centre_line();
+        let motors = simulation.motors.s_m.iter().map(|s| (*s, s + simulation.motors.length_m)).collect();
+        LapTrack { motors, ..LapTrack::without_motors(&simulation.track) }
+    }
+
+    /// Of a track whose motors are not shown.
+    pub fn without_motors(track: &Track) -> Self {
+        let line = track.centre_line();
         let (mut curves, mut spirals, mut verticals) = (0, 0, 0);
         let mut parts: Vec<Part> = Vec::new();
         let mut s = 0.0;
         let mut last_curve: Option<String> = None;
         let hand = |turn: f64| if turn > 0.0 { "left" } else { "right" };
-        for piece in &simulation.track.elements {
+        for piece in &track.elements {
             let to = s + piece.form().length();
             let (kind, name) = match *piece {
                 Piece::Straight { slope, .. } if slope != 0.0 => {
@@ -85,8 +91,7 @@ impl LapTrack {
             parts.push(Part { kind, from: s, to, name });
             s = to;
         }
-        let motors = simulation.motors.s_m.iter().map(|s| (*s, s + simulation.motors.length_m)).collect();
-        LapTrack { line, parts, motors }
+        LapTrack { line, parts, motors: Vec::new() }
     }
 
     /// The part at arc length `s`, in [0, S).

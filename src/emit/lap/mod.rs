@@ -1,8 +1,8 @@
 //! `lap.html`: a simulated lap on one page, for judging it by eye. It stands on its own: no script, no font, no network.
 
-mod chart;
+pub(super) mod chart;
 mod hotspot;
-mod lap_track;
+pub(super) mod lap_track;
 mod map;
 
 pub use hotspot::{Hotspot, hotspots};

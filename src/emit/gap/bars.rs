@@ -1,0 +1,145 @@
+//! Bars and levels: probabilities, how much of the gap is closed, the gap of each run.
+
+use super::words::{heading, percent, significant};
+use crate::emit::number::fixed;
+use crate::gap::{Diagnosis, Finding, RunGap};
+use crate::geometry::trig;
+use maud::{Markup, html};
+
+const WIDTH: f64 = 1100.0;
+const LEFT: f64 = 250.0;
+const RIGHT: f64 = 150.0;
+const ROW: f64 = 26.0;
+
+/// Effects less probable than this are counted, not drawn, beyond the first few.
+const LIKELY: f64 = 0.02;
+const LEAST_ROWS: usize = 3;
+const MOST_ROWS: usize = 8;
+
+/// A bar of the chart: its class, name, share, and what stands behind the number.
+struct Bar {
+    class: &'static str,
+    name: String,
+    share: f64,
+    note: String,
+}
+
+fn chart(bars: &[Bar]) -> Markup {
+    let height = ROW * bars.len() as f64 + 4.0;
+    let room = WIDTH - LEFT - RIGHT;
+    html! {
+        svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
+            line.axis x1=(LEFT) x2=(LEFT) y1="0" y2=(fixed(height, 1)) {}
+            line.axis x1=(LEFT + room) x2=(LEFT + room) y1="0" y2=(fixed(height, 1)) {}
+            @for (k, bar) in bars.iter().enumerate() {
+                @let y = ROW * k as f64 + 4.0;
+                @let width = bar.share.clamp(0.0, 1.0) * room;
+                text.name x=(LEFT - 10.0) y=(fixed(y + 14.0, 1)) text-anchor="end" { (bar.name) }
+                @if bar.share.is_finite() {
+                    rect class=(bar.class) x=(LEFT) y=(fixed(y + 2.0, 1)) width=(fixed(width.max(1.0), 1)) height=(ROW - 10.0) rx="2" {}
+                }
+                text.value x=(fixed(LEFT + width + 8.0, 1)) y=(fixed(y + 14.0, 1)) { (percent(bar.share)) tspan.quiet { (bar.note) } }
+            }
+        }
+    }
+}
+
+/// Probabilities of the effects with those of none and unknown among them, the highest first.
+pub fn probabilities(diagnosis: &Diagnosis) -> Markup {
+    let likely = diagnosis.effects.iter().filter(|e| e.probability >= LIKELY).count().clamp(LEAST_ROWS, MOST_ROWS);
+    let shown = likely.min(diagnosis.effects.len());
+    let machine = |e: &Finding| if e.name.starts_with("sensor_") { "bar sensor" } else { "bar" };
+    let mut bars: Vec<Bar> = diagnosis.effects[..shown]
+        .iter()
+        .map(|e| Bar { class: machine(e), name: heading(&e.name), share: e.probability, note: String::new() })
+        .collect();
+    let other = |name: &str, share: f64| Bar { class: "bar other", name: name.to_owned(), share, note: String::new() };
+    bars.push(other("An effect not in the library", diagnosis.unknown_probability));
+    bars.push(other("No gap", diagnosis.none_probability));
+    bars.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let rest = &diagnosis.effects[shown..];
+    let highest = rest.iter().map(|e| e.probability).fold(0.0, f64::max);
+    html! {
+        (chart(&bars))
+        @if !rest.is_empty() {
+            p.note { (rest.len()) @if rest.len() == 1 { " more effect, " } @else { " more effects, each " } (percent(highest)) " or less. "
+                "Several effects can be present, so that the bars need not add to 100 %." }
+        } @else {
+            p.note { "Several effects can be present, so that the bars need not add to 100 %." }
+        }
+    }
+}
+
+/// What naming the cause is worth: the gap that the verdict closes beside those of a placebo and a black box.
+pub fn closed(diagnosis: &Diagnosis, named: &[&Finding]) -> Markup {
+    let placebo = named.iter().filter_map(|e| e.gap_closed_placebo).reduce(f64::max);
+    let rows = [
+        ("bar", "The named cause", diagnosis.gap_closed.or_else(|| named.first().and_then(|e| e.gap_closed))),
+        ("bar other", "A placebo", placebo),
+        ("bar other", "A black box", diagnosis.gap_closed_black_box),
+    ];
+    let bars: Vec<Bar> = rows
+        .into_iter()
+        .filter_map(|(class, name, share)| {
+            let note = share.filter(|x| *x < 0.0).map_or("", |_| "  farther off than before").to_owned();
+            Some(Bar { class, name: name.to_owned(), share: share?, note })
+        })
+        .collect();
+    html! {
+        @if !bars.is_empty() {
+            figure {
+                figcaption { b { "Gap closed" } ", on runs that took no part in the choice" }
+                (chart(&bars))
+                p.note { "100 % leaves what two honest laps differ by. The placebo is the same effect with as many strengths, its places "
+                    "permuted or its phase scrambled; the black box fits residuals and names nothing." }
+            }
+        }
+    }
+}
+
+/// The gap of each run, before and after, on a logarithmic axis with what honest laps have.
+pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
+    let all =
+        runs.iter().flat_map(|r| [r.before, r.after, r.honest, r.honest_high]).filter(|x| *x > 0.0 && x.is_finite());
+    let (low, high) = all.fold((1.0_f64, 1.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    let (low, high) = (trig::log10(low) - 0.1, trig::log10(high) + 0.1);
+    let x = |value: f64| LEFT + (trig::log10(value.max(1e-12)) - low) / (high - low) * (WIDTH - LEFT - RIGHT);
+    let at = |value: f64| fixed(x(value).max(LEFT), 1);
+    let height = ROW * runs.len() as f64 + 24.0;
+    let spans = match high - low {
+        wide if wide > 2.5 => &[1.0][..],
+        narrow if narrow < 0.6 => &[1.0, 1.2, 1.4, 1.6, 2.0, 3.0, 4.0, 6.0, 8.0],
+        _ => &[1.0, 2.0, 5.0],
+    };
+    let decades = (low.floor() as i32..=high.ceil() as i32).map(|k| trig::pow(10.0, f64::from(k)));
+    let marks: Vec<f64> = decades
+        .flat_map(|d| spans.iter().map(move |m| m * d))
+        .filter(|v| (low..=high).contains(&trig::log10(*v)))
+        .collect();
+    html! {
+        svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
+            @for mark in &marks {
+                line.axis x1=(at(*mark)) x2=(at(*mark)) y1="0" y2=(fixed(height - 20.0, 1)) {}
+                text.tick x=(at(*mark)) y=(fixed(height - 5.0, 1)) text-anchor="middle" { (significant(*mark, 2)) }
+            }
+            @for (k, run) in runs.iter().enumerate() {
+                @let y = ROW * k as f64 + 12.0;
+                text.name x=(LEFT - 10.0) y=(fixed(y + 4.0, 1)) text-anchor="end" { (run.run) }
+                @if run.honest_high > 0.0 && run.honest_high.is_finite() {
+                    rect.honest x=(LEFT) y=(fixed(y - 9.0, 1)) width=(fixed((x(run.honest_high) - LEFT).max(1.0), 1)) height="18" {}
+                }
+                @if changed { line.way x1=(at(run.before)) x2=(at(run.after)) y1=(fixed(y, 1)) y2=(fixed(y, 1)) {} }
+                circle.before cx=(at(run.before)) cy=(fixed(y, 1)) r="5" {}
+                @if changed { circle.after cx=(at(run.after)) cy=(fixed(y, 1)) r="5" {} }
+                text.value x=(WIDTH - RIGHT + 12.0) y=(fixed(y + 4.0, 1)) {
+                    (significant(run.before, 3)) @if changed { " → " (significant(run.after, 3)) }
+                }
+            }
+        }
+        p.legend.note {
+            span { i.dot-before {} @if changed { "before" } @else { "the model as it is" } }
+            @if changed { span { i.dot-after {} "with the named effect" } }
+            span { i.dot-honest {} "95 % of honest laps" }
+        }
+    }
+}

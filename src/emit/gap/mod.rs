@@ -1,0 +1,209 @@
+//! `gap.html`: where a built system and its simulation part, what does it and how far adding it closes the gap, on one page that
+//! stands on its own: no script, no font, no network.
+
+mod bars;
+mod map;
+mod overlay;
+mod style;
+#[cfg(test)]
+mod tests;
+mod words;
+
+use super::lap::lap_track::LapTrack;
+use super::number::trimmed;
+use super::simulation::Track;
+use crate::gap::{Diagnosis, Finding, Verdict};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use words::{amount, heading, list, percent, plain, significant};
+
+/// Findings at least this probable are present, as the verdict has it.
+const PRESENT: f64 = 0.5;
+
+/// The page of a diagnosis; with a track, the gap is drawn on it. `title` names the campaign.
+pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String {
+    let track = track.filter(|_| diagnosis.axis == "m").map(LapTrack::without_motors).filter(|t| t.line.length > 0.0);
+    let named = named(diagnosis);
+    let changed = !named.is_empty();
+    let body = html! {
+        p.kicker { "The gap between simulation and reality · " (title) }
+        h1 { (headline(diagnosis, &named)) }
+        p.lead { (diagnosis.summary) }
+        h2 { "What this rests on" }
+        figure { figcaption { b { "Probability" } " that each is present" } (bars::probabilities(diagnosis)) }
+        @if changed {
+            (strengths(&claims(diagnosis, &named)))
+            (bars::closed(diagnosis, &named))
+            (closed_by_channel(diagnosis))
+        }
+        @if !diagnosis.runs.is_empty() {
+            figure {
+                figcaption { b { "Gap of each run" } ", mean square residual over that of honest laps: 1 is none" }
+                (bars::runs(&diagnosis.runs, changed))
+            }
+        }
+        (places(diagnosis, track.as_ref()))
+        (overlays(diagnosis))
+        (groups(diagnosis))
+        @if !diagnosis.next_experiment.is_empty() {
+            h2 { "Next experiment" }
+            p.next { (diagnosis.next_experiment) }
+        }
+        @if !diagnosis.lost.is_empty() {
+            h2 { "What the data lacked" }
+            ul.lost { @for line in &diagnosis.lost { li { (line) } } }
+        }
+        (floor(diagnosis))
+    };
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) ": the gap" }
+                style { (PreEscaped(super::style::STYLE)) (PreEscaped(style::STYLE)) }
+            }
+            body { main { (body) } }
+        }
+    }
+    .into_string()
+}
+
+/// The effects that the verdict names.
+fn named(diagnosis: &Diagnosis) -> Vec<&Finding> {
+    let most = match diagnosis.verdict {
+        Verdict::None | Verdict::Unknown => 0,
+        Verdict::Effect | Verdict::Sensor => 1,
+        Verdict::Pair => 2,
+    };
+    let mut all: Vec<&Finding> = diagnosis.effects.iter().collect();
+    all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    let present = all.iter().filter(|e| e.probability >= PRESENT).count();
+    // A verdict stands for a group where no member of it reaches that.
+    all.truncate(most.min(present.max(1)));
+    all
+}
+
+fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
+    let with_group = |finding: &&Finding| {
+        let group = diagnosis.groups.iter().find(|g| g.name == finding.group && g.members.len() > 1);
+        match group {
+            Some(group) if finding.probability < PRESENT => {
+                group.members.iter().map(|m| plain(m)).collect::<Vec<_>>().join(" or ")
+            }
+            _ => plain(&finding.name),
+        }
+    };
+    match diagnosis.verdict {
+        Verdict::None => "No gap".to_owned(),
+        Verdict::Unknown => "A gap that no known effect explains".to_owned(),
+        kind if named.is_empty() => heading(words::verdict(kind)),
+        _ => heading(&list(&named.iter().map(with_group).collect::<Vec<_>>())),
+    }
+}
+
+/// What is named, with all that these runs cannot tell it from where it does not stand out.
+fn claims<'a>(diagnosis: &'a Diagnosis, named: &[&'a Finding]) -> Vec<&'a Finding> {
+    let alike = |f: &&'a Finding| {
+        let doubted = named.iter().any(|n| n.probability < PRESENT && n.group == f.group);
+        doubted && diagnosis.groups.iter().any(|g| g.name == f.group && g.members.contains(&f.name))
+    };
+    let named_itself = |f: &&Finding| named.iter().any(|n| n.name == f.name && n.place == f.place);
+    diagnosis.effects.iter().filter(|f| named_itself(f) || alike(f)).collect()
+}
+
+fn strengths(named: &[&Finding]) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr { th { "effect" } th { "where" } th { "strength" } th.number { "value" } th { "90 % interval" } } }
+            tbody { @for finding in named {
+                @for (k, (name, strength)) in finding.strength.iter().enumerate() {
+                    @let (value, interval) = amount(strength);
+                    tr {
+                        td { @if k == 0 { (heading(&finding.name)) } }
+                        td { @if k == 0 { @if finding.place.is_empty() { "everywhere" } @else { (finding.place) } } }
+                        td { (plain(name)) } td.number { (value) } td { (interval) }
+                    }
+                }
+                @if finding.strength.is_empty() {
+                    tr { td { (heading(&finding.name)) } td { (finding.place) } td {} td {} td {} }
+                }
+            } }
+        } }
+    }
+}
+
+fn closed_by_channel(diagnosis: &Diagnosis) -> Markup {
+    let mut channels: Vec<(&String, f64)> =
+        diagnosis.gap_closed_channels.iter().filter(|(_, x)| x.is_finite()).map(|(c, x)| (c, *x)).collect();
+    channels.sort_by(|a, b| b.1.total_cmp(&a.1));
+    html! {
+        @if !channels.is_empty() {
+            p.note { "By channel: "
+                @for (k, (channel, closed)) in channels.iter().enumerate() { @if k > 0 { ", " } (channel) " " (percent(*closed)) } "." }
+        }
+    }
+}
+
+fn places(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
+    let some = diagnosis.places.iter().any(|p| p.share > 0.0);
+    html! {
+        @if some && diagnosis.verdict == Verdict::None {
+            h2 { "Where what little there is lies" }
+            p { "No more than honest laps differ by; shares are of that remainder." }
+            (map::section(diagnosis, track))
+        } @else if some {
+            h2 { "Where the gap lies" }
+            (map::section(diagnosis, track))
+        }
+    }
+}
+
+fn overlays(diagnosis: &Diagnosis) -> Markup {
+    let charts: Vec<(bool, Markup)> =
+        diagnosis.overlays.iter().map(|o| (overlay::changed(o), overlay::chart(o, &diagnosis.axis))).collect();
+    let drawn = charts.iter().any(|(_, chart)| !chart.0.is_empty());
+    let changed = charts.iter().any(|(changed, _)| *changed);
+    html! {
+        @if drawn {
+            h2 { @if changed { "Before and after, where the gap is largest" } @else { "Measured and simulated" } }
+            (overlay::legend(changed))
+            @for (_, chart) in &charts { (chart) }
+        }
+    }
+}
+
+/// What cannot be told apart, of effects that may be present.
+fn groups(diagnosis: &Diagnosis) -> Markup {
+    let shown: Vec<_> = diagnosis.groups.iter().filter(|g| g.members.len() > 1).collect();
+    html! {
+        @if !shown.is_empty() {
+            h2 { "Not told apart by these runs" }
+            ul { @for group in shown {
+                li { b { (list(&group.members.iter().map(|m| plain(m)).collect::<Vec<_>>())) }
+                    @if !group.experiment.is_empty() { ": " (group.experiment) } }
+            } }
+        }
+    }
+}
+
+fn floor(diagnosis: &Diagnosis) -> Markup {
+    let unit = |channel: &str| {
+        let of_overlay = diagnosis.overlays.iter().find(|o| o.channel == channel).map(|o| o.unit.as_str());
+        of_overlay.unwrap_or_else(|| words::unit(channel)).to_owned()
+    };
+    html! {
+        @if !diagnosis.floor.is_empty() {
+            h2 { "The floor" }
+            p { "Two laps of the same system are this far apart by chaos alone (root mean square of their "
+                @if diagnosis.axis == "m" { "two-cart means" } @else { "window means" } "). It counts as no gap: "
+                @for (k, (channel, x)) in diagnosis.floor.iter().enumerate() {
+                    @if k > 0 { ", " } (channel) " " (significant(*x, 3)) " " (unit(channel))
+                } "." }
+        }
+        @if !diagnosis.runs.is_empty() {
+            @let high = diagnosis.runs.iter().map(|r| r.honest_high).filter(|x| x.is_finite()).fold(0.0, f64::max);
+            @if high > 0.0 { p.note { "95 % of honest laps stay under " (trimmed(high, 2)) " times the floor's mean square." } }
+        }
+    }
+}

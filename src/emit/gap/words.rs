@@ -1,0 +1,146 @@
+//! Names, numbers and units as the page writes them.
+
+use crate::emit::number::{fixed, trimmed};
+use crate::gap::{Amount, Verdict};
+use crate::geometry::trig;
+use crate::signal::Channel;
+
+/// `joint_clearance` as `joint clearance`.
+pub fn plain(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// With a capital.
+pub fn heading(name: &str) -> String {
+    let text = plain(name);
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub fn list(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// A share in per cent, two digits where it is small; no more than can be known near 0 and 1.
+pub fn percent(share: f64) -> String {
+    if !share.is_finite() {
+        return "unknown".to_owned();
+    }
+    let value = 100.0 * share;
+    match value {
+        x if x > 0.0 && x < 0.1 => "under 0.1 %".to_owned(),
+        x if x > 99.9 && x < 100.0 => "over 99.9 %".to_owned(),
+        x if (10.0..99.0).contains(&x.abs()) || x.abs() >= 100.0 => format!("{} %", fixed(x, 0)),
+        x => format!("{} %", trimmed(x, 1)),
+    }
+}
+
+/// So many significant digits, without an exponent.
+pub fn significant(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return "unknown".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = digits - 1 - trig::log10(value.abs()).floor() as i32;
+    trimmed(value, decimals.clamp(0, 9) as usize)
+}
+
+/// A metre, second or compliance in the multiple that needs no zeros: factor and unit.
+fn multiple(unit: &str, size: f64) -> (f64, String) {
+    const PREFIXES: [(f64, &str); 3] = [(1e3, "m"), (1e6, "µ"), (1e9, "n")];
+    if !["m", "s", "m/N", "rad"].contains(&unit) || !(size > 0.0 && size < 0.1) {
+        return (1.0, unit.to_owned());
+    }
+    let fits = PREFIXES.into_iter().find(|(factor, _)| size * factor >= 0.1).unwrap_or((1e9, "n"));
+    (fits.0, format!("{}{unit}", fits.1))
+}
+
+/// Value, and its interval, in a common multiple of the unit, with as many decimals as the interval's width earns.
+pub fn amount(amount: &Amount) -> (String, String) {
+    let size = amount.value.abs().max(amount.high.abs()).max(amount.low.abs());
+    let (factor, unit) = multiple(&amount.unit, size);
+    let width = (amount.high - amount.low).abs() * factor;
+    let needed = if width > 0.0 && width.is_finite() { width } else { 0.1 * size * factor };
+    let decimals = if needed > 0.0 { (1.0 - trig::log10(needed).floor()).clamp(0.0, 6.0) as usize } else { 2 };
+    let number = |x: f64| if x.is_finite() { fixed(x * factor, decimals) } else { "unknown".to_owned() };
+    let space = if unit.is_empty() { "" } else { " " };
+    let value = format!("{}{space}{unit}", number(amount.value));
+    (value, format!("{} … {}{space}{unit}", number(amount.low), number(amount.high)))
+}
+
+/// A stretch of the axis: `12.5 … 15 m`.
+pub fn stretch(from: f64, to: f64, axis: &str) -> String {
+    format!("{} … {} {axis}", trimmed(from, 1), trimmed(to, 1))
+}
+
+/// What a band tells of, as a column's head and in words.
+pub fn band(name: &str) -> &'static str {
+    match name {
+        "track" => "means that belong to a place",
+        "fluctuation" => "how much a channel fluctuates at a place",
+        "distribution" => "how often it is low or high",
+        "cart" => "power around the passing of carts",
+        "wheel" => "power at orders of the wheels",
+        "motor" => "power at orders of the motors",
+        "drift" => "slow changes in time",
+        _ => "",
+    }
+}
+
+/// The unit of a channel of the chain; empty for those of other machines.
+pub fn unit(channel: &str) -> &'static str {
+    Channel::from_name(channel).map_or("", Channel::unit)
+}
+
+/// What kind of answer it is.
+pub fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Effect => "one effect of the machine",
+        Verdict::Pair => "two effects of the machine",
+        Verdict::Sensor => "a sensor",
+        Verdict::None => "no gap",
+        Verdict::Unknown => "none of the known effects",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(value: f64, low: f64, high: f64, unit: &str) -> String {
+        let (value, interval) = amount(&Amount { value, low, high, unit: unit.to_owned() });
+        format!("{value} ({interval})")
+    }
+
+    #[test]
+    fn strengths_are_written_in_the_multiple_of_their_unit() {
+        assert_eq!(of(0.000_812_3, 0.000_75, 0.000_88, "m"), "0.81 mm (0.75 … 0.88 mm)");
+        assert_eq!(of(1.3e-7, 1.1e-7, 1.6e-7, "m/N"), "0.130 µm/N (0.110 … 0.160 µm/N)");
+        assert_eq!(of(0.18, 0.16, 0.2, ""), "0.180 (0.160 … 0.200)");
+        assert_eq!(of(123.4, 101.0, 140.2, "N"), "123 N (101 … 140 N)");
+        assert_eq!(of(0.05, 0.05, 0.05, "s"), "50.0 ms (50.0 … 50.0 ms)");
+        assert_eq!(of(0.0, 0.0, 0.0, "m"), "0.00 m (0.00 … 0.00 m)");
+        assert_eq!(of(1.0, f64::NEG_INFINITY, f64::NAN, "N"), "1 N (unknown … unknown N)");
+    }
+
+    #[test]
+    fn shares_claim_no_certainty_that_is_not_there() {
+        let said: Vec<String> = [0.0, 0.000_4, 0.034_2, 0.5, 0.995, 0.999_6, 1.0, -0.25].map(percent).into();
+        assert_eq!(said, ["0 %", "under 0.1 %", "3.4 %", "50 %", "99.5 %", "over 99.9 %", "100 %", "-25 %"]);
+    }
+
+    #[test]
+    fn words_join_as_in_a_sentence() {
+        let words = ["a", "b", "c"].map(str::to_owned);
+        assert_eq!([list(&[]), list(&words[..1]), list(&words[..2]), list(&words)], ["", "a", "a and b", "a, b and c"]);
+        assert_eq!(heading("joint_clearance"), "Joint clearance");
+        assert_eq!([significant(1234.5, 3), significant(0.012_34, 2), significant(-0.0, 3)], ["1234", "0.012", "0"]);
+    }
+}
