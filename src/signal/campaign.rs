@@ -42,6 +42,8 @@ pub struct Entry {
     pub speed: Option<f64>,
     /// Nominal, to group runs by, N.
     pub tension: Option<f64>,
+    /// Further numbers of a run in a campaign that declares its own channels: settings of its machine.
+    pub settings: BTreeMap<String, f64>,
 }
 
 /// A run of a campaign that cannot be read, and why.
@@ -70,6 +72,7 @@ struct Listed {
     layout: Option<PathBuf>,
     speed: Option<f64>,
     tension: Option<f64>,
+    settings: BTreeMap<String, f64>,
     /// Where it is listed.
     place: Place,
 }
@@ -164,7 +167,7 @@ impl Campaign {
         let line = keys.line("file").unwrap_or(begin);
         let place = Place { file: list.to_owned(), row: Some(line), column: Some("file".to_owned()) };
         let told = |error: RunError| if error.place.row.is_some() { error } else { error.row(begin) };
-        let listed = Listed {
+        let mut listed = Listed {
             file: self.folder.join(keys.take("file", "a path", keys::text).map_err(told)?),
             layout: keys
                 .optional("layout", "a path", keys::text)?
@@ -172,8 +175,16 @@ impl Campaign {
                 .or_else(|| layout.map(Path::to_owned)),
             speed: keys.optional("speed", "a speed above 0", keys::positive)?,
             tension: keys.optional("tension", "a force from 0", |v| keys::number(v).filter(|&x| x >= 0.0))?,
+            settings: BTreeMap::new(),
             place,
         };
+        if !self.channels.is_empty() {
+            for name in keys.names() {
+                listed
+                    .settings
+                    .insert(name.clone(), keys.take(&name, "a number, a setting of the machine", keys::number)?);
+            }
+        }
         keys.finish(RUN_KEYS)?;
         Ok(listed)
     }
@@ -183,12 +194,12 @@ impl Listed {
     /// A run that no `campaign.toml` lists.
     fn found(file: PathBuf) -> Self {
         let place = Place { file: file.clone(), ..Place::default() };
-        Listed { file, layout: None, speed: None, tension: None, place }
+        Listed { file, layout: None, speed: None, tension: None, settings: BTreeMap::new(), place }
     }
 
     /// The run, when its files are there and a layout is named.
     fn entry(self, name: &str, foreign: bool) -> Result<Entry, Box<RunError>> {
-        let Listed { file, layout, speed, tension, place } = self;
+        let Listed { file, layout, speed, tension, settings, place } = self;
         if !file.is_file() {
             return Err(Box::new(RunError { place, problem: Problem::MissingRun(file) }));
         }
@@ -200,7 +211,7 @@ impl Listed {
                 beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file)?.layout)
             }
         };
-        Ok(Entry { name: name.to_owned(), file, layout, speed, tension })
+        Ok(Entry { name: name.to_owned(), file, layout, speed, tension, settings })
     }
 }
 
@@ -257,6 +268,7 @@ mod tests {
             layout: at.path().join(layout),
             speed: nominal.map(|n| n.0),
             tension: nominal.map(|n| n.1),
+            settings: BTreeMap::new(),
         };
         let one = entry("one", "one.csv", "a.lss", Some((2.0, 1000.0)));
         assert_eq!(campaign.runs, [one.clone(), entry("two", "sub/two.parquet", "sub/lines/b.lss", None)]);
@@ -280,10 +292,11 @@ mod tests {
 
     #[test]
     fn another_machine_declares_its_channels_and_needs_no_layout() {
-        let list = "[[run]]\nfile = \"one.csv\"\n[channels]\nposition = \"m\"\nforce = \"N\"\n";
+        let list = "[[run]]\nfile = \"one.csv\"\npayload = 20\n[channels]\nposition = \"m\"\nforce = \"N\"\n";
         let campaign = Campaign::read(folder(&[("campaign.toml", list), ("one.csv", "")]).path()).expect("a campaign");
         assert_eq!(campaign.channels, [("force", "N"), ("position", "m")].map(|(a, b)| (a.into(), b.into())).into());
         assert_eq!(campaign.runs[0].layout, PathBuf::new());
+        assert_eq!(campaign.runs[0].settings, [("payload".to_owned(), 20.0)].into());
     }
 
     #[test]

@@ -3,10 +3,14 @@
 use super::{Channel, Problem, Run, RunError, digits, run};
 use crate::emit::number::shortest;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::Path;
 
 /// The columns of a data file: time, and the channels over it.
-pub type Columns = (Vec<f64>, BTreeMap<Channel, Vec<f64>>);
+pub type Columns<C = Channel> = (Vec<f64>, BTreeMap<C, Vec<f64>>);
+
+/// Says which channel a column is, given those before it; `None` for one that is passed over, whatever it holds.
+pub type Pick<'a, C> = &'a dyn Fn(&str, &[C]) -> Result<Option<C>, Problem>;
 
 /// The data file. Time keeps every digit; other samples are rounded to seven significant digits and to no finer than a
 /// millionth of their unit, and written with the fewest digits that read back the same.
@@ -38,6 +42,22 @@ pub fn write(run: &Run) -> Vec<u8> {
 ///
 /// The first of what [`Problem`] lists, with its row and column.
 pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
+    let (columns, rows) = table(bytes, file, &|name, taken| run::channel(name, taken).map(Some))?;
+    run::check_trigger(&columns.1, file, 0).map_err(|error| on_line(error, &rows))?;
+    Ok(columns)
+}
+
+/// Reads a data file whose columns are another machine's.
+///
+/// # Errors
+///
+/// As [`read`], and what `pick` says.
+pub fn read_as<C: Ord + Display>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
+    Ok(table(bytes, file, pick)?.0)
+}
+
+/// The columns that are picked, and the line of each sample.
+fn table<C: Ord + Display>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<(Columns<C>, Vec<usize>), RunError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let error = |problem| RunError::new(file, problem);
     let mut reader =
@@ -56,18 +76,22 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
     if !next(&mut record)? {
         return Err(error(Problem::NoTime));
     }
-    let header = header(&record, file)?;
+    let width = record.len();
+    let (header, taken) = header(&record, file, pick)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + header.len()];
     let mut rows = Vec::new();
     while next(&mut record)? {
         let row = record.position().map_or(0, |p| line(bytes, p));
-        if record.len() != columns.len() {
-            let problem = Problem::Length { expected: columns.len(), found: record.len() };
+        if record.len() != width {
+            let problem = Problem::Length { expected: width, found: record.len() };
             return Err(error(problem).row(row));
         }
-        let names = std::iter::once("time").chain(header.iter().map(|c| c.name()));
-        for ((text, column), name) in record.iter().zip(&mut columns).zip(names) {
-            column.push(sample(text).ok_or_else(|| error(Problem::NotANumber(text.to_owned())).row(row).column(name))?);
+        let fields = record.iter().zip(&taken).filter(|(_, taken)| **taken).map(|(text, _)| text);
+        for (i, (text, column)) in fields.zip(&mut columns).enumerate() {
+            column.push(sample(text).ok_or_else(|| {
+                let name = i.checked_sub(1).and_then(|i| header.get(i)).map_or_else(|| "time".into(), C::to_string);
+                error(Problem::NotANumber(text.to_owned())).row(row).column(&name)
+            })?);
         }
         rows.push(row);
     }
@@ -75,11 +99,14 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
     let time = columns.next().unwrap_or_default();
     let channels = header.into_iter().zip(columns).collect();
     // Fields may hold line breaks, and empty lines are passed over, so the row is not the number of the sample.
-    run::check(&time, &channels, file, 0).map_err(|mut error| {
-        error.place.row = error.place.row.and_then(|i| rows.get(i).copied());
-        error
-    })?;
-    Ok((time, channels))
+    run::check(&time, &channels, file, 0).map_err(|error| on_line(error, &rows))?;
+    Ok(((time, channels), rows))
+}
+
+/// An error that names a sample, with the sample's line instead.
+fn on_line(mut error: RunError, rows: &[usize]) -> RunError {
+    error.place.row = error.place.row.and_then(|i| rows.get(i).copied());
+    error
 }
 
 /// The line on which a record begins: its position is where the one before ended, and empty lines are passed over.
@@ -89,17 +116,20 @@ pub(crate) fn line(bytes: &[u8], position: &::csv::Position) -> usize {
     position.line() as usize + empty
 }
 
-/// The channels behind `time`.
-fn header(record: &::csv::StringRecord, file: &Path) -> Result<Vec<Channel>, RunError> {
+/// The channels behind `time`, and of each column whether it is taken.
+fn header<C: Ord>(record: &::csv::StringRecord, file: &Path, pick: Pick<C>) -> Result<(Vec<C>, Vec<bool>), RunError> {
     let error = |problem| RunError::new(file, problem).row(1);
     if record.get(0) != Some("time") {
         return Err(error(Problem::NoTime));
     }
     let mut channels = Vec::with_capacity(record.len());
+    let mut taken = vec![true];
     for name in record.iter().skip(1) {
-        channels.push(run::channel(name, &channels).map_err(|problem| error(problem).column(name))?);
+        let channel = pick(name, &channels).map_err(|problem| error(problem).column(name))?;
+        taken.push(channel.is_some());
+        channels.extend(channel);
     }
-    Ok(channels)
+    Ok((channels, taken))
 }
 
 /// A number, or NaN for an empty field.

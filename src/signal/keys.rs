@@ -82,6 +82,11 @@ impl Reader<'_> {
         self.keys.get(key).map(|value| self.text.line(value.span().start))
     }
 
+    /// The keys that are not taken.
+    pub fn names(&self) -> Vec<String> {
+        self.keys.keys().cloned().collect()
+    }
+
     /// What was not taken.
     pub fn rest(self) -> BTreeMap<String, Value> {
         self.keys.into_iter().map(|(key, value)| (key, value.into_inner())).collect()

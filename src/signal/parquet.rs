@@ -1,7 +1,7 @@
 //! Runs as Parquet: a column of doubles for time and for each channel, NaN for a lost sample.
 
-use super::csv::Columns;
-use super::{Channel, Problem, Run, RunError, digits, run};
+use super::csv::{Columns, Pick};
+use super::{Problem, Run, RunError, digits, run};
 use ::parquet::basic::{Compression, Repetition, Type as Physical};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use ::parquet::data_type::{DataType, DoubleType};
@@ -11,6 +11,7 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,6 +53,17 @@ pub fn write(run: &Run) -> Result<Vec<u8>, ParquetError> {
 ///
 /// The first of what [`Problem`] lists, with its row and column.
 pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
+    let columns = read_as(data, file, &|name, taken| run::channel(name, taken).map(Some))?;
+    run::check_trigger(&columns.1, file, 1)?;
+    Ok(columns)
+}
+
+/// Reads a data file whose columns are another machine's.
+///
+/// # Errors
+///
+/// As [`read`], and what `pick` says.
+pub fn read_as<C: Ord + Display>(data: File, file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
     let malformed = |why: ParquetError| error(Problem::Malformed(why.to_string()));
     let reader = SerializedFileReader::new(data).map_err(malformed)?;
@@ -63,9 +75,13 @@ pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
     if schema.columns().iter().any(|c| c.max_rep_level() > 0) {
         return Err(error(Problem::Malformed("a column holds lists".to_owned())));
     }
-    let mut channels: Vec<Channel> = Vec::new();
-    for name in names {
-        channels.push(run::channel(&name, &channels).map_err(|problem| error(problem).column(&name))?);
+    let mut channels: Vec<C> = Vec::new();
+    // The columns that are taken, by their place in the file.
+    let mut taken = vec![0];
+    for (i, name) in names.enumerate() {
+        let channel = pick(&name, &channels).map_err(|problem| error(problem).column(&name))?;
+        taken.extend(channel.is_some().then_some(i + 1));
+        channels.extend(channel);
     }
     // The reader takes for granted what a torn file need not hold.
     let chunks = reader.metadata().row_groups().iter().flat_map(|g| g.columns());
@@ -79,8 +95,8 @@ pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + channels.len()];
     for g in 0..reader.num_row_groups() {
         let group = reader.get_row_group(g).map_err(malformed)?;
-        for (i, column) in columns.iter_mut().enumerate() {
-            let name = channels.get(i.wrapping_sub(1)).map_or("time", |c| c.name());
+        for (k, (column, &i)) in columns.iter_mut().zip(&taken).enumerate() {
+            let name = k.checked_sub(1).and_then(|k| channels.get(k)).map_or_else(|| "time".to_owned(), C::to_string);
             let pages = group.get_column_reader(i).map_err(malformed)?;
             let read = match pages {
                 ColumnReader::DoubleColumnReader(r) => append(r, column, |x| x),
@@ -88,9 +104,9 @@ pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
                 ColumnReader::Int32ColumnReader(r) => append(r, column, f64::from),
                 ColumnReader::Int64ColumnReader(r) => append(r, column, |x| x as f64),
                 ColumnReader::BoolColumnReader(r) => append(r, column, |x| f64::from(u8::from(x))),
-                _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(name)),
+                _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(&name)),
             };
-            read.map_err(|why| malformed(why).column(name))?;
+            read.map_err(|why| malformed(why).column(&name))?;
         }
     }
     let mut columns = columns.into_iter();
@@ -126,7 +142,7 @@ fn append<T: DataType>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::csv;
+    use super::super::{Channel, csv};
     use super::*;
     use std::io::Write;
 

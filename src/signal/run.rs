@@ -3,6 +3,7 @@
 use super::{Channel, Problem, RunError, Sidecar, csv, mdf4, parquet, position};
 use crate::emit::number;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// What a sensor cart brought home, or a simulation wrote in its stead.
@@ -115,11 +116,11 @@ pub(super) fn channel(name: &str, taken: &[Channel]) -> Result<Channel, Problem>
     }
 }
 
-/// What holds of every run's columns, whatever the format: times increase, the trigger is 0 or 1, nothing is infinite.
+/// What holds of every run's columns, whatever the format: times increase, nothing is infinite.
 /// `row` is the number of the first sample's row.
-pub(super) fn check(
+pub(super) fn check<C: Ord + Display>(
     time: &[f64],
-    channels: &BTreeMap<Channel, Vec<f64>>,
+    channels: &BTreeMap<C, Vec<f64>>,
     file: &Path,
     row: usize,
 ) -> Result<(), RunError> {
@@ -141,14 +142,11 @@ pub(super) fn check(
     for (channel, samples) in channels {
         if samples.len() != time.len() {
             let problem = Problem::Length { expected: time.len(), found: samples.len() };
-            return Err(RunError::new(file, problem).column(channel.name()));
+            return Err(RunError::new(file, problem).column(&channel.to_string()));
         }
         for (i, &x) in samples.iter().enumerate() {
             if x.is_infinite() {
-                return error(Problem::NotFinite, i, channel.name());
-            }
-            if *channel == Channel::Trigger && !x.is_nan() && x != 0.0 && x != 1.0 {
-                return error(Problem::NotATrigger(x), i, channel.name());
+                return error(Problem::NotFinite, i, &channel.to_string());
             }
         }
     }
@@ -156,4 +154,15 @@ pub(super) fn check(
         return Err(RunError::new(file, Problem::TooFewSamples));
     }
     Ok(())
+}
+
+/// That a trigger is 0 or 1. `row` is the number of the first sample's row.
+pub(super) fn check_trigger(channels: &BTreeMap<Channel, Vec<f64>>, file: &Path, row: usize) -> Result<(), RunError> {
+    let samples = channels.get(&Channel::Trigger).map_or(&[][..], Vec::as_slice);
+    match samples.iter().position(|&x| !x.is_nan() && x != 0.0 && x != 1.0) {
+        Some(i) => {
+            Err(RunError::new(file, Problem::NotATrigger(samples[i])).row(row + i).column(Channel::Trigger.name()))
+        }
+        None => Ok(()),
+    }
 }

@@ -73,6 +73,7 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
     }
     let time = base.ok_or_else(|| RunError::new(file, Problem::TooFewSamples))?;
     run::check(&time, &channels, file, 1)?;
+    run::check_trigger(&channels, file, 1)?;
     Ok((time, channels))
 }
 
