@@ -9,6 +9,7 @@ mod diagnosis;
 pub mod effects;
 mod evidence;
 mod judge;
+pub mod outside;
 mod refit;
 mod report;
 mod screen;

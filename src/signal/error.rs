@@ -92,6 +92,11 @@ impl RunError {
         RunError { place: Place { file: file.to_owned(), row: None, column: None }, problem }
     }
 
+    /// That a file cannot be opened.
+    pub(crate) fn unreadable(file: &Path, why: &std::io::Error) -> Self {
+        RunError::new(file, Problem::Unreadable(why.to_string()))
+    }
+
     pub(super) fn row(mut self, row: usize) -> Self {
         self.place.row = Some(row);
         self

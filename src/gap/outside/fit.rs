@@ -1,0 +1,246 @@
+//! Fits a model's nuisances to one part of a run: Gauss and Newton's method on means over windows, with bounds, and slopes from central
+//! differences.
+
+use super::Error;
+use super::data::Part;
+use super::floor::{Evidence, Floor};
+use super::protocol::Nuisance;
+use super::windows::Windows;
+use nalgebra::{DMatrix, DVector};
+
+/// Difference that slopes are taken over, of a nuisance's range.
+const DIFFERENCE: f64 = 1e-3;
+
+/// Deviation of a nuisance before the run, of its range: the range itself, so that it hardly counts.
+pub(super) const PRIOR: f64 = 1.0;
+
+/// Steps below this are none, of a nuisance's range.
+const CONVERGED: f64 = 1e-6;
+
+/// After a step below this, slopes are kept; so are the windows.
+const SMALL: f64 = 1e-2;
+
+/// Steps at most, and those after which the floor stays as it is.
+const STEPS: usize = 15;
+const SETTLED: usize = 6;
+
+/// Windows before the noise is known.
+const FIRST_WINDOWS: usize = 100;
+
+/// Rows of samples, a row a channel, on the part's times.
+pub(super) type Rows = Vec<Vec<f64>>;
+
+/// Simulates a part at several points, in order.
+pub(super) type Simulate<'a> = &'a dyn Fn(&[Vec<f64>]) -> Vec<Result<Rows, Error>>;
+
+/// A part with its nuisances fitted.
+pub(super) struct Fitted {
+    /// The nuisances, from 0 at their lower bounds to 1 at their upper ones.
+    pub at: Vec<f64>,
+    pub windows: Windows,
+    pub measured: Vec<f64>,
+    pub nominal: Vec<f64>,
+    pub floor: Floor,
+    pub slopes: DMatrix<f64>,
+}
+
+/// Where a nuisance stands between its bounds.
+pub(super) fn share(nuisance: &Nuisance, value: f64) -> f64 {
+    (value - nuisance.low) / (nuisance.high - nuisance.low)
+}
+
+/// A nuisance's value from where it stands between its bounds, which it does not leave.
+pub(super) fn value(nuisance: &Nuisance, share: f64) -> f64 {
+    // Exact at both ends.
+    let share = share.clamp(0.0, 1.0);
+    (1.0 - share) * nuisance.low + share * nuisance.high
+}
+
+pub(super) struct Fitter<'a> {
+    pub part: &'a Part,
+    pub nuisances: &'a [Nuisance],
+    /// How closely the model is believed to follow each channel.
+    pub accuracy: &'a [f64],
+    pub simulate: Simulate<'a>,
+}
+
+/// The state of a fit.
+struct Point {
+    at: Vec<f64>,
+    rows: Rows,
+}
+
+impl Fitter<'_> {
+    /// The fit; the model is asked once more by `again`, to see by how much its answers differ.
+    ///
+    /// # Errors
+    ///
+    /// What the model says against being simulated at its nominal nuisances, and [`Error::Nothing`].
+    pub fn fit(&self, again: &dyn Fn(&[f64]) -> Result<Rows, Error>) -> Result<Fitted, Error> {
+        let start: Vec<f64> = self.nuisances.iter().map(|n| share(n, n.nominal)).collect();
+        let mut point = Point { rows: self.one(&start)?, at: start.clone() };
+        let mut slopes = self.slopes(&point);
+        let mut windows = Windows::new(self.part, FIRST_WINDOWS);
+        let mut floor = self.floor(&windows, &point, None);
+        let (mut suited, mut stale) = (false, 0.0);
+        for step in 0..STEPS {
+            if step <= SETTLED {
+                floor = self.floor(&windows, &point, None);
+            }
+            let direction = self.direction(&windows, &floor, &point, &slopes, &start);
+            let size = direction.amax();
+            if !suited && (size < SMALL || step >= 2) {
+                windows = Windows::suited(self.part, &self.left(&point));
+                floor = self.floor(&windows, &point, None);
+                suited = true;
+                continue;
+            }
+            if size < CONVERGED {
+                break;
+            }
+            let Some(next) = self.descend(&windows, &floor, &point, &direction, &start) else { break };
+            point = next;
+            stale += size;
+            if stale > SMALL {
+                slopes = self.slopes(&point);
+                stale = 0.0;
+            }
+        }
+        if stale > 0.0 {
+            slopes = self.slopes(&point);
+        }
+        let repeated = again(&point.at).ok().map(|rows| windows.means(&rows));
+        let floor = self.floor(&windows, &point, repeated.as_deref());
+        let (measured, nominal) = (windows.means(&self.part.channels), windows.means(&point.rows));
+        if !measured.iter().zip(&nominal).any(|(a, b)| (a - b).is_finite()) {
+            return Err(Error::Nothing { run: self.part.name.clone() });
+        }
+        let columns: Vec<DVector<f64>> = slopes
+            .iter()
+            .map(|rows| {
+                windows.means(rows).into_iter().map(|x| if x.is_finite() { x } else { 0.0 }).collect::<Vec<_>>()
+            })
+            .map(DVector::from_vec)
+            .collect();
+        let matrix = match columns.is_empty() {
+            true => DMatrix::zeros(measured.len(), 0),
+            false => DMatrix::from_columns(&columns),
+        };
+        Ok(Fitted { at: point.at, windows, measured, nominal, floor, slopes: matrix })
+    }
+
+    fn one(&self, at: &[f64]) -> Result<Rows, Error> {
+        let missing = || Err(Error::Nothing { run: self.part.name.clone() });
+        (self.simulate)(&[at.to_vec()]).pop().unwrap_or_else(missing)
+    }
+
+    /// Measured less simulated.
+    fn left(&self, point: &Point) -> Rows {
+        let less = |(m, s): (&Vec<f64>, &Vec<f64>)| m.iter().zip(s).map(|(m, s)| m - s).collect();
+        self.part.channels.iter().zip(&point.rows).map(less).collect()
+    }
+
+    /// Of each nuisance the change of samples with it. What cannot be simulated on one side is taken from the other; on neither, it
+    /// counts as none.
+    fn slopes(&self, point: &Point) -> Vec<Rows> {
+        let moved = |k: usize, by: f64| {
+            let mut at = point.at.clone();
+            at[k] = (at[k] + by).clamp(0.0, 1.0);
+            at
+        };
+        let both = |k| [moved(k, -DIFFERENCE), moved(k, DIFFERENCE)];
+        let points: Vec<Vec<f64>> = (0..point.at.len()).flat_map(both).collect();
+        let mut answers = (self.simulate)(&points).into_iter().map(Result::ok);
+        let mut all = Vec::with_capacity(point.at.len());
+        for (k, pair) in points.chunks(2).enumerate() {
+            let side = |answer: Option<Option<Rows>>, at: &[f64]| match answer.flatten() {
+                Some(rows) => (rows, at[k]),
+                None => (point.rows.clone(), point.at[k]),
+            };
+            let (low, from) = side(answers.next(), &pair[0]);
+            let (high, to) = side(answers.next(), &pair[1]);
+            let scale = if to > from { 1.0 / (to - from) } else { 0.0 };
+            let row = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (b - a) * scale).collect();
+            all.push(low.iter().zip(&high).map(row).collect());
+        }
+        all
+    }
+
+    fn floor(&self, windows: &Windows, point: &Point, repeated: Option<&[f64]>) -> Floor {
+        let (measured, count) = (windows.means(&self.part.channels), windows.count());
+        let nominal = windows.means(&point.rows);
+        let differs = |c: usize| {
+            let pairs = repeated.unwrap_or(&nominal).iter().zip(&nominal).skip(c * count).take(count);
+            let squares: Vec<f64> = pairs.map(|(a, b)| (a - b) * (a - b)).filter(|x| x.is_finite()).collect();
+            squares.iter().sum::<f64>() / squares.len().max(1) as f64
+        };
+        let repeat: Vec<f64> = (0..self.part.channels.len()).map(differs).collect();
+        let left = self.left(point);
+        Floor::new(&Evidence { windows, left: &left, measured: &measured, accuracy: self.accuracy, repeat: &repeat })
+    }
+
+    /// Residuals over their deviations; what is lost or tells nothing counts 0.
+    fn residuals(&self, windows: &Windows, floor: &Floor, rows: &Rows) -> Vec<f64> {
+        let (measured, simulated) = (windows.means(&self.part.channels), windows.means(rows));
+        let pairs = measured.iter().zip(&simulated).zip(&floor.variance);
+        pairs.map(|((m, s), v)| if (m - s).is_finite() && *v > 0.0 { (m - s) / v.sqrt() } else { 0.0 }).collect()
+    }
+
+    fn cost(&self, windows: &Windows, floor: &Floor, point: &Point, start: &[f64]) -> f64 {
+        let off = point.at.iter().zip(start).map(|(a, b)| (a - b) * (a - b) / (PRIOR * PRIOR)).sum::<f64>();
+        self.residuals(windows, floor, &point.rows).iter().map(|r| r * r).sum::<f64>() + off
+    }
+
+    /// The step to the least squares within the bounds, if features were linear. What would leave its bounds is held at them, the worst
+    /// first.
+    fn direction(&self, w: &Windows, floor: &Floor, point: &Point, slopes: &[Rows], start: &[f64]) -> DVector<f64> {
+        let n = point.at.len();
+        let r = DVector::from_vec(self.residuals(w, floor, &point.rows));
+        let scaled = |rows: &Rows| -> Vec<f64> {
+            let each = w.means(rows).into_iter().zip(&floor.variance).enumerate();
+            each.map(|(i, (x, v))| if x.is_finite() && *v > 0.0 && r[i] != 0.0 { x / v.sqrt() } else { 0.0 }).collect()
+        };
+        let columns: Vec<Vec<f64>> = slopes.iter().map(scaled).collect();
+        let j = DMatrix::from_fn(r.len(), n, |i, k| columns[k][i]);
+        let prior = 1.0 / (PRIOR * PRIOR);
+        let a = j.transpose() * &j + DMatrix::identity(n, n) * prior;
+        let g = j.transpose() * &r + DVector::from_fn(n, |k, _| prior * (start[k] - point.at[k]));
+        let mut held: Vec<Option<f64>> = vec![None; n];
+        loop {
+            let open: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
+            let given = |i: usize| (0..n).filter_map(|k| held[k].map(|x| a[(i, k)] * x)).sum::<f64>();
+            let matrix = DMatrix::from_fn(open.len(), open.len(), |i, k| a[(open[i], open[k])]);
+            let right = DVector::from_fn(open.len(), |i, _| g[open[i]] - given(open[i]));
+            let found = matrix.cholesky().map_or_else(|| DVector::zeros(open.len()), |c| c.solve(&right));
+            let beyond = |i: usize| (-point.at[open[i]] - found[i]).max(found[i] - (1.0 - point.at[open[i]]));
+            let worst = (0..open.len()).max_by(|x, y| beyond(*x).total_cmp(&beyond(*y)));
+            match worst.filter(|i| beyond(*i) > 1e-12) {
+                Some(i) => {
+                    held[open[i]] = Some(if found[i] < 0.0 { -point.at[open[i]] } else { 1.0 - point.at[open[i]] })
+                }
+                None => {
+                    let mut step = DVector::from_iterator(n, held.iter().map(|h| h.unwrap_or(0.0)));
+                    open.iter().zip(found.iter()).for_each(|(&k, x)| step[k] = *x);
+                    return step;
+                }
+            }
+        }
+    }
+
+    /// Goes along a step as far as that fits better.
+    fn descend(&self, w: &Windows, floor: &Floor, from: &Point, step: &DVector<f64>, start: &[f64]) -> Option<Point> {
+        let before = self.cost(w, floor, from, start);
+        let mut share = 1.0;
+        for _ in 0..8 {
+            let at: Vec<f64> = from.at.iter().zip(step.iter()).map(|(a, s)| (a + share * s).clamp(0.0, 1.0)).collect();
+            if let Ok(rows) = self.one(&at) {
+                let next = Point { at, rows };
+                if self.cost(w, floor, &next, start) < before {
+                    return Some(next);
+                }
+            }
+            share *= 0.5;
+        }
+        None
+    }
+}

@@ -1,0 +1,180 @@
+//! The floor of a measured run: by how much its features would differ if the same were measured again.
+//!
+//! There is no second lap to compare with, so the noise is taken from within each window: the means of its two halves differ by what
+//! is faster than the window, and half of that difference is a draw of the noise of the whole window's mean. What is slower cannot be
+//! told from the machine; there, it counts how closely the model is believed to follow.
+
+use super::windows::Windows;
+use crate::geometry::trig;
+use crate::identify::noise::{normal, uniform};
+
+/// What independent programs and sensors agree to at best, of the range of a channel's means (as in identification).
+const MEANS_AGREE: f64 = 5e-4;
+
+/// Samples of the floor.
+const SAMPLES: u64 = 64;
+
+/// Windows that are drawn together, so that what noise remembers stays.
+const BLOCK: usize = 8;
+
+/// Beyond so many deviations a window has a noise of its own, as where a channel jumps.
+const OWN: f64 = 3.0;
+
+/// Slow waves of which a model's inaccuracy is made, half waves over a run.
+const WAVES: usize = 8;
+
+/// The median of the square of a standard normal.
+const MEDIAN_SQUARE: f64 = 0.454_936;
+
+/// How far honest features differ.
+#[derive(Clone, Debug)]
+pub(super) struct Floor {
+    pub variance: Vec<f64>,
+    pub scatter: Vec<Vec<f64>>,
+    pub doubts: Vec<Vec<f64>>,
+}
+
+/// What the floor of a run is found from.
+pub(super) struct Evidence<'a> {
+    pub windows: &'a Windows,
+    /// Measured less simulated, a row a channel.
+    pub left: &'a [Vec<f64>],
+    /// Features as measured.
+    pub measured: &'a [f64],
+    /// How closely the model is believed to follow each channel, in its unit.
+    pub accuracy: &'a [f64],
+    /// Mean square by which each channel's features differ when the model is asked twice.
+    pub repeat: &'a [f64],
+}
+
+/// Noise of a channel.
+struct Noise {
+    /// Draws of it, of unit variance.
+    draws: Vec<f64>,
+    /// Of each window.
+    deviation: Vec<f64>,
+    /// Of what is slower.
+    slow: f64,
+}
+
+impl Floor {
+    pub fn new(evidence: &Evidence) -> Floor {
+        let count = evidence.windows.count();
+        let means = evidence.windows.means(evidence.left);
+        let halves = evidence.windows.halves(evidence.left);
+        let channels: Vec<Noise> = (0..evidence.left.len())
+            .map(|c| {
+                let of = |x: &'_ [f64]| x[c * count..(c + 1) * count].to_vec();
+                let agreed = MEANS_AGREE * range(&of(evidence.measured));
+                let draws = draws(&of(&means), &of(&halves[0]), &of(&halves[1]));
+                let slow = trig::hypot(evidence.accuracy[c].max(agreed), evidence.repeat[c].sqrt());
+                Noise::new(&draws, slow)
+            })
+            .collect();
+        let variance = channels.iter().flat_map(|c| c.deviation.iter().map(|d| d * d + c.slow * c.slow)).collect();
+        let doubt = |c: usize| {
+            (0..channels.len()).flat_map(|k| vec![if k == c { channels[k].slow } else { 0.0 }; count]).collect()
+        };
+        Floor {
+            variance,
+            scatter: (0..SAMPLES).map(|k| sample(&channels, count, k)).collect(),
+            doubts: (0..channels.len()).filter(|&c| channels[c].slow > 0.0).map(doubt).collect(),
+        }
+    }
+}
+
+/// Of each window a draw of its mean's noise: half of what its halves' means differ by, less what they do because the windows around it
+/// rise or fall. NaN where a half is lost.
+fn draws(means: &[f64], first: &[f64], second: &[f64]) -> Vec<f64> {
+    let rise = |i: usize| match (i.checked_sub(1).and_then(|b| means.get(b)), means.get(i + 1)) {
+        (Some(before), Some(after)) if (after - before).is_finite() => 0.25 * (after - before),
+        _ => 0.0,
+    };
+    // The rise adds 1/32 to the variance.
+    let scale = (32.0_f64 / 33.0).sqrt();
+    first.iter().zip(second).enumerate().map(|(i, (a, b))| scale * 0.5 * (b - a - rise(i))).collect()
+}
+
+impl Noise {
+    fn new(draws: &[f64], slow: f64) -> Noise {
+        let mut squares: Vec<f64> = draws.iter().map(|d| d * d).filter(|d| d.is_finite()).collect();
+        squares.sort_by(f64::total_cmp);
+        let usual = squares.get(squares.len() / 2).map_or(0.0, |median| median / MEDIAN_SQUARE).sqrt();
+        let own = |d: &f64| if d.abs() > OWN * usual { d.abs() } else { usual };
+        let deviation: Vec<f64> = draws.iter().map(own).collect();
+        let ratio = |(d, deviation): (&f64, &f64)| if *deviation > 0.0 && d.is_finite() { d / deviation } else { 0.0 };
+        let mut unit: Vec<f64> = draws.iter().zip(&deviation).map(ratio).collect();
+        // What the median missed of the mean square.
+        let square = unit.iter().map(|u| u * u).sum::<f64>() / squares.len().max(1) as f64;
+        let factor = if square > 0.0 { square.sqrt() } else { 1.0 };
+        unit.iter_mut().for_each(|u| *u /= factor);
+        Noise { draws: unit, deviation: deviation.into_iter().map(|d| d * factor).collect(), slow }
+    }
+}
+
+/// A sample of the floor: blocks of draws from other places, with either sign and alike in all channels; and slow waves as large as the
+/// model is inaccurate.
+fn sample(channels: &[Noise], count: usize, number: u64) -> Vec<f64> {
+    let mut state = 0x6f75_7473_6964_6500 ^ number;
+    let blocks: Vec<(usize, f64)> = (0..count.div_ceil(BLOCK))
+        .map(|_| {
+            let from = (uniform(&mut state) * count as f64) as usize;
+            (from, if uniform(&mut state) < 0.5 { -1.0 } else { 1.0 })
+        })
+        .collect();
+    let mut all = Vec::with_capacity(channels.len() * count);
+    for channel in channels {
+        let waves: Vec<f64> = (0..WAVES).map(|_| normal(&mut state)).collect();
+        let size = channel.slow * (2.0 / WAVES as f64).sqrt();
+        for i in 0..count {
+            let (from, sign) = blocks[i / BLOCK];
+            let noise = sign * channel.deviation[i] * channel.draws[(from + i % BLOCK) % count];
+            let phase = trig::PI * (i as f64 + 0.5) / count as f64;
+            let wave: f64 = waves.iter().enumerate().map(|(k, w)| w * trig::cos((k + 1) as f64 * phase)).sum();
+            all.push(noise + size * wave);
+        }
+    }
+    all
+}
+
+fn range(x: &[f64]) -> f64 {
+    let known = || x.iter().copied().filter(|x| x.is_finite());
+    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
+    if high > low { high - low } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise over a line that rises, with a jump: the noise is found, and only the jump's window has more.
+    #[test]
+    fn noise_is_found_beside_trends_and_jumps() {
+        let (count, mut state) = (400, 11);
+        let mut half = |i: usize| {
+            let jump = if i > 401 { 30.0 } else { 0.0 };
+            0.2 * i as f64 + jump + normal(&mut state)
+        };
+        let pairs: Vec<(f64, f64)> = (0..count).map(|i| (half(2 * i), half(2 * i + 1))).collect();
+        let (first, second): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        let means: Vec<f64> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
+        let noise = Noise::new(&draws(&means, &first, &second), 0.0);
+        let truth = 0.5_f64.sqrt();
+        assert!((noise.deviation[10] / truth - 1.0).abs() < 0.1, "{}", noise.deviation[10]);
+        assert!(noise.deviation[200] > 5.0 || noise.deviation[201] > 5.0);
+        assert!(noise.deviation.iter().filter(|d| **d > 3.0).count() <= 3);
+        let samples: Vec<f64> = (0..SAMPLES).flat_map(|k| sample(std::slice::from_ref(&noise), count, k)).collect();
+        let usual: Vec<f64> = samples.iter().filter(|x| x.abs() < 3.0).map(|x| x * x).collect();
+        let found = (usual.iter().sum::<f64>() / usual.len() as f64).sqrt();
+        assert!((found / truth - 1.0).abs() < 0.15, "{found}");
+    }
+
+    #[test]
+    fn inaccuracy_is_slow_and_as_large_as_was_said() {
+        let quiet = Noise::new(&[0.0; 200], 2.0);
+        let samples: Vec<Vec<f64>> = (0..SAMPLES).map(|k| sample(std::slice::from_ref(&quiet), 200, k)).collect();
+        let square = samples.iter().flatten().map(|x| x * x).sum::<f64>() / (200.0 * SAMPLES as f64);
+        assert!((square.sqrt() - 2.0).abs() < 0.3, "{square}");
+        assert!(samples[0].windows(2).all(|w| (w[1] - w[0]).abs() < 0.5));
+    }
+}

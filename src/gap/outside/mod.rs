@@ -1,0 +1,249 @@
+//! Any program as a model: it speaks JSON on its standard input and output, and the diagnosis treats it as it does the chain.
+//!
+//! [`Outside::open`] starts the program, reads a campaign that declares its own channels, and fits the program's nuisances to each run;
+//! a campaign of a single run is cut into parts first. Features are means over windows in time, judged by a floor that is found in the
+//! measurements themselves. `docs/outside-models.md` is what those read who write such programs.
+
+mod data;
+mod error;
+mod fit;
+mod floor;
+mod process;
+mod protocol;
+mod windows;
+
+pub use error::Error;
+
+use super::{Applied, Candidate, Frame, Request, Simulator};
+use data::Part;
+use fit::{Fitted, Fitter, Rows};
+use process::{Pool, Program};
+use protocol::{Description, EffectAsked, Question, RunAsked};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+use windows::Windows;
+
+/// How a program is used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Processes at once. The answer does not depend on it.
+    pub threads: usize,
+    /// A program that answers nothing for so long is stopped.
+    pub timeout: Duration,
+    /// Parts into which a campaign's only run is cut.
+    pub parts: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4 }
+    }
+}
+
+/// A program that simulates the runs of a campaign.
+pub struct Outside {
+    pool: Pool,
+    description: Description,
+    channels: BTreeMap<String, String>,
+    names: Vec<String>,
+    parts: Vec<Part>,
+    windows: Vec<Windows>,
+    /// Of each part the fitted nuisances, from 0 at their lower bounds to 1 at their upper ones.
+    fitted: Vec<Vec<f64>>,
+    frames: Vec<Frame>,
+    lost: Vec<String>,
+    trouble: Mutex<Option<Error>>,
+}
+
+impl Outside {
+    /// Starts the command, which is split into words as by a shell, and fits it to the campaign.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the campaign or one of
+    /// its runs cannot be read or is too short.
+    pub fn open(command: &str, campaign: &Path, settings: &Settings) -> Result<Outside, Error> {
+        let pool = Pool::new(Program::new(command)?, settings.threads, settings.timeout);
+        let (channels, parts) = data::read(campaign, settings.parts)?;
+        let description = pool.ask(&Question::Describe.line(), protocol::description)?;
+        let names: Vec<String> = channels.keys().cloned().collect();
+        let stranger = description.accuracy.keys().find(|c| !channels.contains_key(*c));
+        if let Some(channel) = stranger {
+            let why = format!("accuracy is given of `{channel}`, which the campaign does not declare");
+            return Err(Error::Answer { request: "describe", line: String::new(), why });
+        }
+        let mut outside = Outside {
+            pool,
+            description,
+            channels,
+            names,
+            windows: Vec::new(),
+            fitted: Vec::new(),
+            frames: Vec::new(),
+            lost: Vec::new(),
+            trouble: Mutex::new(None),
+            parts: Vec::new(),
+        };
+        for part in parts {
+            if part.time.len() < windows::NEEDED {
+                let (run, samples) = (part.name.clone(), part.time.len());
+                return Err(Error::Short { run, samples, needed: windows::NEEDED });
+            }
+            let fitted = outside.fit(&part)?;
+            outside.keep(part, fitted);
+        }
+        Ok(outside)
+    }
+
+    /// Units of the channels that are compared.
+    pub fn channels(&self) -> &BTreeMap<String, String> {
+        &self.channels
+    }
+
+    /// What the data lacked, in sentences.
+    pub fn lost(&self) -> &[String] {
+        &self.lost
+    }
+
+    /// The nuisances as fitted to a run, by name.
+    pub fn nuisances(&self, run: usize) -> BTreeMap<String, f64> {
+        let at = self.fitted.get(run).map_or(&[][..], Vec::as_slice);
+        let each = self.description.nuisances.iter().zip(at);
+        each.map(|(n, &share)| (n.name.clone(), fit::value(n, share))).collect()
+    }
+
+    /// The first failure of the program since it was opened; one that was told stays told. Refusals of single requests count, as they
+    /// narrow what could be tried.
+    pub fn trouble(&self) -> Option<Error> {
+        self.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn fit(&self, part: &Part) -> Result<Fitted, Error> {
+        let simulate = |points: &[Vec<f64>]| in_parallel(points, self.pool.most(), |at| self.ask(part, at, &[]));
+        let accuracy: Vec<f64> =
+            self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
+        let fitter = Fitter { part, nuisances: &self.description.nuisances, accuracy: &accuracy, simulate: &simulate };
+        fitter.fit(&|at| {
+            self.pool.renew();
+            self.ask(part, at, &[])
+        })
+    }
+
+    /// A fitted part becomes a run of the diagnosis.
+    fn keep(&mut self, part: Part, fitted: Fitted) {
+        let nuisances = &self.description.nuisances;
+        let Fitted { at, windows, measured, nominal, floor, slopes } = fitted;
+        let lost = measured.iter().filter(|x| !x.is_finite()).count();
+        if lost > 0 {
+            let all = measured.len();
+            self.lost.push(format!("{}: {lost} of {all} windows have too few samples to be compared", part.name));
+        }
+        let missing = measured.iter().zip(&nominal).filter(|(m, s)| m.is_finite() && !s.is_finite()).count();
+        if missing > 0 {
+            self.lost.push(format!("{}: of {missing} windows the model says nothing", part.name));
+        }
+        let prior = nuisances.iter().zip(&at).map(|(n, at)| (fit::share(n, n.nominal) - at, fit::PRIOR)).collect();
+        self.frames.push(Frame {
+            run: part.name.clone(),
+            labels: windows.labels(self.names.iter()),
+            measured,
+            nominal,
+            variance: floor.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
+            scatter: floor.scatter,
+            doubts: floor.doubts,
+            slopes,
+            prior,
+            nuisances: nuisances.iter().map(|n| n.name.clone()).collect(),
+        });
+        self.windows.push(windows);
+        self.fitted.push(at);
+        self.parts.push(part);
+    }
+
+    /// Simulates a part: rows of samples on its own times, a row a channel.
+    fn ask(&self, part: &Part, at: &[f64], effects: &[Applied]) -> Result<Rows, Error> {
+        let named = self.description.nuisances.iter().zip(at);
+        let effect = |applied: &Applied| {
+            let candidate = self.description.effects.get(applied.candidate)?;
+            let strengths = candidate.strengths.iter().zip(&applied.strengths);
+            Some(EffectAsked {
+                name: &candidate.effect,
+                place: &candidate.place,
+                strengths: strengths.map(|(s, x)| (s.name.as_str(), *x)).collect(),
+            })
+        };
+        let (from, to) = part.ends();
+        let question = Question::Simulate {
+            run: RunAsked { name: &part.run, file: &part.file, from, to, settings: &part.settings },
+            nuisances: named.map(|(n, share)| (n.name.as_str(), fit::value(n, *share))).collect(),
+            effects: effects.iter().filter_map(effect).collect(),
+        };
+        let series = self.pool.ask(&question.line(), |line| protocol::series(line, &self.names, from, to))?;
+        Ok(series.at(&part.time))
+    }
+}
+
+impl Simulator for Outside {
+    fn candidates(&self) -> &[Candidate] {
+        &self.description.effects
+    }
+
+    fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let (part, windows, fitted) = (self.parts.get(run)?, self.windows.get(run)?, self.fitted.get(run)?);
+        let at: Vec<f64> = fitted.iter().enumerate().map(|(k, x)| x + step.get(k).copied().unwrap_or(0.0)).collect();
+        let known = |a: &Applied| self.description.effects.get(a.candidate).is_some();
+        if !effects.iter().all(|a| known(a) && a.strengths.iter().all(|x| x.is_finite()))
+            || at.iter().any(|x| x.is_nan())
+        {
+            return None;
+        }
+        match self.ask(part, &at, effects) {
+            Ok(rows) => Some(windows.means(&rows)),
+            Err(error) => {
+                self.trouble.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                None
+            }
+        }
+    }
+
+    fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        in_parallel(requests, self.pool.most(), |r| self.simulate(r.run, &r.step, &r.effects))
+    }
+}
+
+/// What `of` says of each item, in order, found by so many threads.
+fn in_parallel<T: Sync, U: Send>(items: &[T], threads: usize, of: impl Fn(&T) -> U + Sync) -> Vec<U> {
+    if threads < 2 || items.len() < 2 {
+        return items.iter().map(of).collect();
+    }
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(i) else { return found };
+            found.push((i, of(item)));
+        }
+    };
+    let mut found: Vec<(usize, U)> = thread::scope(|scope| {
+        let workers: Vec<_> = (1..threads.min(items.len())).map(|_| scope.spawn(work)).collect();
+        let mut found = work();
+        for worker in workers {
+            match worker.join() {
+                Ok(more) => found.extend(more),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        found
+    });
+    found.sort_by_key(|(i, _)| *i);
+    found.into_iter().map(|(_, answer)| answer).collect()
+}

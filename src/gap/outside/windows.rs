@@ -1,0 +1,171 @@
+//! Means over windows in time: the features by which a run is compared with a model.
+
+use super::data::Part;
+use crate::gap::{Band, Label};
+
+/// Windows of a part: at most so many, at least so many when the noise remembers long.
+const MOST: f64 = 150.0;
+const LEAST: f64 = 60.0;
+
+/// A window is as many correlation times of the noise long, so that its mean knows little of its neighbours'.
+const CORRELATION_TIMES: f64 = 5.0;
+
+/// Samples that a window holds at least.
+const SAMPLES: usize = 4;
+
+/// Windows without which nothing can be judged.
+const FEWEST: usize = 8;
+
+/// Samples of a part that has enough of them.
+pub(super) const NEEDED: usize = SAMPLES * FEWEST;
+
+/// Equal stretches of time that cover a part.
+#[derive(Clone, Debug)]
+pub(super) struct Windows {
+    /// Of each the first sample, that of its second half, and the one behind it.
+    bounds: Vec<[usize; 3]>,
+    /// s
+    edges: Vec<f64>,
+    /// A row a channel: whether a sample was measured.
+    measured: Vec<Vec<bool>>,
+    /// Samples of a window in the mean.
+    usual: usize,
+}
+
+impl Windows {
+    /// So many windows, or fewer when that would leave fewer than [`SAMPLES`] in each.
+    pub fn new(part: &Part, count: usize) -> Windows {
+        let count = count.min(part.time.len() / SAMPLES).max(1);
+        let (from, to) = part.ends();
+        let edge = |half: usize| from + (to - from) * half as f64 / (2 * count) as f64;
+        let at = |half: usize| {
+            if half == 2 * count { part.time.len() } else { part.time.partition_point(|t| *t < edge(half)) }
+        };
+        Windows {
+            bounds: (0..count).map(|i| [at(2 * i), at(2 * i + 1), at(2 * i + 2)]).collect(),
+            edges: (0..=count).map(|i| edge(2 * i)).collect(),
+            measured: part.channels.iter().map(|x| x.iter().map(|x| x.is_finite()).collect()).collect(),
+            usual: part.time.len() / count,
+        }
+    }
+
+    /// Windows whose length suits the noise in what is left of each channel.
+    pub fn suited(part: &Part, left: &[Vec<f64>]) -> Windows {
+        let samples = part.time.len() as f64;
+        let memory = left.iter().map(|x| correlation(x, part.time.len() / 30)).max().unwrap_or(1) as f64;
+        let length = (CORRELATION_TIMES * memory).clamp(samples / MOST, samples / LEAST);
+        Windows::new(part, (samples / length).round() as usize)
+    }
+
+    pub fn count(&self) -> usize {
+        self.bounds.len()
+    }
+
+    /// What the features are about: all windows of a channel, then the next channel's.
+    pub fn labels<'a>(&self, channels: impl Iterator<Item = &'a String>) -> Vec<Label> {
+        // Labels have no sign.
+        let zero = self.edges.first().copied().unwrap_or_default().min(0.0);
+        let ms = |t: f64| (1e3 * (t - zero)).round() as u64;
+        let of = |channel: &String| {
+            let label = |(index, w): (usize, &[f64])| Label {
+                channel: channel.clone(),
+                band: Band::Track,
+                index,
+                from: ms(w[0]),
+                to: ms(w[1]),
+            };
+            self.edges.windows(2).enumerate().map(label).collect::<Vec<_>>()
+        };
+        channels.flat_map(of).collect()
+    }
+
+    /// Features of rows of samples, a row a channel: means over what was measured of each window. NaN where less than half of a window
+    /// was measured, or where the row has none for a sample that was.
+    pub fn means(&self, rows: &[Vec<f64>]) -> Vec<f64> {
+        self.over(rows, |[from, _, to]| (from, to), self.usual.div_ceil(2))
+    }
+
+    /// As [`Windows::means`], of the first and of the second half of each window.
+    pub fn halves(&self, rows: &[Vec<f64>]) -> [Vec<f64>; 2] {
+        let least = self.usual.div_ceil(8);
+        [self.over(rows, |[from, half, _]| (from, half), least), self.over(rows, |[_, half, to]| (half, to), least)]
+    }
+
+    fn over(&self, rows: &[Vec<f64>], range: impl Fn([usize; 3]) -> (usize, usize), least: usize) -> Vec<f64> {
+        let mut means = Vec::with_capacity(rows.len() * self.bounds.len());
+        for (row, measured) in rows.iter().zip(&self.measured) {
+            for bounds in &self.bounds {
+                let (from, to) = range(*bounds);
+                let (mut sum, mut count) = (0.0, 0);
+                for (x, _) in row[from..to].iter().zip(&measured[from..to]).filter(|(_, measured)| **measured) {
+                    sum += x;
+                    count += 1;
+                }
+                means.push(if count >= least.max(1) { sum / count as f64 } else { f64::NAN });
+            }
+        }
+        means
+    }
+}
+
+/// Samples after which what is left of a channel has forgotten itself: where the autocorrelation, without what is slower than `slow`
+/// samples, is under 1/e. At least 1.
+fn correlation(x: &[f64], slow: usize) -> usize {
+    let slow = slow.max(2);
+    let mut fast = Vec::with_capacity(x.len());
+    for stretch in x.chunks(slow) {
+        let known = || stretch.iter().filter(|x| x.is_finite());
+        let mean = known().sum::<f64>() / known().count().max(1) as f64;
+        fast.extend(stretch.iter().map(|x| if x.is_finite() { x - mean } else { 0.0 }));
+    }
+    let product = |lag: usize| -> f64 { fast.iter().zip(&fast[lag..]).map(|(a, b)| a * b).sum() };
+    let power = product(0);
+    (1..slow.min(fast.len())).find(|&lag| product(lag) < power * 0.367_879_441).unwrap_or(slow)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(samples: Vec<f64>) -> Part {
+        Part {
+            name: "run".into(),
+            run: "run".into(),
+            file: "run.csv".into(),
+            settings: Default::default(),
+            time: (0..samples.len()).map(|i| i as f64 * 0.5).collect(),
+            channels: vec![samples],
+        }
+    }
+
+    #[test]
+    fn means_are_over_what_was_measured() {
+        let mut samples: Vec<f64> = (0..80).map(f64::from).collect();
+        samples[0] = f64::NAN;
+        samples[8..14].fill(f64::NAN);
+        let run = part(samples.clone());
+        let windows = Windows::new(&run, 10);
+        let means = windows.means(&run.channels);
+        assert_eq!((means[0], means[2]), (4.0, 19.5));
+        assert!(means[1].is_nan(), "two samples of eight");
+        assert_eq!(windows.halves(&run.channels)[1][2], 21.5);
+        let ones = windows.means(&[vec![1.0; 80]]);
+        assert!(ones[1].is_nan() && ones[0] == 1.0);
+        assert_eq!(windows.labels([&"x".to_owned()].into_iter())[1].from, 3950);
+        assert_eq!(Windows::new(&run, 1000).count(), 20);
+    }
+
+    #[test]
+    fn windows_are_longer_when_the_noise_remembers_longer() {
+        let mut state = 3;
+        let white: Vec<f64> = (0..6000).map(|_| crate::identify::noise::normal(&mut state)).collect();
+        let mut slow = vec![0.0; 6000];
+        for i in 1..6000 {
+            slow[i] = 0.9 * slow[i - 1] + white[i];
+        }
+        let count = |x: &Vec<f64>| Windows::suited(&part(x.clone()), std::slice::from_ref(x)).count();
+        assert_eq!(count(&white), 150);
+        // Forgotten to 1/e after 9.5 samples, so 50 samples a window.
+        assert!((100..140).contains(&count(&slow)), "{}", count(&slow));
+    }
+}
