@@ -179,26 +179,33 @@ impl Fitter<'_> {
         Floor::new(&Evidence { windows, left: &left, measured: &measured, accuracy: self.accuracy, repeat: &repeat })
     }
 
-    /// Residuals over their deviations; what is lost or tells nothing counts 0.
-    fn residuals(&self, windows: &Windows, floor: &Floor, rows: &Rows) -> Vec<f64> {
+    /// Of each feature one over its deviation; 0 for what is lost or tells nothing.
+    fn weights(&self, windows: &Windows, floor: &Floor, simulated: &[f64]) -> Vec<f64> {
+        let pairs = windows.means(&self.part.channels).into_iter().zip(simulated).zip(&floor.variance);
+        pairs.map(|((m, s), v)| if (m - s).is_finite() && *v > 0.0 { 1.0 / v.sqrt() } else { 0.0 }).collect()
+    }
+
+    /// Residuals over their deviations, and the weights by which they were multiplied.
+    fn residuals(&self, windows: &Windows, floor: &Floor, rows: &Rows) -> (DVector<f64>, Vec<f64>) {
         let (measured, simulated) = (windows.means(&self.part.channels), windows.means(rows));
-        let pairs = measured.iter().zip(&simulated).zip(&floor.variance);
-        pairs.map(|((m, s), v)| if (m - s).is_finite() && *v > 0.0 { (m - s) / v.sqrt() } else { 0.0 }).collect()
+        let weights = self.weights(windows, floor, &simulated);
+        let of = |i: usize| if weights[i] > 0.0 { (measured[i] - simulated[i]) * weights[i] } else { 0.0 };
+        (DVector::from_fn(weights.len(), |i, _| of(i)), weights)
     }
 
     fn cost(&self, windows: &Windows, floor: &Floor, point: &Point, start: &[f64]) -> f64 {
         let off = point.at.iter().zip(start).map(|(a, b)| (a - b) * (a - b) / (PRIOR * PRIOR)).sum::<f64>();
-        self.residuals(windows, floor, &point.rows).iter().map(|r| r * r).sum::<f64>() + off
+        self.residuals(windows, floor, &point.rows).0.norm_squared() + off
     }
 
     /// The step to the least squares within the bounds, if features were linear. What would leave its bounds is held at them, the worst
     /// first.
     fn direction(&self, w: &Windows, floor: &Floor, point: &Point, slopes: &[Rows], start: &[f64]) -> DVector<f64> {
         let n = point.at.len();
-        let r = DVector::from_vec(self.residuals(w, floor, &point.rows));
+        let (r, weights) = self.residuals(w, floor, &point.rows);
         let scaled = |rows: &Rows| -> Vec<f64> {
-            let each = w.means(rows).into_iter().zip(&floor.variance).enumerate();
-            each.map(|(i, (x, v))| if x.is_finite() && *v > 0.0 && r[i] != 0.0 { x / v.sqrt() } else { 0.0 }).collect()
+            let each = w.means(rows).into_iter().zip(&weights);
+            each.map(|(x, weight)| if x.is_finite() { x * weight } else { 0.0 }).collect()
         };
         let columns: Vec<Vec<f64>> = slopes.iter().map(scaled).collect();
         let j = DMatrix::from_fn(r.len(), n, |i, k| columns[k][i]);

@@ -152,7 +152,7 @@ mod tests {
     fn noise_is_found_beside_trends_and_jumps() {
         let (count, mut state) = (400, 11);
         let mut half = |i: usize| {
-            let jump = if i > 401 { 30.0 } else { 0.0 };
+            let jump = if i > 400 { 30.0 } else { 0.0 };
             0.2 * i as f64 + jump + normal(&mut state)
         };
         let pairs: Vec<(f64, f64)> = (0..count).map(|i| (half(2 * i), half(2 * i + 1))).collect();
@@ -161,7 +161,7 @@ mod tests {
         let noise = Noise::new(&draws(&means, &first, &second), 0.0);
         let truth = 0.5_f64.sqrt();
         assert!((noise.deviation[10] / truth - 1.0).abs() < 0.1, "{}", noise.deviation[10]);
-        assert!(noise.deviation[200] > 5.0 || noise.deviation[201] > 5.0);
+        assert!(noise.deviation[200] > 5.0, "{}", noise.deviation[200]);
         assert!(noise.deviation.iter().filter(|d| **d > 3.0).count() <= 3);
         let samples: Vec<f64> = (0..SAMPLES).flat_map(|k| sample(std::slice::from_ref(&noise), count, k)).collect();
         let usual: Vec<f64> = samples.iter().filter(|x| x.abs() < 3.0).map(|x| x * x).collect();

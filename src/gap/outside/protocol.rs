@@ -126,8 +126,17 @@ fn read<T: for<'a> Deserialize<'a>>(line: &str, request: &'static str) -> Result
             Err(_) if why.is_data() && line.trim_start().starts_with('{') => {
                 Error::Answer { request, line: line.to_owned(), why: why.to_string() }
             }
-            Err(_) => Error::NotJson { line: line.to_owned(), why: why.to_string() },
+            Err(_) => Error::NotJson { line: around(line, why.column()), why: why.to_string() },
         }),
+    }
+}
+
+/// A line from shortly before its column on, which is counted in bytes.
+fn around(line: &str, column: usize) -> String {
+    const BEFORE: usize = 60;
+    match line.char_indices().map(|(i, _)| i).find(|i| i + BEFORE >= column) {
+        Some(from) if from > 0 => format!("...{}", &line[from..]),
+        _ => line.to_owned(),
     }
 }
 
