@@ -4,9 +4,11 @@ use super::{apply, text};
 use crate::cli::cases::cases;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::dynamics::Width;
+use crate::emit::simulation::Track;
 use crate::emit::{Files, json};
 use crate::gap::chain::Chains;
-use crate::gap::{Stage, diagnose};
+use crate::gap::outside::{self, Outside};
+use crate::gap::{Diagnosis, Simulator, Stage, diagnose};
 use crate::identify::study::Subject;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -27,6 +29,9 @@ pub struct Diagnose {
     /// Layout of all runs, .lss or simulation.json, instead of those that campaign and sidecars name.
     #[arg(long, value_name = "FILE")]
     layout: Option<PathBuf>,
+    /// A program that simulates the runs instead, as docs/outside-models.md has it; the campaign declares its own channels then.
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["layout", "apply"])]
+    model: Option<String>,
     /// Also write a layout with the verdict's effects added, for `lss simulate`.
     #[arg(long)]
     apply: bool,
@@ -40,51 +45,91 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(&self) -> Outcome {
+        match &self.model {
+            Some(command) => self.outside(command),
+            None => self.chain(),
+        }
+    }
+
+    /// With the chain of carts as the model.
+    fn chain(&self) -> Outcome {
         let (cases, broken) = match cases(&self.campaign, self.layout.as_deref()) {
             Ok(found) => found,
             Err(outcome) => return outcome,
         };
-        if cases.is_empty() {
+        let Some(first) = cases.first() else {
             report::error("no run is left to diagnose");
             return Outcome::Problems;
-        }
-        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        };
         let bar = Progress::new();
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
-        let chains =
-            match Chains::new(&subjects, self.seed, threads, Width::widest(), &|run| bar.say(&format!("fitted {run}")))
-            {
-                Ok(chains) => chains,
-                Err((run, why)) => {
-                    bar.clear();
-                    report::error(&format!("{run}: {why}\n  help: leave the run out of campaign.toml"));
-                    return Outcome::Problems;
-                }
-            };
-        let mut found = diagnose(&chains, &mut |stage| match stage {
-            Stage::Screening { done, of } => bar.say(&format!("screening effects: {done} of {of} strengths")),
-            Stage::Fitting { done, of } => bar.say(&format!("fitting what is left: round {} of {of}", done + 1)),
-        });
-        bar.clear();
+        let tell = |run: &str| bar.say(&format!("fitted {run}"));
+        let chains = match Chains::new(&subjects, self.seed, threads(), Width::widest(), &tell) {
+            Ok(chains) => chains,
+            Err((run, why)) => {
+                bar.clear();
+                report::error(&format!("{run}: {why}\n  help: leave the run out of campaign.toml"));
+                return Outcome::Problems;
+            }
+        };
+        let mut found = bar.diagnose(&chains);
         found.lost = chains.lost();
         let mut files = Files::default();
-        files.push("gap.json", json::to_json(&found));
         if self.apply {
             match apply::files(&cases, &chains, &found, &self.output) {
                 Ok(more) => files.extend(more),
                 Err(outcome) => return outcome,
             }
         }
+        // One map is drawn of runs on one layout.
+        let same = subjects.iter().all(|s| s.simulation.track == first.subject.simulation.track);
+        let track = same.then_some(&first.subject.simulation.track);
+        self.finish(&found, track, files, broken)
+    }
+
+    /// With a program outside as the model.
+    fn outside(&self, command: &str) -> Outcome {
+        let bar = Progress::new();
+        bar.say("fitting the program's model to each run");
+        let settings = outside::Settings { threads: threads(), ..outside::Settings::default() };
+        let model = match Outside::open(command, &self.campaign, &settings) {
+            Ok(model) => model,
+            Err(error) => {
+                bar.clear();
+                report::error(&error.to_string());
+                return Outcome::Problems;
+            }
+        };
+        let mut found = bar.diagnose(&model);
+        found.axis = "s".into();
+        found.lost = model.lost().to_vec();
+        found.overlays.iter_mut().for_each(|o| o.unit = model.channels().get(&o.channel).cloned().unwrap_or_default());
+        let trouble = model.trouble();
+        if let Some(error) = &trouble {
+            report::error(&error.to_string());
+        }
+        self.finish(&found, None, Files::default(), trouble.is_some())
+    }
+
+    /// Writes and prints what was found.
+    fn finish(&self, found: &Diagnosis, track: Option<&Track>, mut files: Files, broken: bool) -> Outcome {
+        let title = self.campaign.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy().into_owned());
+        files.push("gap.json", json::to_json(found));
+        files.push("gap.html", crate::emit::gap::page(found, track, &title));
         if let Err(error) = files.write(&self.output) {
             return could_not("write", &error.path, &error.reason);
         }
         report::print(&match self.format {
-            OutputFormat::Json => serde_json::to_string(&found).unwrap_or_default() + "\n",
-            OutputFormat::Text => format!("{}written to {}\n", text::text(&found), self.output.display()),
+            OutputFormat::Json => serde_json::to_string(found).unwrap_or_default() + "\n",
+            OutputFormat::Text => format!("{}written to {}\n", text::text(found), self.output.display()),
         });
         if broken { Outcome::Problems } else { Outcome::Clean }
     }
+}
+
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
 /// A line on the terminal that says what is going on.
@@ -104,6 +149,15 @@ impl Progress {
         if let Some(bar) = &self.0 {
             bar.set_message(what.to_owned());
         }
+    }
+
+    fn diagnose(&self, model: &dyn Simulator) -> Diagnosis {
+        let found = diagnose(model, &mut |stage| match stage {
+            Stage::Screening { done, of } => self.say(&format!("screening effects: {done} of {of} strengths")),
+            Stage::Fitting { done, of } => self.say(&format!("fitting what is left: round {} of {of}", done + 1)),
+        });
+        self.clear();
+        found
     }
 
     fn clear(&self) {
