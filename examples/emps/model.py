@@ -30,8 +30,8 @@ DESCRIPTION = {
     "effects": [
         effect("coulomb", "force", "N", 2, 0, 100),
         effect("stribeck", "force", "N", 2, 0, 100),
-        effect("quadratic_drag", "coefficient", "N s2/m2", 100, 0, 10000),
-        effect("cubic_drag", "coefficient", "N s3/m3", 1000, 0, 100000),
+        effect("quadratic_drag", "coefficient", "N s2/m2", 100, -10000, 10000),
+        effect("cubic_drag", "coefficient", "N s3/m3", 1000, -100000, 100000),
         effect("spring", "stiffness", "N/m", 10, -500, 500),
         effect("backlash", "gap", "m", 0.001, 0, 0.02),
         effect("asymmetric_friction", "coefficient", "N s/m", 20, -400, 400),
