@@ -98,8 +98,10 @@ impl Evidence {
         let count = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / count;
         let variance = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (count - 1.0);
-        self.honest = mean.max(0.05);
-        self.honest_high = squares[((0.95 * count) as usize).min(squares.len() - 1)];
+        // The variances hold doubts that honest laps of one simulation do not have.
+        self.honest = mean.max(1.0);
+        let scale = self.honest / mean.max(1e-9);
+        self.honest_high = scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
         // χ² of f degrees of freedom over f has the variance 2/f.
         self.freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
     }
@@ -113,7 +115,8 @@ impl Evidence {
         self.project(&self.long(change))
     }
 
-    fn long(&self, change: &[f64]) -> DVector<f64> {
+    /// A change of the features as it is, whitened.
+    pub fn long(&self, change: &[f64]) -> DVector<f64> {
         let mut long = DVector::zeros(self.raw.len());
         for (i, (&k, w)) in self.rows.iter().zip(&self.weights).enumerate() {
             long[i] = if change[k].is_finite() { change[k] * w } else { 0.0 };

@@ -27,6 +27,8 @@ pub struct Fitted {
     pub residuals: Vec<DVector<f64>>,
     /// What one more of each strength changes.
     pub columns: Vec<Vec<DVector<f64>>>,
+    /// What the effects change in each run's features, nuisances held.
+    pub changes: Vec<Vec<f64>>,
     /// Features of each run, nuisances at their best; of the nominal model where only the screen was asked.
     pub features: Option<Vec<Vec<f64>>>,
 }
@@ -62,7 +64,19 @@ impl Hypothesis {
         let Explained { strengths, covariance, residuals } =
             explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
         let columns = columns.iter().map(|c| c.to_vec()).collect();
-        Fitted { hypothesis: self.clone(), strengths, covariance, residuals, columns, features: None }
+        let changes = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
+        Fitted { hypothesis: self.clone(), strengths, covariance, residuals, columns, changes, features: None }
+    }
+
+    /// What strengths change in a run's features, by the signatures.
+    fn change(&self, signatures: &[Signature], strengths: &[f64], run: usize) -> Vec<f64> {
+        let mut change = Vec::new();
+        for (k, x) in self.signatures.iter().zip(strengths) {
+            let own = &signatures[*k].change[run];
+            change.resize(own.len(), 0.0);
+            change.iter_mut().zip(own).for_each(|(sum, d)| *sum += x * d);
+        }
+        change
     }
 }
 
@@ -83,10 +97,7 @@ pub fn refit(
         for one in &fitted {
             let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
             for (run, evidence) in evidence.iter().enumerate() {
-                let mut change = vec![0.0; frames[run].nominal.len()];
-                for (k, x) in one.hypothesis.signatures.iter().zip(&one.strengths) {
-                    change.iter_mut().zip(&signatures[*k].change[run]).for_each(|(sum, d)| *sum += x * d);
-                }
+                let change = one.hypothesis.change(signatures, &one.strengths, run);
                 requests.push(Request { run, step: evidence.steps(&change), effects: effects.clone() });
             }
         }
@@ -97,14 +108,15 @@ pub fn refit(
             // What cannot be simulated keeps what the screen says.
             let Some(answers) = answers else { continue };
             // The effects' part of each change: nuisances are projected out as their slopes have it.
-            let columns: Vec<DVector<f64>> = (0..runs)
+            one.changes = (0..runs)
                 .map(|run| {
                     let frame = &frames[run];
                     let moved = &frame.slopes * DVector::from_vec(requests[rows.start + run].step.clone());
                     let features = answers[run].iter().zip(&frame.nominal).zip(moved.iter());
-                    evidence[run].column(&features.map(|((f, n), m)| f - n - m).collect::<Vec<f64>>())
+                    features.map(|((f, n), m)| f - n - m).collect()
                 })
                 .collect();
+            let columns: Vec<DVector<f64>> = evidence.iter().zip(&one.changes).map(|(e, c)| e.column(c)).collect();
             let residuals: Vec<DVector<f64>> = evidence.iter().zip(&columns).map(|(e, c)| &e.residual - c).collect();
             if let [x] = one.strengths[..]
                 && x != 0.0

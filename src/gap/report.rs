@@ -57,14 +57,30 @@ pub fn report(court: &Court) -> Diagnosis {
             finding
         })
         .collect();
-    effects.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    // Of effects that are equally sure, the one that closes more alone comes first.
+    let alone = |f: &Finding| {
+        let has = |j: &&Judged| {
+            let members = &j.fitted.hypothesis.members;
+            members.len() == 1 && candidates[members[0]].effect == f.name
+        };
+        court.judged.iter().find(has).map_or(f64::INFINITY, |j| j.excess)
+    };
+    let sure = |f: &Finding| (20.0 * f.probability).round();
+    effects.sort_by(|a, b| {
+        let by = sure(b).total_cmp(&sure(a)).then(if sure(a) > 0.0 {
+            alone(a).total_cmp(&alone(b))
+        } else {
+            std::cmp::Ordering::Equal
+        });
+        by.then(b.probability.total_cmp(&a.probability))
+    });
     let groups = groups(court, &mut effects);
     let shown = chosen.filter(|_| !matches!(verdict, Verdict::None));
-    let closed = shown.and_then(|j| closed(court, j, None));
+    let closed = shown.and_then(|j| closed(court, j, false));
     let mut out = Diagnosis {
         verdict,
         summary: String::new(),
-        places: places(court),
+        places: places(court, shown.filter(|_| verdict != Verdict::Unknown)),
         unknown_probability: tidy(unknown),
         none_probability: tidy(none),
         floor: floor(court.simulator.frames()),
@@ -120,20 +136,20 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
     if fitted.features.is_some() {
-        out.gap_closed = closed(court, judged, None).map(tidy);
-        out.gap_closed_placebo = closed(court, judged, Some(())).map(tidy);
+        out.gap_closed = closed(court, judged, false).map(tidy);
+        out.gap_closed_placebo = closed(court, judged, true).map(tidy);
     }
     out
 }
 
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
-fn closed(court: &Court, judged: &Judged, placebo: Option<()>) -> Option<f64> {
+fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
     let after = left_out(court, judged, placebo)?;
     share(court, |run| court.evidence[run].excess(&after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
-fn left_out(court: &Court, judged: &Judged, placebo: Option<()>) -> Option<Vec<DVector<f64>>> {
+fn left_out(court: &Court, judged: &Judged, placebo: bool) -> Option<Vec<DVector<f64>>> {
     let runs = court.evidence.len();
     if runs < 2 {
         return None;
@@ -141,19 +157,20 @@ fn left_out(court: &Court, judged: &Judged, placebo: Option<()>) -> Option<Vec<D
     let fitted = &judged.fitted;
     let candidates = court.candidates();
     let bounds = fitted.hypothesis.bounds(candidates, &court.signatures);
-    let (residuals, columns, bounds): (Vec<DVector<f64>>, Vec<Vec<DVector<f64>>>, Vec<(f64, f64)>) = match placebo {
-        None => {
+    let (residuals, columns, bounds) = match placebo {
+        false => {
             let moved = bounds.iter().zip(&fitted.strengths).map(|((low, high), x)| (low - x, high - x));
-            (fitted.residuals.clone(), fitted.columns.clone(), moved.collect())
+            (fitted.residuals.clone(), fitted.columns.clone(), moved.collect::<Vec<(f64, f64)>>())
         }
-        Some(()) => {
+        true => {
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
                 let change = &court.signatures[*k].change;
                 let moved =
                     |run: usize| court.evidence[run].column(&moved(&court.simulator.frames()[run], &change[run]));
                 (0..runs).map(moved).collect()
             });
-            (court.evidence.iter().map(|e| e.residual.clone()).collect(), columns.collect(), bounds)
+            let residuals: Vec<DVector<f64>> = court.evidence.iter().map(|e| e.residual.clone()).collect();
+            (residuals, columns.collect::<Vec<Vec<DVector<f64>>>>(), bounds)
         }
     };
     let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
@@ -209,7 +226,7 @@ fn black_box(court: &Court) -> Option<f64> {
 
 /// Excess of each channel before, and what the hypothesis closes of it on runs left out.
 fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
-    let Some(after) = left_out(court, judged, None) else { return BTreeMap::new() };
+    let Some(after) = left_out(court, judged, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
     for (run, frame) in court.simulator.frames().iter().enumerate() {
         let evidence = &court.evidence[run];
@@ -223,15 +240,20 @@ fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
 }
 
 /// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is over the floor.
-fn places(court: &Court) -> Vec<Place> {
+///
+/// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
+fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
     let mut excess: BTreeMap<(String, Band, u64, u64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in court.simulator.frames().iter().enumerate() {
         let evidence = &court.evidence[run];
-        for (k, x) in evidence.each(&evidence.residual).filter(|(k, _)| *k < frame.labels.len()) {
+        let residual = match shown {
+            Some(j) => &j.fitted.residuals[run] + evidence.long(&j.fitted.changes[run]),
+            None => evidence.residual.clone(),
+        };
+        for (k, x) in evidence.each(&residual) {
             let label = &frame.labels[k];
             let over = (x * x / evidence.honest - 1.0).max(0.0);
-            // Neighbours are told together: eighths of the lap are found by whoever reads the page.
             total += over;
             *excess.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
         }
@@ -310,7 +332,8 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
     let mut grouped: BTreeSet<String> = BTreeSet::new();
     for i in 0..effects.len().min(8) {
         let Some(own) = single(&effects[i].name) else { continue };
-        if grouped.contains(&effects[i].name) || own.excess > 0.5 * (court.excess + 1.0) {
+        let likely = effects[i].probability > 0.05;
+        if !likely || grouped.contains(&effects[i].name) || own.excess > 0.5 * (court.excess + 1.0) {
             continue;
         }
         let mut members = vec![effects[i].name.clone()];

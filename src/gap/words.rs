@@ -10,13 +10,14 @@ pub fn summary(found: &Diagnosis) -> String {
             if e.place.is_empty() { e.name.clone() } else { format!("{} ({})", e.name, e.place) }
         })
     };
+    let it = if found.verdict == Verdict::Pair { "them" } else { "it" };
     let closes = match (found.gap_closed, found.gap_closed_black_box) {
         (Some(x), Some(b)) => format!(
-            "Adding it closes {} of the gap on runs left out; a black box that names nothing closes {}.",
+            "Adding {it} closes {} of the gap on runs left out; a black box that names nothing closes {}.",
             percent(x),
             percent(b)
         ),
-        (Some(x), None) => format!("Adding it closes {} of the gap on runs left out.", percent(x)),
+        (Some(x), None) => format!("Adding {it} closes {} of the gap on runs left out.", percent(x)),
         (None, _) => {
             "With a single run nothing could be left out, so how far the gap closes elsewhere is not known.".into()
         }
@@ -57,7 +58,7 @@ pub fn next_experiment(found: &Diagnosis) -> String {
             },
         ),
         _ if found.runs.len() < 2 => "A second run at another speed and tension, to confirm the cause on data left out.".into(),
-        _ => "Mend the cause, or add the effect to the layout, and measure one more run to confirm.".into(),
+        _ => "Mend the cause, or add the effect to the model, and measure one more run to confirm.".into(),
     }
 }
 

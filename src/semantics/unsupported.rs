@@ -43,9 +43,6 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     if let Some(closes) = &layout.chain.closes_within {
         say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");
     }
-    for effect in &layout.effects {
-        say(effect.span, "`effect`", "remove it: the nominal model is simulated");
-    }
     found.sort_by_key(|d| d.label.span);
     found
 }

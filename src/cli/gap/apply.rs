@@ -7,6 +7,7 @@ use crate::emit::json;
 use crate::emit::number::shortest;
 use crate::emit::simulation::Effect;
 use crate::gap::chain::Chains;
+use crate::gap::effects::named;
 use crate::gap::{Diagnosis, Finding, Verdict};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -59,12 +60,10 @@ fn text(layout: &str, import: &str, effects: &[Finding]) -> String {
             let unit = if a.unit.is_empty() { String::new() } else { format!(" {}", spelled(&a.unit)) };
             format!("{name}: {}{unit}", shortest(a.value))
         });
-        // Lengths among what says the place.
-        let metres = |name: &str| ["at", "span", "wavelength"].contains(&name);
-        let place = finding
-            .fixed
-            .iter()
-            .map(|(name, x)| format!("{name}: {}{}", shortest(*x), if metres(name) { " m" } else { "" }));
+        let place = finding.fixed.iter().map(|(name, x)| {
+            let unit = named(&finding.name).and_then(|e| e.place_unit(name)).unwrap_or_default();
+            format!("{name}: {} {unit}", shortest(*x)).trim_end().to_owned()
+        });
         let all: Vec<String> = strength.chain(place).collect();
         let _ = writeln!(out, "  effect {}({})", finding.name, all.join(", "));
     }

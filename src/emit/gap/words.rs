@@ -55,7 +55,7 @@ pub fn significant(value: f64, digits: i32) -> String {
 /// A metre, second or compliance in the multiple that needs no zeros: factor and unit.
 fn multiple(unit: &str, size: f64) -> (f64, String) {
     const PREFIXES: [(f64, &str); 3] = [(1e3, "m"), (1e6, "µ"), (1e9, "n")];
-    if !["m", "s", "m/N", "rad"].contains(&unit) || !(size > 0.0 && size < 0.1) {
+    if !(["m", "s", "m/N", "rad"].contains(&unit) && size > 0.0 && size < 0.1) {
         return (1.0, unit.to_owned());
     }
     let fits = PREFIXES.into_iter().find(|(factor, _)| size * factor >= 0.1).unwrap_or((1e9, "n"));

@@ -181,8 +181,14 @@ pub fn sense(simulation: &Simulation, sensed: &mut Sensed) {
     }
 }
 
-/// Whether an effect is one of the sensors.
 impl Effect {
+    /// SI unit of what says its place; `None` of what does not.
+    pub fn place_unit(&self, name: &str) -> Option<&'static str> {
+        let (name, _) = self.places.iter().find(|(n, _)| *n == name)?;
+        Some(if ["at", "span", "wavelength"].contains(name) { "m" } else { "" })
+    }
+
+    /// Whether it is one of the sensors.
     pub fn is_sensor(&self) -> bool {
         matches!(self.act, Act::Sensor(_))
     }
@@ -207,3 +213,6 @@ fn spread(i: usize) -> f64 {
     let x = (i as f64 + 0.5) * 0.618_033_988_749_894_9;
     2.0 * (x - x.floor()) - 1.0
 }
+
+#[cfg(test)]
+mod tests;

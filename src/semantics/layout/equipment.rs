@@ -3,11 +3,12 @@
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::emit::number::shortest;
+use crate::gap::effects;
 use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, COORDINATE};
 use crate::semantics::scope::{Context, Scope};
-use crate::semantics::value::Value;
 use crate::source::Spanned;
 use crate::syntax::tree::{self, Expr, Statement};
 
@@ -140,26 +141,55 @@ impl<'t> Context<'t> {
         draft.statements.iter().filter_map(ramp).collect()
     }
 
-    /// Effects: a later stage knows which there are; here their strengths must be constants.
+    /// Effects of the library, with strengths that are constants.
     pub(super) fn effects(&self, draft: &Draft<'t>) -> Vec<Effect> {
         let effect = |placed: &Placed<'t>| {
             let Statement::Effect(reference) = placed.statement else { return None };
+            let name = &reference.name;
+            let Some(known) = effects::named(&name.text) else {
+                let diagnostic = Diagnostic::new(
+                    Code::E0206,
+                    format!("there is no effect `{}`", name.text),
+                    name.span,
+                    "not known here",
+                );
+                let listed = effects::LIBRARY.map(|e| format!("`{}`", e.name)).join(", ");
+                let names = effects::LIBRARY.into_iter().map(|e| e.name);
+                self.report(self.with_nearest(diagnostic.expected(listed, format!("`{}`", name.text)), name, names));
+                return None;
+            };
             let args = match &reference.args {
-                Some(block) => self.arguments(&placed.env, &reference.name, block),
+                Some(block) => self.arguments(&placed.env, name, block),
                 None => Default::default(),
             };
-            let strengths = args.into_iter().filter_map(|(name, (value, _, span))| match &value {
-                Value::Quantity(q) => {
-                    let value = self.expect_constant(&value, span, q.dimension, &format!("`{name}`"))?;
-                    Some((name.to_string(), value))
+            let strengths = args.into_iter().filter_map(|(arg, (value, _, span))| {
+                let strength = known.strengths.iter().find(|s| s.name == &*arg);
+                let Some(unit) = strength.map(|s| s.unit).or_else(|| known.place_unit(&arg)) else {
+                    let all = known.strengths.iter().map(|s| s.name).chain(known.places.iter().map(|p| p.0));
+                    let listed: Vec<String> = all.map(|n| format!("`{n}`")).collect();
+                    self.report(
+                        Diagnostic::new(
+                            Code::E0210,
+                            format!("`{}` has no `{arg}`", known.name),
+                            span,
+                            "not a strength of it",
+                        )
+                        .expected(listed.join(", "), format!("`{arg}`")),
+                    );
+                    return None;
+                };
+                let value = self.expect_constant(&value, span, dimension(unit), &format!("`{arg}`"))?;
+                if let Some(s) = strength.filter(|s| !(s.low..=s.high).contains(&value)) {
+                    let bounds = format!("{} to {} {}", shortest(s.low), shortest(s.high), s.unit);
+                    self.report(
+                        Diagnostic::new(Code::E0306, format!("`{arg}` is out of range"), span, shortest(value))
+                            .expected(bounds.trim_end(), format!("{} {}", shortest(value), s.unit).trim_end()),
+                    );
+                    return None;
                 }
-                Value::Poison => None,
-                other => {
-                    self.expect_constant(other, span, Dimension::NONE, &format!("`{name}`"));
-                    None
-                }
+                Some((arg.to_string(), value))
             });
-            Some(Effect { name: reference.name.text.clone(), strengths: strengths.collect(), span: placed.span })
+            Some(Effect { name: name.text.clone(), strengths: strengths.collect(), span: placed.span })
         };
         draft.statements.iter().filter_map(effect).collect()
     }
@@ -168,4 +198,25 @@ impl<'t> Context<'t> {
     pub(super) fn plain<'a>(&self, placed: &'a Placed<'t>) -> Scope<'a, 't> {
         Scope { env: &placed.env, geometry: None }
     }
+}
+
+/// Dimension of an effect's unit.
+fn dimension(unit: &str) -> Dimension {
+    let power = |x: Dimension, n: i32| (0..n).fold(Dimension::NONE, |all, _| all.times(x).unwrap_or(all));
+    // A unit is a product of symbols, with another behind a stroke.
+    let product = |text: &str| {
+        text.split(' ').fold(Dimension::NONE, |all, symbol| {
+            let (symbol, n) = symbol.strip_suffix('²').map_or((symbol, 1), |s| (s, 2));
+            let own = match symbol {
+                "m" => Dimension::LENGTH,
+                "kg" => Dimension::MASS,
+                "s" => Dimension::TIME,
+                "N" => Dimension::FORCE,
+                _ => Dimension::NONE,
+            };
+            all.times(power(own, n)).unwrap_or(all)
+        })
+    };
+    let (over, under) = unit.split_once('/').unwrap_or((unit, ""));
+    product(over).over(product(under)).unwrap_or(Dimension::NONE)
 }

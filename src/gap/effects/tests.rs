@@ -1,0 +1,132 @@
+use super::*;
+use crate::dynamics::{Fleet, Method, Survey, Width, survey};
+use crate::emit::fixture::compile;
+use crate::geometry::trig;
+use crate::model::fixture;
+
+/// A short track with two motors.
+fn nominal() -> Simulation {
+    let mut simulation = Simulation::new(&compile(fixture::rectangle(20.0, 12.0, 4.0)));
+    simulation.motors.s_m = vec![3.0, 30.0];
+    simulation
+}
+
+fn with(name: &str, strengths: &[(&str, f64)]) -> Simulation {
+    let mut simulation = nominal();
+    let strengths = strengths.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect();
+    simulation.effects.push(crate::emit::simulation::Effect { name: name.to_owned(), strengths });
+    simulation
+}
+
+fn fleet(simulation: &Simulation) -> Fleet {
+    let plan = Survey { settle: 6.0, duration: 3.0, step: None, method: Method::Verlet, front: 0.0 };
+    let fleet = survey(simulation, &plan, None, Width::widest()).expect("a chain");
+    assert!(fleet.trouble.is_none());
+    fleet
+}
+
+fn mean(fleet: &Fleet, force: usize) -> f64 {
+    let all = || fleet.carts.iter().flat_map(|c| &c.forces[force]);
+    all().map(|x| f64::from(*x)).sum::<f64>() / all().count() as f64
+}
+
+/// Samples of a made-up run: channel k is 100 k + sin t.
+fn sensed(simulation: &Simulation) -> [Vec<f64>; 7] {
+    let time: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
+    let mut forces: [Vec<f64>; 7] =
+        std::array::from_fn(|k| time.iter().map(|t| 100.0 * k as f64 + trig::sin(*t)).collect());
+    let tops = std::array::from_fn(|k| 100.0 * k as f64 + 1.0);
+    sense(simulation, &mut Sensed { time: &time, forces: &mut forces, tops });
+    forces
+}
+
+#[test]
+fn every_effect_of_the_chain_moves_what_carts_measure() {
+    let plain = fleet(&nominal());
+    for effect in LIBRARY.into_iter().filter(|e| !e.is_sensor()) {
+        let strength = &effect.strengths[0];
+        let simulation = with(effect.name, &[(strength.name, strength.trial)]);
+        let moved = fleet(&simulation);
+        assert!(plain.carts[0].forces != moved.carts[0].forces, "{} does nothing", effect.name);
+        // Without strength it is the nominal chain, bit for bit where nothing else changes.
+        let none = fleet(&with(effect.name, &[(strength.name, 0.0)]));
+        let near = (mean(&none, 4) - mean(&plain, 4)).abs() < 1e-2 * mean(&plain, 4).abs();
+        assert!(near, "{}: {} and {}", effect.name, mean(&none, 4), mean(&plain, 4));
+    }
+}
+
+#[test]
+fn items_on_all_carts_weigh_on_the_running_wheels() {
+    let share = 0.2;
+    let mass = share * nominal().cart.mass_kg;
+    let (plain, loaded) = (fleet(&nominal()), fleet(&with("load_distribution", &[("mass", mass), ("on_sensor", 1.0)])));
+    let weight = |f: &Fleet| mean(f, 2) + mean(f, 3);
+    let ratio = weight(&loaded) / weight(&plain);
+    assert!((ratio - 1.0 - share).abs() < 0.01, "{ratio}");
+}
+
+#[test]
+fn constants_follow_their_equations() {
+    let (stiff, _) = built(&with("stiffness_temperature", &[("change", -0.25)])).expect("built");
+    let plain = nominal();
+    assert_eq!(stiff.joint.axial.stiffness_n_per_m_n, 0.75 * plain.joint.axial.stiffness_n_per_m_n);
+    let compliance = 3e-7;
+    let (bent, _) = built(&with("cart_bending", &[("compliance", compliance)])).expect("built");
+    if plain.joint.radial.exponent == 1.0 {
+        let series = 1.0 / (1.0 / plain.joint.radial.stiffness_n_per_m_n + compliance);
+        assert!((bent.joint.radial.stiffness_n_per_m_n / series - 1.0).abs() < 1e-12);
+    }
+    let (_, weak) = built(&with("motor_imbalance", &[("loss", 0.4), ("motor", 2.0)])).expect("built");
+    assert_eq!((weak.factor(0, 0.1), weak.factor(1, 0.1)), (1.0, 0.6));
+    let (_, rippling) = built(&with("motor_ripple", &[("ratio", 0.1), ("wavelength", 0.4)])).expect("built");
+    assert!((rippling.factor(0, 0.1) - 1.1).abs() < 1e-12);
+    let (_, uneven) = built(&with("pitch_wear", &[("deviation", 1e-4)])).expect("built");
+    assert!(uneven.pitch.iter().all(|x| x.abs() <= 1e-4) && uneven.pitch.iter().any(|x| x.abs() > 5e-5));
+}
+
+#[test]
+fn sensors_say_what_their_equations_say() {
+    let plain = sensed(&nominal());
+    let gained = sensed(&with("sensor_gain", &[("gain", 0.1), ("channel", 5.0)]));
+    assert!(gained[4].iter().zip(&plain[4]).all(|(a, b)| (a - 1.1 * b).abs() < 1e-12));
+    assert_eq!(gained[3], plain[3]);
+    let drifting = sensed(&with("sensor_bias_drift", &[("offset", 2.0), ("drift", 3.0), ("channel", 1.0)]));
+    assert!((drifting[0][100] - plain[0][100] - 2.0 - 3.0).abs() < 1e-12, "at 1 s");
+    let heard = sensed(&with("sensor_crosstalk", &[("ratio", 0.1), ("first", 4.0), ("second", 2.0)]));
+    assert!((heard[1][7] - plain[1][7] - 0.1 * plain[3][7]).abs() < 1e-12);
+    let late = sensed(&with("sensor_lag", &[("delay", 0.055), ("channel", 3.0)]));
+    assert!((late[2][150] - 200.0 - trig::sin(1.5 - 0.055)).abs() < 2e-5, "{}", late[2][150]);
+    let clipped = sensed(&with("sensor_clipping", &[("loss", 0.5), ("channel", 2.0)]));
+    assert!(clipped[1].iter().all(|x| (x - 50.5).abs() < 1e-12));
+    let swapped = sensed(&with("sensor_swapped", &[("share", 1.0), ("first", 1.0), ("second", 6.0)]));
+    assert_eq!((&swapped[0], &swapped[5]), (&plain[5], &plain[0]));
+}
+
+#[test]
+fn what_there_is_not_is_refused_with_a_way_out() {
+    for (name, strengths, place, why) in [
+        ("gremlins", &[][..], "effects.0.name", "there is no effect `gremlins`; there are joint_clearance"),
+        ("joint_clearance", &[("gaps", 1e-4)], "effects.0.strengths.gaps", "`joint_clearance` has gap"),
+        ("joint_clearance", &[("gap", -1.0)], "effects.0.strengths.gap", "-1 must be between 0 and 0.002 m"),
+        ("sensor_gain", &[("channel", f64::NAN)], "effects.0.strengths.channel", "`sensor_gain` has gain, channel"),
+    ] {
+        let refused = built(&with(name, strengths)).expect_err("refused");
+        assert_eq!(refused.place, place);
+        assert!(refused.why.starts_with(why), "{}", refused.why);
+    }
+}
+
+#[test]
+fn names_are_unique_and_sites_are_known() {
+    let mut names: Vec<&str> = LIBRARY.iter().map(|e| e.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), LIBRARY.len());
+    for effect in LIBRARY {
+        assert!(named(effect.name).is_some());
+        for site in (effect.sites)(&nominal()) {
+            assert!(site.fixed.iter().all(|(n, _)| effect.places.iter().any(|(p, _)| p == n)), "{}", effect.name);
+        }
+        assert!(effect.strengths.iter().all(|s| s.low <= 0.0 && s.trial <= s.high), "{}", effect.name);
+    }
+}
