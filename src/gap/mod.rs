@@ -3,6 +3,7 @@
 //!
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
+pub mod blind;
 pub mod chain;
 mod diagnose;
 mod diagnosis;

@@ -1,0 +1,167 @@
+//! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
+
+use crate::cli::{Outcome, OutputFormat, could_not, report};
+use crate::emit::json::to_json;
+use crate::gap::blind::answering::{Step, answer, child, facts, judged};
+use crate::gap::blind::generate::{Order, generate};
+use crate::gap::blind::{Kind, Share, table};
+use clap::{Subcommand, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+/// Test the diagnosis on campaigns whose effects are withheld.
+#[derive(Debug, clap::Args)]
+pub struct Challenge {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    New(New),
+    Score(Score),
+}
+
+/// Make campaigns with effects, and seal what was put in.
+///
+/// Each case is a campaign of three runs from another simulation than the diagnosis': other steps or another integrator, other contact
+/// smoothing, a scatter that every built chain has, noise, trigger jitter and quantisation. 40 in 100 have one effect, 15 a pair, 15 none, 15
+/// one that is not in the library, 15 a sensor's. The key's salted SHA-256 is printed and stored in challenge.json.
+#[derive(Debug, clap::Args)]
+struct New {
+    /// Number of cases.
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    cases: u32,
+    /// The same seed makes the same challenge.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Make all cases of one kind instead of the mix.
+    #[arg(long, value_enum, value_name = "KIND")]
+    only: Option<Only>,
+    /// Folder of the challenge; created if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Only {
+    One,
+    Pair,
+    None,
+    Unknown,
+    Sensor,
+}
+
+/// Diagnose every case, then open the key and score the answers.
+///
+/// Each case is diagnosed by a child process on a copy without key and seed. Answers are kept in DIR/answers, so that a stopped run goes on
+/// where it was; only when all are there is the key opened and held against its hash. Writes score.json and score.md.
+#[derive(Debug, clap::Args)]
+struct Score {
+    /// Folder of the challenge.
+    folder: PathBuf,
+    /// How the score is written to standard output.
+    #[arg(long, value_enum, default_value_t)]
+    format: OutputFormat,
+}
+
+impl Challenge {
+    pub fn run(&self) -> Outcome {
+        match &self.what {
+            What::New(verb) => verb.run(),
+            What::Score(verb) => verb.run(),
+        }
+    }
+}
+
+impl New {
+    fn run(&self) -> Outcome {
+        let only = self.only.map(|only| match only {
+            Only::One => Kind::One,
+            Only::Pair => Kind::Pair,
+            Only::None => Kind::None,
+            Only::Unknown => Kind::Unknown,
+            Only::Sensor => Kind::Sensor,
+        });
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let order = Order { cases: self.cases as usize, seed: self.seed, only, threads };
+        let bar = progress(order.cases);
+        let made = generate(order, &self.output, &|done| {
+            if let Some(bar) = &bar {
+                bar.set_position(done as u64);
+            }
+        });
+        if let Some(bar) = &bar {
+            bar.finish_and_clear();
+        }
+        match made {
+            Ok(facts) => {
+                report::print(&format!("{} cases in {}\n", facts.cases.len(), self.output.display()));
+                report::print(&format!("key SHA-256 {}\n", facts.key_sha256));
+                Outcome::Clean
+            }
+            Err(why) => could_not("make a challenge in", &self.output, why),
+        }
+    }
+}
+
+impl Score {
+    fn run(&self) -> Outcome {
+        let cases = match facts(&self.folder) {
+            Ok(facts) => facts.cases.len(),
+            Err(why) => return could_not("read the challenge", &self.folder, why),
+        };
+        let bar = progress(cases);
+        let mut watch = |step: Step| {
+            match &bar {
+                Some(bar) => {
+                    bar.set_position(step.number as u64);
+                    bar.set_message(step.case.to_owned());
+                }
+                None if !step.kept => eprintln!("{} ({} of {})", step.case, step.number + 1, step.of),
+                None => {}
+            }
+            true
+        };
+        let answered = answer(&self.folder, &child, &mut watch);
+        if let Some(bar) = &bar {
+            bar.finish_and_clear();
+        }
+        match answered {
+            Ok(hash) => eprintln!("answers SHA-256 {hash}"),
+            Err(why) => return could_not("answer the challenge", &self.folder, why),
+        }
+        let score = match judged(&self.folder) {
+            Ok(score) => score,
+            Err(why) => return could_not("score the challenge", &self.folder, why),
+        };
+        let json = to_json(&score);
+        for (name, content) in [("score.json", json.as_slice()), ("score.md", table::markdown(&score).as_bytes())] {
+            let path: PathBuf = Path::new(&self.folder).join(name);
+            if let Err(why) = std::fs::write(&path, content) {
+                return could_not("write", &path, why);
+            }
+        }
+        match self.format {
+            OutputFormat::Text => report::print(&table::text(&score)),
+            OutputFormat::Json => report::print(&String::from_utf8_lossy(&json)),
+        }
+        if score.failed > 0 {
+            let Share { hits, of, .. } = Share::new(score.failed, score.cases);
+            report::warning(&format!("{hits} of {of} cases have no answer; answers/*/failure.txt says why"));
+        }
+        Outcome::Clean
+    }
+}
+
+/// A bar where somebody looks.
+fn progress(cases: usize) -> Option<ProgressBar> {
+    if !std::io::stderr().is_terminal() {
+        return None;
+    }
+    let style = ProgressStyle::with_template("[{bar:24}] {pos} of {len} cases {msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ");
+    Some(ProgressBar::new(cases as u64).with_style(style))
+}

@@ -1,0 +1,30 @@
+//! The sealed challenge: campaigns whose effects are withheld, made by another simulation than the diagnosis has, and the score of
+//! what it says of them.
+//!
+//! A challenge is a folder: `case-001/` and so on, each a campaign of three runs with its layout; `challenge.json` with what
+//! everybody may know, the salted SHA-256 of the key among it; and `key.sealed`. [`answering::answer`] fills `answers/`, and
+//! only [`answering::judged`] opens the key.
+
+pub mod answering;
+pub mod generate;
+mod judge;
+mod key;
+mod reality;
+mod score;
+pub mod seal;
+mod sources;
+mod statistics;
+pub mod table;
+#[cfg(test)]
+mod tests;
+mod tracks;
+
+pub use judge::{Judged, Rank};
+pub use key::{Answer, Case, Facts, Interval, Key, Kind, Level, Named, Part, Truth};
+pub use score::{Accuracy, Line, Row, Score, score};
+pub use statistics::{Bin, Mean, Share};
+
+/// Public facts of a challenge.
+pub const CHALLENGE: &str = "challenge.json";
+/// What was put in.
+pub const KEY: &str = "key.sealed";
