@@ -4,7 +4,7 @@ use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::json::to_json;
 use crate::gap::blind::answering::{Step, answer, child, facts, judged};
 use crate::gap::blind::generate::{Order, generate};
-use crate::gap::blind::{Kind, Share, table};
+use crate::gap::blind::{Kind, table};
 use clap::{Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -148,8 +148,8 @@ impl Score {
             OutputFormat::Json => report::print(&String::from_utf8_lossy(&json)),
         }
         if score.failed > 0 {
-            let Share { hits, of, .. } = Share::new(score.failed, score.cases);
-            report::warning(&format!("{hits} of {of} cases have no answer; answers/*/failure.txt says why"));
+            let (failed, cases) = (score.failed, score.cases);
+            report::warning(&format!("{failed} of {cases} cases have no answer; answers/*/failure.txt says why"));
         }
         Outcome::Clean
     }

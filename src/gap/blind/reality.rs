@@ -11,6 +11,9 @@ use crate::signal::compare::{Scale, compare};
 use crate::signal::{Channel, Run};
 use std::collections::BTreeMap;
 
+/// Time before a run, s: what the start leaves has died away.
+const SETTLE: f64 = 20.0;
+
 /// Points of a profile a metre of track.
 const POINTS_A_METRE: f64 = 40.0;
 
@@ -109,13 +112,15 @@ impl Reality {
 
     /// A lap at the diagnosis' own steps, from one of two fronts; to see what effects do over what chance does.
     pub fn sketch(&self, change: Option<&Changes<'_>>, front: f64) -> Option<Run> {
-        let plan = Plan { front: front * self.planned[0].chain.pitch_m, ..Plan::default() };
+        let pitch = self.planned.first()?.chain.pitch_m;
+        let plan = Plan { front: front * pitch, settle: SETTLE, ..Plan::default() };
         self.lap(0, change, plan)
     }
 
     /// A lap as it is measured, without the measuring chain's noise: a quarter of the usual step or less, or by Cash and Karp.
     pub fn record(&self, run: usize, change: Option<&Changes<'_>>) -> Option<Run> {
-        let plan = Plan { method: self.method, front: self.fronts[run], step: Some(2.5e-4), ..Plan::default() };
+        let front = *self.fronts.get(run)?;
+        let plan = Plan { method: self.method, front, step: Some(2.5e-4), settle: SETTLE, ..Plan::default() };
         self.lap(run, change, plan)
     }
 
@@ -163,8 +168,8 @@ pub fn shuffle<T>(items: &mut [T], state: &mut u64) {
 /// Carts a little unequal in length, rails not quite even, wheels not quite round, motors not quite alike.
 fn scatter(nominal: &Simulation, state: &mut u64) -> Deviations {
     let lap = lap(nominal);
-    let mut scatter = Deviations::default();
-    scatter.pitch = (0..nominal.chain.carts).map(|_| 8e-6 * normal(state)).collect();
+    let pitch = (0..nominal.chain.carts).map(|_| 8e-6 * normal(state)).collect();
+    let mut scatter = Deviations { pitch, ..Deviations::default() };
     let mean = scatter.pitch.iter().sum::<f64>() / scatter.pitch.len().max(1) as f64;
     scatter.pitch.iter_mut().for_each(|x| *x -= mean);
     for table in &mut scatter.rails {

@@ -158,10 +158,12 @@ fn accuracy(all: &[&Judged]) -> Accuracy {
     }
 }
 
+/// Probabilities, and whether they came true.
+type Forecasts = Vec<(f64, bool)>;
+
 /// Probability and presence of each effect of the library in each case, and the same with each effect's share of the cases for
 /// probability.
-#[allow(clippy::type_complexity)]
-fn forecasts<'a>(cases: &[Case], answer: &impl Fn(&Case) -> &'a Answer) -> (Vec<(f64, bool)>, Vec<(f64, bool)>) {
+fn forecasts<'a>(cases: &[Case], answer: &impl Fn(&Case) -> &'a Answer) -> (Forecasts, Forecasts) {
     let present =
         |case: &Case, effect: &str| case.kind != Kind::Unknown && case.truth.iter().any(|t| t.effect == effect);
     let (mut said, mut usual) = (Vec::new(), Vec::new());
