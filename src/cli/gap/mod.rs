@@ -1,6 +1,7 @@
 //! `lss gap`: where a built system and its simulation part.
 
 mod apply;
+mod challenge;
 mod diagnose;
 mod text;
 
@@ -17,12 +18,14 @@ pub struct Gap {
 #[derive(Debug, Subcommand)]
 enum What {
     Diagnose(diagnose::Diagnose),
+    Challenge(challenge::Challenge),
 }
 
 impl Gap {
     pub fn run(&self) -> Outcome {
         match &self.what {
             What::Diagnose(verb) => verb.run(),
+            What::Challenge(verb) => verb.run(),
         }
     }
 }
