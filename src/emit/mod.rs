@@ -6,7 +6,7 @@ mod drawing;
 pub mod dxf;
 mod files;
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 pub mod gap;
 pub mod identification;
 pub mod json;

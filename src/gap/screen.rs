@@ -61,8 +61,9 @@ pub fn signatures(
                 let columns: Vec<DVector<f64>> = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
                 let largest = columns.iter().map(|c| c.amax()).fold(0.0, f64::max) * size;
                 let high = candidates[c].strengths[s].high;
-                if largest < CLEAR && round < 2 && 4.0 * size <= high && answers.iter().all(Option::is_some) {
-                    sizes[job] = 4.0 * size;
+                let larger = (size * (1.5 * CLEAR / largest.max(1e-9)).min(50.0)).min(0.5 * high);
+                if largest < CLEAR && round < 2 && larger > 2.0 * size && answers.iter().all(Option::is_some) {
+                    sizes[job] = larger;
                     again.push(job);
                 }
                 found[job] = Some(Signature { candidate: c, strength: s, change, columns });

@@ -1,0 +1,178 @@
+//! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
+//! runs scatter by white noise.
+
+use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Simulator, Strength, Verdict, diagnose};
+use lss::identify::noise::normal;
+use nalgebra::DMatrix;
+
+const FEATURES: usize = 120;
+const RUNS: usize = 3;
+
+/// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain, `twin` is nearly `wave`.
+struct Made {
+    candidates: Vec<Candidate>,
+    frames: Vec<Frame>,
+}
+
+fn shape(candidate: usize, run: usize, k: usize) -> f64 {
+    let x = (k % 60) as f64 / 60.0;
+    let speed = 1.0 + 0.3 * run as f64;
+    let first = k < 60;
+    let wave = |phase: f64| if first { (6.28 * 3.0 * x + phase).sin() * speed } else { 0.0 };
+    match candidate {
+        0 => {
+            if first {
+                x * speed
+            } else {
+                0.3 * x
+            }
+        }
+        1 => wave(0.0),
+        2..=5 => {
+            if (x * 4.0) as usize == candidate - 2 {
+                1.0
+            } else {
+                0.0
+            }
+        }
+        6 => {
+            if first {
+                0.0
+            } else {
+                1.0 + x
+            }
+        }
+        _ => wave(0.05),
+    }
+}
+
+/// A nuisance lifts all features of the first channel alike.
+fn level(k: usize) -> f64 {
+    if k < 60 { 1.0 } else { 0.0 }
+}
+
+fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
+    let one = |effect: &str, place: &str, sensor: bool| Candidate {
+        effect: effect.into(),
+        place: place.into(),
+        fixed: Vec::new(),
+        strengths: vec![Strength { name: "size".into(), unit: "m".into(), trial: 1.0, low: -50.0, high: 50.0 }],
+        sensor,
+        placebo: None,
+    };
+    let candidates = vec![
+        one("slope", "", false),
+        one("wave", "", false),
+        one("step", "first", false),
+        one("step", "second", false),
+        one("step", "third", false),
+        one("step", "fourth", false),
+        one("sensor", "b", true),
+        one("twin", "", false),
+    ];
+    let mut state = seed;
+    let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
+    let labels = |channel: &str, k: usize| Label {
+        channel: channel.into(),
+        band: Band::Track,
+        index: k % 60,
+        from: 1000 * (k as u64 % 60),
+        to: 1000 * (k as u64 % 60 + 1),
+    };
+    let frames = (0..RUNS)
+        .map(|run| {
+            let gap = |k: usize| -> f64 {
+                let known: f64 = truth.iter().map(|(c, x)| x * shape(*c, run, k)).sum();
+                // Nothing that the library has.
+                known + strange * ((k * k % 17) as f64 / 8.0 - 1.0)
+            };
+            let own = noise();
+            Frame {
+                run: format!("run-{}", run + 1),
+                labels: (0..FEATURES).map(|k| labels(if k < 60 { "a" } else { "b" }, k)).collect(),
+                measured: (0..FEATURES).map(|k| 5.0 + gap(k) + 0.7 * level(k) + own[k]).collect(),
+                nominal: vec![5.0; FEATURES],
+                variance: vec![1.0; FEATURES],
+                scatter: (0..40).map(|_| noise()).collect(),
+                doubts: Vec::new(),
+                slopes: DMatrix::from_fn(FEATURES, 1, |k, _| level(k)),
+                prior: vec![(0.0, 10.0)],
+                nuisances: vec!["level".into()],
+            }
+        })
+        .collect();
+    Made { candidates, frames }
+}
+
+impl Simulator for Made {
+    fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let moved = step.first().copied().unwrap_or(0.0);
+        let all = |k: usize| effects.iter().map(|e| e.strengths[0] * shape(e.candidate, run, k)).sum::<f64>();
+        Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + all(k)).collect())
+    }
+}
+
+fn found(truth: &[(usize, f64)], strange: f64, seed: u64) -> Diagnosis {
+    diagnose(&made(truth, strange, seed), &mut |_| {})
+}
+
+#[test]
+fn one_effect_is_named_with_its_strength_and_place() {
+    for (candidate, name, place, size) in
+        [(0, "slope", "", 8.0), (4, "step", "third", -4.0), (3, "step", "second", 5.0)]
+    {
+        let found = found(&[(candidate, size)], 0.0, 11 + candidate as u64);
+        let first = &found.effects[0];
+        assert_eq!((found.verdict, first.name.as_str(), first.place.as_str()), (Verdict::Effect, name, place));
+        let amount = &first.strength["size"];
+        assert!(amount.low <= size && size <= amount.high && amount.high - amount.low < 2.0, "{amount:?}");
+        assert!(first.gap_closed.expect("runs left out") > 0.9, "{first:?}");
+        assert!(first.gap_closed_placebo.expect("a placebo") < 0.4, "{first:?}");
+    }
+}
+
+#[test]
+fn sensors_pairs_and_nothing_have_verdicts_of_their_own() {
+    assert_eq!(found(&[(6, 4.0)], 0.0, 5).verdict, Verdict::Sensor);
+    let pair = found(&[(0, 8.0), (6, 3.0)], 0.0, 6);
+    assert_eq!(pair.verdict, Verdict::Pair);
+    let mut names: Vec<&str> = pair.effects[..2].iter().map(|e| e.name.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["sensor", "slope"]);
+    let alarms = (0..20).filter(|seed| found(&[], 0.0, 100 + seed).verdict != Verdict::None).count();
+    assert!(alarms <= 1, "{alarms} of 20 false alarms");
+}
+
+#[test]
+fn what_no_effect_explains_is_unknown() {
+    let found = found(&[], 3.0, 7);
+    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    assert!(found.unknown_probability > 0.8 && !found.places.is_empty());
+}
+
+#[test]
+fn effects_with_one_signature_are_a_group() {
+    let found = found(&[(1, 4.0)], 0.0, 8);
+    let group = found.groups.first().expect("a group");
+    let mut members = group.members.clone();
+    members.sort_unstable();
+    assert_eq!(members, ["twin", "wave"]);
+    assert!(found.effects[..2].iter().all(|e| e.group == group.name), "{:?}", &found.effects[..2]);
+}
+
+#[test]
+fn the_gap_lies_where_it_was_put() {
+    let found = found(&[(4, 6.0)], 0.0, 9);
+    let worst = &found.places[0];
+    assert!((worst.from_m - 30.0).abs() <= 2.0 && (worst.to_m - 45.0).abs() <= 2.0 && worst.share > 0.2, "{worst:?}");
+    let shares: f64 = found.places.iter().map(|p| p.share).sum();
+    assert!(shares <= 1.0 + 1e-9);
+}
