@@ -56,7 +56,14 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         effect: effect.into(),
         place: place.into(),
         fixed: Vec::new(),
-        strengths: vec![Strength { name: "size".into(), unit: "m".into(), trial: 1.0, low: -50.0, high: 50.0 }],
+        strengths: vec![Strength {
+            name: "size".into(),
+            unit: "m".into(),
+            trial: 1.0,
+            usual: 0.0,
+            low: -50.0,
+            high: 50.0,
+        }],
         sensor,
         placebo: None,
     };

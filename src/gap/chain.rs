@@ -85,6 +85,7 @@ impl Chains {
                     name: s.name.to_owned(),
                     unit: s.unit.to_owned(),
                     trial: s.trial,
+                    usual: s.usual,
                     low: s.low,
                     high: s.high,
                 };

@@ -45,10 +45,21 @@ pub struct Court<'a> {
 
 /// Diagnoses the gap between a model and its runs.
 pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagnosis {
-    let evidence: Vec<Evidence> = simulator.frames().iter().map(Evidence::new).collect();
-    let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
+    let frames = simulator.frames();
+    let evidence: Vec<Evidence> = frames.iter().map(|f| Evidence::new(f, &[])).collect();
     let candidates = simulator.candidates();
-    let signatures = signatures(simulator, &evidence, &mut |done, of| tell(Stage::Screening { done, of }));
+    let mut signatures = signatures(simulator, &evidence, &mut |done, of| tell(Stage::Screening { done, of }));
+    // What every built machine has of the effects is no gap, once their signatures are known.
+    let usual = |run: usize| -> Vec<Vec<f64>> {
+        let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].usual;
+        let some = signatures.iter().filter(|s| strength(s) > 0.0);
+        some.map(|s| s.change[run].iter().map(|x| x * strength(s)).collect()).collect()
+    };
+    let evidence: Vec<Evidence> = frames.iter().enumerate().map(|(run, f)| Evidence::new(f, &usual(run))).collect();
+    for signature in &mut signatures {
+        signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
+    }
+    let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
     let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new() };
     court.excess = court.mean_excess(|run| court.evidence[run].residual.clone());
 

@@ -35,7 +35,8 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    pub fn new(frame: &Frame) -> Evidence {
+    /// From a frame and what every built machine deviates by, each of unit variance.
+    pub fn new(frame: &Frame, usual: &[Vec<f64>]) -> Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
         let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / frame.variance[k].sqrt()).collect();
@@ -44,7 +45,7 @@ impl Evidence {
             DVector::from_iterator(rows.len(), each)
         };
         let honest: Vec<DVector<f64>> = frame.scatter.iter().map(|lap| white(lap)).collect();
-        let doubts = frame.doubts.iter().map(|doubt| white(doubt)).filter(|d| d.norm_squared() > 1e-12);
+        let doubts = frame.doubts.iter().chain(usual).map(|doubt| white(doubt)).filter(|d| d.norm_squared() > 1e-12);
         let unit: Vec<DVector<f64>> = doubts.chain(modes(&honest)).collect();
         let (n, p) = (rows.len(), frame.nuisances.len());
         let columns = p + unit.len();

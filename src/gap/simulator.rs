@@ -63,6 +63,8 @@ pub struct Strength {
     pub unit: String,
     /// A small one, of which the signature is taken.
     pub trial: f64,
+    /// What every built machine has of it, as a deviation: that much is no gap.
+    pub usual: f64,
     /// Bounds; 0 is no effect.
     pub low: f64,
     pub high: f64,

@@ -7,7 +7,7 @@ use super::fit::{Fit, Settings, fit};
 use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter, damping};
-use super::posterior::{Information, correlations, interval};
+use super::posterior::{Information, correlations, interval, posterior};
 use super::summary::{Block, FORCES};
 use super::words::identifiability;
 use crate::dynamics::law::achieved_restitution;
@@ -195,6 +195,45 @@ pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Setti
         estimates(&model, &at, &covariance, &[0; COUNT], &settings.free);
     Some(carried)
 }
+
+/// Where a fit of another law of the same model ends within a law's bounds, as far as what that fit knows of the run reaches: the best
+/// parameters there, from its information. `None` where that is too far, or for another model.
+pub fn within(
+    subject: &Subject,
+    from: &Fitted,
+    law: ContactLaw,
+    settings: &Settings,
+    width: Width,
+) -> Option<Coordinates> {
+    if [law, from.law].contains(&ContactLaw::KelvinVoigt) {
+        return None;
+    }
+    let lap = subject.simulation.track.centre_line().length;
+    let measured = Measured::new(&subject.run, &subject.simulation, lap).ok()?;
+    let model = Model::new(&subject.simulation, law, &measured, width);
+    let mut at = from.at();
+    let (own, far) = (from.fit().own, |k: usize, x: f64| (x - at[k]) / Parameter::ALL[k].reach());
+    let prior = std::array::from_fn(|k| {
+        let (mean, deviation) = Parameter::ALL[k].prior(law, model.nominal[k]);
+        (far(k, mean), deviation / Parameter::ALL[k].reach())
+    });
+    let range = std::array::from_fn(|k| {
+        let (low, high) = model.range(Parameter::ALL[k]);
+        (far(k, low), far(k, high))
+    });
+    let step = posterior(&own, &prior, &range, &settings.free).step;
+    for p in Parameter::ALL {
+        if step[p.index()].abs() > NEAR {
+            return None;
+        }
+        let (low, high) = model.range(p);
+        at[p.index()] = (at[p.index()] + step[p.index()] * p.reach()).clamp(low, high);
+    }
+    Some(at)
+}
+
+/// How far slopes hold, over their design's reach.
+const NEAR: f64 = 1.5;
 
 /// Coordinates in a law from those in another.
 fn carried(model: &Model, from: ContactLaw, at: &Coordinates) -> Coordinates {

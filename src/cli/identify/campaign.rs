@@ -201,6 +201,20 @@ impl Work<'_> {
                 let held = start.map_or_else(String::new, |s| s.key.clone());
                 let key = study::key(subject, self.law, &self.settings, &held);
                 self.kept(&subject.name, &key, || {
+                    // Within another law's bounds the run says what it said before: nothing is left to search.
+                    let within =
+                        start.and_then(|s| study::within(subject, s, self.law, &self.settings, Width::widest()));
+                    if let Some(at) = within {
+                        let settings = Settings { steps: 0, ..self.settings };
+                        return fit_run(
+                            subject,
+                            self.law,
+                            Some((self.law, &at)),
+                            &settings,
+                            Width::widest(),
+                            key.clone(),
+                        );
+                    }
                     let from = start.map(|s| (s.law, s.at()));
                     let from = from.as_ref().map(|(law, at)| (*law, at));
                     fit_run(subject, self.law, from, &self.settings, Width::widest(), key.clone())

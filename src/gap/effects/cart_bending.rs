@@ -16,6 +16,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m/N",
         about: "of a cart's end",
         trial: 2e-7,
+        usual: 0.0,
         low: 0.0,
         high: 1e-4,
     }],

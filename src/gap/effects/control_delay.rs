@@ -9,7 +9,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "control_delay",
     about: "a drive that answers late",
-    strengths: &[Strength { name: "delay", unit: "s", about: "from speed to thrust", trial: 0.1, low: 0.0, high: 5.0 }],
+    strengths: &[Strength {
+        name: "delay",
+        unit: "s",
+        about: "from speed to thrust",
+        trial: 0.1,
+        usual: 0.0,
+        low: 0.0,
+        high: 5.0,
+    }],
     places: &[("saturation", 1.0)],
     sites: sites::everywhere,
     act: Act::Chain(act),

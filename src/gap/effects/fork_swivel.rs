@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
         unit: "N m",
         about: "friction moment of a fork",
         trial: 2.0,
+        usual: 0.0,
         low: 0.0,
         high: 100.0,
     }],

@@ -10,7 +10,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "joint_clearance",
     about: "play in every joint",
-    strengths: &[Strength { name: "gap", unit: "m", about: "play from end to end", trial: 5e-5, low: 0.0, high: 2e-3 }],
+    strengths: &[Strength {
+        name: "gap",
+        unit: "m",
+        about: "play from end to end",
+        trial: 5e-5,
+        usual: 0.0,
+        low: 0.0,
+        high: 2e-3,
+    }],
     places: &[],
     sites: sites::everywhere,
     act: Act::Chain(act),

@@ -10,7 +10,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "joint_friction",
     about: "friction in every joint",
-    strengths: &[Strength { name: "moment", unit: "N m", about: "friction moment", trial: 1.0, low: 0.0, high: 20.0 }],
+    strengths: &[Strength {
+        name: "moment",
+        unit: "N m",
+        about: "friction moment",
+        trial: 1.0,
+        usual: 0.0,
+        low: 0.0,
+        high: 20.0,
+    }],
     places: &[],
     sites: sites::everywhere,
     act: Act::Chain(act),

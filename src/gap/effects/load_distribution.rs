@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
         unit: "kg",
         about: "of items on a loaded cart",
         trial: 3.0,
+        usual: 0.0,
         low: 0.0,
         high: 200.0,
     }],

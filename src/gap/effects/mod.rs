@@ -88,6 +88,8 @@ pub struct Strength {
     pub about: &'static str,
     /// A small one, of which the signature is taken.
     pub trial: f64,
+    /// What every built chain has of it, as a deviation: that much is no gap.
+    pub usual: f64,
     pub low: f64,
     pub high: f64,
 }

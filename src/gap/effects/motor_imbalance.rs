@@ -9,7 +9,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "motor_imbalance",
     about: "a weak or dead motor",
-    strengths: &[Strength { name: "loss", unit: "", about: "of its thrust", trial: 0.3, low: -1.0, high: 1.0 }],
+    strengths: &[Strength {
+        name: "loss",
+        unit: "",
+        about: "of its thrust",
+        trial: 0.3,
+        usual: 0.015,
+        low: -1.0,
+        high: 1.0,
+    }],
     places: &[("motor", 1.0)],
     sites: sites::motors,
     act: Act::Chain(act),

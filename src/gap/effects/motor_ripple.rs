@@ -10,7 +10,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "motor_ripple",
     about: "thrust that ripples with the pole pitch",
-    strengths: &[Strength { name: "ratio", unit: "", about: "amplitude over thrust", trial: 0.1, low: 0.0, high: 1.0 }],
+    strengths: &[Strength {
+        name: "ratio",
+        unit: "",
+        about: "amplitude over thrust",
+        trial: 0.1,
+        usual: 0.0,
+        low: 0.0,
+        high: 1.0,
+    }],
     places: &[("wavelength", 0.2), ("phase", 0.0)],
     sites: wavelengths,
     act: Act::Chain(act),

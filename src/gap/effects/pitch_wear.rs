@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m",
         about: "largest of a cart's length",
         trial: 5e-5,
+        usual: 1e-5,
         low: 0.0,
         high: 2e-3,
     }],

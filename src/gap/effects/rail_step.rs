@@ -11,7 +11,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "rail_step",
     about: "a step at a joint of the track",
-    strengths: &[Strength { name: "height", unit: "m", about: "of the step", trial: 1e-4, low: -5e-3, high: 5e-3 }],
+    strengths: &[Strength {
+        name: "height",
+        unit: "m",
+        about: "of the step",
+        trial: 1e-4,
+        usual: 2e-5,
+        low: -5e-3,
+        high: 5e-3,
+    }],
     places: &[("at", 0.0), ("rail", 2.0)],
     sites: sites::everywhere,
     act: Act::Chain(act),

@@ -8,8 +8,16 @@ pub const EFFECT: Effect = Effect {
     name: "sensor_bias_drift",
     about: "an offset that drifts",
     strengths: &[
-        Strength { name: "offset", unit: "N", about: "from the beginning", trial: 10.0, low: -2e3, high: 2e3 },
-        Strength { name: "drift", unit: "N/s", about: "of the offset", trial: 0.1, low: -50.0, high: 50.0 },
+        Strength {
+            name: "offset",
+            unit: "N",
+            about: "from the beginning",
+            trial: 10.0,
+            usual: 0.5,
+            low: -2e3,
+            high: 2e3,
+        },
+        Strength { name: "drift", unit: "N/s", about: "of the offset", trial: 0.1, usual: 0.0, low: -50.0, high: 50.0 },
     ],
     places: &[("channel", 1.0)],
     sites: sites::channels,

@@ -12,6 +12,7 @@ pub const EFFECT: Effect = Effect {
         unit: "",
         about: "of the channel's range, at its top",
         trial: 0.1,
+        usual: 0.0,
         low: 0.0,
         high: 0.95,
     }],

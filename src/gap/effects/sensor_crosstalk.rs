@@ -12,6 +12,7 @@ pub const EFFECT: Effect = Effect {
         unit: "",
         about: "of the first channel in the second",
         trial: 0.03,
+        usual: 0.0,
         low: -0.5,
         high: 0.5,
     }],

@@ -7,7 +7,15 @@ use super::{Act, Effect, Sensed, Strength, Strengths, sites};
 pub const EFFECT: Effect = Effect {
     name: "sensor_lag",
     about: "a channel that comes late",
-    strengths: &[Strength { name: "delay", unit: "s", about: "behind the others", trial: 0.02, low: 0.0, high: 2.0 }],
+    strengths: &[Strength {
+        name: "delay",
+        unit: "s",
+        about: "behind the others",
+        trial: 0.02,
+        usual: 0.0,
+        low: 0.0,
+        high: 2.0,
+    }],
     places: &[("channel", 1.0)],
     sites: sites::channels,
     act: Act::Sensor(act),

@@ -10,7 +10,15 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "speed_drag",
     about: "drag that grows with speed",
-    strengths: &[Strength { name: "drag", unit: "N s²/m²", about: "of a cart", trial: 0.3, low: -2.0, high: 50.0 }],
+    strengths: &[Strength {
+        name: "drag",
+        unit: "N s²/m²",
+        about: "of a cart",
+        trial: 0.3,
+        usual: 0.0,
+        low: -2.0,
+        high: 50.0,
+    }],
     places: &[],
     sites: sites::everywhere,
     act: Act::Chain(act),

@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
         unit: "",
         about: "relative change of stiffness",
         trial: 0.1,
+        usual: 0.01,
         low: -0.8,
         high: 2.0,
     }],

@@ -16,6 +16,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m/N",
         about: "deflection in a span's middle over a cart's weight",
         trial: 3e-7,
+        usual: 0.0,
         low: 0.0,
         high: 1e-4,
     }],

@@ -11,7 +11,15 @@ use crate::geometry::trig;
 pub const EFFECT: Effect = Effect {
     name: "wheel_out_of_round",
     about: "a wheel out of round or with a flat spot",
-    strengths: &[Strength { name: "amplitude", unit: "m", about: "of the radius", trial: 3e-5, low: 0.0, high: 2e-3 }],
+    strengths: &[Strength {
+        name: "amplitude",
+        unit: "m",
+        about: "of the radius",
+        trial: 3e-5,
+        usual: 5e-6,
+        low: 0.0,
+        high: 2e-3,
+    }],
     places: &[("wheel", 2.0), ("shape", 0.0)],
     sites: wheels,
     act: Act::Chain(act),

@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
         unit: "",
         about: "friction coefficient",
         trial: 0.05,
+        usual: 0.0,
         low: 0.0,
         high: 1.0,
     }],
