@@ -2,6 +2,7 @@
 //! runs scatter by white noise.
 
 use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Simulator, Strength, Verdict, diagnose};
+use lss::geometry::trig;
 use lss::identify::noise::normal;
 use nalgebra::DMatrix;
 
@@ -18,7 +19,7 @@ fn shape(candidate: usize, run: usize, k: usize) -> f64 {
     let x = (k % 60) as f64 / 60.0;
     let speed = 1.0 + 0.3 * run as f64;
     let first = k < 60;
-    let wave = |phase: f64| if first { (6.28 * 3.0 * x + phase).sin() * speed } else { 0.0 };
+    let wave = |phase: f64| if first { trig::sin(trig::TAU * 3.0 * x + phase) * speed } else { 0.0 };
     match candidate {
         0 => {
             if first {

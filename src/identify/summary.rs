@@ -443,7 +443,7 @@ mod tests {
     }
 
     fn features_of(block: Block, recipe: &Recipe, features: &[f64]) -> Vec<f64> {
-        let blocks = Summary::blocks(&recipe);
+        let blocks = Summary::blocks(recipe);
         assert_eq!(blocks.len(), features.len());
         blocks.iter().zip(features).filter(|(b, _)| **b == block).map(|(_, x)| *x).collect()
     }

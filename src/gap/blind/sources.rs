@@ -12,10 +12,16 @@ use crate::identify::noise::{normal, uniform};
 use crate::signal::{Channel, Run};
 use std::collections::BTreeMap;
 
+/// What a strength makes of a chain.
+type OnChain = Box<dyn Fn(f64, &mut Simulation, &mut Deviations) + Send + Sync>;
+
+/// What a strength makes of a measured run.
+type OnRun = Box<dyn Fn(f64, &mut Run) + Send + Sync>;
+
 /// What a source does, at a strength of its main measure.
 pub enum Change {
-    Chain(Box<dyn Fn(f64, &mut Simulation, &mut Deviations) + Send + Sync>),
-    Sensor(Box<dyn Fn(f64, &mut Run) + Send + Sync>),
+    Chain(OnChain),
+    Sensor(OnRun),
 }
 
 /// A source that was drawn for a case.
@@ -153,8 +159,8 @@ fn flexibility(nominal: &Simulation, lap: f64, state: &mut u64) -> Source {
     let soft: Vec<[f64; 2]> = (0..count).map(|_| [draw(state, 0.85, 1.15), draw(state, 0.85, 1.15)]).collect();
     let act: Act = Box::new(move |x, sim, d| {
         let sag = x * sim.cart.mass_kg * sim.gravity_m_s2;
-        for side in 0..2 {
-            add(&mut d.rails[1 + side], lap, |s| {
+        for (side, rail) in d.rails[1..].iter_mut().enumerate() {
+            add(rail, lap, |s| {
                 let k = ends.partition_point(|end| *end <= s).clamp(1, count) - 1;
                 let u = ((s - ends[k]) / (ends[k + 1] - ends[k])).clamp(0.0, 1.0);
                 -sag * soft[k][side] * 3.2 * u * (1.0 + u * u * (u - 2.0))

@@ -24,6 +24,7 @@ pub const EFFECT: Effect = Effect {
 fn act(strengths: &Strengths, sensed: &mut Sensed) {
     let (first, second, share) = (strengths.index("first"), strengths.index("second"), strengths.of("share"));
     let (Some(a), Some(b)) = (sensed.forces.get(first).cloned(), sensed.forces.get(second).cloned()) else { return };
-    let mixed = |own: &[f64], other: &[f64]| own.iter().zip(other).map(|(x, y)| (1.0 - share) * x + share * y).collect();
+    let mixed =
+        |own: &[f64], other: &[f64]| own.iter().zip(other).map(|(x, y)| (1.0 - share) * x + share * y).collect();
     (sensed.forces[first], sensed.forces[second]) = (mixed(&a, &b), mixed(&b, &a));
 }

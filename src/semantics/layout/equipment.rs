@@ -164,7 +164,7 @@ impl<'t> Context<'t> {
             };
             let strengths = args.into_iter().filter_map(|(arg, (value, _, span))| {
                 let strength = known.strengths.iter().find(|s| s.name == &*arg);
-                let Some(unit) = strength.map(|s| s.unit).or_else(|| known.place_unit(&arg)) else {
+                let Some(unit) = strength.map(|s| s.unit).or_else(|| known.place_unit(arg)) else {
                     let all = known.strengths.iter().map(|s| s.name).chain(known.places.iter().map(|p| p.0));
                     let listed: Vec<String> = all.map(|n| format!("`{n}`")).collect();
                     self.report(
