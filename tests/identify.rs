@@ -123,15 +123,12 @@ fn truths_are_found_again_in_every_law_and_work_is_kept() {
         let [found, low, high] = ["value", "low", "high"].map(|k| e[k].as_f64().expect("a number"));
         let truth = value + if p == Parameter::TriggerPosition { nominal.sensor.photocell_s_m } else { 0.0 };
         assert!(low <= found && found <= high, "{}: {e}", p.name());
-        // What so short a track hardly tells is not held to more than its interval's order.
-        let hardly = p.is_restitution() && high - low > 0.4;
         // Near, and not by an interval that holds everything.
         let near = match p {
             Parameter::Speed => 0.002,
             Parameter::Tension => 6.0,
             Parameter::RollingResistance => 0.001,
             Parameter::TriggerPosition => 0.02,
-            _ if hardly => 0.5 * (high - low),
             _ => 0.2,
         };
         assert!((found - truth).abs() < near, "{}: {e}, true {truth}", p.name());
