@@ -17,6 +17,7 @@ pub mod noise;
 mod parameter;
 pub mod places;
 mod posterior;
+pub mod recipe;
 pub mod share;
 pub mod static_test;
 pub mod stiffness;

@@ -4,155 +4,11 @@
 //! each place of the track, the spread within each straight and curve, how often forces are low or high, and the power in
 //! bands around the passing of carts. All are sums over samples, so laps and carts add up.
 
-use super::places::{Kind, Places};
+use super::places::Places;
+use super::recipe::{KINDS, SPEED_BANDS, fine};
 use crate::geometry::trig;
-use realfft::{RealFftPlanner, RealToComplex};
-use std::sync::Arc;
 
-/// Forces that a sensor cart measures, in the order of a record.
-pub const FORCES: usize = 7;
-
-/// Thresholds a force is held against in each kind of place.
-pub const THRESHOLDS: usize = 3;
-
-/// Kinds of place with thresholds of their own: straights (also those that climb), left curves, right curves.
-const KINDS: usize = 3;
-
-/// Samples that are averaged before they are held against a threshold: 40 ms at 500 Hz.
-const BLOCK_S: f64 = 0.04;
-
-/// Length of a spectrum's segment, s.
-const SEGMENT_S: f64 = 4.0;
-
-/// Edges of the bands, in passings of a cart.
-const EDGES: [f64; 9] = [0.3, 0.7, 1.3, 1.7, 2.3, 4.0, 9.0, 20.0, 60.0];
-
-/// Bands of power.
-pub const BANDS: usize = EDGES.len() - 1;
-
-/// Bands of the chain's speed: the first ones.
-const SPEED_BANDS: usize = 3;
-
-/// Samples of one cart: NaN is lost. `speed` may be empty.
-#[derive(Clone, Copy, Debug)]
-pub struct Samples<'a> {
-    /// Arc length, m; any lap's.
-    pub station: &'a [f32],
-    pub speed: &'a [f32],
-    pub forces: [&'a [f32]; FORCES],
-}
-
-/// How samples become a summary; the same for a measured run and every simulation of it.
-#[derive(Clone)]
-pub struct Recipe {
-    pub places: Arc<Places>,
-    /// Samples a second, Hz.
-    pub rate: f64,
-    /// Passings of a cart a second, Hz.
-    pub passing: f64,
-    /// Of each kind of place and force, N.
-    pub thresholds: [[[f32; THRESHOLDS]; FORCES]; KINDS],
-    /// Deviation of white noise that a simulated sensor needs to measure as the real one, N.
-    pub noise: [f32; FORCES],
-    segment: usize,
-    block: usize,
-    window: Arc<Vec<f32>>,
-    plan: Arc<dyn RealToComplex<f32>>,
-    /// Lines of each band, and of the band above the low-pass in which noise shows.
-    bands: [(usize, usize); BANDS],
-    high: (usize, usize),
-    /// Lines of each order that is looked at besides: of wheels and motors.
-    orders: Vec<(usize, usize)>,
-}
-
-impl Recipe {
-    pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64) -> Self {
-        let segment = ((SEGMENT_S * rate).round() as usize).max(16).next_power_of_two();
-        let line = |hz: f64| ((hz * segment as f64 / rate).round() as usize).clamp(1, segment / 2);
-        let bands = std::array::from_fn(|k| {
-            let top = 0.45 * rate;
-            (line((EDGES[k] * passing).min(top)), line((EDGES[k + 1] * passing).min(top)))
-        });
-        // Where the low-pass leaves a fifth or less of the forces.
-        let high = if 2.0 * lowpass < 0.46 * rate { (line(0.4 * rate), line(0.49 * rate)) } else { (0, 0) };
-        let window: Vec<f32> =
-            (0..segment).map(|i| (0.5 - 0.5 * trig::cos(trig::TAU * i as f64 / segment as f64)) as f32).collect();
-        Recipe {
-            places,
-            rate,
-            passing,
-            thresholds: Default::default(),
-            noise: [0.0; FORCES],
-            segment,
-            block: ((BLOCK_S * rate).round() as usize).max(1),
-            window: Arc::new(window),
-            plan: RealFftPlanner::<f32>::new().plan_fft_forward(segment),
-            bands,
-            high,
-            orders: Vec::new(),
-        }
-    }
-
-    /// Looks at orders besides, Hz: within 3 % or a line of each.
-    pub fn set_orders(&mut self, orders: &[f64]) {
-        let line = |hz: f64| hz * self.segment as f64 / self.rate;
-        let lines = |hz: &f64| {
-            let most = self.segment / 2;
-            let low = (line(0.97 * hz).floor() as usize).clamp(1, most - 1);
-            (low, (line(1.03 * hz).ceil() as usize + 1).clamp(low + 1, most))
-        };
-        self.orders = orders.iter().map(lines).collect();
-    }
-
-    /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range above: a wheel
-    /// that does not touch has a force of 0 for long, which no threshold must split.
-    pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
-        let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
-        self.blocks(samples, offset, |kind, force, mean| found[kind * FORCES + force].push(mean));
-        for (k, means) in found.iter_mut().enumerate() {
-            means.sort_by(f32::total_cmp);
-            let above = 0.01 * means.last().zip(means.first()).map_or(0.0, |(high, low)| high - low);
-            for (t, share) in [0.1, 0.5, 0.9].into_iter().enumerate() {
-                let at = (share * means.len() as f64) as usize;
-                self.thresholds[k / FORCES][k % FORCES][t] = above + means.get(at).copied().unwrap_or(0.0);
-            }
-        }
-    }
-
-    /// Means of blocks of samples that lie in one zone, with the kind of place.
-    fn blocks(&self, samples: &Samples, offset: f64, mut take: impl FnMut(usize, usize, f32)) {
-        let places = &self.places;
-        for begin in (0..samples.station.len()).step_by(self.block) {
-            let end = begin + self.block;
-            let Some(station) = samples.station.get(begin..end) else { break };
-            let zone = |s: f32| places.zone(fine(places, s, offset));
-            let first = zone(station[0]);
-            if zone(station[self.block - 1]) != first {
-                continue;
-            }
-            let kind = match places.zones[first].kind {
-                Kind::Straight | Kind::Vertical => 0,
-                Kind::Left => 1,
-                Kind::Right => 2,
-            };
-            for (force, values) in samples.forces.iter().enumerate() {
-                if let Some(values) = values.get(begin..end) {
-                    let mean = values.iter().sum::<f32>() / self.block as f32;
-                    if !mean.is_nan() {
-                        take(kind, force, mean);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Part of the lap in which a station lies.
-fn fine(places: &Places, station: f32, offset: f64) -> usize {
-    let share = (f64::from(station) + offset) / places.lap;
-    let fine = ((share - share.floor()) * places.fine() as f64) as usize;
-    fine.min(places.fine() - 1)
-}
+pub use super::recipe::{BANDS, FORCES, Recipe, Samples, THRESHOLDS};
 
 /// Sums over samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -418,7 +274,8 @@ impl Summary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::places::Zone;
+    use crate::identify::places::{Kind, Zone};
+    use std::sync::Arc;
 
     /// A lap of 40 m in 8 cells, the second half a left curve.
     fn recipe() -> Recipe {
