@@ -66,7 +66,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             high: 50.0,
         }],
         sensor,
-        placebo: None,
+        beside: None,
     };
     let candidates = vec![
         one("slope", "", false),

@@ -1,7 +1,7 @@
 //! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
 
-use super::effects::sites::Site;
-use super::effects::{Effect, LIBRARY, Sensed, built, sense};
+use super::effects::sites::{self, Site};
+use super::effects::{Effect, LIBRARY, Sensed, built, rail_step, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Label, Request, Simulator, Strength};
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
@@ -16,8 +16,9 @@ use crate::signal::Channel;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Carts that pass each place in a simulation with effects.
+/// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
 const PASSES: f64 = 24.0;
+const SIGNATURE_PASSES: f64 = 14.0;
 
 /// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
 const STEPS: usize = 3;
@@ -33,7 +34,6 @@ pub struct Chains {
     runs: Vec<Fitted>,
     frames: Vec<Frame>,
     candidates: Vec<Candidate>,
-    effects: Vec<&'static Effect>,
     threads: usize,
 }
 
@@ -76,31 +76,47 @@ impl Chains {
             frames: subjects.iter().zip(&runs).map(|(s, run)| frame(&s.name, run)).collect(),
             runs,
             candidates: Vec::new(),
-            effects: Vec::new(),
             threads,
         };
         for effect in LIBRARY {
             for site in out.sites(effect) {
-                let strength = |s: &super::effects::Strength| Strength {
-                    name: s.name.to_owned(),
-                    unit: s.unit.to_owned(),
-                    trial: s.trial,
-                    usual: s.usual,
-                    low: s.low,
-                    high: s.high,
-                };
-                out.candidates.push(Candidate {
-                    effect: effect.name.to_owned(),
-                    place: site.words,
-                    fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
-                    strengths: effect.strengths.iter().map(strength).collect(),
-                    sensor: effect.is_sensor(),
-                    placebo: None,
-                });
-                out.effects.push(effect);
+                let around = sites::beside(effect, &site, out.cell());
+                let first = out.candidates.len();
+                out.offer(effect, site, None);
+                for (site, further) in around {
+                    let second = out.candidates.len();
+                    out.offer(effect, site, Some(first));
+                    for site in further {
+                        out.offer(effect, site, Some(second));
+                    }
+                }
             }
         }
         Ok(out)
+    }
+
+    /// Length over which means are taken, m.
+    fn cell(&self) -> f64 {
+        self.runs.first().map_or(1.0, |run| run.model.recipe.places.lap / run.model.recipe.places.cells as f64)
+    }
+
+    fn offer(&mut self, effect: &'static Effect, site: Site, beside: Option<usize>) {
+        let strength = |s: &super::effects::Strength| Strength {
+            name: s.name.to_owned(),
+            unit: s.unit.to_owned(),
+            trial: s.trial,
+            usual: s.usual,
+            low: s.low,
+            high: s.high,
+        };
+        self.candidates.push(Candidate {
+            effect: effect.name.to_owned(),
+            place: site.words,
+            fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
+            strengths: effect.strengths.iter().map(strength).collect(),
+            sensor: effect.is_sensor(),
+            beside,
+        });
     }
 
     /// Where an effect may sit: on what was measured, and steps of the rail where the gap is largest.
@@ -123,12 +139,14 @@ impl Chains {
         let rails: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
         for (rail, forces) in rails.into_iter().enumerate() {
             let mut cells: BTreeMap<u64, f64> = BTreeMap::new();
-            for frame in &self.frames {
+            for (frame, run) in self.frames.iter().zip(&self.runs) {
                 let residual = frame.residual(&frame.nominal);
-                for (k, label) in frame.labels.iter().enumerate() {
-                    let own = forces.iter().any(|f| label.channel == Channel::FORCES[*f].name());
-                    if own && label.band == Band::Track && residual[k].is_finite() {
-                        *cells.entry(label.from).or_default() += residual[k] * residual[k] / frame.variance[k];
+                for (k, block) in run.landing.blocks.iter().enumerate().filter(|(k, _)| residual[*k].is_finite()) {
+                    if let Block::Mean(force) | Block::Local(force) = block
+                        && forces.contains(force)
+                    {
+                        let own = cells.entry(frame.labels[k].from).or_default();
+                        *own += residual[k] * residual[k] / frame.variance[k];
                     }
                 }
             }
@@ -136,16 +154,10 @@ impl Chains {
             cells.sort_by(|a, b| b.0.total_cmp(&a.0));
             worst.extend(cells.into_iter().take(2));
         }
-        let names = ["steering rail", "left rail", "right rail"];
-        let site = |(_, rail, at): (f64, usize, u64)| {
-            let at = at as f64 / 1e3;
-            Site {
-                words: format!("{} at {at:.1} m", names[rail]),
-                fixed: vec![("at", at), ("rail", rail as f64 + 1.0)],
-                extent: Some((at, at + 2.5)),
-            }
-        };
-        worst.into_iter().map(site).collect()
+        worst
+            .into_iter()
+            .map(|(_, rail, at)| rail_step::site(at as f64 / 1e3, rail, rail_step::RISE, rail_step::BACK))
+            .collect()
     }
 
     /// The effect of a candidate, as a simulation input has it.
@@ -206,7 +218,8 @@ impl Simulator for Chains {
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let fitted = &self.runs[run];
         let mut at = fitted.landing.at;
-        let mut plan = Plan { passes: PASSES, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
+        let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
+        let mut plan = Plan { passes, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
         for (k, moved) in step.iter().enumerate() {
             match Parameter::ALL.get(k) {
                 Some(p) => {
@@ -227,7 +240,7 @@ impl Simulator for Chains {
         let load = built(&model.simulation).ok()?.1.load;
         let features = fitted.features(&model, &fleet, &load, sensor, at);
         // Of what differs, chaos' share is taken out, block by block.
-        Some(fitted.calmed(&self.frames[run], &features))
+        Some(fitted.calmed(&self.frames[run], &features, passes))
     }
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
@@ -314,7 +327,7 @@ impl Fitted {
 
     /// Features moved back towards the nominal ones by the share of their difference that chaos makes (James and Stein 1961,
     /// positive part), block by block.
-    fn calmed(&self, frame: &Frame, raw: &[f64]) -> Vec<f64> {
+    fn calmed(&self, frame: &Frame, raw: &[f64], passes: f64) -> Vec<f64> {
         let mut sums: BTreeMap<(&str, Band), (f64, f64)> = BTreeMap::new();
         let mut each = Vec::with_capacity(raw.len());
         for (k, (x, n)) in raw.iter().zip(&frame.nominal).enumerate() {
@@ -324,7 +337,7 @@ impl Fitted {
             if own > 0.0 {
                 let label = &frame.labels[k];
                 let sum = sums.entry((&label.channel, label.band)).or_default();
-                *sum = (sum.0 + difference * difference / (own * own), sum.1 + 1.3 / PASSES);
+                *sum = (sum.0 + difference * difference / (own * own), sum.1 + 1.3 / passes);
             }
         }
         let keep = |k: usize| {
@@ -344,6 +357,7 @@ fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fitted
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     model.recipe.set_orders(&orders(&simulation, speed));
+    model.recipe.local = true;
     let (_, landing) = land(&mut model, &measured, None, settings)?;
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
@@ -426,9 +440,10 @@ fn labels(run: &Fitted) -> Vec<Label> {
         let index = *count;
         *count += 1;
         let (force, band, from, to) = match *block {
-            Block::Mean(f) => {
+            Block::Mean(f) | Block::Local(f) => {
                 let cell = places.lap / places.cells as f64;
-                (f, Band::Track, mm(cell * index as f64), mm(cell * (index + 1) as f64))
+                let band = if matches!(block, Block::Mean(_)) { Band::Track } else { Band::Fluctuation };
+                (f, band, mm(cell * index as f64), mm(cell * (index + 1) as f64))
             }
             Block::Spread(f) => {
                 let zone = places.zones.get(index).map_or((0.0, places.lap), |z| (z.from, z.to));

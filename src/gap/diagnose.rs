@@ -5,16 +5,21 @@ use super::evidence::Evidence;
 use super::judge::{self, MOST_FREEDOM};
 use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
-use super::screen::{Signature, signatures};
+use super::screen::{self, Signature, Trial};
 use super::simulator::{Candidate, Simulator};
 use crate::geometry::trig;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
 const REFITTED: (usize, usize) = (8, 4);
 
 /// Candidates of which pairs are made.
 const PAIRED: usize = 12;
+
+/// How often a closer look is taken, at how many effects, and what share of the gap they must explain.
+const LOOKS: usize = 3;
+const LOOKED_AT: usize = 4;
+const WORTH: f64 = 0.02;
 
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +53,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let frames = simulator.frames();
     let evidence: Vec<Evidence> = frames.iter().map(|f| Evidence::new(f, &[])).collect();
     let candidates = simulator.candidates();
-    let mut signatures = signatures(simulator, &evidence, &mut |done, of| tell(Stage::Screening { done, of }));
+    let mut signatures = screen::signatures(simulator, &evidence, &mut |done, of| tell(Stage::Screening { done, of }));
     // What every built machine has of the effects is no gap, once their signatures are known.
     let usual = |run: usize| -> Vec<Vec<f64>> {
         let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].usual;
@@ -63,12 +68,11 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new() };
     court.excess = court.mean_excess(|run| court.evidence[run].residual.clone());
 
-    let single = |c: usize| Hypothesis {
-        members: vec![c],
-        signatures: (0..court.signatures.len()).filter(|k| court.signatures[*k].candidate == c).collect(),
-    };
-    let mut singles: Vec<Judged> = (0..candidates.len()).map(|c| court.screened(single(c))).collect();
-    singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    for _ in 0..LOOKS {
+        court.look_closer(&mut |done, of| tell(Stage::Screening { done, of }));
+    }
+    let singles = court.singles();
+    let single = |c: usize| court.single(c);
     let first = |judged: &Judged| judged.fitted.hypothesis.members[0];
     let mut pairs: Vec<Judged> = Vec::new();
     for (rank, a) in singles.iter().enumerate().take(PAIRED) {
@@ -95,6 +99,54 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
 }
 
 impl Court<'_> {
+    /// A candidate alone.
+    fn single(&self, candidate: usize) -> Hypothesis {
+        let own = (0..self.signatures.len()).filter(|k| self.signatures[*k].candidate == candidate);
+        Hypothesis { members: vec![candidate], signatures: own.collect() }
+    }
+
+    /// All candidates with signatures, the likeliest first.
+    fn singles(&self) -> Vec<Judged> {
+        let known: BTreeSet<usize> = self.signatures.iter().map(|s| s.candidate).collect();
+        let mut singles: Vec<Judged> = known.into_iter().map(|c| self.screened(self.single(c))).collect();
+        singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        singles
+    }
+
+    /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and at the places
+    /// beside.
+    fn look_closer(&mut self, tell: &mut dyn FnMut(usize, usize)) {
+        let mut trials: Vec<Trial> = Vec::new();
+        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        let candidates = self.simulator.candidates();
+        let worth = WORTH * (self.excess - 1.0).max(0.0);
+        for judged in self.singles().iter().filter(|j| self.excess - j.excess > worth) {
+            let candidate = judged.fitted.hypothesis.members[0];
+            if seen.len() >= LOOKED_AT || !seen.insert(&candidates[candidate].effect) {
+                continue;
+            }
+            let ([own], [size]) = (&judged.fitted.hypothesis.signatures[..], &judged.fitted.strengths[..]) else {
+                continue;
+            };
+            let Signature { strength, size: before, .. } = self.signatures[*own];
+            if *size != 0.0 && !(0.6..1.6).contains(&(size / before)) {
+                trials.push(Trial { candidate, strength, size: *size });
+            }
+            let size = if *size == 0.0 { before } else { *size };
+            let beside = (0..candidates.len()).filter(|c| candidates[*c].beside == Some(candidate));
+            trials.extend(beside.map(|candidate| Trial { candidate, strength, size }));
+        }
+        let of = trials.len();
+        let taken = screen::take(self.simulator, &self.evidence, &trials, &mut |done| tell(done, of));
+        for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
+            let same = |s: &Signature| (s.candidate, s.strength) == (signature.candidate, signature.strength);
+            match self.signatures.iter().position(same) {
+                Some(k) => self.signatures[k] = signature,
+                None => self.signatures.push(signature),
+            }
+        }
+    }
+
     pub fn candidates(&self) -> &[Candidate] {
         self.simulator.candidates()
     }
@@ -122,7 +174,8 @@ impl Court<'_> {
             names.len().max(1) as f64
         };
         let members = &fitted.hypothesis.members;
-        let sites = |c: usize| candidates.iter().filter(|o| o.effect == candidates[c].effect).count() as f64;
+        let alike = |c: usize, o: &Candidate| o.beside.is_none() && o.effect == candidates[c].effect;
+        let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
         let prior = trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared;
         let strengths = fitted.strengths.len() as f64;

@@ -132,6 +132,11 @@ impl Evidence {
         found.map_or_else(|| vec![0.0; self.nuisances], |x| x.rows(0, self.nuisances).iter().copied().collect())
     }
 
+    /// How many features are used.
+    pub fn features(&self) -> usize {
+        self.rows.len()
+    }
+
     /// Mean square of a projected residual over that of honest laps.
     pub fn excess(&self, residual: &DVector<f64>) -> f64 {
         residual.norm_squared() / self.rows.len().max(1) as f64 / self.honest

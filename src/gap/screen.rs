@@ -1,84 +1,127 @@
 //! The fast screen: what each effect's signature explains, alone and in pairs, with the nuisances projected out.
 
 use super::evidence::Evidence;
-use super::simulator::{Applied, Candidate, Request, Simulator};
+use super::simulator::{Applied, Candidate, Frame, Request, Simulator};
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
 
-/// A signature is taken where it is at least so many times the floor, root mean square over the features that it changes most.
+/// A signature is taken where it is at least so many times the floor in the feature that it changes most.
 const CLEAR: f64 = 4.0;
 
+/// Sizes at which a signature is taken at most, each at most so many times the one before.
+const ROUNDS: usize = 3;
+const MOST_MORE: f64 = 12.0;
+
 /// What a strength of a candidate changes, over all runs.
+#[derive(Clone)]
 pub struct Signature {
     pub candidate: usize,
     pub strength: usize,
-    /// Of each run, of one unit of the strength; empty where the run could not be simulated.
+    /// The strength it was taken at.
+    pub size: f64,
+    /// Of each run, of one unit of the strength; all 0 where the run could not be simulated.
     pub change: Vec<Vec<f64>>,
     /// The same whitened and projected.
     pub columns: Vec<DVector<f64>>,
 }
 
-/// Signatures of all candidates' strengths, at a size at which they are clear.
+/// A strength of a candidate at a size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    pub candidate: usize,
+    pub strength: usize,
+    pub size: f64,
+}
+
+/// Signatures of all strengths of the candidates that stand for themselves, at a size at which they are clear.
 pub fn signatures(
     simulator: &dyn Simulator,
     evidence: &[Evidence],
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Signature> {
     let candidates = simulator.candidates();
-    let jobs: Vec<(usize, usize)> =
-        (0..candidates.len()).flat_map(|c| (0..candidates[c].strengths.len()).map(move |s| (c, s))).collect();
-    let mut sizes: Vec<f64> = jobs.iter().map(|&(c, s)| candidates[c].strengths[s].trial).collect();
-    let mut found: Vec<Option<Signature>> = jobs.iter().map(|_| None).collect();
-    let mut open: Vec<usize> = (0..jobs.len()).collect();
-    for round in 0..3 {
+    let alone = (0..candidates.len()).filter(|c| candidates[*c].beside.is_none());
+    let mut trials: Vec<Trial> = alone
+        .flat_map(|candidate| {
+            let strengths = candidates[candidate].strengths.iter().enumerate();
+            strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
+        })
+        .collect();
+    let all = trials.len();
+    let mut found: BTreeMap<(usize, usize), Signature> = BTreeMap::new();
+    for round in 0..ROUNDS {
         let mut again = Vec::new();
-        for part in open.chunks(8) {
-            tell(jobs.len() - open.len() + part.len().min(open.len()), jobs.len());
-            let requests: Vec<Request> = part
-                .iter()
-                .flat_map(|&job| {
-                    let (c, s) = jobs[job];
-                    let applied = alone(candidates, c, s, sizes[job]);
-                    (0..evidence.len()).map(move |run| Request {
-                        run,
-                        step: Vec::new(),
-                        effects: vec![applied.clone()],
-                    })
-                })
-                .collect();
-            let answers = simulator.simulate_all(&requests);
-            for (&job, answers) in part.iter().zip(answers.chunks(evidence.len().max(1))) {
-                let (c, s) = jobs[job];
-                let frames = simulator.frames();
-                let size = sizes[job];
-                let change: Vec<Vec<f64>> = answers
-                    .iter()
-                    .zip(frames)
-                    .map(|(answer, frame)| {
-                        let Some(answer) = answer else { return vec![0.0; frame.nominal.len()] };
-                        answer.iter().zip(&frame.nominal).map(|(a, b)| (a - b) / size).collect()
-                    })
-                    .collect();
-                let columns: Vec<DVector<f64>> = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
-                let largest = columns.iter().map(|c| c.amax()).fold(0.0, f64::max) * size;
-                let high = candidates[c].strengths[s].high;
-                let larger = (size * (1.5 * CLEAR / largest.max(1e-9)).min(50.0)).min(0.5 * high);
-                if largest < CLEAR && round < 2 && larger > 2.0 * size && answers.iter().all(Option::is_some) {
-                    sizes[job] = larger;
-                    again.push(job);
-                }
-                found[job] = Some(Signature { candidate: c, strength: s, change, columns });
+        let before = all - trials.len();
+        let taken = take(simulator, evidence, &trials, &mut |done| tell(before + done, all));
+        for (trial, (signature, whole)) in trials.iter().zip(taken) {
+            let strength = &candidates[trial.candidate].strengths[trial.strength];
+            let asked = asked(&signature, evidence, (strength.low, strength.high));
+            if round + 1 < ROUNDS && whole && !(0.5..2.0).contains(&(asked / trial.size)) {
+                again.push(Trial { size: asked, ..*trial });
+            }
+            if whole || round == 0 {
+                found.insert((trial.candidate, trial.strength), signature);
             }
         }
-        open = again;
+        trials = again;
     }
-    found.into_iter().flatten().collect()
+    found.into_values().collect()
+}
+
+/// The strength at which an effect does as much as there is to explain, and is clear: few effects are linear, and power grows
+/// with the square at first.
+fn asked(signature: &Signature, evidence: &[Evidence], (low, high): (f64, f64)) -> f64 {
+    let (mut own, mut gap, mut along) = (0.0, 0.0, 0.0);
+    let mut largest: f64 = 0.0;
+    for (column, evidence) in signature.columns.iter().zip(evidence) {
+        own += column.norm_squared();
+        gap += evidence.residual.norm_squared() - evidence.honest * evidence.features() as f64;
+        along += column.dot(&evidence.residual);
+        largest = largest.max(column.amax());
+    }
+    let size = (gap.max(0.0) / own.max(1e-300)).sqrt().max(1.5 * CLEAR / largest.max(1e-300));
+    let most = MOST_MORE * signature.size.abs();
+    let size = size.clamp(signature.size.abs(), most);
+    if along < 0.0 && low < 0.0 { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
+}
+
+/// The signature of each trial, and whether every run could be simulated with it.
+pub fn take(
+    simulator: &dyn Simulator,
+    evidence: &[Evidence],
+    trials: &[Trial],
+    tell: &mut dyn FnMut(usize),
+) -> Vec<(Signature, bool)> {
+    let (candidates, frames) = (simulator.candidates(), simulator.frames());
+    let mut found = Vec::with_capacity(trials.len());
+    for part in trials.chunks(8) {
+        tell(found.len() + part.len());
+        let with = |trial: &Trial| {
+            let effects = vec![applied(candidates, trial)];
+            (0..evidence.len()).map(move |run| Request { run, step: Vec::new(), effects: effects.clone() })
+        };
+        let requests: Vec<Request> = part.iter().flat_map(with).collect();
+        let answers = simulator.simulate_all(&requests);
+        for (trial, answers) in part.iter().zip(answers.chunks(evidence.len().max(1))) {
+            let one = |(answer, frame): (&Option<Vec<f64>>, &Frame)| match answer {
+                Some(answer) => answer.iter().zip(&frame.nominal).map(|(a, b)| (a - b) / trial.size).collect(),
+                None => vec![0.0; frame.nominal.len()],
+            };
+            let change: Vec<Vec<f64>> = answers.iter().zip(frames).map(one).collect();
+            let columns = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
+            let Trial { candidate, strength, size } = *trial;
+            let whole = answers.iter().all(Option::is_some);
+            found.push((Signature { candidate, strength, size, change, columns }, whole));
+        }
+    }
+    found
 }
 
 /// A candidate with one of its strengths.
-fn alone(candidates: &[Candidate], c: usize, s: usize, size: f64) -> Applied {
-    let mut strengths = vec![0.0; candidates[c].strengths.len()];
-    strengths[s] = size;
-    Applied { candidate: c, strengths }
+fn applied(candidates: &[Candidate], trial: &Trial) -> Applied {
+    let mut strengths = vec![0.0; candidates[trial.candidate].strengths.len()];
+    strengths[trial.strength] = trial.size;
+    Applied { candidate: trial.candidate, strengths }
 }
 
 /// Strengths that explain most together, linearly, and what is left of each run.

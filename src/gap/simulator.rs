@@ -51,8 +51,8 @@ pub struct Candidate {
     pub strengths: Vec<Strength>,
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
-    /// A candidate like it that must not explain anything: its places permuted or its phase scrambled.
-    pub placebo: Option<usize>,
+    /// The candidate beside which it stands: it is looked at only where that one explains something.
+    pub beside: Option<usize>,
 }
 
 /// A strength of an effect.

@@ -59,6 +59,8 @@ pub struct Recipe {
     pub(super) high: (usize, usize),
     /// Lines of each order that is looked at besides: of wheels and motors.
     pub(super) orders: Vec<(usize, usize)>,
+    /// Whether fluctuation is looked at cell by cell besides.
+    pub local: bool,
 }
 
 impl Recipe {
@@ -86,6 +88,7 @@ impl Recipe {
             bands,
             high,
             orders: Vec::new(),
+            local: false,
         }
     }
 

@@ -361,6 +361,7 @@ fn block_name(block: Block) -> String {
         Block::Share(k) => of("distribution", k),
         Block::Power(k) => of("spectrum", k),
         Block::Order(k) => of("orders", k),
+        Block::Local(k) => of("spread by place", k),
         Block::SpeedPower => "spectrum of the chain's speed".to_owned(),
     }
 }

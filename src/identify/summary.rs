@@ -13,7 +13,7 @@ pub use super::recipe::{BANDS, FORCES, Recipe, Samples, THRESHOLDS};
 /// Sums over samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    cells: Vec<[(f64, f64); FORCES]>,
+    cells: Vec<[[f64; 3]; FORCES]>,
     zones: Vec<[[f64; 3]; FORCES]>,
     below: [[[f64; THRESHOLDS + 1]; FORCES]; KINDS],
     power: [[f64; BANDS]; FORCES],
@@ -23,6 +23,7 @@ pub struct Summary {
     speed_segments: f64,
     speed: (f64, f64),
     orders: Vec<[f64; FORCES]>,
+    local: bool,
 }
 
 /// A group of features of one kind and force, which share what the model may miss.
@@ -40,13 +41,15 @@ pub enum Block {
     SpeedPower,
     /// Power at orders of wheels and motors.
     Order(usize),
+    /// Deviation within each cell.
+    Local(usize),
 }
 
 impl Block {
     /// How many laps of a run a feature is a mean over: what belongs to a place is measured once or not at all.
     pub fn laps(self, laps: f64) -> f64 {
         match self {
-            Block::Mean(_) | Block::Spread(_) => laps.max(1.0),
+            Block::Mean(_) | Block::Spread(_) | Block::Local(_) => laps.max(1.0),
             _ => laps,
         }
     }
@@ -56,7 +59,7 @@ impl Summary {
     pub fn new(recipe: &Recipe) -> Self {
         let places = &recipe.places;
         Summary {
-            cells: vec![[(0.0, 0.0); FORCES]; places.cells],
+            cells: vec![[[0.0; 3]; FORCES]; places.cells],
             zones: vec![[[0.0; 3]; FORCES]; places.zones.len()],
             below: Default::default(),
             power: Default::default(),
@@ -66,6 +69,7 @@ impl Summary {
             speed_segments: 0.0,
             speed: (0.0, 0.0),
             orders: vec![[0.0; FORCES]; recipe.orders.len()],
+            local: recipe.local,
         }
     }
 
@@ -115,12 +119,10 @@ impl Summary {
                     begin += 1;
                 }
                 let cell = &mut self.cells[Places::cell(part as usize)][force];
-                cell.0 += n;
-                cell.1 += sum;
                 let zone = &mut self.zones[places.zone(part as usize)][force];
-                zone[0] += n;
-                zone[1] += sum;
-                zone[2] += squares;
+                for sums in [cell, zone] {
+                    sums.iter_mut().zip([n, sum, squares]).for_each(|(all, x)| *all += x);
+                }
             }
         }
         for v in samples.speed.iter().filter(|v| !v.is_nan()) {
@@ -171,11 +173,11 @@ impl Summary {
 
     /// Adds another summary of the same recipe.
     pub fn merge(&mut self, other: &Summary) {
-        for (a, b) in self.cells.iter_mut().flatten().zip(other.cells.iter().flatten()) {
-            *a = (a.0 + b.0, a.1 + b.1);
-        }
         let add = |a: &mut f64, b: &f64| *a += b;
         let pairs = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| add(a, b));
+        for (a, b) in self.cells.iter_mut().flatten().zip(other.cells.iter().flatten()) {
+            pairs(a, b);
+        }
         for (a, b) in self.zones.iter_mut().flatten().zip(other.zones.iter().flatten()) {
             pairs(a, b);
         }
@@ -208,7 +210,7 @@ impl Summary {
 
     /// Mean of a force over all samples, N.
     pub fn mean(&self, force: usize) -> Option<f64> {
-        let (n, sum) = self.cells.iter().fold((0.0, 0.0), |a, c| (a.0 + c[force].0, a.1 + c[force].1));
+        let (n, sum) = self.cells.iter().fold((0.0, 0.0), |a, c| (a.0 + c[force][0], a.1 + c[force][1]));
         (n > 0.0).then(|| sum / n)
     }
 
@@ -217,14 +219,15 @@ impl Summary {
     pub fn features(&self, least: f64) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
         for force in 0..FORCES {
-            out.extend(self.cells.iter().map(|c| if c[force].0 >= least { c[force].1 / c[force].0 } else { f64::NAN }));
+            let mean = |[n, sum, _]: [f64; 3]| if n >= least { sum / n } else { f64::NAN };
+            out.extend(self.cells.iter().map(|c| mean(c[force])));
         }
+        let spread = |[n, sum, squares]: [f64; 3]| {
+            let variance = squares / n - sum / n * (sum / n);
+            if n >= least && variance > 0.0 { 0.5 * trig::ln(variance) } else { f64::NAN }
+        };
         for force in 0..FORCES {
-            out.extend(self.zones.iter().map(|z| {
-                let [n, sum, squares] = z[force];
-                let variance = squares / n - sum / n * (sum / n);
-                if n >= least && variance > 0.0 { 0.5 * trig::ln(variance) } else { f64::NAN }
-            }));
+            out.extend(self.zones.iter().map(|z| spread(z[force])));
         }
         for force in 0..FORCES {
             for kind in &self.below {
@@ -241,6 +244,9 @@ impl Summary {
         for force in 0..FORCES {
             out.extend(self.orders.iter().map(|p| power(p[force], self.segments[force])));
         }
+        for force in (0..FORCES).filter(|_| self.local) {
+            out.extend(self.cells.iter().map(|c| spread(c[force])));
+        }
         out
     }
 
@@ -253,7 +259,8 @@ impl Summary {
             }
         }
         out.extend([0.0; FORCES * BANDS + SPEED_BANDS]);
-        out.extend(vec![0.0; FORCES * self.orders.len()]);
+        let local = if self.local { self.cells.len() } else { 0 };
+        out.extend(vec![0.0; FORCES * (self.orders.len() + local)]);
         out
     }
 
@@ -267,6 +274,8 @@ impl Summary {
         (0..FORCES).for_each(|f| out.extend(vec![Block::Power(f); BANDS]));
         out.extend(vec![Block::SpeedPower; SPEED_BANDS]);
         (0..FORCES).for_each(|f| out.extend(vec![Block::Order(f); recipe.orders.len()]));
+        let local = if recipe.local { places.cells } else { 0 };
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Local(f); local]));
         out
     }
 }

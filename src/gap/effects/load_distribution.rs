@@ -36,6 +36,6 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
 }
 
 fn loads(_: &Simulation) -> Vec<Site> {
-    let site = |on: f64, words: &str| Site { words: words.to_owned(), fixed: vec![("on_sensor", on)], extent: None };
+    let site = |on: f64, words: &str| Site { words: words.to_owned(), fixed: vec![("on_sensor", on)] };
     vec![site(0.0, "on other carts"), site(1.0, "on all carts")]
 }

@@ -13,7 +13,7 @@ mod load_distribution;
 mod motor_imbalance;
 mod motor_ripple;
 mod pitch_wear;
-mod rail_step;
+pub mod rail_step;
 mod sensor_bias_drift;
 mod sensor_clipping;
 mod sensor_crosstalk;
@@ -187,7 +187,7 @@ impl Effect {
     /// SI unit of what says its place; `None` of what does not.
     pub fn place_unit(&self, name: &str) -> Option<&'static str> {
         let (name, _) = self.places.iter().find(|(n, _)| *n == name)?;
-        Some(if ["at", "span", "wavelength"].contains(name) { "m" } else { "" })
+        Some(if ["at", "back", "rise", "span", "wavelength"].contains(name) { "m" } else { "" })
     }
 
     /// Whether it is one of the sensors.

@@ -31,11 +31,15 @@ fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {
 
 fn wavelengths(simulation: &Simulation) -> Vec<Site> {
     let length = simulation.motors.length_m;
-    let each = [0.5, 0.2, 0.1, 0.05].map(|share| share * length);
-    let site = |wavelength: f64| Site {
-        words: format!("every {:.0} mm", 1e3 * wavelength),
-        fixed: vec![("wavelength", wavelength)],
-        extent: None,
-    };
-    each.into_iter().map(site).collect()
+    [0.5, 0.2, 0.1, 0.05].map(|share| site(share * length)).to_vec()
+}
+
+fn site(wavelength: f64) -> Site {
+    Site { words: format!("every {:.0} mm", 1e3 * wavelength), fixed: vec![("wavelength", wavelength)] }
+}
+
+/// Wavelengths between this one and the next.
+pub fn beside(ripple: &Site) -> Vec<(Site, Vec<Site>)> {
+    let Some(wavelength) = ripple.of("wavelength") else { return Vec::new() };
+    [0.7, 0.85, 1.18, 1.43].map(|share| (site(share * wavelength), Vec::new())).to_vec()
 }

@@ -1,10 +1,11 @@
-//! A step where two elements of the track meet: the rail is off by h behind the joint and comes back over the next 2 m. A wheel of radius r
-//! climbs it over √(2rh), which is less than the 25 mm of the profile's points (Johnson 1985). Rail 1 is the steering wheels' (to the
-//! left), 2 the left and 3 the right running wheel's.
+//! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes back over the next
+//! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985), and the profile's points
+//! lie 25 mm apart: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
 //!
 //! Signature: a blow at one place of the track, in the channels of one side.
 
-use super::{Act, Effect, Strength, Strengths, add_profile, sites};
+use super::sites::{self, Site};
+use super::{Act, Effect, Strength, Strengths, add_profile};
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
 
@@ -20,20 +21,46 @@ pub const EFFECT: Effect = Effect {
         low: -5e-3,
         high: 5e-3,
     }],
-    places: &[("at", 0.0), ("rail", 2.0)],
+    places: &[("at", 0.0), ("rail", 2.0), ("rise", RISE), ("back", BACK)],
     sites: sites::everywhere,
     act: Act::Chain(act),
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let (height, at) = (strengths.of("height"), strengths.of("at"));
+    let (rise, back) = (strengths.of("rise").max(1e-6), strengths.of("back").max(0.05));
     let lap = simulation.track.centre_line().length;
     let rail = strengths.index("rail").min(2);
     add_profile(&mut deviations.rails[rail], lap, |s| {
         let past = (s - at).rem_euclid(lap);
-        if past < BACK { height * (1.0 - past / BACK) } else { 0.0 }
+        if past < back { height * (past / rise).min(1.0) * (1.0 - past / back) } else { 0.0 }
     });
 }
 
-/// Length over which the rail comes back, m.
-const BACK: f64 = 2.0;
+/// Lengths over which the rail goes off and comes back when nothing is said, m.
+pub const RISE: f64 = 0.05;
+pub const BACK: f64 = 2.0;
+
+/// A step of a rail, counted from 0, at an arc length, with its lengths, m.
+pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
+    let name = ["steering rail", "left rail", "right rail"][rail.min(2)];
+    Site {
+        words: format!("{name} at {at:.1} m"),
+        fixed: vec![("at", at), ("rail", rail as f64 + 1.0), ("rise", rise), ("back", back)],
+    }
+}
+
+/// Steps within a cell's length of one, and beside each of them such as are sharper or smoother, come back sooner or later, or lie
+/// between.
+pub fn beside(step: &Site, cell: f64) -> Vec<(Site, Vec<Site>)> {
+    let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };
+    let rail = (rail - 1.0).max(0.0) as usize;
+    let further = |at: f64| {
+        let shapes = [(0.5, 1.0), (3.0, 1.0), (1.0, 0.25), (1.0, 0.5), (1.0, 2.5)];
+        let shaped = shapes.map(|(rise, back)| site(at, rail, rise * RISE, back * BACK));
+        let between = [-0.125, 0.125].map(|share| site(at + share * cell, rail, RISE, BACK));
+        shaped.into_iter().chain(between).collect()
+    };
+    let near = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0].map(|share| at + share * cell);
+    near.map(|at| (site(at, rail, RISE, BACK), further(at))).to_vec()
+}

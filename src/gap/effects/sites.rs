@@ -1,5 +1,6 @@
 //! Where effects may sit in a layout.
 
+use super::{Effect, motor_ripple, rail_step};
 use crate::emit::simulation::{Piece, Simulation};
 use crate::signal::Channel;
 
@@ -8,22 +9,35 @@ use crate::signal::Channel;
 pub struct Site {
     pub words: String,
     pub fixed: Vec<(&'static str, f64)>,
-    /// Index of the site with which a placebo is made, where there is one.
-    pub extent: Option<(f64, f64)>,
+}
+
+/// Places beside one at which an effect explains something, each with those beside it in turn. `cell` is the length over which means
+/// are taken, m.
+pub fn beside(effect: &Effect, site: &Site, cell: f64) -> Vec<(Site, Vec<Site>)> {
+    match effect.name {
+        "rail_step" => rail_step::beside(site, cell),
+        "motor_ripple" => motor_ripple::beside(site),
+        _ => Vec::new(),
+    }
+}
+
+impl Site {
+    /// A number that says the place.
+    pub fn of(&self, name: &str) -> Option<f64> {
+        self.fixed.iter().find(|(n, _)| *n == name).map(|(_, x)| *x)
+    }
 }
 
 /// An effect without a place.
 pub fn everywhere(_: &Simulation) -> Vec<Site> {
-    vec![Site { words: String::new(), fixed: Vec::new(), extent: None }]
+    vec![Site { words: String::new(), fixed: Vec::new() }]
 }
 
 /// Each motor.
 pub fn motors(simulation: &Simulation) -> Vec<Site> {
-    let length = simulation.motors.length_m;
     let site = |(k, s): (usize, &f64)| Site {
         words: format!("motor {} at {:.1} m", k + 1, s),
         fixed: vec![("motor", k as f64 + 1.0)],
-        extent: Some((*s, s + length)),
     };
     simulation.motors.s_m.iter().enumerate().map(site).collect()
 }
@@ -52,18 +66,14 @@ pub fn each_curve(simulation: &Simulation) -> Vec<Site> {
     let site = |(k, from, to): (usize, f64, f64)| Site {
         words: format!("curve {k}, {from:.1} to {to:.1} m"),
         fixed: vec![("curve", k as f64)],
-        extent: Some((from, to)),
     };
     curves(simulation).into_iter().map(site).collect()
 }
 
 /// Each force channel, numbered from 1.
 pub fn channels(_: &Simulation) -> Vec<Site> {
-    let site = |(k, c): (usize, &Channel)| Site {
-        words: c.name().to_owned(),
-        fixed: vec![("channel", k as f64 + 1.0)],
-        extent: None,
-    };
+    let site =
+        |(k, c): (usize, &Channel)| Site { words: c.name().to_owned(), fixed: vec![("channel", k as f64 + 1.0)] };
     Channel::FORCES.iter().enumerate().map(site).collect()
 }
 
@@ -86,6 +96,5 @@ fn pair(a: usize, b: usize, before: &str, between: &str) -> Site {
     Site {
         words: format!("{before} {x} {between} {y}").trim().to_owned(),
         fixed: vec![("first", a as f64 + 1.0), ("second", b as f64 + 1.0)],
-        extent: None,
     }
 }

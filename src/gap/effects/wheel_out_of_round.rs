@@ -48,7 +48,6 @@ fn wheels(_: &Simulation) -> Vec<Site> {
     all.map(|(k, name, shape)| Site {
         words: if shape > 0.5 { format!("{name}, flat spot") } else { (*name).to_owned() },
         fixed: vec![("wheel", k as f64 + 1.0), ("shape", shape)],
-        extent: None,
     })
     .collect()
 }

@@ -179,43 +179,6 @@ pub fn land(
                 continue;
             }
         }
-        if std::env::var("DBG").is_ok() {
-            let r = fitter.residuals(model, &at, &centre, &floor, &numerics);
-            eprintln!("noise {:?}", model.recipe.noise);
-            for (k, b) in fitter.blocks.iter().enumerate() {
-                if *b == Block::Power(4) {
-                    eprintln!(
-                        "  row {k} res {:.4} sd {:.4} centre {:.4} corr {:.4} fresh {:.4} bias {:.4} dev {:.4} unexp {:.5} slope {:.4}",
-                        r.of[k],
-                        r.variance[k].sqrt(),
-                        centre.answer.features[k],
-                        numerics.correction[k],
-                        numerics.doubts[1][k],
-                        floor.bias[k],
-                        floor.deviation[k],
-                        slopes.1.unexplained[k],
-                        slopes.1.slopes[(k, 0)]
-                    );
-                }
-            }
-            let o = fitter.objective(&fitter.residuals(model, &at, &centre, &floor, &numerics));
-            eprintln!(
-                "step {steps} length {length:.2} objective {:.3} {:?}",
-                o.0,
-                o.1.iter().map(|(b, x)| format!("{b:?}:{x:.1}")).collect::<Vec<_>>().join(" ")
-            );
-            for p in Parameter::ALL {
-                let k = p.index();
-                eprint!(
-                    " {}={:.4}+{:.4}/{:.4}",
-                    p.name(),
-                    model.value(p, &at),
-                    found.step[k] * p.reach(),
-                    found.covariance[(k, k)].sqrt() * p.reach()
-                );
-            }
-            eprintln!();
-        }
         if length < SHORT || steps == settings.steps {
             let mut covariance: DMatrix<f64> = DMatrix::from_fn(COUNT, COUNT, |i, j| {
                 found.covariance[(i, j)] * Parameter::ALL[i].reach() * Parameter::ALL[j].reach()
