@@ -53,7 +53,11 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
             diagnostics.extend(Compiled::new(layout.clone(), Vec::new()).heights);
         }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
-            diagnostics.extend(solve::diagnose(&solve::solve(layout, &solve::Options::default(), &|_| {})));
+            diagnostics.extend(solve::diagnose(layout, &solve::solve(layout, &solve::Options::default(), &|_| {})));
+        }
+        (Code::W0705, Ok(Some(layout))) => {
+            let stages = solve::solve(layout, &solve::Options::default(), &|_| {});
+            diagnostics.extend(solve::implied(layout, &stages));
         }
         _ => {}
     }

@@ -35,7 +35,7 @@ pub struct Build {
     /// How diagnostics are written to standard error.
     #[arg(long, value_enum, default_value_t)]
     message_format: MessageFormat,
-    /// Print a stage of the compiler instead of building: the checked layout, or its optimisation problem.
+    /// Print a stage of the compiler instead of building (`model`, `problem`), or write more about the result.
     #[arg(long, value_enum, value_name = "WHAT")]
     emit: Option<Emit>,
     /// Draw start and stages over each other, too: stages.svg and stages.png.
@@ -61,6 +61,12 @@ enum Emit {
     Model,
     /// The optimisation problem, each row with its source line.
     Problem,
+    /// What the layout is still free to do, and what each row at its limit costs; with -o freedom.txt and freedom.json.
+    Freedom,
+    /// The continuous stages for other solvers, with the build: stage1.nl, stage2.nl, names in .row and .col.
+    Nl,
+    /// The discrete stage without building and obstacles for other solvers, with the build: stage3.mps.
+    Mps,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
@@ -116,8 +122,11 @@ impl Build {
             report::print(&problem::print(&Problem::new(layout, Scope::Obstacles), &sources));
             return tell(&sources, &said, self.message_format);
         }
+        if matches!(self.emit, Some(Emit::Nl | Emit::Mps)) && self.output.is_none() {
+            return could_not("write", &self.file, "--emit nl and --emit mps need -o DIR");
+        }
         let compiled = self.solve(layout);
-        said.extend(solve::diagnose(&compiled.stages));
+        said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
         said.extend(compiled.heights.iter().cloned());
         if compiled.heights.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);
@@ -128,8 +137,13 @@ impl Build {
         let new = |d: &Diagnostic| !said.iter().any(|s| s.label.span == d.label.span && !s.is_error());
         let lacking: Vec<Diagnostic> = lacking.into_iter().filter(new).collect();
         said.extend(lacking);
+        if self.output.is_some() && !compiled.failed() {
+            said.extend(solve::implied(&compiled.layout, &compiled.stages));
+        }
+        let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed())
+            .then(|| emit::freedom::Table::new(&compiled, &sources));
         if let Some(folder) = &self.output {
-            let files = match self.files(&compiled) {
+            let files = match self.files(&compiled, freedom.as_ref()) {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", &self.file, why),
             };
@@ -137,7 +151,10 @@ impl Build {
                 return could_not("write", &error.path, &error.reason);
             }
         }
-        self.summarise(&compiled);
+        match &freedom {
+            Some(table) if self.format == OutputFormat::Text => report::print(&table.text),
+            _ => self.summarise(&compiled),
+        }
         tell(&sources, &said, self.message_format)
     }
 
@@ -157,12 +174,17 @@ impl Build {
         Compiled::new(layout.clone(), stages)
     }
 
-    fn files(&self, compiled: &Compiled) -> Result<Files, DrawError> {
+    fn files(&self, compiled: &Compiled, freedom: Option<&emit::freedom::Table>) -> Result<Files, DrawError> {
         let mut files: Files = emit::data_files(compiled).into_iter().chain(emit::drawing_files(compiled)?).collect();
         if self.stages {
             let written = compiled.layout.corners();
             files.push("stages.svg", emit::stages_svg(compiled, &written)?);
             files.push("stages.png", emit::stages_png(compiled, &written)?);
+        }
+        match self.emit {
+            Some(Emit::Nl) => files.extend(emit::outside::nl_files(compiled)),
+            Some(Emit::Mps) => files.extend(emit::outside::mps_files(compiled)),
+            _ => files.extend(freedom.into_iter().flat_map(|table| table.files())),
         }
         Ok(files)
     }

@@ -54,7 +54,7 @@ pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Res
         return Err(tell(&sources, &said, format));
     }
     let compiled = build::solve_quietly(&layout);
-    said.extend(crate::solve::diagnose(&compiled.stages));
+    said.extend(crate::solve::diagnose(&compiled.layout, &compiled.stages));
     // The bill does not matter here.
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
     match tell(&sources, &said, format) {

@@ -98,6 +98,7 @@ codes! {
     W0702 "turn-outside-limits",
     W0703 "radius-outside-limits",
     W0704 "redundant-statement",
+    W0705 "implied-constraint",
     W0710 "not-in-catalog",
     W0711 "heights-not-billed",
 }

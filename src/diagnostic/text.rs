@@ -63,7 +63,8 @@ impl Report {
         let home = diagnostic.label.span.file;
         let shown = &diagnostic.related[..diagnostic.related.len().min(MOST_RELATED)];
         let mut labels = vec![&diagnostic.label];
-        labels.extend(shown.iter().filter(|l| l.span.file == home));
+        // The main place is not said twice where it stands among the others, too.
+        labels.extend(shown.iter().filter(|l| l.span.file == home && **l != diagnostic.label));
         let mut reports = vec![Report {
             code: Some(format!("{} {}", diagnostic.code.as_str(), diagnostic.code.name())),
             severity: match diagnostic.severity() {

@@ -7,12 +7,14 @@ pub mod dxf;
 mod files;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod freedom;
 pub mod gap;
 pub mod identification;
 pub mod json;
 pub mod lap;
 pub mod layout;
 pub mod number;
+pub mod outside;
 mod plan;
 pub mod png;
 mod schemas;

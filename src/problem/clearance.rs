@@ -2,43 +2,123 @@
 //!
 //! A row stays valid while the nearest point slides from one part of the track to the next, because the signed
 //! distance to a smooth curve is itself smooth there: every evaluation picks the part beside the corner anew among
-//! the neighbours of the part the row was found at.
+//! the neighbours of the part the row was found at. What it picked is a [`Form`], which other readers of the problem
+//! share.
 
 use super::expansion::Expansion;
 use super::jet::{Jet, Vector};
 use super::measures::{self, AtVertex, Measures};
-use crate::geometry::clearance::{Approach, Feature, Part, Region, offset};
+use crate::geometry::clearance::{Approach, Edge, Feature, Part, Region, offset};
 use crate::geometry::proximity::Meeting;
 use crate::geometry::{Point, Track};
 
 /// How many parts before and after the one a row was found at are searched for the nearest point.
 const WINDOW: usize = 2;
 
-/// Signed distance from the centre line to the region at this approach, m.
-pub fn distance(region: &Region, approach: &Approach, track: &Track, measures: &Measures, signs: &[f64]) -> Expansion {
+/// The closed form of a clearance row where the track runs now.
+#[derive(Clone, Copy, Debug)]
+pub enum Form {
+    /// Offset of a region's corner from a section's line, towards the side where the region lies.
+    CornerAtLine { section: usize, corner: Point, lies: f64 },
+    /// The same from the circle of the fillet at a vertex.
+    CornerAtCircle { vertex: usize, corner: Point, lies: f64 },
+    /// Height of a spot of an arc over a region's edge.
+    ArcOverEdge { vertex: usize, edge: Edge, spot: Spot },
+    /// Distance of a spot of an arc from a section's line, on one side of it.
+    ArcAtLine { arc: usize, section: usize, side: f64, spot: Spot },
+    /// Distance between an arc and the one it bulges towards, or within which it lies.
+    Arcs { arc: usize, other: usize, within: bool },
+}
+
+/// Where an arc comes closest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spot {
+    /// Beside the centre.
+    Crest,
+    Begin,
+    End,
+}
+
+/// The form of an approach to a region.
+pub fn form(region: &Region, approach: &Approach, track: &Track) -> Form {
     match approach.feature {
         Feature::Corner(i) => {
-            let q = region.polygon.points()[i];
-            let part = nearest_part(track, approach.part, q);
-            lateral(part, q, measures, signs).scale(region.lies)
+            let (corner, lies) = (region.polygon.points()[i], region.lies);
+            match nearest_part(track, approach.part, corner) {
+                Part::Straight(section) => Form::CornerAtLine { section, corner, lies },
+                Part::Arc(vertex) => Form::CornerAtCircle { vertex, corner, lies },
+            }
         }
         Feature::Edge(i) => {
             let Part::Arc(vertex) = approach.part else { unreachable!("edges are approached by arcs only") };
             let edge = region.edge(i);
             let fillet = &track.fillets[vertex];
-            let normal = edge.normal;
-            let toward = |v: Vector<7>| {
-                (v.x + Jet::constant(-edge.begin.x)).scale(normal.x)
-                    + (v.y + Jet::constant(-edge.begin.y)).scale(normal.y)
+            let height = |p: Point| edge.normal.dot(p - edge.begin);
+            let spot = match fillet.faces(-edge.normal) {
+                true => Spot::Crest,
+                false if height(fillet.begin) < height(fillet.end) => Spot::Begin,
+                false => Spot::End,
             };
-            // The arc's lowest point over the edge: beside the centre, or an end of the arc.
-            if fillet.faces(-normal) {
-                let radius = Jet::variable(fillet.radius, 4);
-                measures.at(vertex, |m| toward(m.centre) - radius)
-            } else if normal.dot(fillet.begin - edge.begin) < normal.dot(fillet.end - edge.begin) {
-                measures.at(vertex, |m| toward(m.begin))
-            } else {
-                measures.at(vertex, |m| toward(m.end))
+            Form::ArcOverEdge { vertex, edge, spot }
+        }
+    }
+}
+
+/// The form of a meeting of the track with itself.
+pub fn own_form(meeting: &Meeting, track: &Track, signs: &[f64]) -> Form {
+    let (arc, side) = (meeting.arc, meeting.side);
+    match meeting.other {
+        Part::Straight(section) => {
+            let (a, b) = (track.corners[section].point, track.corners[(section + 1) % track.corners.len()].point);
+            let (fillet, towards) = (&track.fillets[arc], (b - a).left() * -side);
+            let away = |p: Point| -towards.dot(p - a);
+            let spot = match fillet.faces(towards) {
+                true => Spot::Crest,
+                false if away(fillet.begin) < away(fillet.end) => Spot::Begin,
+                false => Spot::End,
+            };
+            Form::ArcAtLine { arc, section, side, spot }
+        }
+        Part::Arc(other) => Form::Arcs { arc, other, within: side == signs[other] },
+    }
+}
+
+/// The signed distance, m, with its derivatives.
+pub fn distance(form: &Form, measures: &Measures, signs: &[f64]) -> Expansion {
+    match *form {
+        Form::CornerAtLine { section, corner, lies } => {
+            let [a, b] = measures.section_ends(section);
+            let to_corner = Vector { x: Jet::constant(corner.x) - a.x, y: Jet::constant(corner.y) - a.y };
+            let jet = (b - a).cross(&to_corner) * measures.sections[section].reciprocal();
+            Expansion::from_jet(&jet, &measures.section_variables(section)).scale(lies)
+        }
+        Form::CornerAtCircle { vertex, corner, lies } => {
+            let lateral = measures.at(vertex, |m| {
+                let from =
+                    Vector { x: m.centre.x + Jet::constant(-corner.x), y: m.centre.y + Jet::constant(-corner.y) };
+                (Jet::variable(measures.corners[vertex].radius, 4) - from.norm()).scale(signs[vertex])
+            });
+            lateral.scale(lies)
+        }
+        Form::ArcOverEdge { vertex, edge, spot } => {
+            let height = |v: Vector<7>| {
+                (v.x + Jet::constant(-edge.begin.x)).scale(edge.normal.x)
+                    + (v.y + Jet::constant(-edge.begin.y)).scale(edge.normal.y)
+            };
+            let radius = Jet::variable(measures.corners[vertex].radius, 4);
+            measures.at(vertex, |m| match spot {
+                Spot::Crest => height(m.centre) - radius,
+                Spot::Begin => height(m.begin),
+                Spot::End => height(m.end),
+            })
+        }
+        Form::ArcAtLine { arc, section, side, spot } => arc_at_line(arc, section, side, spot, measures),
+        Form::Arcs { arc, other, within } => {
+            let between = between_centres(arc, other, measures);
+            let radius = |v: usize| Expansion::variable(measures.corners[v].radius, measures::radius(v));
+            match within {
+                true => radius(other).sub(&between).sub(&radius(arc)),
+                false => between.sub(&radius(other)).sub(&radius(arc)),
             }
         }
     }
@@ -56,58 +136,30 @@ fn nearest_part(track: &Track, anchor: Part, q: Point) -> Part {
         .map_or(anchor, |(part, _)| part)
 }
 
-/// Lateral offset of `q` from the line or circle of a part, m, left positive.
-fn lateral(part: Part, q: Point, measures: &Measures, signs: &[f64]) -> Expansion {
-    match part {
-        Part::Straight(i) => {
-            let [a, b] = measures.section_ends(i);
-            let along = b - a;
-            let to_q = Vector { x: Jet::constant(q.x) - a.x, y: Jet::constant(q.y) - a.y };
-            let jet = along.cross(&to_q) * measures.sections[i].reciprocal();
-            Expansion::from_jet(&jet, &measures.section_variables(i))
-        }
-        Part::Arc(i) => measures.at(i, |m| {
-            let from_q = Vector { x: m.centre.x + Jet::constant(-q.x), y: m.centre.y + Jet::constant(-q.y) };
-            (Jet::variable(measures.corners[i].radius, 4) - from_q.norm()).scale(signs[i])
-        }),
+/// x and y of a point that belongs to a vertex.
+fn coordinates(vertex: usize, pick: fn(&AtVertex) -> Vector<7>, measures: &Measures) -> (Expansion, Expansion) {
+    (measures.at(vertex, |m| pick(m).x), measures.at(vertex, |m| pick(m).y))
+}
+
+fn arc_at_line(arc: usize, section: usize, side: f64, spot: Spot, measures: &Measures) -> Expansion {
+    let (x, y) = match spot {
+        Spot::Crest => coordinates(arc, |m| m.centre, measures),
+        Spot::Begin => coordinates(arc, |m| m.begin, measures),
+        Spot::End => coordinates(arc, |m| m.end, measures),
+    };
+    let [a, b] = measures.section_ends(section);
+    let along = (b - a).times(&measures.sections[section].reciprocal());
+    let on_line = |jet: &Jet<4>| Expansion::from_jet(jet, &measures.section_variables(section));
+    let (ux, uy, ax, ay) = (on_line(&along.x), on_line(&along.y), on_line(&a.x), on_line(&a.y));
+    let lateral = ux.mul(&y.sub(&ay)).sub(&uy.mul(&x.sub(&ax))).scale(side);
+    match spot {
+        Spot::Crest => lateral.sub(&Expansion::variable(measures.corners[arc].radius, measures::radius(arc))),
+        Spot::Begin | Spot::End => lateral,
     }
 }
 
-/// Distance between two parts of the centre line, m.
-pub fn own_distance(meeting: &Meeting, track: &Track, measures: &Measures, signs: &[f64]) -> Expansion {
-    let arc = meeting.arc;
-    let coordinates =
-        |v: usize, pick: fn(&AtVertex) -> Vector<7>| (measures.at(v, |m| pick(m).x), measures.at(v, |m| pick(m).y));
-    let (x, y) = coordinates(arc, |m| m.centre);
-    let radius = |v: usize| Expansion::variable(measures.corners[v].radius, measures::radius(v));
-    match meeting.other {
-        Part::Straight(i) => {
-            let [a, b] = measures.section_ends(i);
-            let along = (b - a).times(&measures.sections[i].reciprocal());
-            let on_line = |jet: &Jet<4>| Expansion::from_jet(jet, &measures.section_variables(i));
-            let (ux, uy, ax, ay) = (on_line(&along.x), on_line(&along.y), on_line(&a.x), on_line(&a.y));
-            let lateral =
-                |x: &Expansion, y: &Expansion| ux.mul(&y.sub(&ay)).sub(&uy.mul(&x.sub(&ax))).scale(meeting.side);
-            let straight = track.straight(i);
-            let towards = (straight.end - straight.begin).left() * -meeting.side;
-            if track.fillets[arc].faces(towards) {
-                return lateral(&x, &y).sub(&radius(arc));
-            }
-            // The arc's end that is nearer to the line.
-            let [begin, end] =
-                [coordinates(arc, |m| m.begin), coordinates(arc, |m| m.end)].map(|(x, y)| lateral(&x, &y));
-            if begin.value < end.value { begin } else { end }
-        }
-        Part::Arc(other) => {
-            let (u, v) = coordinates(other, |m| m.centre);
-            let (dx, dy) = (x.sub(&u), y.sub(&v));
-            let squared = dx.mul(&dx).add(&dy.mul(&dy));
-            let between = squared.square_root();
-            if meeting.side == signs[other] {
-                radius(other).sub(&between).sub(&radius(arc))
-            } else {
-                between.sub(&radius(other)).sub(&radius(arc))
-            }
-        }
-    }
+fn between_centres(a: usize, b: usize, measures: &Measures) -> Expansion {
+    let ((x, y), (u, v)) = (coordinates(a, |m| m.centre, measures), coordinates(b, |m| m.centre, measures));
+    let (dx, dy) = (x.sub(&u), y.sub(&v));
+    dx.mul(&dx).add(&dy.mul(&dy)).square_root()
 }

@@ -2,7 +2,7 @@
 
 use super::expansion::Expansion;
 use super::measures::{Measures, to_corners};
-use super::{Function, Problem, clearance, formula};
+use super::{Elastic, Function, LEVER, Problem, clearance, formula};
 use crate::geometry::clearance::{Approach, Feature, Part};
 use crate::geometry::proximity::{self, Meeting};
 use crate::geometry::{Piece, PieceKind, Track, trig};
@@ -98,22 +98,49 @@ impl Problem {
         });
         let mut rows: Vec<RowValue> = listed.collect();
         for key in clearances {
-            let (expansion, low) = match key {
-                RowKey::Listed(_) => continue,
-                RowKey::Clearance(k, feature, part) => {
-                    let keepout = &self.keepouts[k];
-                    let approach = Approach { feature, part, distance: 0.0 };
-                    let region = &keepout.region;
-                    (clearance::distance(region, &approach, &track, &measures, &self.signs), keepout.distance)
-                }
-                RowKey::Own(arc, other, left) => {
-                    let meeting = Meeting { arc, other, side: if left { 1.0 } else { -1.0 }, distance: 0.0 };
-                    (clearance::own_distance(&meeting, &track, &measures, &self.signs), 2.0 * self.half_width)
-                }
-            };
+            let Some((form, low)) = self.clearance(key, &track) else { continue };
+            let expansion = clearance::distance(&form, &measures, &self.signs);
             rows.push(RowValue { key, expansion, low, high: f64::INFINITY });
         }
-        Evaluation { track, objective: measures.track_length(), rows }
+        let objective = match &self.elastic {
+            None => measures.track_length(),
+            Some(elastic) => {
+                let slack = variables.len() - 1;
+                let give = Expansion::variable(variables[slack], slack);
+                rows.iter_mut().for_each(|row| self.give_way(elastic, &give, row));
+                vec![give]
+            }
+        };
+        Evaluation { track, objective, rows }
+    }
+
+    /// Moves an elastic row to its limit's inner side by what the limit gives way.
+    fn give_way(&self, elastic: &Elastic, give: &Expansion, row: &mut RowValue) {
+        let (gives, unit) = match row.key {
+            RowKey::Listed(i) => (elastic.rows.contains(&i), if self.rows[i].angle { 1.0 / LEVER } else { 1.0 }),
+            RowKey::Clearance(k, ..) => (elastic.keepouts.contains(&k), 1.0),
+            RowKey::Own(..) => (false, 1.0),
+        };
+        if gives {
+            let towards = if row.low.is_finite() { unit } else { -unit };
+            row.expansion = row.expansion.add(&give.scale(towards));
+        }
+    }
+
+    /// The form of a clearance row where the track runs, and the least distance, m; `None` for listed rows.
+    pub(super) fn clearance(&self, key: RowKey, track: &Track) -> Option<(clearance::Form, f64)> {
+        match key {
+            RowKey::Listed(_) => None,
+            RowKey::Clearance(k, feature, part) => {
+                let keepout = &self.keepouts[k];
+                let approach = Approach { feature, part, distance: 0.0 };
+                Some((clearance::form(&keepout.region, &approach, track), keepout.distance))
+            }
+            RowKey::Own(arc, other, left) => {
+                let meeting = Meeting { arc, other, side: if left { 1.0 } else { -1.0 }, distance: 0.0 };
+                Some((clearance::own_form(&meeting, track, &self.signs), 2.0 * self.half_width))
+            }
+        }
     }
 
     fn expand(&self, function: &Function, low: f64, high: f64, variables: &[f64], measures: &Measures) -> Expansion {

@@ -3,7 +3,7 @@
 use super::expansion::Expansion;
 use super::jet::Jet;
 use super::measures::{Measures, radius, x, y};
-use crate::geometry::Polygon;
+use crate::geometry::{Point, Polygon};
 use crate::model::{Formula, Target};
 
 /// The polygons that `distance` may name.
@@ -66,12 +66,19 @@ fn pick(mut terms: impl Iterator<Item = Expansion>, better: impl Fn(&Expansion, 
     terms.fold(first, |best, e| if better(&best, &e) { e } else { best })
 }
 
-/// Distance from a vertex to a polygon's outline, negative inside: the language's distance is 0 there, which has no
-/// slope to leave by.
-fn to_outline(vertex: usize, polygon: &Polygon, m: &Measures) -> Expansion {
-    let p = m.corners[vertex].point;
-    let sign = if polygon.contains(p) { -1.0 } else { 1.0 };
-    let nearest = polygon
+/// The part of a polygon's outline that is nearest to a point, and the side the point is on.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    pub foot: Point,
+    /// Unit normal of the edge beside the point, towards it; `None` where a corner is nearest.
+    pub normal: Option<Point>,
+    /// -1 inside the polygon, else 1.
+    pub sign: f64,
+}
+
+/// `None` for a polygon without edges.
+pub fn nearest(polygon: &Polygon, p: Point) -> Option<Nearest> {
+    let (_, foot, along) = polygon
         .edges()
         .map(|(a, b)| {
             let along = b - a;
@@ -79,16 +86,21 @@ fn to_outline(vertex: usize, polygon: &Polygon, m: &Measures) -> Expansion {
             let foot = a.lerp(b, t.clamp(0.0, 1.0));
             (p.distance(foot), foot, (0.0..=1.0).contains(&t).then_some(along * (1.0 / along.norm())))
         })
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, foot, along)) = nearest else { return Expansion::constant(f64::INFINITY) };
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let normal = along.map(|u| if u.cross(p - foot) < 0.0 { -u.left() } else { u.left() });
+    Some(Nearest { foot, normal, sign: if polygon.contains(p) { -1.0 } else { 1.0 } })
+}
+
+/// Distance from a vertex to a polygon's outline, negative inside: the language's distance is 0 there, which has no
+/// slope to leave by.
+fn to_outline(vertex: usize, polygon: &Polygon, m: &Measures) -> Expansion {
+    let p = m.corners[vertex].point;
+    let Some(Nearest { foot, normal, sign }) = nearest(polygon, p) else { return Expansion::constant(f64::INFINITY) };
     let (px, py) = (Jet::<2>::variable(p.x, 0), Jet::<2>::variable(p.y, 1));
     let (dx, dy) = (px + Jet::constant(-foot.x), py + Jet::constant(-foot.y));
-    let jet = match along {
+    let jet = match normal {
         // Beside an edge: the distance to its line.
-        Some(u) => {
-            let normal = if u.cross(p - foot) < 0.0 { -u.left() } else { u.left() };
-            dx.scale(normal.x) + dy.scale(normal.y)
-        }
+        Some(normal) => dx.scale(normal.x) + dy.scale(normal.y),
         None => (dx * dx + dy * dy).sqrt(),
     };
     Expansion::from_jet(&jet.scale(sign), &[x(vertex), y(vertex)])

@@ -26,6 +26,7 @@ impl Problem {
             rows: Vec::new(),
             rotations: Vec::new(),
             keepouts: keepouts(layout, &track, scope),
+            elastic: None,
             half_width: layout.width.value / 2.0,
             places: Places {
                 obstacles: layout.obstacles.iter().map(|o| o.polygon.clone()).collect(),

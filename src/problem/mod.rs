@@ -14,6 +14,8 @@ mod formula;
 mod formulate;
 mod jet;
 pub mod measures;
+pub mod mps;
+pub mod nl;
 mod print;
 
 pub use evaluate::{Evaluation, RowKey, RowValue};
@@ -24,6 +26,7 @@ use crate::geometry::clearance::Region;
 use crate::model::{Formula, Interval};
 use crate::source::Span;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What a stage takes into account (thesis §3.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +54,9 @@ pub struct Problem {
     pub rotations: Vec<usize>,
     #[serde(skip)]
     pub keepouts: Vec<Keepout>,
+    /// `None` when the track's length is minimised.
+    #[serde(skip)]
+    pub elastic: Option<Elastic>,
     /// Half the track's width, m.
     pub half_width: f64,
     pub places: formula::Places,
@@ -91,6 +97,19 @@ pub enum Function {
     },
     Formula(Formula),
 }
+
+/// Limits that give way by one amount s, which is minimised in place of the track's length (Chinneck 2008, ch. 6). It is
+/// the last variable, after those of the vertices. Rows of angles give way by s / [`LEVER`].
+#[derive(Clone, Debug, Default)]
+pub struct Elastic {
+    /// Indices into `Problem::rows`; these rows have one limit each.
+    pub rows: BTreeSet<usize>,
+    /// Indices into `Problem::keepouts`.
+    pub keepouts: BTreeSet<usize>,
+}
+
+/// The length at whose end an angle is worth a shift, m: a typical straight.
+pub const LEVER: f64 = 10.0;
 
 /// A region that the centre line keeps a distance from.
 #[derive(Clone, Debug)]

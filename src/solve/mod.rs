@@ -1,8 +1,10 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
 mod complex;
+mod conflict;
 mod convex;
 mod discrete;
+mod freedom;
 mod outcome;
 mod perturb;
 mod report;
@@ -10,6 +12,8 @@ pub mod sqp;
 mod stages;
 mod subproblem;
 
+pub use conflict::implied;
+pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
 pub use report::diagnose;

@@ -1,16 +1,24 @@
 //! What a solve has to say to the user: rows that no layout meets, as diagnostics on the lines they come from.
 
-use super::{Stage, Status, Violation};
+use super::{Stage, Status, Violation, conflict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::number::trimmed;
 use crate::geometry::trig::PI;
+use crate::model::Layout;
 
 /// Rows named in one message besides the worst.
 const MOST_RELATED: usize = 7;
 
-/// Diagnostics of the last stage: none for a clean result.
-pub fn diagnose(stages: &[Stage]) -> Vec<Diagnostic> {
+/// Diagnostics of the last stage: none for a clean result. Where constraints contradict each other, the lines that do.
+pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
     let Some(last) = stages.last() else { return Vec::new() };
+    let continuous = matches!(last.name, "stage1" | "stage2");
+    if last.status == Status::Infeasible
+        && continuous
+        && let Some(conflict) = conflict::conflict(layout, last)
+    {
+        return vec![conflict];
+    }
     let (code, message) = match last.status {
         Status::Infeasible => {
             let what = match last.name {

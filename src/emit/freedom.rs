@@ -1,0 +1,98 @@
+//! What holds a layout: `freedom.txt` for people, `freedom.json` for machines.
+
+use super::number::{fixed, trimmed};
+use super::{Compiled, json};
+use crate::geometry::trig::PI;
+use crate::solve::{ActiveRow, Freedom, Hold, freedom};
+use crate::source::SourceMap;
+use std::fmt::Write;
+
+/// Both documents.
+#[derive(Clone, Debug)]
+pub struct Table {
+    pub text: String,
+    json: Vec<u8>,
+}
+
+impl Table {
+    /// At the optimum of the last continuous stage.
+    pub fn new(compiled: &Compiled, sources: &SourceMap) -> Self {
+        let continuous = compiled.stages.iter().rfind(|stage| stage.name != "stage3");
+        match continuous.map(|stage| freedom(&compiled.layout, stage)) {
+            Some(freedom) => {
+                Table { text: text(&freedom, &compiled.layout.name, sources), json: json(&freedom, sources) }
+            }
+            None => Table { text: String::new(), json: Vec::new() },
+        }
+    }
+
+    pub fn files(&self) -> [(String, Vec<u8>); 2] {
+        [("freedom.txt".to_owned(), self.text.clone().into_bytes()), ("freedom.json".to_owned(), self.json.clone())]
+    }
+}
+
+/// A table of vertices, then one of rows.
+fn text(freedom: &Freedom, layout: &str, sources: &SourceMap) -> String {
+    let mut out = format!("freedom of {layout}, {}: {} m\n", freedom.stage, fixed(freedom.length, 5));
+    let ways = match freedom.degrees {
+        0 => "nothing can move without leaving a limit".to_owned(),
+        1 => "the layout can still move in one way".to_owned(),
+        n => format!("the layout can still move in {n} independent ways"),
+    };
+    let _ = writeln!(out, "{ways}\n\nvertex       position                radius");
+    for vertex in &freedom.vertices {
+        let position = match (vertex.position, vertex.directions) {
+            (Hold::Free, 1) => "free in one direction",
+            (hold, _) => word(hold),
+        };
+        let _ = writeln!(out, "  {:<10} {position:<23} {}", vertex.vertex, word(vertex.radius));
+    }
+    out += "\nrows at their limit (m, angles in deg)\n";
+    for row in &freedom.rows {
+        let name = format!("{} {}", row.row, limit(row));
+        let _ = writeln!(out, "  {name:<62} {:<58} // {}", row.words, sources.place(row.span));
+    }
+    out
+}
+
+/// The same as a document; numbers in SI.
+fn json(freedom: &Freedom, sources: &SourceMap) -> Vec<u8> {
+    let rows = freedom.rows.iter().map(|row| {
+        let finite = |limit: f64| limit.is_finite().then_some(limit);
+        serde_json::json!({
+            "row": row.row,
+            "place": sources.place(row.span),
+            "low": finite(row.limit.low),
+            "high": finite(row.limit.high),
+            "unit": row.unit,
+            "length_per_unit": row.length_per_unit,
+            "words": row.words,
+        })
+    });
+    json::to_json(&serde_json::json!({
+        "stage": freedom.stage,
+        "length_m": freedom.length,
+        "degrees_of_freedom": freedom.degrees,
+        "vertices": freedom.vertices,
+        "rows": rows.collect::<Vec<_>>(),
+    }))
+}
+
+fn word(hold: Hold) -> &'static str {
+    match hold {
+        Hold::Free => "free",
+        Hold::Bound => "bound",
+        Hold::Fixed => "fixed",
+    }
+}
+
+/// `>= 0.6`, angles in degrees.
+fn limit(row: &ActiveRow) -> String {
+    let scale = if row.unit == "rad" { 180.0 / PI } else { 1.0 };
+    let (low, high) = (trimmed(row.limit.low * scale, 6), trimmed(row.limit.high * scale, 6));
+    match (row.limit.low == row.limit.high, row.limit.low.is_finite()) {
+        (true, _) => format!("= {low}"),
+        (false, true) => format!(">= {low}"),
+        (false, false) => format!("<= {high}"),
+    }
+}

@@ -1,0 +1,229 @@
+//! What a layout is still free to do at its optimum, and what the rows that hold it cost.
+//!
+//! A vertex can move, to first order, along the null space of the rows that are active (Nocedal and Wright 2006, §12.4);
+//! without the inequalities among them, of the equations alone. A row's multiplier is the derivative of the
+//! shortest length by its limit (ibid., §12.9).
+
+use super::Stage;
+use super::sqp::{self, Settings};
+use crate::emit::number::{normal, significant};
+use crate::geometry::trig::PI;
+use crate::model::{ConstraintKind, Interval, Layout};
+use crate::problem::measures::{self, to_variables};
+use crate::problem::{Problem, RowValue, Scope};
+use crate::source::Span;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use serde::Serialize;
+
+/// A row is active this close to its limit, m or rad.
+const ACTIVE: f64 = 1e-6;
+/// Rows are scaled to unit gradients; combinations of them that are shorter than this are none.
+const RANK: f64 = 1e-5;
+/// A vertex moves along a direction of the null space if it takes this share of it.
+const SHARE: f64 = 1e-5;
+/// Multipliers below this are none, m a unit.
+const NO_PRICE: f64 = 1e-6;
+
+/// Whether something may still change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// It can move without leaving the rows that are active.
+    Free,
+    /// Only rows at one of their limits hold it.
+    Bound,
+    /// Equations hold it wherever the rest goes.
+    Fixed,
+}
+
+/// What a vertex is free to do.
+#[derive(Clone, Debug, Serialize)]
+pub struct VertexFreedom {
+    pub vertex: String,
+    pub position: Hold,
+    /// Directions the position can move in: 0, 1 or 2.
+    pub directions: usize,
+    pub radius: Hold,
+}
+
+/// A row at its limit.
+#[derive(Clone, Debug, Serialize)]
+pub struct ActiveRow {
+    /// As messages call it: `clearance of O1 to the curve at P2`.
+    pub row: String,
+    /// The line it comes from, where there is one.
+    #[serde(skip)]
+    pub span: Span,
+    pub limit: Interval,
+    /// `m` or `rad`.
+    pub unit: &'static str,
+    /// Derivative of the shortest length by the value the row is held at, m a unit.
+    pub length_per_unit: f64,
+    /// What that means.
+    pub words: String,
+}
+
+/// The freedom of a layout at the optimum of a continuous stage.
+#[derive(Clone, Debug, Serialize)]
+pub struct Freedom {
+    pub stage: &'static str,
+    /// m
+    pub length: f64,
+    /// Independent ways in which the layout as a whole can still move.
+    pub degrees: usize,
+    pub vertices: Vec<VertexFreedom>,
+    /// The dearest first.
+    pub rows: Vec<ActiveRow>,
+}
+
+/// What holds a layout at the optimum that a stage found.
+pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
+    let scope = if stage.name == "stage1" { Scope::Building } else { Scope::Obstacles };
+    let problem = Problem::new(layout, scope);
+    let mut x = to_variables(&stage.corners);
+    let mut multipliers = Default::default();
+    if stage.name != "written" {
+        // From its optimum a stage ends again at once, and says what it ended on.
+        let settings = Settings { radius: 1e-3, ..Settings::default() };
+        let again = sqp::minimise(&problem, &x, &settings, &|_, _, _| {});
+        (x, multipliers) = (again.variables, again.multipliers);
+    }
+    let here = problem.evaluate(&x, ACTIVE);
+    let active: Vec<&RowValue> = here.rows.iter().filter(|row| is_active(row)).collect();
+    let limits = variable_limits(&problem, &x);
+
+    let n = x.len();
+    let dense = |row: &RowValue| {
+        let mut gradient = DVector::zeros(n);
+        row.expansion.variables.iter().zip(&row.expansion.gradient).for_each(|(&k, &g)| gradient[k] = g);
+        gradient
+    };
+    let unit = |k: usize| DVector::from_fn(n, |i, _| if i == k { 1.0 } else { 0.0 });
+    let directions = |equations_only: bool| {
+        let rows = active.iter().filter(|row| !equations_only || row.low == row.high).map(|row| dense(row));
+        let bounds = limits.iter().filter(|(_, limit)| !equations_only || limit.low == limit.high);
+        null_space(n, rows.chain(bounds.map(|&(k, _)| unit(k))))
+    };
+    let (all, equations) = (directions(false), directions(true));
+    let hold = |variables: &[usize]| match (rank(&all, variables), rank(&equations, variables)) {
+        (0, 0) => Hold::Fixed,
+        (0, _) => Hold::Bound,
+        _ => Hold::Free,
+    };
+    let vertex = |i: usize| {
+        let position = [measures::x(i), measures::y(i)];
+        VertexFreedom {
+            vertex: problem.vertices[i].clone(),
+            position: hold(&position),
+            directions: rank(&all, &position),
+            radius: hold(&[measures::radius(i)]),
+        }
+    };
+
+    // The slope of the length along what only bounds hold.
+    let mut slope = DVector::<f64>::zeros(n);
+    let objective = here.objective.iter().map(|term| (term, 1.0));
+    let weighted = here.rows.iter().filter_map(|row| multipliers.get(&row.key).map(|&m| (&row.expansion, m)));
+    for (expansion, weight) in objective.chain(weighted) {
+        expansion.variables.iter().zip(&expansion.gradient).for_each(|(&k, &g)| slope[k] += weight * g);
+    }
+    let mut rows: Vec<ActiveRow> = active
+        .iter()
+        .map(|row| {
+            let (name, span) = problem.describe(row.key);
+            let per_unit = -multipliers.get(&row.key).copied().unwrap_or(0.0);
+            let limit = held_at(row.expansion.value, row.low, row.high);
+            ActiveRow::new(name, span, limit, problem.unit(row.key), per_unit)
+        })
+        .collect();
+    rows.extend(limits.iter().map(|&(k, limit)| {
+        let span = line_of(layout, &problem, k);
+        ActiveRow::new(problem.variable_name(k), span, held_at(x[k], limit.low, limit.high), "m", slope[k])
+    }));
+    rows.sort_by(|a, b| b.length_per_unit.abs().total_cmp(&a.length_per_unit.abs()));
+    Freedom {
+        stage: stage.name,
+        length: here.length(),
+        degrees: all.len(),
+        vertices: (0..problem.vertices.len()).map(vertex).collect(),
+        rows,
+    }
+}
+
+impl ActiveRow {
+    fn new(row: String, span: Span, limit: Interval, unit: &'static str, length_per_unit: f64) -> Self {
+        let (each, per) =
+            if unit == "rad" { ("degree", length_per_unit * PI / 180.0) } else { ("metre", length_per_unit) };
+        let size = significant(per.abs(), 2);
+        let equation = limit.low == limit.high;
+        let words = match (per.abs() < NO_PRICE, equation) {
+            (true, true) => "a little more or less here changes nothing".to_owned(),
+            (true, false) => "giving way here alone changes nothing".to_owned(),
+            // Less of what shortens when it falls, more of what shortens when it rises.
+            (false, _) if per > 0.0 => format!("each {each} less here shortens the track by {size} m"),
+            (false, _) => format!("each {each} more here shortens the track by {size} m"),
+        };
+        ActiveRow { row, span, limit, unit, length_per_unit: normal(length_per_unit), words }
+    }
+}
+
+fn is_active(row: &RowValue) -> bool {
+    let value = row.expansion.value;
+    value - row.low <= ACTIVE || row.high - value <= ACTIVE
+}
+
+/// The limit that a value is at: both ends alike, or one of them infinite.
+fn held_at(value: f64, low: f64, high: f64) -> Interval {
+    match (value - low <= ACTIVE, high - value <= ACTIVE) {
+        (true, true) => Interval { low, high },
+        (true, false) => Interval { low, high: f64::INFINITY },
+        _ => Interval { low: f64::NEG_INFINITY, high },
+    }
+}
+
+/// The variables at their limits.
+fn variable_limits(problem: &Problem, x: &[f64]) -> Vec<(usize, Interval)> {
+    let at = |k: &usize| x[*k] - problem.bounds[*k].low <= ACTIVE || problem.bounds[*k].high - x[*k] <= ACTIVE;
+    (0..x.len()).filter(at).map(|k| (k, problem.bounds[k])).collect()
+}
+
+/// The statement that limits a variable.
+fn line_of(layout: &Layout, problem: &Problem, k: usize) -> Span {
+    let (vertex, is_radius) = (k / 3, k % 3 == 2);
+    let fixes = |kind: &ConstraintKind| match kind {
+        ConstraintKind::FixVertex { vertex: v } => *v == vertex && !is_radius,
+        ConstraintKind::FixRadius { vertex: v } => *v == vertex && is_radius,
+        ConstraintKind::FixSection { target, kinds } => {
+            !is_radius
+                && !target.straight
+                && kinds.len() == 4
+                && (target.from == vertex || layout.next(target.from) == vertex)
+        }
+        ConstraintKind::Require { .. } => false,
+    };
+    let fixed = problem.bounds[k].low == problem.bounds[k].high;
+    let statement = layout.constraints.iter().find(|c| fixed && fixes(&c.kind)).map(|c| c.span);
+    statement.unwrap_or(layout.radii.span)
+}
+
+/// An orthonormal basis of what no row changes.
+pub(super) fn null_space(n: usize, rows: impl Iterator<Item = DVector<f64>>) -> Vec<DVector<f64>> {
+    let mut normal_matrix = DMatrix::<f64>::zeros(n, n);
+    for row in rows {
+        let size = row.norm();
+        if size > 0.0 {
+            let unit = row / size;
+            normal_matrix += &unit * unit.transpose();
+        }
+    }
+    let eigen = SymmetricEigen::new(normal_matrix);
+    // Eigenvalues are squares of the rows' singular values.
+    let null = (0..n).filter(|&k| eigen.eigenvalues[k] <= RANK * RANK);
+    null.map(|k| eigen.eigenvectors.column(k).into_owned()).collect()
+}
+
+/// In how many independent ways the basis moves these variables.
+fn rank(basis: &[DVector<f64>], variables: &[usize]) -> usize {
+    let part = DMatrix::from_fn(variables.len(), basis.len(), |i, j| basis[j][variables[i]]);
+    if basis.is_empty() { 0 } else { part.singular_values().iter().filter(|s| **s > SHARE).count() }
+}
