@@ -15,6 +15,7 @@ pub mod layout;
 pub mod number;
 mod plan;
 pub mod png;
+pub mod polygon;
 mod schemas;
 pub mod simulation;
 mod station;

@@ -2,7 +2,7 @@
 
 use super::expansion::Expansion;
 use super::measures::{Measures, to_corners};
-use super::{Function, Problem, clearance, formula};
+use super::{Aim, Function, Problem, aim, clearance, formula};
 use crate::geometry::clearance::{Approach, Feature, Part};
 use crate::geometry::proximity::{self, Meeting};
 use crate::geometry::{Piece, PieceKind, Track, trig};
@@ -49,12 +49,14 @@ pub struct Evaluation {
     pub track: Track,
     /// Terms of the objective, m.
     pub objective: Vec<Expansion>,
+    /// Of the track, m.
+    pub length: f64,
     pub rows: Vec<RowValue>,
 }
 
 impl Evaluation {
-    /// m
-    pub fn length(&self) -> f64 {
+    /// The objective, m: the track's length unless the problem aims at something else.
+    pub fn value(&self) -> f64 {
         self.objective.iter().map(|e| e.value).sum()
     }
 }
@@ -113,7 +115,14 @@ impl Problem {
             };
             rows.push(RowValue { key, expansion, low, high: f64::INFINITY });
         }
-        Evaluation { track, objective: measures.track_length(), rows }
+        let lengths = measures.track_length();
+        let length = lengths.iter().map(|e| e.value).sum();
+        let objective = match &self.aim {
+            Aim::Length => lengths,
+            Aim::Waves(waves) => waves.expand(&measures),
+            Aim::Near(there) => aim::near(variables, there),
+        };
+        Evaluation { track, objective, length, rows }
     }
 
     fn expand(&self, function: &Function, low: f64, high: f64, variables: &[f64], measures: &Measures) -> Expansion {

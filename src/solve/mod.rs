@@ -5,11 +5,13 @@ mod convex;
 mod discrete;
 mod outcome;
 mod perturb;
+pub mod polygon;
 mod report;
 pub mod sqp;
 mod stages;
 mod subproblem;
 
+pub use discrete::discretise;
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
 pub use report::diagnose;
