@@ -12,6 +12,7 @@ mod gap;
 mod generate;
 mod identify;
 mod new;
+mod polygon;
 mod progress;
 mod read;
 mod report;
@@ -39,6 +40,7 @@ enum Verb {
     Runs(runs::Runs),
     Identify(identify::Identify),
     Gap(gap::Gap),
+    Polygon(polygon::Polygon),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
@@ -92,6 +94,7 @@ pub fn main() -> ExitCode {
         Verb::Runs(verb) => verb.run(),
         Verb::Identify(verb) => verb.run(),
         Verb::Gap(verb) => verb.run(),
+        Verb::Polygon(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),

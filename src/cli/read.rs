@@ -4,6 +4,7 @@
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, build, could_not, report};
 use crate::diagnostic::Diagnostic;
+use crate::emit::Compiled;
 use crate::emit::simulation::Simulation;
 use crate::model::Layout;
 use crate::semantics::{analyse, unsupported};
@@ -39,15 +40,25 @@ pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Re
     }
 }
 
+/// Whether a file is a simulation input rather than a layout.
+pub fn is_json(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e == "json")
+}
+
 /// The simulation input that a `.json` is, or that a layout builds.
 pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Simulation, Outcome> {
-    if file.extension().is_some_and(|e| e == "json") {
+    if is_json(file) {
         let bytes = std::fs::read(file).map_err(|why| could_not("read", file, why))?;
         return serde_json::from_slice(&bytes).map_err(|why| {
             report::error(&format!("{} is not a simulation input: {why}", file.display()));
             Outcome::Problems
         });
     }
+    Ok(Simulation::new(&built(file, name, format)?))
+}
+
+/// What a layout builds; what is wrong with it is reported here.
+pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Compiled, Outcome> {
     let Read { sources, layout, mut said } = read(file, name, format)?;
     said.extend(unsupported(&layout));
     if said.iter().any(Diagnostic::is_error) {
@@ -58,7 +69,7 @@ pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Res
     // The bill does not matter here.
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
     match tell(&sources, &said, format) {
-        Outcome::Clean => Ok(Simulation::new(&compiled)),
+        Outcome::Clean => Ok(compiled),
         failed => Err(failed),
     }
 }

@@ -17,6 +17,7 @@ pub mod number;
 pub mod outside;
 mod plan;
 pub mod png;
+pub mod polygon;
 mod schemas;
 pub mod simulation;
 mod station;

@@ -26,7 +26,7 @@ pub fn nl_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {
 /// `stage3.mps`. The result, where it is feasible, says how long a section may be.
 pub fn mps_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {
     let problem = Problem::new(&compiled.layout, Scope::Building);
-    let written = problem.evaluate(&problem.start, 0.0).length();
+    let written = problem.evaluate(&problem.start, 0.0).length;
     let longest = match compiled.stages.last() {
         Some(stage) if !compiled.failed() => stage.length,
         // Nothing feasible is known: twice what was written is room for whatever a relaxed line needs.

@@ -73,6 +73,13 @@ impl Layout {
         format!("{}..{}", self.vertices[section].name, self.vertices[self.next(section)].name)
     }
 
+    /// Whether the whole track lies at one height: its plan is then all there is to optimise.
+    pub fn is_flat(&self) -> bool {
+        let mut heights = self.levels.iter().map(|level| level.height);
+        let first = heights.next();
+        self.ramps.is_empty() && heights.all(|height| Some(height) == first)
+    }
+
     /// Index of the vertex after `i` in driving order.
     pub fn next(&self, i: usize) -> usize {
         (i + 1) % self.vertices.len()
@@ -89,6 +96,13 @@ pub struct Vertex {
     /// Fillet radius, m. The catalogue's smallest when none is written (the span is then the vertex').
     pub radius: Spanned<f64>,
     pub span: Span,
+}
+
+impl Vertex {
+    /// Whether the source writes its radius.
+    pub fn has_radius(&self) -> bool {
+        self.radius.span != self.span
+    }
 }
 
 /// The walls: the track's band stays inside, at least `clearance` away.

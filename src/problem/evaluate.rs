@@ -2,7 +2,7 @@
 
 use super::expansion::Expansion;
 use super::measures::{Measures, to_corners};
-use super::{Elastic, Function, LEVER, Problem, clearance, formula};
+use super::{Aim, Elastic, Function, LEVER, Problem, aim, clearance, formula};
 use crate::geometry::clearance::{Approach, Feature, Part};
 use crate::geometry::proximity::{self, Meeting};
 use crate::geometry::{Piece, PieceKind, Track, trig};
@@ -49,12 +49,14 @@ pub struct Evaluation {
     pub track: Track,
     /// Terms of the objective, m.
     pub objective: Vec<Expansion>,
+    /// Of the track, m.
+    pub length: f64,
     pub rows: Vec<RowValue>,
 }
 
 impl Evaluation {
-    /// m
-    pub fn length(&self) -> f64 {
+    /// The objective, m: the track's length unless the problem aims at something else.
+    pub fn value(&self) -> f64 {
         self.objective.iter().map(|e| e.value).sum()
     }
 }
@@ -102,16 +104,20 @@ impl Problem {
             let expansion = clearance::distance(&form, &measures, &self.signs);
             rows.push(RowValue { key, expansion, low, high: f64::INFINITY });
         }
-        let objective = match &self.elastic {
-            None => measures.track_length(),
-            Some(elastic) => {
+        let lengths = measures.track_length();
+        let length = lengths.iter().map(|e| e.value).sum();
+        let objective = match (&self.elastic, &self.aim) {
+            (None, Aim::Length) => lengths,
+            (None, Aim::Waves(waves)) => waves.expand(&measures),
+            (None, Aim::Near(there)) => aim::near(variables, there),
+            (Some(elastic), _) => {
                 let slack = variables.len() - 1;
                 let give = Expansion::variable(variables[slack], slack);
                 rows.iter_mut().for_each(|row| self.give_way(elastic, &give, row));
                 vec![give]
             }
         };
-        Evaluation { track, objective, rows }
+        Evaluation { track, objective, length, rows }
     }
 
     /// Moves an elastic row to its limit's inner side by what the limit gives way.

@@ -19,6 +19,7 @@ impl Problem {
         let bounds = (0..n).flat_map(|_| [free, free, layout.radii.value]).collect();
         let mut problem = Problem {
             layout: layout.name.clone(),
+            aim: super::Aim::Length,
             vertices: layout.vertices.iter().map(|v| v.name.clone()).collect(),
             signs: track.fillets.iter().map(|f| if f.turn < 0.0 { -1.0 } else { 1.0 }).collect(),
             start,

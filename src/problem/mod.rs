@@ -5,6 +5,7 @@
 //! minimum of the distance between track and region, which depends on where the track runs, so they are made
 //! from [`Keepout`]s when the problem is evaluated.
 
+mod aim;
 mod clearance;
 #[cfg(test)]
 mod derivatives;
@@ -18,6 +19,7 @@ pub mod mps;
 pub mod nl;
 mod print;
 
+pub use aim::{Aim, HARMONICS, Wave, Waves};
 pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
 pub use print::{print, relation};
@@ -41,6 +43,9 @@ pub enum Scope {
 #[derive(Clone, Debug, Serialize)]
 pub struct Problem {
     pub layout: String,
+    /// What is minimised.
+    #[serde(skip)]
+    pub aim: Aim,
     /// Vertex names, in driving order.
     pub vertices: Vec<String>,
     /// Written turn directions, +1 left and -1 right, which no solver may flip.
@@ -126,6 +131,14 @@ impl Problem {
     /// The variables that may move.
     pub fn free(&self) -> Vec<usize> {
         (0..self.bounds.len()).filter(|&k| self.bounds[k].low < self.bounds[k].high).collect()
+    }
+
+    /// Whether a section's heading cannot change: both ends are fixed, or its rotation.
+    pub fn holds_heading(&self, section: usize) -> bool {
+        let next = (section + 1) % self.vertices.len();
+        let ends = [measures::x(section), measures::y(section), measures::x(next), measures::y(next)];
+        let fixed = |k: usize| self.bounds[k].low == self.bounds[k].high;
+        ends.into_iter().all(fixed) || self.rotations.contains(&section)
     }
 
     /// Adds a penalty: `price` (m a unit) for each unit that `function` is off `aim`.

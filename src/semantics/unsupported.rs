@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Goal, Layout, Side};
+use crate::solve::polygon::Smooth;
 use crate::source::Span;
 
 /// One diagnostic for each part of a checked layout that cannot be built yet.
@@ -16,22 +17,21 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     };
     let objective = &layout.objective;
     let written = objective.span.unwrap_or(layout.span);
-    if objective.within.is_some() {
-        say(written, "a goal within a budget", "write `optimise length`");
+    let smooth = Smooth::is_known(objective);
+    if smooth {
+        // Polygon action, alone, within a budget of length or summed with it.
+    } else if objective.within.is_some() {
+        say(written, "this goal within a budget", "write `optimise length` or `optimise polygon_action within length`");
     } else if objective.terms.len() > 1 {
-        say(written, "a weighted sum of goals", "write `optimise length`");
-    } else {
-        match objective.terms.first() {
-            Some((_, Goal::Cost)) => say(written, "`optimise cost`", "write `optimise length`"),
-            Some((_, Goal::PolygonAction)) => say(written, "`optimise polygon_action`", "write `optimise length`"),
-            Some((_, Goal::Length)) | None => {}
-        }
+        say(written, "this weighted sum of goals", "write `optimise length`, or sum it with `polygon_action`");
+    } else if let Some((_, Goal::Cost)) = objective.terms.first() {
+        say(written, "`optimise cost`", "write `optimise length`");
     }
     for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either) {
         let what = format!("`pass {} either`", obstacle.name);
         say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
     }
-    if !layout.objective.terms.is_empty() {
+    if !layout.objective.terms.is_empty() && !layout.is_flat() {
         for level in &layout.levels {
             say(
                 level.span,
@@ -40,7 +40,7 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
             );
         }
     }
-    if let Some(closes) = &layout.chain.closes_within {
+    if let (Some(closes), false) = (&layout.chain.closes_within, smooth) {
         say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");
     }
     found.sort_by_key(|d| d.label.span);

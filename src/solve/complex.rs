@@ -29,6 +29,7 @@ struct Complex<'p> {
     free: Vec<usize>,
     start: &'p [f64],
     plane: Plane,
+    value: Value<'p>,
     /// Free variables and merit.
     points: Vec<(Vec<f64>, f64)>,
     evaluations: usize,
@@ -36,18 +37,33 @@ struct Complex<'p> {
 
 /// Minimises the problem from `start` with a fixed seed. `iterations` of the result counts evaluations.
 pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Watch) -> Solution {
+    minimise_of(problem, start, settings, 1, &|at| at.value(), watch)
+}
+
+/// What is minimised, of a problem that is evaluated.
+pub type Value<'v> = &'v dyn Fn(&Evaluation) -> f64;
+
+/// The same of any value, with any seed.
+pub fn minimise_of(
+    problem: &Problem,
+    start: &[f64],
+    settings: &Settings,
+    seed: u64,
+    value: Value,
+    watch: Watch,
+) -> Solution {
     let free = problem.free();
     let n = free.len();
     let plane = Plane::new(problem, &free, start);
-    let mut complex = Complex { problem, free, start, plane, points: Vec::new(), evaluations: 0 };
-    complex.scatter();
+    let mut complex = Complex { problem, free, start, plane, value, points: Vec::new(), evaluations: 0 };
+    complex.scatter(seed);
     let mut converged = n == 0;
     for round in 0..REFLECTIONS * n {
         complex.points.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (best, worst) = (&complex.points[0], &complex.points[complex.points.len() - 1]);
         if round % 100 == 0 {
             let at = complex.at(&best.0);
-            watch(complex.evaluations, at.length(), violation(problem, &at));
+            watch(complex.evaluations, at.length, violation(problem, &at));
         }
         let size = best.0.iter().zip(&worst.0).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         if size < TOGETHER {
@@ -61,7 +77,7 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Wa
     let at = problem.evaluate(&variables, 0.0);
     let max_violation = violation(problem, &at);
     Solution {
-        length: at.length(),
+        length: value(&at),
         max_violation,
         variables,
         iterations: complex.evaluations,
@@ -128,19 +144,20 @@ impl Complex<'_> {
         self.evaluations += 1;
         let at = self.at(point);
         let flipped = at.track.fillets.iter().zip(&self.problem.signs).any(|(f, s)| f.turn * s <= 0.0);
-        if flipped || !at.length().is_finite() {
+        let value = if flipped { f64::INFINITY } else { (self.value)(&at) };
+        if !value.is_finite() {
             return f64::INFINITY;
         }
         let price = |row: &RowValue| match row.key {
             RowKey::Listed(i) => self.problem.rows[i].weight.unwrap_or(PRICE),
             RowKey::Clearance(..) | RowKey::Own(..) => PRICE,
         };
-        at.length() + at.rows.iter().map(|r| price(r) * r.violation()).sum::<f64>()
+        value + at.rows.iter().map(|r| price(r) * r.violation()).sum::<f64>()
     }
 
-    fn scatter(&mut self) {
+    fn scatter(&mut self, seed: u64) {
         let first: Vec<f64> = self.free.iter().map(|&v| self.start[v]).collect();
-        let mut random = Random::new(1);
+        let mut random = Random::new(seed);
         for k in 0..2 * self.free.len() {
             let mut point = first.clone();
             if k > 0 {

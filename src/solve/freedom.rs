@@ -143,7 +143,7 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
     rows.sort_by(|a, b| b.length_per_unit.abs().total_cmp(&a.length_per_unit.abs()));
     Freedom {
         stage: stage.name,
-        length: here.length(),
+        length: here.length,
         degrees: all.len(),
         vertices: (0..problem.vertices.len()).map(vertex).collect(),
         rows,

@@ -7,12 +7,14 @@ mod discrete;
 mod freedom;
 mod outcome;
 mod perturb;
+pub mod polygon;
 mod report;
 pub mod sqp;
 mod stages;
 mod subproblem;
 
 pub use conflict::implied;
+pub use discrete::discretise;
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;

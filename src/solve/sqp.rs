@@ -34,7 +34,7 @@ impl Default for Settings {
 #[derive(Clone, Debug)]
 pub struct Solution {
     pub variables: Vec<f64>,
-    /// m
+    /// The objective, m: the track's length unless the problem aims at something else.
     pub length: f64,
     /// Largest violation of a hard row, m or rad.
     pub max_violation: f64,
@@ -43,6 +43,22 @@ pub struct Solution {
     pub converged: bool,
     /// λ of each active row, L = f + Σ λ c, m a unit of the row.
     pub multipliers: BTreeMap<RowKey, f64>,
+}
+
+impl Solution {
+    /// Variables as they are.
+    pub fn at(problem: &Problem, variables: &[f64]) -> Self {
+        let at = problem.evaluate(variables, 0.0);
+        let soft = |r: &&RowValue| matches!(r.key, RowKey::Listed(i) if problem.rows[i].weight.is_some());
+        Solution {
+            variables: variables.to_vec(),
+            length: at.value(),
+            max_violation: at.rows.iter().filter(|r| !soft(r)).map(RowValue::violation).fold(0.0, f64::max),
+            iterations: 0,
+            converged: true,
+            multipliers: BTreeMap::new(),
+        }
+    }
 }
 
 /// What a run tells while it goes on: iteration, length (m), largest violation.
@@ -66,7 +82,7 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Wa
     let mut converged = false;
     while iterations < settings.iterations {
         iterations += 1;
-        watch(iterations, run.here.length(), run.max_violation(&run.here));
+        watch(iterations, run.here.length, run.max_violation(&run.here));
         match run.step() {
             Progress::Moved => {}
             // At a minimum of the merit that is not feasible: violation was too cheap.
@@ -83,7 +99,7 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Wa
         }
     }
     Solution {
-        length: run.here.length(),
+        length: run.here.value(),
         max_violation: run.max_violation(&run.here),
         variables: run.x,
         iterations,
@@ -148,7 +164,7 @@ impl<'p> Run<'p> {
     }
 
     fn merit(&self, at: &Evaluation) -> f64 {
-        at.length() + at.rows.iter().map(|r| self.row_price(r.key) * r.violation()).sum::<f64>()
+        at.value() + at.rows.iter().map(|r| self.row_price(r.key) * r.violation()).sum::<f64>()
     }
 
     /// One iteration: subproblems on a shrinking trust region until a step is accepted or none is left.
@@ -243,7 +259,7 @@ impl<'p> Run<'p> {
                 let (to, from) = (to.turn * s, from.turn * s);
                 to > TURN_FLOOR.min(from) && to < TURN_CEILING.max(from)
             });
-        (sound && at.length().is_finite()).then_some((x, at))
+        (sound && at.value().is_finite()).then_some((x, at))
     }
 
     /// Rows within reach of the trust region, scaled and linearised; around a trial point's values if one is given.

@@ -3,7 +3,7 @@
 
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
-use super::{Stage, Status, Violation, complex, discrete};
+use super::{Stage, Status, Violation, complex, discrete, polygon};
 use crate::geometry::{Track, self_crossings};
 use crate::model::Layout;
 use crate::problem::measures::{radius as radius_of, to_corners};
@@ -62,6 +62,9 @@ pub fn solve_with(
     discretise: Discretise,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Vec<Stage> {
+    if let Some(goal) = polygon::Smooth::of(&layout.objective) {
+        return polygon::solve(layout, goal, options, discretise, watch);
+    }
     let full = Problem::new(layout, Scope::Obstacles);
     if layout.objective.terms.is_empty() {
         return vec![as_written(&full)];
@@ -118,7 +121,7 @@ pub fn solve_with(
 }
 
 /// Turns and radii that are not the catalogue's. A radius that the layout fixes is the user's own choice.
-fn off_grid(layout: &Layout, problem: &Problem, x: &[f64], tolerance: f64) -> Vec<Violation> {
+pub(super) fn off_grid(layout: &Layout, problem: &Problem, x: &[f64], tolerance: f64) -> Vec<Violation> {
     let step = layout.catalog.curve.angle_step;
     let track = Track::new(&to_corners(x));
     let mut out = Vec::new();
@@ -158,7 +161,7 @@ fn in_parallel<T: Send>(threads: usize, a: impl FnOnce() -> T + Send, b: impl Fn
     })
 }
 
-fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Settings, clock: Instant) -> Stage {
+pub(super) fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Settings, clock: Instant) -> Stage {
     let violations = violations(problem, &s.variables, settings.feasibility, |_| true);
     let max_violation = violations.iter().map(|v| v.amount).fold(s.max_violation, f64::max);
     let status = match (max_violation <= settings.feasibility, s.converged) {
@@ -169,7 +172,7 @@ fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Setting
     Stage {
         name,
         corners: to_corners(&s.variables),
-        length: s.length,
+        length: problem.evaluate(&s.variables, 0.0).length,
         max_violation,
         violations,
         iterations: s.iterations,
@@ -179,7 +182,7 @@ fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Setting
 }
 
 /// The written layout. Turns and straights that the catalogue lacks are not violations here: elements report them.
-fn as_written(problem: &Problem) -> Stage {
+pub(super) fn as_written(problem: &Problem) -> Stage {
     // Rows begin with a turn and a straight a vertex; later ones on straights are the user's.
     let from_catalog = |key: RowKey| match key {
         RowKey::Listed(i) => {
@@ -192,7 +195,7 @@ fn as_written(problem: &Problem) -> Stage {
     Stage {
         name: "written",
         corners: to_corners(&problem.start),
-        length: problem.evaluate(&problem.start, 0.0).length(),
+        length: problem.evaluate(&problem.start, 0.0).length,
         max_violation: violations.iter().map(|v| v.amount).fold(0.0, f64::max),
         violations,
         iterations: 0,

@@ -99,7 +99,7 @@ fn every_row_has_the_same_value_in_the_file() {
                 assert_eq!(files.columns.lines().count(), x.len());
                 let here = problem.evaluate(&x, 3.0);
                 clearances += here.rows.iter().filter(|row| !row.key.is_listed()).count();
-                assert!((objective - here.length()).abs() < 1e-9);
+                assert!((objective - here.length).abs() < 1e-9);
                 let read = by_name(names.iter().map(|n| n.to_string()).zip(values));
                 let expected = expected(&problem, &here);
                 assert_eq!(read.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());

@@ -3,6 +3,7 @@
 mod general;
 mod labels;
 mod place;
+mod polygon;
 mod sheet;
 mod stages;
 mod strip;
@@ -16,6 +17,7 @@ mod xml;
 mod tests;
 
 pub use general::drawing;
+pub use polygon::polygon;
 pub use stages::stages;
 pub use theme::Theme;
 

@@ -114,6 +114,25 @@ impl Sheet {
         Sheet { size, width, height, scale, drawing, notes, strip, origin }
     }
 
+    /// An A3 sheet at a standard scale, with a panel of this width (mm) at the right of its drawing.
+    pub fn beside(extent: &Extent, panel: f64) -> Result<(Sheet, Area), DrawError> {
+        let span = extent.high - extent.low;
+        if !(span.x.is_finite() && span.y.is_finite() && span.x.max(span.y) > 0.0 && span.x.max(span.y) < 1e7) {
+            return Err(DrawError::Extent);
+        }
+        let (size, width, height) = SIZES[0];
+        // Fitted to a sheet that ends where the panel begins, and widened by it.
+        let mut sheet = Sheet::fit(size, width - panel, height, extent, span);
+        let panel = Area {
+            low: Point::new(sheet.drawing.high.x, sheet.drawing.low.y),
+            high: Point::new(sheet.drawing.high.x + panel, sheet.drawing.high.y),
+        };
+        sheet.width = width;
+        sheet.strip.high.x = panel.high.x;
+        sheet.notes.high.x = panel.high.x;
+        Ok((sheet, panel))
+    }
+
     fn fill(&self, span: Point) -> f64 {
         let room = Point::new(self.drawing.width() - 2.0 * MARGIN, self.drawing.height() - 2.0 * MARGIN);
         (self.mm(span.x) / room.x).max(self.mm(span.y) / room.y)

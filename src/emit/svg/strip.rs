@@ -12,8 +12,8 @@ use super::text::{self, Height};
 use super::xml::Element;
 use crate::emit::number::trimmed;
 
-const TITLE_WIDTH: f64 = 180.0;
-const SCALE_WIDTH: f64 = 56.0;
+pub const TITLE_WIDTH: f64 = 180.0;
+pub const SCALE_WIDTH: f64 = 56.0;
 const ROW: f64 = 4.9;
 /// Rows of the list of violations, mm.
 const NOTE_ROW: f64 = 4.4;

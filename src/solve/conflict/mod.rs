@@ -11,7 +11,6 @@ mod words;
 pub use implied::implied;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::significant;
 use crate::model::Layout;
 use crate::problem::measures::to_variables;
 use crate::problem::{Problem, Scope};

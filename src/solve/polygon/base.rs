@@ -1,0 +1,192 @@
+//! The layout that a search for an even run starts from, and the limits that it sets.
+
+use super::Smooth;
+use crate::geometry::{Track, trig};
+use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Objective, Target, Unit};
+use crate::problem::measures::{radius, to_corners, to_variables, x, y};
+use crate::problem::{Aim, Problem, Scope};
+use crate::solve::sqp::{self, Settings};
+use crate::solve::stages::{as_written, off_grid, solve_with, stage};
+use crate::solve::{Discretise, Options, Progress, Stage, Status};
+use crate::source::Span;
+use std::time::Instant;
+
+/// Without a budget the track may grow by this ratio.
+const GROWTH: f64 = 0.01;
+
+/// A feasible layout on the grid.
+pub struct Base {
+    /// The layout with its radii held, and the budget and the closing of the chain among its constraints.
+    pub layout: Layout,
+    pub variables: Vec<f64>,
+    /// No coordinate goes farther from the base than this, m: the period of the landscape.
+    pub reach: f64,
+}
+
+/// Stages that lead to the base, and the base unless they fail.
+pub fn base(
+    layout: &Layout,
+    goal: Smooth,
+    options: &Options,
+    discretise: Discretise,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> (Vec<Stage>, Option<Base>) {
+    let mut held = hold_radii(layout);
+    let find = |layout: &Layout| {
+        if goal.weighs_length() {
+            let shortest = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: layout.objective.span };
+            solve_with(&Layout { objective: shortest, ..layout.clone() }, options, discretise, watch)
+        } else {
+            nearest(layout, discretise)
+        }
+    };
+    let mut stages = find(&held);
+    let failed = |stages: &[Stage]| stages.last().is_none_or(|s| s.status == Status::Infeasible);
+    if failed(&stages) {
+        return (stages, None);
+    }
+    let last = |stages: &[Stage]| stages.last().map_or_else(Vec::new, |s| to_variables(&s.corners));
+    let mut variables = last(&stages);
+    // A whole number of carts.
+    let pitch = layout.cart.length;
+    let lacks = |variables: &[f64]| {
+        let path = path(variables, pitch);
+        (path - (path / pitch).round() * pitch, path)
+    };
+    let (left, path) = lacks(&variables);
+    let stated = layout.chain.closes_within.as_ref().map(|c| (c.value, c.span));
+    let (slack, span) = stated.unwrap_or((left.abs().max(layout.catalog.take_up), layout.span));
+    // The shortest layout can only become longer.
+    let carts = match left.abs() > slack && goal.weighs_length() {
+        true => ((path - slack) / pitch).ceil(),
+        false => (path / pitch).round(),
+    };
+    let closing = (carts * pitch - slack, carts * pitch + slack);
+    held.constraints.push(row(chain_path(&held, pitch), closing, span, format!("the chain closes with {carts} carts")));
+    if left.abs() > slack {
+        stages = find(&held);
+        if failed(&stages) {
+            return (stages, None);
+        }
+        variables = last(&stages);
+    }
+    let length = Track::new(&to_corners(&variables)).length;
+    let growth = if goal.length > 0.0 { None } else { Some(goal.budget.unwrap_or(GROWTH)) };
+    if let Some(growth) = growth {
+        let limit = length * (1.0 + growth);
+        let span = layout.objective.span.unwrap_or(layout.span);
+        held.constraints.push(row(
+            chain_path(&held, 0.0),
+            (f64::NEG_INFINITY, limit),
+            span,
+            "the budget of length".to_owned(),
+        ));
+    }
+    (stages, Some(Base { layout: held, variables, reach: pitch }))
+}
+
+/// Radii stay as written; where a vertex has none, the base chooses it.
+fn hold_radii(layout: &Layout) -> Layout {
+    let mut held = layout.clone();
+    for (vertex, written) in layout.vertices.iter().enumerate().filter(|(_, v)| v.has_radius()) {
+        let fixed = |c: &Constraint| matches!(c.kind, ConstraintKind::FixRadius { vertex: v } if v == vertex);
+        if !layout.constraints.iter().any(fixed) {
+            let kind = ConstraintKind::FixRadius { vertex };
+            held.constraints.push(Constraint { kind, span: written.radius.span, reason: None });
+        }
+    }
+    held
+}
+
+/// The written layout where it is feasible and on the grid, else the nearest one that is.
+fn nearest(layout: &Layout, discretise: Discretise) -> Vec<Stage> {
+    let settings = Settings::default();
+    let mut problem = Problem::new(layout, Scope::Obstacles);
+    let written = as_written(&problem);
+    let strict = stage("written", &problem, &sqp::Solution::at(&problem, &problem.start), &settings, Instant::now());
+    if strict.max_violation <= settings.feasibility
+        && off_grid(layout, &problem, &problem.start, settings.feasibility).is_empty()
+    {
+        return vec![written];
+    }
+    problem.aim = Aim::Near(problem.start.clone());
+    let clock = Instant::now();
+    let near = sqp::minimise(&problem, &problem.start, &settings, &|_, _, _| {});
+    let continuous = stage("stage2", &problem, &near, &settings, clock);
+    if continuous.status == Status::Infeasible {
+        return vec![continuous];
+    }
+    let clock = Instant::now();
+    let found = discretise(layout, &problem, &near, &settings);
+    let mut last = stage("stage3", &problem, &found, &settings, clock);
+    let off = off_grid(layout, &problem, &found.variables, settings.feasibility);
+    if !off.is_empty() {
+        last.status = Status::Infeasible;
+        last.violations.extend(off);
+    }
+    vec![continuous, last]
+}
+
+fn row(formula: Formula, (low, high): (f64, f64), span: Span, reason: String) -> Constraint {
+    let kind = ConstraintKind::Require { formula, low, high, unit: Unit::Metre };
+    Constraint { kind, span, reason: Some(reason) }
+}
+
+/// Length of the track less what chords of this length cut off: Σ θL²/(24R) − L³/(120R²) (design: chain model), m.
+fn chain_path(layout: &Layout, pitch: f64) -> Formula {
+    let n = layout.vertices.len();
+    let square = pitch * pitch;
+    let mut terms = Vec::new();
+    for i in 0..n {
+        let turn = || Formula::Absolute(Box::new(Formula::Angle(i)));
+        let bend = || Formula::Reciprocal(Box::new(Formula::Radius(i)));
+        terms.push(Formula::Length(Target { from: i, straight: true }));
+        terms.push(Formula::Product(vec![Formula::Radius(i), turn()]));
+        if pitch > 0.0 {
+            terms.push(Formula::Product(vec![Formula::Constant(-square / 24.0), turn(), bend()]));
+            terms.push(Formula::Product(vec![Formula::Constant(square * pitch / 120.0), bend(), bend()]));
+        }
+    }
+    Formula::Sum(terms)
+}
+
+/// The same as a number.
+fn path(variables: &[f64], pitch: f64) -> f64 {
+    let track = Track::new(&to_corners(variables));
+    let excess = |f: &crate::geometry::Fillet| {
+        pitch * pitch * (f.turn.abs() / (24.0 * f.radius) - pitch / (120.0 * f.radius * f.radius))
+    };
+    track.length - track.fillets.iter().map(excess).sum::<f64>()
+}
+
+impl Base {
+    /// The problem with turns held at these multiples of the angle step (in their written directions), and coordinates kept
+    /// within reach of `centre`.
+    pub fn problem(&self, problem: &Problem, turns: &[i64], centre: &[f64]) -> Problem {
+        let mut held = problem.clone();
+        let step = self.layout.catalog.curve.angle_step;
+        for row in &mut held.rows {
+            if let crate::problem::Function::Turn(i) = row.function {
+                (row.low, row.high) = (turns[i] as f64 * step, turns[i] as f64 * step);
+            }
+        }
+        for k in (0..turns.len()).map(radius) {
+            held.bounds[k] = Interval { low: self.variables[k], high: self.variables[k] };
+        }
+        for k in (0..turns.len()).flat_map(|i| [x(i), y(i)]) {
+            let Interval { low, high } = held.bounds[k];
+            if low < high {
+                held.bounds[k] =
+                    Interval { low: low.max(centre[k] - self.reach), high: high.min(centre[k] + self.reach) };
+            }
+        }
+        held
+    }
+
+    /// The turns of a layout in their written directions, as multiples of the angle step.
+    pub fn turns(&self, variables: &[f64]) -> Vec<i64> {
+        let step = self.layout.catalog.curve.angle_step;
+        let steps = |turn: f64| (trig::wrap(turn).abs() / step).round() as i64;
+        Track::new(&to_corners(variables)).fillets.iter().map(|f| steps(f.turn)).collect()
+    }
+}

@@ -1,0 +1,165 @@
+//! Searches against what a layout had before, brute force, and the rows that must hold.
+
+use super::*;
+use crate::geometry::{Corner, Track};
+use crate::kinematics::polygon::{Course, Objective, action};
+use crate::model::instances::thesis10;
+use crate::model::{Goal, fixture};
+use crate::problem::measures::to_variables;
+use crate::solve::stages::solve;
+use crate::source::{FileId, Span};
+
+fn quiet(_: Progress) {}
+
+/// Radii written in the source.
+fn written(mut layout: Layout) -> Layout {
+    layout.vertices.iter_mut().for_each(|v| v.radius.span = Span::new(FileId(0), 1, 2));
+    layout
+}
+
+fn smooth(mut layout: Layout, within: Option<f64>) -> Layout {
+    layout.objective.terms = vec![(1.0, Goal::PolygonAction)];
+    layout.objective.within = within.map(|ratio| (Goal::Length, ratio));
+    written(layout)
+}
+
+fn value(corners: &[Corner], pitch: f64) -> f64 {
+    let course = Course::of_track(&Track::new(corners)).expect("a course");
+    1e6 * action(&course, pitch).expect("a chain").value(Objective::All)
+}
+
+#[test]
+fn thesis10_runs_evenly_within_a_budget() {
+    let layout = smooth(thesis10(), Some(0.005));
+    let stages = solve(&layout, &Options::default(), &quiet);
+    let [first, .., base, last] = stages.as_slice() else { panic!("{stages:?}") };
+    assert_eq!((first.name, base.name, last.name), ("stage1", "stage3", "polygon"));
+    assert!(last.max_violation <= 1e-6, "{:?}", last.violations);
+    assert!(last.length <= base.length * 1.005 + 1e-6);
+    let (before, after) = (value(&base.corners, 1.25), value(&last.corners, 1.25));
+    println!("{before} -> {after}, {} m -> {} m", base.length, last.length);
+    assert!(after < 0.3 * before, "{before} {after}");
+    for (corner, vertex) in last.corners.iter().zip(&layout.vertices) {
+        assert_eq!(corner.radius, vertex.radius.value);
+    }
+    // On the grid, with every constraint of the source.
+    let problem = Problem::new(&layout, Scope::Obstacles);
+    let x = to_variables(&last.corners);
+    assert!(super::super::stages::off_grid(&layout, &problem, &x, 1e-6).is_empty());
+    let at = problem.evaluate(&x, 0.0);
+    assert!(at.rows.iter().all(|r| r.violation() <= 1e-6));
+}
+
+#[test]
+fn alone_it_stays_near_what_is_written() {
+    let layout = smooth(fixture::rectangle(30.0, 20.0, 4.0), None);
+    let stages = solve(&layout, &Options::default(), &quiet);
+    let last = stages.last().expect("a stage");
+    assert_eq!((stages[0].name, stages[0].status, last.name), ("written", Status::AsWritten, "polygon"));
+    assert!(last.max_violation <= 1e-6, "{:?}", last.violations);
+    let (before, after) = (value(&stages[0].corners, 1.25), value(&last.corners, 1.25));
+    assert!(after < 0.8 * before, "{before} {after}");
+    for (a, b) in last.corners.iter().zip(&stages[0].corners) {
+        assert!((a.point.x - b.point.x).abs() <= 1.25 + 1e-9 && (a.point.y - b.point.y).abs() <= 1.25 + 1e-9);
+    }
+    assert!(last.length <= 1.01 * stages[0].length + 1e-6);
+}
+
+/// The chain closes as the source asks.
+#[test]
+fn closing_is_a_constraint() {
+    let mut layout = smooth(fixture::rectangle(30.0, 20.3, 4.0), None);
+    layout.chain.closes_within = Some(crate::source::Spanned::new(0.005, fixture::span()));
+    let stages = solve(&layout, &Options::default(), &quiet);
+    let last = stages.last().expect("a stage");
+    assert!(last.max_violation <= 1e-6, "{:?}", last.violations);
+    let track = Track::new(&last.corners);
+    let excess = 4.0 * (crate::geometry::trig::FRAC_PI_2 * 1.5625 / 96.0 - 1.953125 / 1920.0);
+    let carts = (track.length - excess) / 1.25;
+    assert!((carts - carts.round()).abs() * 1.25 <= 0.005 + 1e-6, "{carts}");
+}
+
+/// On a layout with two degrees of freedom, a fine grid over all of it finds nothing better.
+#[test]
+fn the_search_finds_the_best_of_a_fine_grid() {
+    let layout = smooth(fixture::rectangle(30.0, 20.0, 4.0), None);
+    let problem = Problem::new(&layout, Scope::Obstacles);
+    let goal = Smooth::of(&layout.objective).expect("a goal");
+    let (_, base) = base::base(&layout, goal, &Options::default(), |_, _, s, _| s.clone(), &quiet);
+    let base = base.expect("a base");
+    let held =
+        base.problem(&Problem::new(&base.layout, Scope::Obstacles), &base.turns(&base.variables), &base.variables);
+    let waves = candidate::waves(&base.variables, goal, 1.25).expect("waves");
+    let polytope = polytope::Polytope::new(&held, &base.variables, base.reach);
+    let found = &search::search(&polytope, &waves, 1).0[0];
+    let straights = waves_at(&waves, polytope.straights(&found.z).as_slice());
+    let track = Track::new(&crate::problem::measures::to_corners(&problem.start));
+    let limit = track.length * 1.01;
+    let mut best = f64::INFINITY;
+    for i in -250..=250 {
+        for j in -250..=250 {
+            let (a, b) = (22.0 + 0.01 * f64::from(i), 12.0 + 0.01 * f64::from(j));
+            if track.length + 2.0 * (a - 22.0 + b - 12.0) <= limit {
+                best = waves_at(&waves, &[a, b, a, b]).min(best);
+            }
+        }
+    }
+    assert!(straights <= best * 1.001, "{straights} {best}");
+}
+
+fn waves_at(waves: &crate::problem::Waves, straights: &[f64]) -> f64 {
+    waves.value(straights)
+}
+
+/// The value of waves in series is that of the whole chain, but for what lies beyond the third harmonic, and its derivatives are
+/// exact.
+#[test]
+fn waves_are_the_chain() {
+    let layout = smooth(thesis10(), None);
+    let x = to_variables(&layout.corners());
+    for counted in Objective::EACH {
+        let goal = Smooth { counted, ..Smooth::of(&layout.objective).expect("a goal") };
+        let waves = candidate::waves(&x, goal, 1.25).expect("waves");
+        let track = Track::new(&layout.corners());
+        let straights: Vec<f64> = (0..10).map(|k| track.straight(k).length).collect();
+        let whole = action(&Course::of_track(&track).expect("a course"), 1.25).expect("a chain");
+        let (a, b) = (waves.value(&straights), 1e6 * whole.value(counted));
+        assert!((a / b - 1.0).abs() < 0.06, "{counted:?}: {a} {b}");
+        let mut problem = Problem::new(&layout, Scope::Obstacles);
+        problem.aim = crate::problem::Aim::Waves(waves);
+        let here = problem.evaluate(&x, 0.0);
+        let e = &here.objective[0];
+        for k in (0..x.len()).filter(|k| k % 3 != 2) {
+            let at = |by: f64| {
+                let mut y = x.clone();
+                y[k] += by;
+                problem.evaluate(&y, 0.0).objective[0].clone()
+            };
+            let (up, down) = (at(1e-6), at(-1e-6));
+            let difference = (up.value - down.value) / 2e-6;
+            assert!((e.gradient[k] - difference).abs() < 1e-5 * (1.0 + difference.abs()), "{k}");
+            for j in (0..x.len()).filter(|j| j % 3 != 2) {
+                let difference = (up.gradient[j] - down.gradient[j]) / 2e-6;
+                let exact = e.hessian[k * x.len() + j];
+                assert!((exact - difference).abs() < 1e-3 * (1.0 + difference.abs()), "{k} {j}: {exact} {difference}");
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_layouts_say_so() {
+    let mut layout = smooth(thesis10(), Some(0.005));
+    layout.constraints.push(crate::model::Constraint {
+        kind: crate::model::ConstraintKind::Require {
+            formula: crate::model::Formula::Length(crate::model::Target { from: 5, straight: false }),
+            low: 100.0,
+            high: f64::INFINITY,
+            unit: crate::model::Unit::Metre,
+        },
+        span: fixture::span(),
+        reason: None,
+    });
+    let stages = solve(&layout, &Options::default(), &quiet);
+    assert_eq!(stages.last().map(|s| s.status), Some(Status::Infeasible));
+}
