@@ -1,8 +1,10 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
+mod certificate;
 mod complex;
 mod convex;
 mod discrete;
+mod exact;
 mod outcome;
 mod perturb;
 mod report;
@@ -10,7 +12,9 @@ pub mod sqp;
 mod stages;
 mod subproblem;
 
+pub use certificate::Certificate;
+pub use exact::Effort;
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
 pub use report::diagnose;
-pub use stages::{Discretise, Options, Progress, Solver, solve, solve_with};
+pub use stages::{Discretise, Discretised, MOST_OPEN, Options, Progress, Solver, solve, solve_with};
