@@ -6,10 +6,11 @@ use super::{MessageFormat, Outcome, OutputFormat, could_not, report};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::emit::{self, Compiled, DrawError, Files};
+use crate::kinematics::{Fit, fit};
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::unsupported;
-use crate::solve::{self, Options, Solver};
+use crate::solve::{self, Certificate, Effort, Options, Solver};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -53,6 +54,12 @@ pub struct Build {
     /// Threads to use; the result does not depend on it. All cores when not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     threads: Option<u64>,
+    /// Stop the search for the shortest layout on the grid when the proven gap is no larger: 0.1% or 0.001.
+    #[arg(long, value_name = "GAP", value_parser = gap, default_value = "0")]
+    gap: f64,
+    /// Most nodes of that search; then the best layout found is returned with the gap that is left.
+    #[arg(long, value_name = "N", default_value_t = Effort::default().nodes as u64)]
+    nodes: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -91,6 +98,26 @@ struct Summary<'a> {
     price_eur: f64,
     mass_kg: f64,
     feasible: bool,
+    certificate: Option<CertificateSummary<'a>>,
+    chain: Option<ChainSummary>,
+}
+
+/// What is proven of the last stage's layout.
+#[derive(Serialize)]
+struct CertificateSummary<'a> {
+    lower_bound_m: f64,
+    gap: f64,
+    proven: bool,
+    nodes: usize,
+    seconds: f64,
+    assumed: &'a [String],
+}
+
+/// How a whole number of carts fits.
+#[derive(Serialize)]
+struct ChainSummary {
+    carts: usize,
+    left_over_mm: f64,
 }
 
 #[derive(Serialize)]
@@ -167,6 +194,7 @@ impl Build {
             },
             perturb: self.perturb.map(|size| (size, self.seed)),
             threads: self.threads.map_or_else(cores, |n| n as usize),
+            effort: Effort { gap: self.gap, nodes: self.nodes as usize },
         };
         let line = Line::new();
         let stages = solve::solve(layout, &options, &|progress| line.show(progress));
@@ -209,6 +237,8 @@ impl Build {
             price_eur: compiled.bill.price,
             mass_kg: compiled.bill.mass,
             feasible: !compiled.failed(),
+            certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
+            chain: fit(&compiled.space.line, compiled.layout.cart.length).map(chain),
         };
         let text = match self.format {
             OutputFormat::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
@@ -216,6 +246,21 @@ impl Build {
         };
         report::print(&text);
     }
+}
+
+fn certificate(c: &Certificate) -> CertificateSummary<'_> {
+    CertificateSummary {
+        lower_bound_m: c.lower_bound,
+        gap: c.gap,
+        proven: c.proven,
+        nodes: c.nodes,
+        seconds: c.seconds,
+        assumed: &c.assumed,
+    }
+}
+
+fn chain(fit: Fit) -> ChainSummary {
+    ChainSummary { carts: fit.carts, left_over_mm: (fit.left_over * 1e6).round() / 1e3 + 0.0 }
 }
 
 /// Solves with the default options, without a word.
@@ -240,6 +285,18 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
             stage.name, stage.length_m, stage.max_violation_m, stage.iterations, stage.seconds
         );
     }
+    if let Some(c) = &summary.certificate {
+        let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };
+        out += &if c.proven {
+            format!("  proven shortest: no layout on this grid is shorter than {:.6} m ({nodes})\n", c.lower_bound_m)
+        } else {
+            let percent = 100.0 * c.gap;
+            format!("  no layout on this grid is shorter than {:.6} m (gap {percent:.3} %, {nodes})\n", c.lower_bound_m)
+        };
+    }
+    if let Some(chain) = &summary.chain {
+        out += &format!("  {} carts, {:.1} mm left over\n", chain.carts, chain.left_over_mm);
+    }
     out += &format!(
         "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",
         summary.element_count, summary.price_eur, summary.mass_kg, summary.footprint_m2, summary.closure_m
@@ -251,6 +308,16 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
         out += &format!("  written to {}\n", folder.display());
     }
     out
+}
+
+/// `0.1%`, `0.1 %`, `0.001`.
+fn gap(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits, 0.01));
+    match digits.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value * scale),
+        _ => Err(format!("{text} is not a gap such as 0.1% or 0.001")),
+    }
 }
 
 /// `1.5m`, `1.5 m`, `300mm`.

@@ -149,9 +149,7 @@ impl Region {
         let edge = self.edge(i);
         let length = edge.begin.distance(edge.end);
         let along = (edge.end - edge.begin) * (1.0 / length);
-        let count = self.polygon.points().len();
-        let beyond = |corner: usize| if self.faces(corner) { SLACK } else { BEYOND };
-        let (low, high) = (-beyond(i), length + beyond((i + 1) % count));
+        let (low, high) = self.range(i);
         for (vertex, fillet) in track.fillets.iter().enumerate() {
             let lowest = fillet.centre - edge.normal * fillet.radius;
             let distance = edge.normal.dot(lowest - edge.begin);
@@ -165,6 +163,14 @@ impl Region {
             }
             found.push(Approach { feature: Feature::Edge(i), part: Part::Arc(vertex), distance });
         }
+    }
+
+    /// From where to where along an edge, m from its begin, an arc over it approaches it.
+    pub fn range(&self, i: usize) -> (f64, f64) {
+        let edge = self.edge(i);
+        let beyond = |corner: usize| if self.faces(corner) { SLACK } else { BEYOND };
+        let next = (i + 1) % self.polygon.points().len();
+        (-beyond(i), edge.begin.distance(edge.end) + beyond(next))
     }
 
     fn nearest_edge(&self, p: Point) -> usize {

@@ -64,6 +64,16 @@ pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings
     best
 }
 
+/// The layout nearest to `x` with its turns and radii held on the grid; `None` where they cannot be.
+pub fn hold(layout: &Layout, problem: &Problem, settings: &Settings, x: &[f64]) -> Option<Solution> {
+    let grid = Grid::new(layout, problem, settings)?;
+    let turns = grid.turns(&grid.nearest(x))?;
+    let fixed = |i: usize| problem.bounds[radius(i)].low == problem.bounds[radius(i)].high;
+    let held: Vec<Option<f64>> =
+        (0..grid.len()).map(|i| (!fixed(i)).then(|| grid.radii_by_distance(x[radius(i)])[0])).collect();
+    Some(grid.repair(&turns, &held, x))
+}
+
 /// Best-first search over turns.
 struct Search<'a> {
     grid: &'a Grid<'a>,

@@ -1,9 +1,11 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
+mod certificate;
 mod complex;
 mod conflict;
 mod convex;
 mod discrete;
+mod exact;
 mod freedom;
 mod outcome;
 mod perturb;
@@ -13,10 +15,12 @@ pub mod sqp;
 mod stages;
 mod subproblem;
 
+pub use certificate::Certificate;
 pub use conflict::implied;
-pub use discrete::discretise;
+pub use exact::Effort;
+pub use exact::discretise;
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
 pub use report::diagnose;
-pub use stages::{Discretise, Options, Progress, Solver, solve, solve_with};
+pub use stages::{Discretise, Discretised, MOST_OPEN, Options, Progress, Solver, solve, solve_with};

@@ -1,5 +1,6 @@
 //! What a solve returns: plain data, best layout first, and what is wrong with it if anything is.
 
+use super::Certificate;
 use crate::geometry::Corner;
 use crate::source::Span;
 use serde::Serialize;
@@ -46,4 +47,7 @@ pub struct Stage {
     #[serde(skip)]
     pub seconds: f64,
     pub status: Status,
+    /// What a search over the catalogue's grid proved; never in an output file, as seconds are.
+    #[serde(skip)]
+    pub certificate: Option<Certificate>,
 }

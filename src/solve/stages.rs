@@ -3,9 +3,9 @@
 
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
-use super::{Stage, Status, Violation, complex, discrete, polygon};
+use super::{Certificate, Effort, Stage, Status, Violation, complex, exact, polygon};
 use crate::geometry::{Track, self_crossings};
-use crate::model::Layout;
+use crate::model::{Layout, Side};
 use crate::problem::measures::{radius as radius_of, to_corners};
 use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
 use std::time::Instant;
@@ -28,11 +28,13 @@ pub struct Options {
     pub perturb: Option<(f64, u64)>,
     /// Threads that may run; the result does not depend on it.
     pub threads: usize,
+    /// When the search of stage 3 ends.
+    pub effort: Effort,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { solver: Solver::Sqp, perturb: None, threads: 2 }
+        Options { solver: Solver::Sqp, perturb: None, threads: 2, effort: Effort::default() }
     }
 }
 
@@ -48,11 +50,27 @@ pub struct Progress {
 }
 
 /// Takes a continuous optimum to the catalogue's grid. Stages do not know which method does.
-pub type Discretise = fn(&Layout, &Problem, &Solution, &Settings) -> Solution;
+pub type Discretise = fn(&Layout, &Problem, &Solution, &Settings, &Effort) -> Discretised;
+
+/// A layout on the grid, with what was proven of it.
+#[derive(Clone, Debug)]
+pub struct Discretised {
+    pub solution: Solution,
+    pub certificate: Option<Certificate>,
+    /// Why the grid itself admits no layout.
+    pub refused: Vec<Violation>,
+}
+
+impl From<Solution> for Discretised {
+    /// A layout of which nothing was proven.
+    fn from(solution: Solution) -> Self {
+        Discretised { solution, certificate: None, refused: Vec::new() }
+    }
+}
 
 /// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last.
 pub fn solve(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
-    solve_with(layout, options, discrete::discretise, watch)
+    solve_with(layout, options, exact::discretise, watch)
 }
 
 /// The same with a discretisation of the caller's choice.
@@ -65,6 +83,57 @@ pub fn solve_with(
     if let Some(goal) = polygon::Smooth::of(&layout.objective) {
         return polygon::solve(layout, goal, options, discretise, watch);
     }
+    let open: Vec<usize> = (0..layout.obstacles.len()).filter(|&i| layout.obstacles[i].side == Side::Either).collect();
+    if open.is_empty() || layout.objective.terms.is_empty() {
+        return one_way(layout, options, discretise, watch);
+    }
+    let ways = (0..1u32 << open.len().min(MOST_OPEN)).map(|way| {
+        let mut layout = layout.clone();
+        for (bit, &i) in open.iter().enumerate() {
+            let right = bit < MOST_OPEN && way >> bit & 1 == 1;
+            layout.obstacles[i].side = if right { Side::Right } else { Side::Left };
+        }
+        one_way(&layout, options, discretise, watch)
+    });
+    best_of(ways.collect())
+}
+
+/// Obstacles whose side is tried both ways; `unsupported` refuses more.
+pub const MOST_OPEN: usize = 6;
+
+/// The best of several solves, with what all of them prove together.
+fn best_of(ways: Vec<Vec<Stage>>) -> Vec<Stage> {
+    let last = |stages: &Vec<Stage>| -> (bool, bool, f64) {
+        let Some(last) = stages.last() else { return (true, true, f64::INFINITY) };
+        let failed = last.status == Status::Infeasible;
+        (failed, last.name != "stage3", if failed { last.max_violation } else { last.length })
+    };
+    let certificates: Vec<Certificate> = ways.iter().filter_map(|stages| stages.last()?.certificate.clone()).collect();
+    // A way that ended before stage 3 was not proven to have no layout.
+    let all = certificates.len() == ways.len();
+    let order = |a: &Vec<Stage>, b: &Vec<Stage>| {
+        let (a, b) = (last(a), last(b));
+        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
+    };
+    let Some(mut best) = ways.into_iter().min_by(order) else { return Vec::new() };
+    if let Some(stage) = best.last_mut()
+        && let Some(certificate) = &mut stage.certificate
+    {
+        certificate.combine(&certificates, stage.length);
+        if !all {
+            certificate.assumed.push("no layout passes on a side for which the continuous stages found none".into());
+        }
+    }
+    best
+}
+
+/// Solves with the side of every obstacle chosen.
+fn one_way(
+    layout: &Layout,
+    options: &Options,
+    discretise: Discretise,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> Vec<Stage> {
     let full = Problem::new(layout, Scope::Obstacles);
     if layout.objective.terms.is_empty() {
         return vec![as_written(&full)];
@@ -108,9 +177,11 @@ pub fn solve_with(
 
     let clock = Instant::now();
     watch(Progress { stage: "stage3", iteration: 0, length: second.length, max_violation: second.max_violation });
-    let third = discretise(layout, &full, &second, &settings);
-    let mut last = stage("stage3", &full, &third, &settings, clock);
-    let off = off_grid(layout, &full, &third.variables, settings.feasibility);
+    let third = discretise(layout, &full, &second, &settings, &options.effort);
+    let mut last = stage("stage3", &full, &third.solution, &settings, clock);
+    last.certificate = third.certificate;
+    let mut off = third.refused;
+    off.extend(off_grid(layout, &full, &third.solution.variables, settings.feasibility));
     if !off.is_empty() {
         last.status = Status::Infeasible;
         last.max_violation = off.iter().map(|v| v.amount).fold(last.max_violation, f64::max);
@@ -178,6 +249,7 @@ pub(super) fn stage(name: &'static str, problem: &Problem, s: &Solution, setting
         iterations: s.iterations,
         seconds: clock.elapsed().as_secs_f64(),
         status,
+        certificate: None,
     }
 }
 
@@ -201,6 +273,7 @@ pub(super) fn as_written(problem: &Problem) -> Stage {
         iterations: 0,
         seconds: 0.0,
         status: Status::AsWritten,
+        certificate: None,
     }
 }
 
@@ -253,7 +326,7 @@ mod tests {
         let mut reached = [0; 2];
         for seed in 1..=20 {
             let options = Options { perturb: Some((1.5, seed)), ..Options::default() };
-            let nothing: Discretise = |_, _, s, _| s.clone();
+            let nothing: Discretise = |_, _, s, _, _| s.clone().into();
             let stages = solve_with(&layout, &options, nothing, &quiet);
             for (k, best) in [157.19840, 159.24619].into_iter().enumerate() {
                 let good = |s: &Stage| (s.length - best).abs() < 1e-5 && s.max_violation <= 1e-6;
@@ -331,7 +404,7 @@ mod tests {
     #[test]
     fn the_complex_method_shortens_the_track_too() {
         let options = Options { solver: Solver::Complex, ..Options::default() };
-        let nothing: Discretise = |_, _, s, _| s.clone();
+        let nothing: Discretise = |_, _, s, _, _| s.clone().into();
         let stages = solve_with(&thesis10(), &options, nothing, &quiet);
         println!(
             "{:?}",

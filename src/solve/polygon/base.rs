@@ -5,6 +5,7 @@ use crate::geometry::{Track, trig};
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Objective, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
+use crate::solve::discrete;
 use crate::solve::sqp::{self, Settings};
 use crate::solve::stages::{as_written, off_grid, solve_with, stage};
 use crate::solve::{Discretise, Options, Progress, Stage, Status};
@@ -37,7 +38,7 @@ pub fn base(
             let shortest = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: layout.objective.span };
             solve_with(&Layout { objective: shortest, ..layout.clone() }, options, discretise, watch)
         } else {
-            nearest(layout, discretise)
+            nearest(layout)
         }
     };
     let mut stages = find(&held);
@@ -99,7 +100,7 @@ fn hold_radii(layout: &Layout) -> Layout {
 }
 
 /// The written layout where it is feasible and on the grid, else the nearest one that is.
-fn nearest(layout: &Layout, discretise: Discretise) -> Vec<Stage> {
+fn nearest(layout: &Layout) -> Vec<Stage> {
     let settings = Settings::default();
     let mut problem = Problem::new(layout, Scope::Obstacles);
     let written = as_written(&problem);
@@ -117,7 +118,7 @@ fn nearest(layout: &Layout, discretise: Discretise) -> Vec<Stage> {
         return vec![continuous];
     }
     let clock = Instant::now();
-    let found = discretise(layout, &problem, &near, &settings);
+    let found = discrete::discretise(layout, &problem, &near, &settings);
     let mut last = stage("stage3", &problem, &found, &settings, clock);
     let off = off_grid(layout, &problem, &found.variables, settings.feasibility);
     if !off.is_empty() {

@@ -1,0 +1,384 @@
+//! What a layout that comes too close to a region could do instead: alternatives of linear rows, one of which every layout with
+//! the same headings meets.
+//!
+//! With headings chosen, a straight keeps its distance D from a point when the point lies D to the side, or before or behind
+//! the straight: three half-planes. An arc whose inner side the point is on keeps it in a disc, R − |q − c| >= D, which is
+//! convex and the intersection of its tangents' half-planes; one whose outer side the point is on keeps it out of a disc, which
+//! is not, and is split into sectors: within an angle δ of a direction w, |q − c| >= R + D implies w·(q − c) >= (R + D) cos δ. An
+//! arc that bulges towards an edge keeps n·(c − p) − R >= D, or its lowest point is not over the edge.
+
+use super::grid::Grid;
+use super::network::{Choice, Open};
+use super::row::{Row, Touch};
+use crate::geometry::clearance::{Feature, Part, Region, offset};
+use crate::geometry::{Point, Track};
+use crate::problem::{Keepout, Problem, RowKey};
+
+/// How an arc passes a corner, once that is decided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// The corner is beside the arc on its inner side.
+    Inner,
+    /// On its outer side, between these fractions of the turn.
+    Outer(f64, f64),
+}
+
+/// Where a straight begins (end of the arc before it) or ends, by stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Joint {
+    Begin(usize),
+    End(usize),
+}
+
+/// What was decided about a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum What {
+    /// How the arc at a vertex stage passes it.
+    Arc(usize, Way),
+    /// It lies before (or else behind) the normal of the track at a joint. On the normal itself it is beside both pieces,
+    /// so a piece that it may be beside need not offer the other side again: that would let it slip between the two.
+    Before(Joint, bool),
+}
+
+/// A decision about a corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decided {
+    pub keepout: usize,
+    pub corner: usize,
+    pub what: What,
+}
+
+impl Decided {
+    /// Whether this replaces another one.
+    pub fn replaces(&self, other: &Decided) -> bool {
+        let same = match (self.what, other.what) {
+            (What::Arc(a, _), What::Arc(b, _)) => a == b,
+            (What::Before(a, _), What::Before(b, _)) => a == b,
+            _ => false,
+        };
+        same && (self.keepout, self.corner) == (other.keepout, other.corner)
+    }
+}
+
+/// One alternative.
+#[derive(Clone, Debug)]
+pub struct Alternative {
+    pub rows: Vec<Row>,
+    pub decided: Option<Decided>,
+}
+
+/// What to do about a layout that violates a row of its problem.
+pub enum Remedy {
+    /// Choose the heading of this stage first.
+    Settle(usize),
+    /// Part the headings of this stage, those below from the others.
+    Part(usize, i32),
+    Split(Vec<Alternative>),
+}
+
+/// Everything the alternatives depend on.
+pub struct Beside<'a> {
+    pub problem: &'a Problem,
+    pub grid: &'a Grid,
+    /// Known layouts, whose ways of having another strand in between are allowed.
+    pub known: Vec<Track>,
+}
+
+impl Beside<'_> {
+    /// What to do about a clearance row; `None` for what has no linear alternatives.
+    pub fn remedy(
+        &self,
+        key: RowKey,
+        choice: &Choice,
+        open: &Open,
+        track: &Track,
+        decided: &[Decided],
+    ) -> Option<Remedy> {
+        let RowKey::Clearance(k, feature, part) = key else { return None };
+        let n = self.grid.len();
+        let keepout = &self.problem.keepouts[k];
+        let settled = |stage: usize| open.headings[stage].len() == 1;
+        match (feature, part) {
+            (Feature::Corner(corner), Part::Straight(i)) => {
+                let stage = self.grid.stage(i);
+                if !settled(stage) {
+                    let heading = f64::from(choice.headings[stage]);
+                    let whole = self.convex(keepout, corner, stage, heading, open);
+                    return whole.or(Some(Remedy::Settle(stage)));
+                }
+                Some(Remedy::Split(self.straight(k, corner, i, choice, decided)))
+            }
+            (_, Part::Arc(v)) => {
+                let stage = self.grid.stage(v);
+                let before = (stage + n - 1) % n;
+                if let (Feature::Corner(corner), false) = (feature, settled(before) && settled(stage)) {
+                    let arc = Arc { grid: self.grid, stage, choice };
+                    let q = keepout.region.polygon.points()[corner];
+                    let from = q - track.fillets[v].centre;
+                    let turned = if stage == 0 { n } else { stage };
+                    let (a, b) = (choice.headings[turned - 1], choice.headings[turned]);
+                    let heading = f64::from(a) + f64::from(b - a) * arc.fraction(from).clamp(0.0, 1.0);
+                    let whole = [stage, before]
+                        .into_iter()
+                        .filter_map(|k| self.convex(keepout, corner, k, heading, open))
+                        .min_by_key(|r| matches!(r, Remedy::Part(..)));
+                    if whole.is_some() {
+                        return whole;
+                    }
+                }
+                if let Some(open) = [before, stage].into_iter().find(|&s| !settled(s)) {
+                    return Some(Remedy::Settle(open));
+                }
+                let arc = Arc { grid: self.grid, stage, choice };
+                match feature {
+                    Feature::Corner(corner) => self.corner(&arc, k, corner, track, decided).map(Remedy::Split),
+                    Feature::Edge(edge) => edge_rows(&arc, keepout, edge).map(Remedy::Split),
+                }
+            }
+            (Feature::Edge(_), Part::Straight(_)) => None,
+        }
+    }
+
+    /// A corner on the inner side of the two arcs at a section's ends, whatever headings are chosen: the track between is convex,
+    /// so the corner lies a distance D inside its tangent of this heading, or before where the first arc begins, or behind
+    /// where the second ends.
+    fn convex(&self, keepout: &Keepout, corner: usize, stage: usize, heading: f64, open: &Open) -> Option<Remedy> {
+        let (grid, n) = (self.grid, self.grid.len());
+        let sign = grid.signs[stage];
+        let side = f64::from(sign);
+        let next = stage + 1;
+        if stage == 0 || next >= n || grid.signs[next] != sign || keepout.region.lies != side {
+            return None;
+        }
+        let quarter = f64::from(grid.circle) / 4.0;
+        // The heading is reached between the sections before and after, within a quarter turn of both.
+        for (k, ahead) in [(stage - 1, -1.0), (next, 1.0)] {
+            let off = |h: &i32| side * ahead * (f64::from(*h) - heading);
+            if open.headings[k].iter().any(|h| off(h) > quarter) {
+                return None;
+            }
+            if open.headings[k].iter().any(|h| off(h) < 0.0) {
+                if open.headings[k].iter().all(|h| off(h) < 0.0) {
+                    return None;
+                }
+                let rising = side * ahead > 0.0;
+                let above = if rising { heading.ceil() } else { heading.floor() + 1.0 };
+                return Some(Remedy::Part(k, above as i32));
+            }
+        }
+        let q = keepout.region.polygon.points()[corner];
+        let u = Point::unit(grid.origin + heading * grid.step);
+        let g = u.left() * -side;
+        let row = |row: Row| Alternative { rows: vec![row], decided: None };
+        let touch = vec![Touch { stage, heading, normal: u.left(), pull: g }];
+        let low = keepout.distance + g.dot(q);
+        Some(Remedy::Split(vec![
+            row(Row { at: vec![(stage, g)], touch, low, ..Row::default() }),
+            row(Row { at: vec![(stage, u)], into: vec![(stage, -u)], low: u.dot(q), ..Row::default() }),
+            row(Row { at: vec![(next, -u)], out: vec![(next, -u)], low: -u.dot(q), ..Row::default() }),
+        ]))
+    }
+
+    fn straight(&self, k: usize, corner: usize, i: usize, choice: &Choice, known: &[Decided]) -> Vec<Alternative> {
+        let keepout = &self.problem.keepouts[k];
+        let (n, stage) = (self.grid.len(), self.grid.stage(i));
+        let next = (stage + 1) % n;
+        let q = keepout.region.polygon.points()[corner];
+        let u = self.grid.unit(choice.headings[stage]);
+        let side = u.left() * keepout.region.lies;
+        let at = |k: usize, g: Point| vec![(k, g)];
+        let row = |row: Row| Alternative { rows: vec![row], decided: None };
+        let mut out = vec![row(Row { at: at(stage, -side), low: keepout.distance - side.dot(q), ..Row::default() })];
+        let rows = [
+            Row { at: at(stage, u), out: at(stage, u), low: u.dot(q), ..Row::default() },
+            Row { at: at(next, -u), into: at(next, u), low: -u.dot(q), ..Row::default() },
+        ];
+        out.extend(past(k, corner, [Joint::Begin(stage), Joint::End(stage)], rows, known));
+        if self.known.iter().any(|t| beyond(t, 2 * i, q, &keepout.region, keepout.distance)) {
+            out.push(row(Row { at: at(stage, side), low: keepout.distance + side.dot(q), ..Row::default() }));
+        }
+        out
+    }
+
+    fn corner(
+        &self,
+        arc: &Arc,
+        keepout: usize,
+        corner: usize,
+        track: &Track,
+        decided: &[Decided],
+    ) -> Option<Vec<Alternative>> {
+        let rules = &self.problem.keepouts[keepout];
+        let q = rules.region.polygon.points()[corner];
+        let stage = arc.stage;
+        let fillet = &track.fillets[arc.grid.vertex(stage)];
+        let from = q - fillet.centre;
+        if from.norm() < 1e-9 {
+            return None;
+        }
+        let w = from * (1.0 / from.norm());
+        let decide = |way| Some(Decided { keepout, corner, what: What::Arc(stage, way) });
+        let inner = || Alternative { rows: vec![arc.inner(w, q, rules.distance)], decided: decide(Way::Inner) };
+        let outer = |a: f64, b: f64| Alternative {
+            rows: arc.outer(a, b, q, rules.distance),
+            decided: decide(Way::Outer(a, b)),
+        };
+        let way = |d: &Decided| match d.what {
+            What::Arc(at, way) if (d.keepout, d.corner, at) == (keepout, corner, stage) => Some(way),
+            _ => None,
+        };
+        match decided.iter().find_map(way) {
+            Some(Way::Inner) => return Some(vec![inner()]),
+            Some(Way::Outer(a, b)) => {
+                let here = arc.fraction(w);
+                let middle = if here > a + 0.1 * (b - a) && here < b - 0.1 * (b - a) { here } else { (a + b) / 2.0 };
+                return (b - a > 1e-6).then(|| vec![outer(a, middle), outer(middle, b)]);
+            }
+            None => {}
+        }
+        let before = (stage + arc.grid.len() - 1) % arc.grid.len();
+        let joints = [Joint::End(before), Joint::Begin(stage)];
+        let mut out: Vec<Alternative> = past(keepout, corner, joints, arc.elsewhere(q), decided).collect();
+        let is_inner = rules.region.lies == f64::from(arc.grid.signs[stage]);
+        let index = (2 * arc.grid.vertex(stage) + 2 * arc.grid.len() - 1) % (2 * arc.grid.len());
+        let other = self.known.iter().any(|t| beyond(t, index, q, &rules.region, rules.distance));
+        if is_inner || other {
+            out.push(inner());
+        }
+        if !is_inner || other {
+            out.push(outer(0.0, 1.0));
+        }
+        Some(out)
+    }
+}
+
+/// Before the first joint of a piece and behind the second, but where the opposite was decided.
+fn past(
+    keepout: usize,
+    corner: usize,
+    joints: [Joint; 2],
+    rows: [Row; 2],
+    known: &[Decided],
+) -> impl Iterator<Item = Alternative> {
+    let decided = |joint: Joint, before: bool| Decided { keepout, corner, what: What::Before(joint, before) };
+    let both =
+        [(decided(joints[0], true), decided(joints[0], false)), (decided(joints[1], false), decided(joints[1], true))];
+    both.into_iter()
+        .zip(rows)
+        .filter(|((_, opposite), _)| !known.contains(opposite))
+        .map(|((decided, _), row)| Alternative { rows: vec![row], decided: Some(decided) })
+}
+
+/// Whether a known layout has a corner beside this piece, on the side where it should not be.
+fn beyond(track: &Track, piece: usize, q: Point, region: &Region, distance: f64) -> bool {
+    offset(track, piece, q).is_some_and(|(_, offset)| offset * region.lies <= -distance + 1e-6)
+}
+
+/// The arc at a vertex stage whose headings are chosen.
+struct Arc<'a> {
+    grid: &'a Grid,
+    stage: usize,
+    choice: &'a Choice,
+}
+
+impl Arc<'_> {
+    /// Headings before and after, rad.
+    fn turn(&self) -> (f64, f64) {
+        let at = if self.stage == 0 { self.grid.len() } else { self.stage };
+        (self.grid.angle(self.choice.headings[at - 1]), self.grid.angle(self.choice.headings[at]))
+    }
+
+    fn heading(&self, fraction: f64) -> f64 {
+        let (a, b) = self.turn();
+        a + (b - a) * fraction
+    }
+
+    /// From the centre to the point of the arc where the track has this heading.
+    fn outward(&self, heading: f64) -> Point {
+        Point::unit(heading).left() * -f64::from(self.grid.signs[self.stage])
+    }
+
+    /// The fraction of the turn at which the arc lies in this direction from its centre.
+    fn fraction(&self, w: Point) -> f64 {
+        let (a, b) = self.turn();
+        let heading = (w.left() * f64::from(self.grid.signs[self.stage])).heading();
+        crate::geometry::trig::wrap(heading - a) / (b - a)
+    }
+
+    fn centre(&self, g: Point, radius: f64, low: f64) -> Row {
+        let mut row = Row { radius: vec![(self.stage, radius)], low, ..Row::default() };
+        row.centre(self.grid, self.stage, g);
+        row
+    }
+
+    /// R − w·(q − c) >= D
+    fn inner(&self, w: Point, q: Point, distance: f64) -> Row {
+        self.centre(w, 1.0, distance + w.dot(q))
+    }
+
+    /// The sector between two fractions, and w·(q − c) >= (R + D) cos δ in it.
+    fn outer(&self, a: f64, b: f64, q: Point, distance: f64) -> Vec<Row> {
+        let (begin, end) = (self.heading(a), self.heading(b));
+        let cosine = crate::geometry::trig::cos((end - begin) / 2.0);
+        let w = self.outward((begin + end) / 2.0);
+        let (u, v) = (Point::unit(begin), Point::unit(end));
+        vec![
+            self.centre(-w, -cosine, distance * cosine - w.dot(q)),
+            self.centre(-u, 0.0, -u.dot(q)),
+            self.centre(v, 0.0, v.dot(q)),
+        ]
+    }
+
+    /// The point lies before the arc or after it.
+    fn elsewhere(&self, q: Point) -> [Row; 2] {
+        let (begin, end) = self.turn();
+        let (u, v) = (Point::unit(begin), Point::unit(end));
+        [self.centre(u, 0.0, u.dot(q)), self.centre(-v, 0.0, -v.dot(q))]
+    }
+}
+
+/// An arc that bulges towards an edge. On the arc's inner side the region's corners say more.
+fn edge_rows(arc: &Arc, keepout: &Keepout, edge: usize) -> Option<Vec<Alternative>> {
+    let region = &keepout.region;
+    if region.lies == f64::from(arc.grid.signs[arc.stage]) {
+        return None;
+    }
+    let e = region.edge(edge);
+    let along = (e.end - e.begin) * (1.0 / e.begin.distance(e.end));
+    let (low, high) = region.range(edge);
+    let foot = along.dot(e.begin);
+    let mut rows = vec![
+        arc.centre(e.normal, -1.0, keepout.distance + e.normal.dot(e.begin)),
+        arc.centre(-along, 0.0, -(foot + low)),
+        arc.centre(along, 0.0, foot + high),
+    ];
+    // Beyond the forbidden part, where that ends.
+    if let Some(depth) = depth(region, edge, along, foot + low, foot + high) {
+        rows.push(arc.centre(-e.normal, 1.0, depth - e.normal.dot(e.begin)));
+    }
+    Some(rows.into_iter().map(|row| Alternative { rows: vec![row], decided: None }).collect())
+}
+
+/// How far behind an edge, over this range, the outline comes first, m.
+fn depth(region: &Region, edge: usize, along: Point, low: f64, high: f64) -> Option<f64> {
+    let e = region.edge(edge);
+    let mut least: Option<f64> = None;
+    for (i, (a, b)) in region.polygon.edges().enumerate() {
+        if i == edge {
+            continue;
+        }
+        let (s, t) = (along.dot(a), along.dot(b));
+        let (begin, end) = (s.min(t).max(low), s.max(t).min(high));
+        if begin >= end {
+            continue;
+        }
+        for at in [begin, end] {
+            let p = a.lerp(b, (at - s) / (t - s));
+            let behind = -e.normal.dot(p - e.begin);
+            if behind > -1e-9 {
+                least = Some(least.map_or(behind, |d: f64| d.min(behind)).max(0.0));
+            }
+        }
+    }
+    least
+}

@@ -1,0 +1,342 @@
+//! The Lagrangian dual of a loop over headings and radii: for any multipliers a shortest path.
+//!
+//! min L(x) s.t. rows a_r(x) >= b_r is bounded from below by Σ y_r b_r + min_x [L(x) − Σ y_r a_r(x)] for every y_r >= 0 (of any
+//! sign for equalities; Geoffrion 1974). With headings chosen, every row is a sum over sections and vertices, so the
+//! inner minimum is a shortest path through the headings of one section after another, straights and radii each at an end
+//! of their interval.
+
+use super::grid::Grid;
+use super::row::{Row, Touch};
+use crate::geometry::Point;
+
+/// What is still open: headings by stage 0..=n, and radii (first and last of the list) by vertex stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Open {
+    pub headings: Vec<Vec<i32>>,
+    pub radii: Vec<(usize, usize)>,
+}
+
+/// Limits that hold everywhere.
+pub struct Limits {
+    /// Of each straight, m, by stage; finite.
+    pub straights: Vec<(f64, f64)>,
+    /// Corners of a box that holds the first vertex, m.
+    pub first: (Point, Point),
+}
+
+/// A choice of everything.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    pub headings: Vec<i32>,
+    pub radii: Vec<f64>,
+    pub straights: Vec<f64>,
+    pub first: Point,
+}
+
+impl Choice {
+    /// m
+    pub fn length(&self, grid: &Grid) -> f64 {
+        let n = grid.len();
+        let arc = |k: usize| {
+            let steps = self.headings[k] - self.headings[k - 1];
+            self.radii[k % n] * grid.turn(steps).0
+        };
+        self.straights.iter().sum::<f64>() + (1..=n).map(arc).sum::<f64>()
+    }
+
+    /// Tangent length at a vertex stage, m.
+    fn tangent(&self, grid: &Grid, k: usize) -> f64 {
+        let k = if k == 0 { grid.len() } else { k };
+        self.radii[k % grid.len()] * grid.turn(self.headings[k] - self.headings[k - 1]).1
+    }
+
+    /// Vertices by stage 0..=n.
+    pub fn vertices(&self, grid: &Grid) -> Vec<Point> {
+        let n = grid.len();
+        let mut at = vec![self.first];
+        for k in 0..n {
+            let length = self.straights[k] + self.tangent(grid, k) + self.tangent(grid, (k + 1) % n);
+            at.push(at[k] + grid.unit(self.headings[k]) * length);
+        }
+        at
+    }
+
+    /// The row's value.
+    pub fn value(&self, grid: &Grid, row: &Row, vertices: &[Point]) -> f64 {
+        let n = grid.len();
+        let scalars =
+            |list: &[(usize, f64)], f: &dyn Fn(usize) -> f64| list.iter().map(|&(k, a)| a * f(k)).sum::<f64>();
+        let before = |k: usize| grid.unit(self.headings[if k == 0 { n - 1 } else { k - 1 }]);
+        let t = |k: usize| self.tangent(grid, k);
+        row.at.iter().map(|&(k, g)| g.dot(vertices[k])).sum::<f64>()
+            + scalars(&row.straight, &|k| self.straights[k])
+            + scalars(&row.length, &|k| self.straights[k] + t(k) + t((k + 1) % n))
+            + scalars(&row.radius, &|k| self.radii[k])
+            + row.into.iter().map(|&(k, g)| t(k) * g.dot(before(k))).sum::<f64>()
+            + row.out.iter().map(|&(k, g)| t(k) * g.dot(grid.unit(self.headings[k]))).sum::<f64>()
+            + row.normal.iter().map(|&(k, g)| self.radii[k] * g.dot(before(k).left())).sum::<f64>()
+            + row.touch.iter().map(|touch| self.touched(grid, touch)).sum::<f64>()
+    }
+
+    fn touched(&self, grid: &Grid, touch: &Touch) -> f64 {
+        let (k, sign, g) = (touch.stage, grid.signs[touch.stage], touch.pull);
+        let next = (k + 1) % grid.len();
+        let (u, side) = (grid.unit(self.headings[k]), f64::from(sign));
+        if touch.before(self.headings[k], sign) {
+            let u = grid.unit(self.headings[k - 1]);
+            -self.tangent(grid, k) * g.dot(u) + side * self.radii[k] * g.dot(u.left() - touch.normal)
+        } else {
+            (self.tangent(grid, k) + self.straights[k]) * g.dot(u)
+                + side * self.radii[next] * g.dot(u.left() - touch.normal)
+        }
+    }
+}
+
+/// The sum of rows under multipliers, by the stage that each part belongs to.
+struct Prices {
+    /// On the displacement of a section.
+    section: Vec<Point>,
+    straight: Vec<f64>,
+    length: Vec<f64>,
+    radius: Vec<f64>,
+    into: Vec<Point>,
+    out: Vec<Point>,
+    normal: Vec<Point>,
+    /// By stage of the section.
+    touch: Vec<Vec<Touch>>,
+    /// On the first vertex.
+    first: Point,
+    /// Σ y b
+    constant: f64,
+    /// Σ |y b|
+    size: f64,
+}
+
+impl Prices {
+    fn new(n: usize, rows: &[Row], y: &[f64]) -> Self {
+        let zero = vec![Point::default(); n];
+        let mut p = Prices {
+            section: zero.clone(),
+            straight: vec![0.0; n],
+            length: vec![0.0; n],
+            radius: vec![0.0; n],
+            into: zero.clone(),
+            out: zero.clone(),
+            normal: zero,
+            touch: vec![Vec::new(); n],
+            first: Point::default(),
+            constant: 0.0,
+            size: 0.0,
+        };
+        let mut pulls = vec![Point::default(); n + 1];
+        for (row, &y) in rows.iter().zip(y).filter(|(_, y)| **y != 0.0) {
+            row.at.iter().for_each(|&(k, g)| pulls[k] = pulls[k] - g * y);
+            row.straight.iter().for_each(|&(k, a)| p.straight[k] -= a * y);
+            row.length.iter().for_each(|&(k, a)| p.length[k] -= a * y);
+            row.radius.iter().for_each(|&(k, a)| p.radius[k] -= a * y);
+            row.into.iter().for_each(|&(k, g)| p.into[k] = p.into[k] - g * y);
+            row.out.iter().for_each(|&(k, g)| p.out[k] = p.out[k] - g * y);
+            row.normal.iter().for_each(|&(k, g)| p.normal[k] = p.normal[k] - g * y);
+            row.touch.iter().for_each(|t| p.touch[t.stage].push(Touch { pull: -(t.pull * y), ..*t }));
+            p.constant += row.low * y;
+            p.size += (row.low * y).abs();
+        }
+        let mut ahead = Point::default();
+        for k in (0..n).rev() {
+            ahead = ahead + pulls[k + 1];
+            p.section[k] = ahead;
+        }
+        p.first = ahead + pulls[0];
+        p
+    }
+}
+
+/// A dual bound with everything that a choice through each heading costs at least.
+pub struct Dual {
+    /// m; holds in exact arithmetic: what rounding may have added is taken off.
+    pub bound: f64,
+    /// As computed, with the choice that attains it.
+    pub value: f64,
+    pub choice: Choice,
+    /// Least total through each open heading, by stage and place in the list, m; as rigorous as the bound.
+    pub through: Vec<Vec<f64>>,
+}
+
+/// Minimises over all that is open. `None` when no headings fit together.
+pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[Row], y: &[f64]) -> Option<Dual> {
+    let n = grid.len();
+    let p = Prices::new(n, rows, y);
+    let straight = |k: usize, h: i32| {
+        let u = grid.unit(h);
+        let passed = p.touch[k].iter().filter(|t| !t.before(h, grid.signs[k])).map(|t| t.pull.dot(u)).sum::<f64>();
+        let price = 1.0 + p.straight[k] + p.length[k] + p.section[k].dot(u) + passed;
+        let (low, high) = limits.straights[k];
+        if price >= 0.0 { (price * low, low) } else { (price * high, high) }
+    };
+    let (low, high) = limits.first;
+    let corner = |g: f64, low: f64, high: f64| if g >= 0.0 { low } else { high };
+    let first = Point::new(corner(p.first.x, low.x, high.x), corner(p.first.y, low.y, high.y));
+    let constant = p.constant + p.first.dot(first);
+
+    // Forward, with the vertex (section) before as parent.
+    let mut reach: Vec<Vec<f64>> = vec![vec![straight(0, open.headings[0][0]).0]];
+    let mut from: Vec<Vec<(usize, f64)>> = vec![vec![(0, 0.0)]];
+    let mut steps: Vec<Vec<Edge>> = Vec::with_capacity(n);
+    for k in 1..=n {
+        let edges = edges(grid, open, &p, k);
+        let mut best = vec![(f64::INFINITY, 0, 0.0); open.headings[k].len()];
+        for edge in &edges {
+            let total = reach[k - 1][edge.from] + edge.cost;
+            if total < best[edge.to].0 {
+                best[edge.to] = (total, edge.from, edge.radius);
+            }
+        }
+        let own = |h: i32| if k == n { 0.0 } else { straight(k, h).0 };
+        reach.push(best.iter().zip(&open.headings[k]).map(|(b, &h)| b.0 + own(h)).collect());
+        from.push(best.iter().map(|b| (b.1, b.2)).collect());
+        steps.push(edges);
+    }
+    let value = reach[n][0];
+    if !value.is_finite() {
+        return None;
+    }
+    let margin = margin(grid, limits, open, &p, first);
+    let mut rest: Vec<Vec<f64>> = open.headings.iter().map(|h| vec![f64::INFINITY; h.len()]).collect();
+    rest[n][0] = 0.0;
+    for k in (1..=n).rev() {
+        for edge in &steps[k - 1] {
+            let own = if k == n { 0.0 } else { straight(k, open.headings[k][edge.to]).0 };
+            let total = edge.cost + own + rest[k][edge.to];
+            if total < rest[k - 1][edge.from] {
+                rest[k - 1][edge.from] = total;
+            }
+        }
+    }
+    let through = reach
+        .iter()
+        .zip(&rest)
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a + b + constant - margin).collect())
+        .collect();
+    let mut headings = vec![0; n + 1];
+    let mut radii = vec![0.0; n];
+    let mut place = 0;
+    for k in (1..=n).rev() {
+        headings[k] = open.headings[k][place];
+        (place, radii[k % n]) = from[k][place];
+    }
+    headings[0] = open.headings[0][place];
+    let straights = (0..n).map(|k| straight(k, headings[k]).1).collect();
+    let choice = Choice { headings, radii, straights, first };
+    let value = value + constant;
+    Some(Dual { bound: value - margin, value, choice, through })
+}
+
+struct Edge {
+    from: usize,
+    to: usize,
+    cost: f64,
+    radius: f64,
+}
+
+/// The turns from each open heading of stage k − 1 to each of stage k.
+fn edges(grid: &Grid, open: &Open, p: &Prices, k: usize) -> Vec<Edge> {
+    let n = grid.len();
+    let v = k % n;
+    let (low, high) = open.radii[v];
+    let (low, high) = (grid.radii[v][low], grid.radii[v][high]);
+    let before = p.section[k - 1] + p.into[v];
+    let after = p.section[v] + p.out[v];
+    let lengths = p.length[k - 1] + p.length[v];
+    let entering: Vec<(f64, f64)> = open.headings[k - 1]
+        .iter()
+        .map(|&h| {
+            let u = grid.unit(h);
+            let mut price = p.normal[v].dot(u.left()) + p.radius[v];
+            for t in p.touch[k - 1].iter().filter(|t| !t.before(h, grid.signs[k - 1])) {
+                price += f64::from(grid.signs[k - 1]) * t.pull.dot(u.left() - t.normal);
+            }
+            (before.dot(u) + lengths, price)
+        })
+        .collect();
+    let leaving: Vec<f64> = open.headings[k].iter().map(|&h| after.dot(grid.unit(h))).collect();
+    let mut out = Vec::new();
+    let (least, most) = grid.turns[v];
+    let sign = grid.signs[v];
+    for (from, &h) in open.headings[k - 1].iter().enumerate() {
+        let (begin, end) = if sign > 0 { (h + least, h + most) } else { (h - most, h - least) };
+        let begin = open.headings[k].partition_point(|&t| t < begin);
+        for (to, &t) in open.headings[k].iter().enumerate().skip(begin) {
+            if t > end {
+                break;
+            }
+            let (angle, tangent) = grid.turn(t - h);
+            let mut price = angle + entering[from].1 + tangent * (entering[from].0 + leaving[to]);
+            for touch in &p.touch[v] {
+                let g = touch.pull;
+                if touch.before(t, sign) {
+                    let u = grid.unit(h);
+                    price += f64::from(sign) * g.dot(u.left() - touch.normal) - tangent * g.dot(u);
+                } else {
+                    price += tangent * g.dot(grid.unit(t));
+                }
+            }
+            let radius = if price >= 0.0 { low } else { high };
+            out.push(Edge { from, to, cost: price * radius, radius });
+        }
+    }
+    out
+}
+
+/// More than floating-point arithmetic can have added to a bound: every sum has at most 32 + 4n roundings, each of at most
+/// half an ulp of the sum of absolute values (Higham 2002, §4.2); unit vectors and tangents are good to 4 ulps.
+fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -> f64 {
+    let n = grid.len();
+    let size = |g: Point| g.x.abs() + g.y.abs();
+    let mut total = p.size + size(p.first) * (first.x.abs() + first.y.abs());
+    for k in 0..n {
+        let touched = |k: usize| p.touch[k].iter().map(|t| size(t.pull)).sum::<f64>();
+        let price = 1.0 + p.straight[k].abs() + p.length[k].abs() + size(p.section[k]) + touched(k);
+        total += price * limits.straights[k].1.abs().max(limits.straights[k].0.abs());
+        let before = (k + n - 1) % n;
+        let radius = grid.radii[k][open.radii[k].1];
+        let (angle, tangent) = grid.turn(grid.turns[k].1);
+        let turning = size(p.section[before]) + size(p.section[k]) + size(p.into[k]) + size(p.out[k]);
+        let lengths = p.length[before].abs() + p.length[k].abs();
+        let touching = 2.0 * touched(before) + (2.0 + tangent) * touched(k);
+        let turning = tangent * (turning + lengths) + touching;
+        total += radius * (angle + p.radius[k].abs() + size(p.normal[k]) + turning);
+    }
+    f64::EPSILON * (32.0 + 4.0 * n as f64) * total
+}
+
+impl Open {
+    /// Whether one heading is left at every stage.
+    pub fn settled(&self) -> bool {
+        self.headings.iter().all(|h| h.len() == 1)
+    }
+
+    /// How many headings are open.
+    pub fn count(&self) -> usize {
+        self.headings.iter().map(Vec::len).sum()
+    }
+
+    /// Drops headings through which no choice is shorter than `cutoff`. `false` when nothing remains.
+    pub fn drop_from(&mut self, through: &[Vec<f64>], cutoff: f64) -> bool {
+        for (headings, through) in self.headings.iter_mut().zip(through) {
+            let mut bounds = through.iter();
+            headings.retain(|_| bounds.next().is_some_and(|&b| b < cutoff));
+            if headings.is_empty() {
+                return false;
+            }
+        }
+        true
+    }
+
+    pub fn admits(&self, choice: &Choice, grid: &Grid) -> bool {
+        let inside = |(h, value): (&Vec<i32>, &i32)| h.binary_search(value).is_ok();
+        let within =
+            |((range, list), r): ((&(usize, usize), &Vec<f64>), &f64)| list[range.0] <= *r && *r <= list[range.1];
+        self.headings.iter().zip(&choice.headings).all(inside)
+            && self.radii.iter().zip(&grid.radii).zip(&choice.radii).all(within)
+    }
+}

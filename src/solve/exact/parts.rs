@@ -1,0 +1,111 @@
+//! Loops that fixed sections split into independent chains, each of which is searched alone.
+//!
+//! Between two sections whose vertices are both fixed the track is a chain of its own: its turns, radii and straights meet
+//! the others' only in the length that remains of the fixed sections, and where strands come close. Both are relaxed while
+//! a chain is searched, and checked of the whole; if they do not hold, the whole is searched.
+
+use super::grid::Grid;
+use super::network::Open;
+use super::row::{Row, Stated};
+use super::search::{Found, Setting, search as whole, track};
+use crate::geometry::self_crossings;
+
+/// Searches chain by chain where that is possible.
+pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64), longest: f64) -> Found {
+    let grid = setting.grid;
+    let pins = pins(grid, stated);
+    let apart = pins.len() > 1 && !stated.partial && stated.rows[stated.closing..].iter().all(|r| one_chain(r, &pins));
+    let Some(held) = place(grid, &incumbent.0).filter(|_| apart) else { return whole(&setting, Some(incumbent)) };
+    let n = grid.len();
+    let (full, limits) = (setting.open.clone(), setting.limits.straights.clone());
+    for &k in &pins {
+        setting.limits.straights[k] = (-longest, longest);
+    }
+    setting.coupled = Some(pins.iter().map(|&k| grid.vertex(k)).collect());
+    let effort = setting.effort;
+    let mut best = incumbent.clone();
+    let (mut gap, mut nodes) = (0.0, 0);
+    let mut held = held;
+    for (i, &pin) in pins.iter().enumerate() {
+        // Vertices pin + 1 ..= end turn, the sections between them are free.
+        let end = pins.get(i + 1).copied().unwrap_or(pins[0] + n);
+        let mut open = held.clone();
+        for k in pin + 1..=end {
+            open.radii[k % n] = full.radii[k % n];
+            if k < end && k % n != 0 {
+                open.headings[k % n] = full.headings[k % n].clone();
+            }
+        }
+        setting.open = open;
+        setting.effort.nodes = effort.nodes.saturating_sub(nodes);
+        let found = whole(&setting, Some(best.clone()));
+        nodes += found.nodes;
+        gap += (found.length - found.bound).max(0.0);
+        if let Some(x) = found.variables {
+            best = (x, found.length);
+        }
+        match place(grid, &best.0) {
+            Some(place) => held = place,
+            None => break,
+        }
+    }
+    let bound = best.1 - gap - 1e-9;
+    let at = setting.problem.evaluate(&best.0, 0.0);
+    let sound =
+        at.rows.iter().all(|r| r.violation() <= super::search::FEASIBLE) && self_crossings(&track(&best.0)).is_empty();
+    if sound {
+        return Found { variables: Some(best.0), length: best.1, bound, nodes };
+    }
+    (setting.open, setting.limits.straights, setting.coupled, setting.effort) = (full, limits, None, effort);
+    setting.effort.nodes = effort.nodes.saturating_sub(nodes);
+    let mut found = whole(&setting, Some(incumbent));
+    found.bound = found.bound.max(bound);
+    found.nodes += nodes;
+    found
+}
+
+/// Sections, by stage, whose heading and both vertices are known.
+fn pins(grid: &Grid, stated: &Stated) -> Vec<usize> {
+    let n = grid.len();
+    let known = |k: usize| stated.fixed.iter().any(|f| f.0 == k);
+    (0..n).filter(|&k| grid.headings[k].len() == 1 && known(k) && known((k + 1) % n)).collect()
+}
+
+/// Whether a row speaks of one chain only.
+fn one_chain(row: &Row, pins: &[usize]) -> bool {
+    // The chain that begins behind the last pin before a section (or a vertex).
+    let section = |k: usize| pins.iter().rposition(|&p| p < k).unwrap_or(pins.len() - 1);
+    let mut chains: Vec<usize> = Vec::new();
+    let pinned = |k: &usize| pins.contains(k);
+    let sections: Vec<usize> = row.straight.iter().chain(&row.length).map(|e| e.0).collect();
+    if sections.iter().any(pinned) {
+        return false;
+    }
+    chains.extend(sections.iter().map(|&k| section(k)));
+    let vertices =
+        row.radius.iter().map(|e| e.0).chain(row.into.iter().chain(&row.out).chain(&row.normal).map(|e| e.0));
+    chains.extend(vertices.map(section));
+    chains.extend(row.touch.iter().map(|t| section(t.stage)));
+    chains.extend(row.at.iter().filter(|e| !pins.contains(&e.0)).map(|e| section(e.0)));
+    chains.dedup();
+    chains.windows(2).all(|w| w[0] == w[1])
+}
+
+/// The headings and radii of a layout, if they are on the grid.
+pub fn place(grid: &Grid, x: &[f64]) -> Option<Open> {
+    let (n, track) = (grid.len(), track(x));
+    let mut headings = vec![vec![0]];
+    let mut radii = vec![(0, 0); n];
+    for k in 1..=n {
+        let fillet = &track.fillets[grid.vertex(k % n)];
+        let steps = fillet.turn / grid.step;
+        let place = grid.radii[k % n].iter().position(|r| (r - fillet.radius).abs() < 1e-6)?;
+        if (steps - steps.round()).abs() > 1e-4 {
+            return None;
+        }
+        headings.push(vec![headings[k - 1][0] + steps.round() as i32]);
+        radii[k % n] = (place, place);
+    }
+    let inside = headings.iter().zip(&grid.headings).all(|(h, all)| all.contains(&h[0]));
+    inside.then_some(Open { headings, radii })
+}

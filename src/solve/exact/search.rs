@@ -1,0 +1,373 @@
+//! Branch and bound: best bound first, over headings, radii and the ways past regions.
+
+use super::beside::{Alternative, Beside, Decided, Remedy};
+use super::grid::Grid;
+use super::master::{Column, relax};
+use super::network::{Choice, Limits, Open};
+use super::row::Row;
+use crate::geometry::{Corner, Point, Track, self_crossings};
+use crate::problem::measures::to_variables;
+use crate::problem::{Function, Problem, RowKey};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// When a search ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Relative gap that is good enough; 0 for the optimum.
+    pub gap: f64,
+    /// Most nodes.
+    pub nodes: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Effort { gap: 0.0, nodes: 200_000 }
+    }
+}
+
+/// Lengths that differ by less are alike, m: a tenth of what rows hold to.
+const ALIKE: f64 = 1e-7;
+/// How exactly rows are met, m or rad.
+pub const FEASIBLE: f64 = 1e-6;
+/// A radius this close to the list is on it, m.
+const ON_LIST: f64 = 1e-7;
+/// Violations beyond this are looked at last, m.
+const FAR: f64 = 3.0;
+
+/// What a search knows from outside.
+pub struct Setting<'a> {
+    pub problem: &'a Problem,
+    pub grid: &'a Grid,
+    pub limits: Limits,
+    pub rows: Vec<Row>,
+    pub beside: Beside<'a>,
+    pub effort: Effort,
+    /// What is open at first.
+    pub open: Open,
+    /// Straights (by section) that couple what is searched with what is not: their limits, the track's own width and crossings
+    /// are then left to whoever puts the parts together.
+    pub coupled: Option<Vec<usize>>,
+    /// Vertices whose position is known, by stage.
+    pub fixed: Vec<(usize, Point)>,
+    /// Brings an almost feasible layout on the grid to feasibility; `None` where that fails.
+    pub polish: &'a dyn Fn(&[f64]) -> Option<Vec<f64>>,
+}
+
+/// How a search ended.
+pub struct Found {
+    /// The best layout's variables, if any was found or given.
+    pub variables: Option<Vec<f64>>,
+    /// m
+    pub length: f64,
+    /// Rigorous, m.
+    pub bound: f64,
+    pub nodes: usize,
+}
+
+struct Node {
+    bound: f64,
+    /// Order of creation.
+    id: usize,
+    open: Open,
+    rows: Vec<Row>,
+    decided: Vec<Decided>,
+    pool: Vec<Column>,
+}
+
+impl Ord for Node {
+    /// The least bound is the greatest; of equal ones the latest, which is the deepest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound).then(self.id.cmp(&other.id))
+    }
+}
+
+impl PartialOrd for Node {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Node {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Node {}
+
+/// Searches from an incumbent, if there is one.
+pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
+    let length = incumbent.as_ref().map_or(f64::INFINITY, |i| i.1);
+    let root = Node {
+        bound: f64::NEG_INFINITY,
+        id: 0,
+        open: setting.open.clone(),
+        rows: setting.rows.clone(),
+        decided: Vec::new(),
+        pool: Vec::new(),
+    };
+    let mut search = Search {
+        setting,
+        best: incumbent.map(|i| i.0),
+        length,
+        heap: BinaryHeap::from([root]),
+        ids: 0,
+        left: f64::INFINITY,
+    };
+    let mut nodes = 0;
+    while let Some(node) = search.heap.pop() {
+        if node.bound >= search.cutoff() {
+            search.left = search.left.min(node.bound);
+            break;
+        }
+        if nodes >= setting.effort.nodes {
+            search.left = search.left.min(node.bound);
+            break;
+        }
+        nodes += 1;
+        search.expand(node);
+    }
+    Found { bound: search.left.min(search.length), variables: search.best, length: search.length, nodes }
+}
+
+struct Search<'a> {
+    setting: &'a Setting<'a>,
+    best: Option<Vec<f64>>,
+    length: f64,
+    heap: BinaryHeap<Node>,
+    ids: usize,
+    /// Least bound of all that was put aside: proven to be no better, or not decidable.
+    left: f64,
+}
+
+impl Search<'_> {
+    /// Nothing that costs so much is looked at.
+    fn cutoff(&self) -> f64 {
+        self.length - ALIKE.max(self.setting.effort.gap * self.length.min(1e12))
+    }
+
+    fn expand(&mut self, mut node: Node) {
+        let grid = self.setting.grid;
+        node.pool.retain(|c| node.open.admits(&c.choice, grid));
+        node.pool.iter_mut().for_each(|c| c.complete(grid, &node.rows));
+        let cutoff = self.cutoff();
+        let mut dear = 50.0;
+        let relaxed = loop {
+            let limits = &self.setting.limits;
+            let Some(relaxed) = relax(grid, limits, &node.open, &node.rows, &mut node.pool, cutoff, dear) else {
+                return;
+            };
+            node.bound = node.bound.max(relaxed.bound);
+            if node.bound >= cutoff {
+                self.left = self.left.min(node.bound);
+                return;
+            }
+            // Rows that no mix meets, though being short of them is cheaper than the cutoff.
+            if relaxed.mix.is_some() || !node.open.settled() || dear > 1e7 {
+                break relaxed;
+            }
+            dear *= 100.0;
+        };
+        let before = node.open.count();
+        let remains = node.open.drop_from(&relaxed.through, cutoff);
+        if node.open.count() < before {
+            // What was dropped costs at least the cutoff.
+            self.left = self.left.min(cutoff);
+        }
+        if !remains {
+            return;
+        }
+        let Some(mix) = relaxed.mix else {
+            let widest = (0..=grid.len()).max_by_key(|&k| node.open.headings[k].len()).unwrap_or(0);
+            let count = node.open.headings[widest].len();
+            if count < 2 {
+                self.undecided(&node);
+            } else {
+                let middle = node.open.headings[widest][count / 2];
+                self.halve(node, widest, middle);
+            }
+            return;
+        };
+        let mean = |k: usize| mix.iter().map(|(c, w)| f64::from(c.headings[k]) * w).sum::<f64>();
+        let spread = |k: usize| {
+            let mean = mean(k);
+            mix.iter().map(|(c, w)| w * (f64::from(c.headings[k]) - mean).powi(2)).sum::<f64>()
+        };
+        let widest = (0..grid.len()).map(|k| (k, spread(k))).fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        if widest.1 > 1e-9 {
+            let above = mean(widest.0).floor() as i32 + 1;
+            self.halve(node, widest.0, above);
+            return;
+        }
+        let choice = blend(&mix);
+        self.settle(node, choice);
+    }
+
+    /// A node that can be branched no further keeps its bound.
+    fn undecided(&mut self, node: &Node) {
+        self.left = self.left.min(node.bound);
+    }
+
+    fn push(&mut self, node: &Node, change: impl FnOnce(&mut Node)) {
+        self.ids += 1;
+        let mut child = Node {
+            bound: node.bound,
+            id: self.ids,
+            open: node.open.clone(),
+            rows: node.rows.clone(),
+            decided: node.decided.clone(),
+            pool: node.pool.clone(),
+        };
+        change(&mut child);
+        if child.open.headings.iter().all(|h| !h.is_empty()) {
+            self.heap.push(child);
+        }
+    }
+
+    /// Headings below `above`, and the others.
+    fn halve(&mut self, node: Node, k: usize, above: i32) {
+        self.push(&node, |c| c.open.headings[k].retain(|&h| h < above));
+        self.push(&node, |c| c.open.headings[k].retain(|&h| h >= above));
+    }
+
+    /// One heading, those below and those above.
+    fn single_out(&mut self, node: Node, k: usize, heading: i32) {
+        self.push(&node, |c| c.open.headings[k].retain(|&h| h < heading));
+        self.push(&node, |c| c.open.headings[k].retain(|&h| h > heading));
+        self.push(&node, |c| c.open.headings[k].retain(|&h| h == heading));
+    }
+
+    /// The relaxation is a layout: accept it, or branch on what it lacks.
+    fn settle(&mut self, node: Node, choice: Choice) {
+        let (grid, problem) = (self.setting.grid, self.setting.problem);
+        let x = variables(grid, &choice);
+        let at = problem.evaluate(&x, 0.0);
+        let mut violated: Vec<(RowKey, f64)> = at
+            .rows
+            .iter()
+            .map(|r| (r.key, r.violation()))
+            .filter(|v| v.1 > FEASIBLE && !self.left_to_others(v.0))
+            .collect();
+        // What is closest first: far on the wrong side lies what some other strand is beside.
+        let far = |v: &(RowKey, f64)| v.1 > FAR;
+        violated.sort_by(|a, b| far(a).cmp(&far(b)).then(b.1.total_cmp(&a.1)).then(a.0.cmp(&b.0)));
+        for &(key, _) in &violated {
+            let remedy = self.setting.beside.remedy(key, &choice, &node.open, &at.track, &node.decided);
+            match remedy {
+                Some(Remedy::Part(k, above)) => return self.halve(node, k, above),
+                Some(Remedy::Settle(k)) => return self.single_out(node, k, choice.headings[k]),
+                Some(Remedy::Split(alternatives)) if self.leads_on(&choice, &alternatives) => {
+                    let fixed = &self.setting.fixed;
+                    for alternative in alternatives {
+                        self.push(&node, |c| {
+                            c.rows.extend(alternative.rows.into_iter().map(|mut row| {
+                                row.low -= row.anchor(fixed);
+                                row
+                            }));
+                            if let Some(decided) = alternative.decided {
+                                c.decided.retain(|d| !decided.replaces(d));
+                                c.decided.push(decided);
+                            }
+                        });
+                    }
+                    return;
+                }
+                _ => {}
+            }
+        }
+        let off = |k: usize| {
+            let r = choice.radii[k];
+            grid.radii[k].iter().map(|l| (l - r).abs()).fold(f64::INFINITY, f64::min)
+        };
+        let farthest = (0..grid.len()).map(|k| (k, off(k))).fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        if farthest.1 > ON_LIST {
+            let (k, r) = (farthest.0, choice.radii[farthest.0]);
+            let above = grid.radii[k].partition_point(|l| *l < r);
+            self.push(&node, |c| c.open.radii[k].1 = above - 1);
+            self.push(&node, |c| c.open.radii[k].0 = above);
+            return;
+        }
+        let crosses = || self.setting.coupled.is_none() && !self_crossings(&at.track).is_empty();
+        let clean = violated.is_empty() && !crosses();
+        let better = if clean { Some(x) } else { (self.setting.polish)(&x) };
+        if let Some(x) = better {
+            let length = problem.evaluate(&x, 0.0).length;
+            if length < self.length {
+                self.length = length;
+                self.best = Some(x);
+            }
+        }
+        if clean {
+            // Nothing with these rows is shorter than the relaxation, which this is.
+            self.left = self.left.min(node.bound);
+            return;
+        }
+        // Something that no row here says: other headings and radii remain, then this choice alone.
+        if let Some(k) = (0..grid.len()).find(|&k| node.open.headings[k].len() > 1) {
+            return self.single_out(node, k, choice.headings[k]);
+        }
+        if let Some(k) = (0..grid.len()).find(|&k| node.open.radii[k].0 < node.open.radii[k].1) {
+            let place = grid.radii[k].partition_point(|l| *l < choice.radii[k] - ON_LIST);
+            let (low, high) = node.open.radii[k];
+            if place > low {
+                self.push(&node, |c| c.open.radii[k] = (low, place - 1));
+            }
+            if place < high {
+                self.push(&node, |c| c.open.radii[k] = (place + 1, high));
+            }
+            self.push(&node, |c| c.open.radii[k] = (place, place));
+            return;
+        }
+        self.undecided(&node);
+    }
+
+    fn left_to_others(&self, key: RowKey) -> bool {
+        let Some(coupled) = &self.setting.coupled else { return false };
+        match key {
+            RowKey::Own(..) => true,
+            RowKey::Listed(i) => {
+                matches!(self.setting.problem.rows[i].function, Function::Straight(s) if coupled.contains(&s))
+            }
+            RowKey::Clearance(..) => false,
+        }
+    }
+
+    /// Whether every alternative excludes the layout at hand.
+    fn leads_on(&self, choice: &Choice, alternatives: &[Alternative]) -> bool {
+        let grid = self.setting.grid;
+        let vertices = choice.vertices(grid);
+        let excluded = |row: &Row| choice.value(grid, row, &vertices) < row.low - 0.1 * FEASIBLE;
+        alternatives.iter().all(|a| a.rows.iter().any(excluded))
+    }
+}
+
+/// The layout that a mix of choices with the same headings is.
+fn blend(mix: &[(std::rc::Rc<Choice>, f64)]) -> Choice {
+    let total: f64 = mix.iter().map(|m| m.1).sum();
+    let mut out = (*mix[0].0).clone();
+    let sum = |f: &dyn Fn(&Choice) -> f64| mix.iter().map(|(c, w)| f(c) * w).sum::<f64>() / total;
+    for k in 0..out.radii.len() {
+        out.radii[k] = sum(&|c| c.radii[k]);
+        out.straights[k] = sum(&|c| c.straights[k]);
+    }
+    out.first = Point::new(sum(&|c| c.first.x), sum(&|c| c.first.y));
+    out
+}
+
+/// The problem's variables.
+fn variables(grid: &Grid, choice: &Choice) -> Vec<f64> {
+    let vertices = choice.vertices(grid);
+    let corner = |v: usize| {
+        let k = grid.stage(v);
+        let near = |r: f64| grid.radii[k].iter().copied().find(|l| (l - r).abs() <= ON_LIST).unwrap_or(r);
+        Corner { point: vertices[k], radius: near(choice.radii[k]) }
+    };
+    let corners: Vec<Corner> = (0..grid.len()).map(corner).collect();
+    to_variables(&corners)
+}
+
+/// The centre line at some variables.
+pub fn track(x: &[f64]) -> Track {
+    Track::new(&crate::problem::measures::to_corners(x))
+}
