@@ -7,9 +7,9 @@
 
 use super::sqp::{self, Settings, Solution};
 use crate::geometry::{Track, trig};
-use crate::model::{Interval, Layout};
+use crate::model::{Formula, Interval, Layout, Target};
 use crate::problem::measures::{radius, to_corners};
-use crate::problem::{Function, Problem};
+use crate::problem::{Function, Problem, Row};
 use std::collections::BTreeSet;
 
 /// Rounds of the saw-tooth: price of a radius off the grid (m a m) and of a turn (m a rad).
@@ -64,8 +64,24 @@ pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings
     best
 }
 
-/// The layout nearest to `x` with its turns and radii held on the grid; `None` where they cannot be.
-pub fn hold(layout: &Layout, problem: &Problem, settings: &Settings, x: &[f64]) -> Option<Solution> {
+/// The layout nearest to `x` with its turns and radii held on the grid, and straights of at least so much in all (m) if that is
+/// given; `None` where they cannot be held.
+pub fn hold(
+    layout: &Layout,
+    problem: &Problem,
+    settings: &Settings,
+    x: &[f64],
+    straights: Option<f64>,
+) -> Option<Solution> {
+    let mut problem = problem.clone();
+    if let Some(low) = straights {
+        let straight = |from| Formula::Length(Target { from, straight: true });
+        let function = Function::Formula(Formula::Sum((0..problem.vertices.len()).map(straight).collect()));
+        let (label, span) = ("straights in all".to_owned(), problem.vertex_span(0));
+        let high = f64::INFINITY;
+        problem.rows.push(Row { function, low, high, angle: false, weight: None, label, span, reason: None });
+    }
+    let problem = &problem;
     let grid = Grid::new(layout, problem, settings)?;
     let turns = grid.turns(&grid.nearest(x))?;
     let fixed = |i: usize| problem.bounds[radius(i)].low == problem.bounds[radius(i)].high;

@@ -139,6 +139,29 @@ impl Beside<'_> {
         }
     }
 
+    /// What to do while headings are still open, about a corner that a mean of several layouts comes too close to.
+    pub fn early(&self, key: RowKey, open: &Open, track: &Track) -> Option<Remedy> {
+        let RowKey::Clearance(k, Feature::Corner(corner), part) = key else { return None };
+        let (grid, keepout) = (self.grid, &self.problem.keepouts[k]);
+        let (stages, direction) = match part {
+            Part::Straight(i) => (vec![grid.stage(i)], track.straight(i).end - track.straight(i).begin),
+            Part::Arc(v) => {
+                let stage = grid.stage(v);
+                let from = keepout.region.polygon.points()[corner] - track.fillets[v].centre;
+                (vec![stage, (stage + grid.len() - 1) % grid.len()], from.left() * f64::from(grid.signs[stage]))
+            }
+        };
+        let near = |stage: usize| {
+            let among = &open.headings[stage];
+            let middle = f64::from(among[0] + among[among.len() - 1]) / 2.0;
+            let circle = f64::from(grid.circle);
+            let steps = (direction.heading() - grid.origin) / grid.step;
+            steps - ((steps - middle) / circle).round() * circle
+        };
+        let found = stages.into_iter().filter_map(|stage| self.convex(keepout, corner, stage, near(stage), open));
+        found.min_by_key(|r| matches!(r, Remedy::Part(..)))
+    }
+
     /// A corner on the inner side of the two arcs at a section's ends, whatever headings are chosen: the track between is convex,
     /// so the corner lies a distance D inside its tangent of this heading, or before where the first arc begins, or behind
     /// where the second ends.

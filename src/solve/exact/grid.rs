@@ -1,9 +1,9 @@
 //! The discrete choices: headings as multiples of the angle step, radii from the catalogue's list.
 
 use crate::geometry::{Point, Track, trig};
-use crate::model::Layout;
+use crate::model::{Formula, Layout};
 use crate::problem::measures::{radius, to_corners, x, y};
-use crate::problem::{Function, Problem};
+use crate::problem::{Function, Problem, Row};
 
 /// Slack on angles and lengths that come from text, rad or m.
 const SLACK: f64 = 1e-9;
@@ -48,8 +48,8 @@ pub enum NoGrid {
 }
 
 impl Grid {
-    /// States the choices of a problem. `at` is a layout to take the offset of a grid from that nothing holds.
-    pub fn new(layout: &Layout, problem: &Problem, at: &[f64]) -> Result<Self, NoGrid> {
+    /// States the choices of a problem. A grid that nothing holds is `offset` (rad) off the first section of the layout `at`.
+    pub fn new(layout: &Layout, problem: &Problem, at: &[f64], offset: f64) -> Result<Self, NoGrid> {
         let n = problem.signs.len();
         let step = layout.catalog.curve.angle_step;
         let circle = (trig::TAU / step).round();
@@ -63,7 +63,7 @@ impl Grid {
         let known = |i: &&usize| problem.bounds[x(**i)].low == problem.bounds[x(**i)].high;
         let first = fixed.iter().find(known).or(fixed.first()).copied().unwrap_or(0);
         let track = if fixed.is_empty() { Track::new(&to_corners(at)) } else { written.clone() };
-        let origin = track.straight(first).heading;
+        let origin = track.straight(first).heading + if fixed.is_empty() { offset } else { 0.0 };
         let stage = |k: usize| (first + k) % n;
         let signs: Vec<i32> = (0..n).map(|k| problem.signs[stage(k)] as i32).collect();
         let turns: Vec<(i32, i32)> = (0..n).map(|k| turn_limits(problem, stage(k), step)).collect();
@@ -95,8 +95,9 @@ impl Grid {
                 (false, Some(value)) => (h - value).rem_euclid(circle) == 0,
                 (false, None) => true,
             };
+            let asked = |h: &i32| headings_asked(problem, stage(k), origin + f64::from(*h) * step);
             let reached = |h: &i32| before.iter().any(|b| (low..=high).contains(&((h - b) * sign)));
-            headings.push(range.filter(want).filter(reached).collect());
+            headings.push(range.filter(want).filter(asked).filter(reached).collect());
             if headings[k].is_empty() {
                 return Err(NoGrid::Empty);
             }
@@ -136,13 +137,6 @@ impl Grid {
         let steps = steps.abs();
         (f64::from(steps) * self.step, self.tangents[steps as usize])
     }
-
-    /// Whether the section of stage k may follow the one before with these headings.
-    pub fn allows(&self, k: usize, before: i32, after: i32) -> bool {
-        let v = k % self.len();
-        let steps = (after - before) * self.signs[v];
-        self.turns[v].0 <= steps && steps <= self.turns[v].1
-    }
 }
 
 /// Whether a section's heading is what was written: by a `fix`, or since both ends are fixed.
@@ -154,13 +148,30 @@ fn heading_fixed(problem: &Problem, i: usize) -> bool {
 
 fn turn_limits(problem: &Problem, vertex: usize, step: f64) -> (i32, i32) {
     let mut limits = (1, (trig::PI / step).ceil() as i32 - 1);
+    let mut narrow = |low: f64, high: f64| {
+        limits.0 = limits.0.max(((low - SLACK) / step).ceil() as i32);
+        limits.1 = limits.1.min(((high + SLACK) / step).floor() as i32);
+    };
     for row in &problem.rows {
         if matches!(row.function, Function::Turn(i) if i == vertex) {
-            limits.0 = limits.0.max(((row.low - SLACK) / step).ceil() as i32);
-            limits.1 = limits.1.min(((row.high + SLACK) / step).floor() as i32);
+            narrow(row.low, row.high);
+        }
+        if matches!(row.function, Function::Formula(Formula::Angle(i)) if i == vertex) {
+            let right = problem.signs[vertex] < 0.0;
+            narrow(if right { -row.high } else { row.low }, if right { -row.low } else { row.high });
         }
     }
     limits
+}
+
+/// Whether `require heading` allows a section's heading, rad.
+fn headings_asked(problem: &Problem, section: usize, heading: f64) -> bool {
+    let asked = |row: &&Row| matches!(row.function, Function::Formula(Formula::Heading(i)) if i == section);
+    problem.rows.iter().filter(asked).all(|row| {
+        let aim = if row.low.is_finite() && row.high.is_finite() { (row.low + row.high) / 2.0 } else { 0.0 };
+        let heading = aim + trig::wrap(heading - aim);
+        row.low - SLACK <= heading && heading <= row.high + SLACK
+    })
 }
 
 fn radii(layout: &Layout, problem: &Problem, vertex: usize) -> Vec<f64> {

@@ -7,9 +7,11 @@
 //! relaxed in a bound, never in a layout: that meets every row of its [`Problem`].
 
 mod beside;
+mod closes;
 mod grid;
 mod master;
 mod network;
+mod offset;
 mod parts;
 mod row;
 mod search;
@@ -23,9 +25,11 @@ use crate::geometry::{Point, bounds, self_crossings};
 use crate::model::Layout;
 use crate::problem::Problem;
 use beside::Beside;
+use closes::Closes;
 use grid::{Grid, NoGrid};
 use network::{Limits, Open};
-use search::{FEASIBLE, Found, Setting};
+use row::Stated;
+use search::{FEASIBLE, Found, Polish, Setting};
 use std::time::Instant;
 
 /// The shortest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how far it may be from the
@@ -39,17 +43,28 @@ pub fn discretise(
 ) -> Discretised {
     let rough = discrete::discretise(layout, problem, start, settings);
     let clock = Instant::now();
-    let polish = |x: &[f64]| {
-        let held = discrete::hold(layout, problem, settings, x)?;
-        sound(problem, &held.variables).then_some(held.variables)
-    };
-    let grid = match Grid::new(layout, problem, &rough.variables) {
+    let grid = match Grid::new(layout, problem, &rough.variables, 0.0) {
         Ok(grid) => grid,
         Err(why) => return Discretised { refused: refusal(problem, &why), ..rough.into() },
     };
-    let incumbent = (sound(problem, &rough.variables) && parts::place(&grid, &rough.variables).is_some())
-        .then(|| (rough.variables.clone(), rough.length));
-    let (found, assumed) = prove(layout, problem, &grid, incumbent, *effort, &polish);
+    let polish = |x: &[f64], straights: Option<f64>| {
+        let held = discrete::hold(layout, problem, settings, x, straights)?;
+        sound(problem, &held.variables).then_some(held.variables)
+    };
+    let task = Task { layout, problem, effort: *effort, polish: &polish };
+    let fits = parts::place(&grid, &rough.variables).is_some() && sound(problem, &rough.variables);
+    let incumbent = fits.then(|| (rough.variables.clone(), rough.length));
+    let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
+    if !problem.keepouts.is_empty() {
+        let beside = "every straight and curve passes an obstacle on its side, but where another strand runs between them in \
+                      the written or the built layout";
+        assumed.push(beside.to_owned());
+    }
+    let mut found = task.any_length(&grid, incumbent);
+    if let Some(closes) = Closes::new(layout) {
+        found = task.closing(&grid, found, closes);
+        assumed.push("curves cut off chords as their series says, within a tenth".to_owned());
+    }
     let Some(variables) = found.variables else { return rough.into() };
     let mut certificate = Certificate::new(found.length, found.bound, found.nodes, assumed);
     certificate.seconds = clock.elapsed().as_secs_f64();
@@ -64,6 +79,103 @@ pub fn discretise(
     };
     Discretised { solution, certificate: Some(certificate), refused: Vec::new() }
 }
+
+/// What all searches of one layout share.
+struct Task<'a> {
+    layout: &'a Layout,
+    problem: &'a Problem,
+    effort: Effort,
+    polish: &'a Polish<'a>,
+}
+
+impl Task<'_> {
+    /// The shortest layout, whether or not its chain closes.
+    fn any_length(&self, grid: &Grid, incumbent: Option<(Vec<f64>, f64)>) -> Found {
+        let Some(incumbent) = incumbent else {
+            let (setting, _) = self.setting(self.problem, grid, None);
+            return search::search(&setting, None);
+        };
+        if grid.held || offset::turns_freely(self.problem) {
+            let (setting, stated) = self.setting(self.problem, grid, Some(&incumbent));
+            let longest = incumbent.1;
+            return parts::search(setting, &stated, incumbent, longest);
+        }
+        let at = |relaxed: &Problem, offset: f64, beat: f64, effort: Effort| {
+            let grid = Grid::new(self.layout, relaxed, &incumbent.0, offset).ok()?;
+            let beat = (incumbent.0.clone(), beat);
+            let (mut setting, _) = self.setting(relaxed, &grid, Some(&beat));
+            setting.effort = effort;
+            setting.polish = &|_, _| None;
+            Some(search::search(&setting, Some(beat)))
+        };
+        let improve = |x: &[f64]| {
+            let x = (self.polish)(x, None)?;
+            let length = self.problem.evaluate(&x, 0.0).length;
+            Some((x, length))
+        };
+        offset::search(self.problem, grid.step, incumbent.clone(), self.effort, &at, &improve)
+    }
+
+    /// The shortest layout whose chain closes, from what is known of all.
+    fn closing(&self, grid: &Grid, any: Found, closes: Closes) -> Found {
+        let Some(x) = any.variables else { return any };
+        let written = search::track(&self.problem.start);
+        let bound = closes.next(self.layout, &written, any.bound);
+        let best = closes.stretch(&x, self.polish).map(|x| {
+            let length = self.problem.evaluate(&x, 0.0).length;
+            (x, length)
+        });
+        // Without a layout that closes, the one that does not is shown, and said not to close.
+        let open = Found { variables: Some(x), length: any.length, bound: any.bound, nodes: any.nodes };
+        if best.as_ref().is_some_and(|b| b.1 - bound <= 1e-6) || !(grid.held || offset::turns_freely(self.problem)) {
+            return best.map_or(open, |(x, length)| Found { variables: Some(x), length, bound, nodes: any.nodes });
+        }
+        let (mut setting, _) = self.setting(self.problem, grid, best.as_ref());
+        setting.closes = Some(closes);
+        setting.effort.nodes = self.effort.nodes.saturating_sub(any.nodes).min(CLOSING);
+        let found = search::search(&setting, best);
+        if found.variables.is_none() {
+            return open;
+        }
+        Found { bound: found.bound.max(bound), nodes: found.nodes + any.nodes, ..found }
+    }
+
+    fn setting<'b>(
+        &'b self,
+        problem: &'b Problem,
+        grid: &'b Grid,
+        incumbent: Option<&(Vec<f64>, f64)>,
+    ) -> (Setting<'b>, Stated) {
+        let stated = row::state(problem, grid);
+        let longest = incumbent.map_or(10.0 * problem.evaluate(&problem.start, 0.0).length, |i| i.1);
+        let straights = stated.straights.iter().map(|s| (s.0, s.1.min(longest).max(s.0))).collect();
+        let first = match stated.fixed.first() {
+            Some(&(0, p)) => (p, p),
+            _ => surroundings(self.layout, longest),
+        };
+        let mut known = vec![search::track(&problem.start)];
+        known.extend(incumbent.iter().map(|i| search::track(&i.0)));
+        let open =
+            Open { headings: grid.headings.clone(), radii: grid.radii.iter().map(|r| (0, r.len() - 1)).collect() };
+        let setting = Setting {
+            problem,
+            grid,
+            limits: Limits { straights, first },
+            rows: stated.rows.clone(),
+            beside: Beside { problem, grid, known },
+            effort: self.effort,
+            open,
+            coupled: None,
+            fixed: stated.fixed.clone(),
+            closes: None,
+            polish: self.polish,
+        };
+        (setting, stated)
+    }
+}
+
+/// Most nodes of the search for a chain that closes: nearly every choice of turns can be stretched until it does.
+const CLOSING: usize = 5_000;
 
 /// Whether a layout meets every row and does not cross itself.
 fn sound(problem: &Problem, x: &[f64]) -> bool {
@@ -83,52 +195,6 @@ fn refusal(problem: &Problem, why: &NoGrid) -> Vec<Violation> {
         }
         NoGrid::Step | NoGrid::Empty => Vec::new(),
     }
-}
-
-/// Searches, and says what the bound takes for granted.
-fn prove(
-    layout: &Layout,
-    problem: &Problem,
-    grid: &Grid,
-    incumbent: Option<(Vec<f64>, f64)>,
-    effort: Effort,
-    polish: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
-) -> (Found, Vec<String>) {
-    let stated = row::state(problem, grid);
-    let longest = incumbent.as_ref().map_or(10.0 * problem.evaluate(&problem.start, 0.0).length, |i| i.1);
-    let straights = stated.straights.iter().map(|s| (s.0, s.1.min(longest).max(s.0))).collect();
-    let first = match stated.fixed.first() {
-        Some(&(0, p)) => (p, p),
-        _ => surroundings(layout, longest),
-    };
-    let mut known = vec![search::track(&problem.start)];
-    known.extend(incumbent.iter().map(|i| search::track(&i.0)));
-    let open = Open { headings: grid.headings.clone(), radii: grid.radii.iter().map(|r| (0, r.len() - 1)).collect() };
-    let setting = Setting {
-        problem,
-        grid,
-        limits: Limits { straights, first },
-        rows: stated.rows.clone(),
-        beside: Beside { problem, grid, known },
-        effort,
-        open,
-        coupled: None,
-        fixed: stated.fixed.clone(),
-        polish,
-    };
-    let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
-    if !problem.keepouts.is_empty() {
-        assumed.push(
-            "every straight and curve passes an obstacle on its side, but where another strand runs between them in the \
-             written or the built layout"
-                .to_owned(),
-        );
-    }
-    let found = match incumbent {
-        Some(incumbent) => parts::search(setting, &stated, incumbent, longest),
-        None => search::search(&setting, None),
-    };
-    (found, assumed)
 }
 
 /// A box that holds the first vertex: no more than a whole track away from what is known.

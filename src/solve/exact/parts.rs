@@ -7,7 +7,7 @@
 use super::grid::Grid;
 use super::network::Open;
 use super::row::{Row, Stated};
-use super::search::{Found, Setting, search as whole, track};
+use super::search::{FEASIBLE, Found, Setting, search as whole, track};
 use crate::geometry::self_crossings;
 
 /// Searches chain by chain where that is possible.
@@ -30,10 +30,18 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
         // Vertices pin + 1 ..= end turn, the sections between them are free.
         let end = pins.get(i + 1).copied().unwrap_or(pins[0] + n);
         let mut open = held.clone();
+        let at = track(&best.0);
+        for k in (0..n).filter(|k| !pins.contains(k)) {
+            let length = at.straight(grid.vertex(k)).length;
+            setting.limits.straights[k] = (length, length);
+        }
         for k in pin + 1..=end {
             open.radii[k % n] = full.radii[k % n];
-            if k < end && k % n != 0 {
-                open.headings[k % n] = full.headings[k % n].clone();
+            if k < end {
+                setting.limits.straights[k % n] = limits[k % n];
+                if k % n != 0 {
+                    open.headings[k % n] = full.headings[k % n].clone();
+                }
             }
         }
         setting.open = open;
@@ -51,8 +59,7 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
     }
     let bound = best.1 - gap - 1e-9;
     let at = setting.problem.evaluate(&best.0, 0.0);
-    let sound =
-        at.rows.iter().all(|r| r.violation() <= super::search::FEASIBLE) && self_crossings(&track(&best.0)).is_empty();
+    let sound = at.rows.iter().all(|r| r.violation() <= FEASIBLE) && self_crossings(&track(&best.0)).is_empty();
     if sound {
         return Found { variables: Some(best.0), length: best.1, bound, nodes };
     }

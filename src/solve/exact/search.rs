@@ -1,6 +1,7 @@
 //! Branch and bound: best bound first, over headings, radii and the ways past regions.
 
 use super::beside::{Alternative, Beside, Decided, Remedy};
+use super::closes::Closes;
 use super::grid::Grid;
 use super::master::{Column, relax};
 use super::network::{Choice, Limits, Open};
@@ -10,6 +11,7 @@ use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::rc::Rc;
 
 /// When a search ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +24,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Effort { gap: 0.0, nodes: 200_000 }
+        Effort { gap: 0.0, nodes: 20_000 }
     }
 }
 
@@ -34,6 +36,11 @@ pub const FEASIBLE: f64 = 1e-6;
 const ON_LIST: f64 = 1e-7;
 /// Violations beyond this are looked at last, m.
 const FAR: f64 = 3.0;
+/// While headings are open, only what matters is branched on, m.
+const EARLY: f64 = 1e-2;
+
+/// See [`Setting::polish`].
+pub type Polish<'a> = dyn Fn(&[f64], Option<f64>) -> Option<Vec<f64>> + 'a;
 
 /// What a search knows from outside.
 pub struct Setting<'a> {
@@ -50,8 +57,11 @@ pub struct Setting<'a> {
     pub coupled: Option<Vec<usize>>,
     /// Vertices whose position is known, by stage.
     pub fixed: Vec<(usize, Point)>,
-    /// Brings an almost feasible layout on the grid to feasibility; `None` where that fails.
-    pub polish: &'a dyn Fn(&[f64]) -> Option<Vec<f64>>,
+    /// A whole number of carts must close the loop.
+    pub closes: Option<Closes>,
+    /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m); `None`
+    /// where that fails.
+    pub polish: &'a Polish<'a>,
 }
 
 /// How a search ended.
@@ -196,12 +206,61 @@ impl Search<'_> {
         };
         let widest = (0..grid.len()).map(|k| (k, spread(k))).fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         if widest.1 > 1e-9 {
+            if self.split_early(&node, &mix) {
+                return;
+            }
             let above = mean(widest.0).floor() as i32 + 1;
             self.halve(node, widest.0, above);
             return;
         }
         let choice = blend(&mix);
         self.settle(node, choice);
+    }
+
+    /// Branches on a corner that the mean of a mix comes too close to, if that excludes the mix.
+    fn split_early(&mut self, node: &Node, mix: &[(Rc<Choice>, f64)]) -> bool {
+        let grid = self.setting.grid;
+        let places: Vec<Vec<Point>> = mix.iter().map(|(c, _)| c.vertices(grid)).collect();
+        let total: f64 = mix.iter().map(|m| m.1).sum();
+        let corner = |v: usize| {
+            let k = grid.stage(v);
+            let point = places.iter().zip(mix).fold(Point::default(), |sum, (p, m)| sum + p[k] * (m.1 / total));
+            let radius = mix.iter().map(|(c, w)| c.radii[k] * w / total).sum();
+            Corner { point, radius }
+        };
+        let corners: Vec<Corner> = (0..grid.len()).map(corner).collect();
+        let at = self.setting.problem.evaluate(&to_variables(&corners), 0.0);
+        let mut close: Vec<(RowKey, f64)> =
+            at.rows.iter().map(|r| (r.key, r.violation())).filter(|v| v.1 > EARLY && v.1 < FAR).collect();
+        close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let value =
+            |row: &Row| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
+        for (key, _) in close {
+            let Some(Remedy::Split(alternatives)) = self.setting.beside.early(key, &node.open, &at.track) else {
+                continue;
+            };
+            if alternatives.iter().all(|a| a.rows.iter().any(|row| value(row) < row.low - EARLY)) {
+                self.branch(node, alternatives);
+                return true;
+            }
+        }
+        false
+    }
+
+    fn branch(&mut self, node: &Node, alternatives: Vec<Alternative>) {
+        let fixed = &self.setting.fixed;
+        for alternative in alternatives {
+            self.push(node, |c| {
+                c.rows.extend(alternative.rows.into_iter().map(|mut row| {
+                    row.low -= row.anchor(fixed);
+                    row
+                }));
+                if let Some(decided) = alternative.decided {
+                    c.decided.retain(|d| !decided.replaces(d));
+                    c.decided.push(decided);
+                }
+            });
+        }
     }
 
     /// A node that can be branched no further keeps its bound.
@@ -258,19 +317,7 @@ impl Search<'_> {
                 Some(Remedy::Part(k, above)) => return self.halve(node, k, above),
                 Some(Remedy::Settle(k)) => return self.single_out(node, k, choice.headings[k]),
                 Some(Remedy::Split(alternatives)) if self.leads_on(&choice, &alternatives) => {
-                    let fixed = &self.setting.fixed;
-                    for alternative in alternatives {
-                        self.push(&node, |c| {
-                            c.rows.extend(alternative.rows.into_iter().map(|mut row| {
-                                row.low -= row.anchor(fixed);
-                                row
-                            }));
-                            if let Some(decided) = alternative.decided {
-                                c.decided.retain(|d| !decided.replaces(d));
-                                c.decided.push(decided);
-                            }
-                        });
-                    }
+                    self.branch(&node, alternatives);
                     return;
                 }
                 _ => {}
@@ -290,7 +337,17 @@ impl Search<'_> {
         }
         let crosses = || self.setting.coupled.is_none() && !self_crossings(&at.track).is_empty();
         let clean = violated.is_empty() && !crosses();
-        let better = if clean { Some(x) } else { (self.setting.polish)(&x) };
+        let lack = self.setting.closes.map_or(Some(0.0), |c| c.lack(&at.track)).filter(|_| clean);
+        let total = || (0..grid.len()).map(|k| at.track.straight(k).length).sum::<f64>();
+        let better = match lack {
+            Some(0.0) => Some(x),
+            // Longer by what the chain lacks, if that can be shorter than the best.
+            Some(lack) if node.bound + lack < self.length => {
+                self.setting.closes.and_then(|c| c.stretch(&x, self.setting.polish))
+            }
+            Some(_) => None,
+            None => (self.setting.polish)(&x, None),
+        };
         if let Some(x) = better {
             let length = problem.evaluate(&x, 0.0).length;
             if length < self.length {
@@ -298,7 +355,7 @@ impl Search<'_> {
                 self.best = Some(x);
             }
         }
-        if clean {
+        if lack == Some(0.0) {
             // Nothing with these rows is shorter than the relaxation, which this is.
             self.left = self.left.min(node.bound);
             return;
@@ -317,6 +374,12 @@ impl Search<'_> {
                 self.push(&node, |c| c.open.radii[k] = (place + 1, high));
             }
             self.push(&node, |c| c.open.radii[k] = (place, place));
+            return;
+        }
+        if let Some(lack) = lack {
+            let straight = (0..grid.len()).map(|k| (k, 1.0)).collect();
+            let low = total() + lack - 0.1 * FEASIBLE;
+            self.push(&node, |c| c.rows.push(Row { straight, low, ..Row::default() }));
             return;
         }
         self.undecided(&node);
@@ -343,7 +406,7 @@ impl Search<'_> {
 }
 
 /// The layout that a mix of choices with the same headings is.
-fn blend(mix: &[(std::rc::Rc<Choice>, f64)]) -> Choice {
+fn blend(mix: &[(Rc<Choice>, f64)]) -> Choice {
     let total: f64 = mix.iter().map(|m| m.1).sum();
     let mut out = (*mix[0].0).clone();
     let sum = |f: &dyn Fn(&Choice) -> f64| mix.iter().map(|(c, w)| f(c) * w).sum::<f64>() / total;

@@ -1,0 +1,69 @@
+//! A whole number of carts: how much longer a layout has to be for its chain to close.
+
+use super::search::{Polish, track};
+use crate::geometry::Track;
+use crate::kinematics::{fit, level};
+use crate::model::Layout;
+
+/// A chain that may be off by what a take-up compensates.
+#[derive(Clone, Copy, Debug)]
+pub struct Closes {
+    /// Length of a cart, m.
+    pub pitch: f64,
+    /// m
+    pub within: f64,
+}
+
+/// A left-over that exceeds the take-up by less does not, m.
+const EXACT: f64 = 1e-6;
+/// How often a layout is stretched anew because stretching moves the joints on its curves.
+const ROUNDS: usize = 6;
+/// What curves cut off, against the first term of its series θL²/(24R) (design: chain model), at least and at most.
+const CUT: (f64, f64) = (0.9, 1.1);
+
+impl Closes {
+    pub fn new(layout: &Layout) -> Option<Self> {
+        Some(Closes { pitch: layout.cart.length, within: layout.chain.closes_within.as_ref()?.value })
+    }
+
+    /// What a track lacks to the next length that closes, m; 0 when it does. `None` when no chain fits at all.
+    pub fn lack(&self, track: &Track) -> Option<f64> {
+        let left = fit(&level(track), self.pitch)?.left_over;
+        if left.abs() <= self.within + EXACT {
+            return Some(0.0);
+        }
+        Some(if left < 0.0 { -left - self.within } else { self.pitch - left - self.within })
+    }
+
+    /// A layout with the same turns and radii, longer by no more than it takes.
+    pub fn stretch(&self, x: &[f64], polish: &Polish) -> Option<Vec<f64>> {
+        let mut x = x.to_vec();
+        for _ in 0..ROUNDS {
+            let at = track(&x);
+            let lack = self.lack(&at)?;
+            if lack == 0.0 {
+                return Some(x);
+            }
+            let straights: f64 = (0..at.corners.len()).map(|i| at.straight(i).length).sum();
+            x = polish(&x, Some(straights + lack))?;
+        }
+        None
+    }
+
+    /// The least length from `bound` on at which a chain can close, whatever the turns and radii, m.
+    pub fn next(&self, layout: &Layout, written: &Track, bound: f64) -> f64 {
+        let radii = &layout.radii.value;
+        let square = self.pitch * self.pitch / 24.0;
+        // A loop turns by at least its winding, and by no more than every vertex may.
+        let least = written.fillets.iter().map(|f| f.turn).sum::<f64>().abs();
+        let most = layout.turns.value.high * written.fillets.len() as f64;
+        let low = CUT.0
+            * (square * least / radii.high
+                - self.pitch * square * 2.0 / (10.0 * radii.high * radii.high) * written.fillets.len() as f64)
+                .max(0.0);
+        let high = CUT.1 * square * most / radii.low;
+        let band = |carts: f64| (carts * self.pitch + low - self.within, carts * self.pitch + high + self.within);
+        let carts = ((bound - high - self.within) / self.pitch).ceil();
+        bound.max(band(carts).0)
+    }
+}

@@ -1,0 +1,126 @@
+//! Layouts whose rotation nothing fixes: the offset of the grid is a variable between 0 and a step, which is branched on.
+//!
+//! A layout whose offset is within δ of the middle of an interval becomes one at the middle when it is turned about a known
+//! vertex. No point of a loop of length L through that vertex is farther from it than L/2, so that none moves by more than
+//! δ L/2: with rows and regions relaxed by as much, the search at the middle bounds the whole interval.
+
+use super::search::{Effort, Found};
+use crate::model::Interval as Bounds;
+use crate::problem::{Function, Problem, Row};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// What is searched at an offset: a problem, the offset (rad), the length that must be beaten (m), and how hard.
+pub type At<'a> = dyn Fn(&Problem, f64, f64, Effort) -> Option<Found> + 'a;
+
+/// Intervals are not split beyond this, rad.
+const FINEST: f64 = 1e-9;
+
+struct Interval {
+    bound: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Ord for Interval {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound).then(other.low.total_cmp(&self.low))
+    }
+}
+
+impl PartialOrd for Interval {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Interval {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Interval {}
+
+/// Whether a problem is the same however its layout is turned about one vertex.
+pub fn turns_freely(problem: &Problem) -> bool {
+    let fixed = problem.bounds.chunks_exact(3).filter(|b| b[..2].iter().any(|b| b.low.is_finite())).count();
+    problem.keepouts.is_empty() && fixed <= 1 && problem.rows.iter().all(|row| !directed(&row.function))
+}
+
+/// Whether a row depends on where or which way the layout lies.
+fn directed(function: &Function) -> bool {
+    match function {
+        Function::Turn(_) | Function::Section(_) | Function::Straight(_) => false,
+        Function::Linear(terms) => terms.iter().any(|(k, _)| k % 3 != 2),
+        Function::StraightMiddle { .. } | Function::Formula(_) => true,
+    }
+}
+
+/// Bounds every offset, and improves the incumbent (variables and length) on the way. `improve` makes a layout of the relaxed
+/// problem one of the problem, if it can.
+pub fn search(
+    problem: &Problem,
+    step: f64,
+    incumbent: (Vec<f64>, f64),
+    effort: Effort,
+    at: &At,
+    improve: &dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)>,
+) -> Found {
+    let mut best = incumbent;
+    let mut heap = BinaryHeap::from([Interval { bound: 0.0, low: -step / 2.0, high: step / 2.0 }]);
+    let (mut nodes, mut left) = (0, f64::INFINITY);
+    while let Some(interval) = heap.pop() {
+        let cutoff = best.1 - (1e-7f64).max(effort.gap * best.1);
+        if interval.bound >= cutoff || nodes >= effort.nodes {
+            left = left.min(interval.bound);
+            break;
+        }
+        let middle = (interval.low + interval.high) / 2.0;
+        let relaxed = relaxed(problem, (interval.high - interval.low) / 2.0 * best.1 / 2.0);
+        let found = at(&relaxed, middle, best.1, Effort { nodes: effort.nodes - nodes, ..effort });
+        let Some(found) = found else { continue };
+        nodes += found.nodes.max(1);
+        if found.length < best.1
+            && let Some((x, length)) = found.variables.as_deref().and_then(improve)
+            && length < best.1
+        {
+            best = (x, length);
+        }
+        let bound = interval.bound.max(found.bound);
+        if interval.high - interval.low < FINEST {
+            left = left.min(bound);
+            continue;
+        }
+        heap.push(Interval { bound, low: interval.low, high: middle });
+        heap.push(Interval { bound, low: middle, high: interval.high });
+    }
+    Found { bound: left.min(best.1), variables: Some(best.0), length: best.1, nodes }
+}
+
+/// The problem with everything that depends on the offset relaxed by a displacement, m.
+fn relaxed(problem: &Problem, by: f64) -> Problem {
+    let mut problem = problem.clone();
+    problem.keepouts.iter_mut().for_each(|k| k.distance -= by);
+    let known = |i: usize, problem: &Problem| (0..2).all(|k| problem.bounds[3 * i + k].low.is_finite());
+    let fixed: Vec<usize> = (0..problem.vertices.len()).filter(|&i| known(i, &problem)).skip(1).collect();
+    for row in &mut problem.rows {
+        let by = match &row.function {
+            Function::Turn(_) | Function::Section(_) | Function::Straight(_) => continue,
+            Function::Linear(terms) => by * terms.iter().map(|(_, factor)| factor.abs()).sum::<f64>(),
+            Function::StraightMiddle { .. } => by,
+            // How a formula changes is not known: it counts in layouts, not in the bound.
+            Function::Formula(_) => f64::INFINITY,
+        };
+        (row.low, row.high) = (row.low - by, row.high + by);
+    }
+    for k in fixed.iter().flat_map(|i| [3 * i, 3 * i + 1]) {
+        let at = problem.bounds[k].low;
+        problem.bounds[k] = Bounds { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        let (label, span) = ("fix".to_owned(), problem.vertex_span(k / 3));
+        let function = Function::Linear(vec![(k, 1.0)]);
+        let (low, high) = (at - by, at + by);
+        problem.rows.push(Row { function, low, high, angle: false, weight: None, label, span, reason: None });
+    }
+    problem
+}
