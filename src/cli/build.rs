@@ -150,7 +150,8 @@ impl Build {
             return tell(&sources, &said, self.message_format);
         }
         if matches!(self.emit, Some(Emit::Nl | Emit::Mps)) && self.output.is_none() {
-            return could_not("write", &self.file, "--emit nl and --emit mps need -o DIR");
+            report::error("--emit nl and --emit mps write files: say where with -o DIR");
+            return Outcome::CouldNotRun;
         }
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.layout, &compiled.stages));

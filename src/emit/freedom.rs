@@ -3,8 +3,9 @@
 use super::number::{fixed, trimmed};
 use super::{Compiled, json};
 use crate::geometry::trig::PI;
-use crate::solve::{ActiveRow, Freedom, Hold, freedom};
+use crate::solve::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 use crate::source::SourceMap;
+use serde::Serialize;
 use std::fmt::Write;
 
 /// Both documents.
@@ -55,27 +56,51 @@ fn text(freedom: &Freedom, layout: &str, sources: &SourceMap) -> String {
     out
 }
 
-/// The same as a document; numbers in SI.
-fn json(freedom: &Freedom, sources: &SourceMap) -> Vec<u8> {
-    let rows = freedom.rows.iter().map(|row| {
+/// `freedom.json`; numbers in SI.
+#[derive(Serialize)]
+struct Document<'a> {
+    stage: &'a str,
+    length_m: f64,
+    degrees_of_freedom: usize,
+    vertices: &'a [VertexFreedom],
+    rows: Vec<RowDocument<'a>>,
+}
+
+#[derive(Serialize)]
+struct RowDocument<'a> {
+    row: &'a str,
+    /// `FILE:LINE`
+    place: String,
+    low: Option<f64>,
+    high: Option<f64>,
+    unit: &'a str,
+    length_per_unit: Option<f64>,
+    words: &'a str,
+}
+
+impl<'a> RowDocument<'a> {
+    fn new(row: &'a ActiveRow, sources: &SourceMap) -> Self {
         let finite = |limit: f64| limit.is_finite().then_some(limit);
-        serde_json::json!({
-            "row": row.row,
-            "place": sources.place(row.span),
-            "low": finite(row.limit.low),
-            "high": finite(row.limit.high),
-            "unit": row.unit,
-            "length_per_unit": row.length_per_unit,
-            "words": row.words,
-        })
-    });
-    json::to_json(&serde_json::json!({
-        "stage": freedom.stage,
-        "length_m": freedom.length,
-        "degrees_of_freedom": freedom.degrees,
-        "vertices": freedom.vertices,
-        "rows": rows.collect::<Vec<_>>(),
-    }))
+        RowDocument {
+            row: &row.row,
+            place: sources.place(row.span),
+            low: finite(row.limit.low),
+            high: finite(row.limit.high),
+            unit: row.unit,
+            length_per_unit: row.length_per_unit,
+            words: &row.words,
+        }
+    }
+}
+
+fn json(freedom: &Freedom, sources: &SourceMap) -> Vec<u8> {
+    json::to_json(&Document {
+        stage: freedom.stage,
+        length_m: freedom.length,
+        degrees_of_freedom: freedom.degrees,
+        vertices: &freedom.vertices,
+        rows: freedom.rows.iter().map(|row| RowDocument::new(row, sources)).collect(),
+    })
 }
 
 fn word(hold: Hold) -> &'static str {

@@ -10,7 +10,7 @@ use crate::emit::number::{normal, significant};
 use crate::geometry::trig::PI;
 use crate::model::{ConstraintKind, Interval, Layout};
 use crate::problem::measures::{self, to_variables};
-use crate::problem::{Problem, RowValue, Scope};
+use crate::problem::{Problem, RowKey, RowValue, Scope};
 use crate::source::Span;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
@@ -57,8 +57,8 @@ pub struct ActiveRow {
     pub limit: Interval,
     /// `m` or `rad`.
     pub unit: &'static str,
-    /// Derivative of the shortest length by the value the row is held at, m a unit.
-    pub length_per_unit: f64,
+    /// Derivative of the shortest length by the value the row is held at, m a unit; `None` where nothing was optimised.
+    pub length_per_unit: Option<f64>,
     /// What that means.
     pub words: String,
 }
@@ -81,12 +81,13 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
     let scope = if stage.name == "stage1" { Scope::Building } else { Scope::Obstacles };
     let problem = Problem::new(layout, scope);
     let mut x = to_variables(&stage.corners);
-    let mut multipliers = Default::default();
+    let mut multipliers = None;
     if stage.name != "written" {
         // From its optimum a stage ends again at once, and says what it ended on.
         let settings = Settings { radius: 1e-3, ..Settings::default() };
         let again = sqp::minimise(&problem, &x, &settings, &|_, _, _| {});
-        (x, multipliers) = (again.variables, again.multipliers);
+        x = again.variables;
+        multipliers = Some(again.multipliers);
     }
     let here = problem.evaluate(&x, ACTIVE);
     let active: Vec<&RowValue> = here.rows.iter().filter(|row| is_active(row)).collect();
@@ -120,10 +121,11 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
         }
     };
 
+    let price = |key: RowKey| multipliers.as_ref().map(|all| all.get(&key).copied().unwrap_or(0.0));
     // The slope of the length along what only bounds hold.
     let mut slope = DVector::<f64>::zeros(n);
     let objective = here.objective.iter().map(|term| (term, 1.0));
-    let weighted = here.rows.iter().filter_map(|row| multipliers.get(&row.key).map(|&m| (&row.expansion, m)));
+    let weighted = here.rows.iter().filter_map(|row| price(row.key).map(|price| (&row.expansion, price)));
     for (expansion, weight) in objective.chain(weighted) {
         expansion.variables.iter().zip(&expansion.gradient).for_each(|(&k, &g)| slope[k] += weight * g);
     }
@@ -131,16 +133,17 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
         .iter()
         .map(|row| {
             let (name, span) = problem.describe(row.key);
-            let per_unit = -multipliers.get(&row.key).copied().unwrap_or(0.0);
             let limit = held_at(row.expansion.value, row.low, row.high);
-            ActiveRow::new(name, span, limit, problem.unit(row.key), per_unit)
+            ActiveRow::new(name, span, limit, problem.unit(row.key), price(row.key).map(|price| -price))
         })
         .collect();
     rows.extend(limits.iter().map(|&(k, limit)| {
-        let span = line_of(layout, &problem, k);
-        ActiveRow::new(problem.variable_name(k), span, held_at(x[k], limit.low, limit.high), "m", slope[k])
+        let (span, limit) = (line_of(layout, &problem, k), held_at(x[k], limit.low, limit.high));
+        ActiveRow::new(problem.variable_name(k), span, limit, "m", multipliers.as_ref().map(|_| slope[k]))
     }));
-    rows.sort_by(|a, b| b.length_per_unit.abs().total_cmp(&a.length_per_unit.abs()));
+    // To a millionth, so that rows that cost the same stay in their order.
+    let size = |row: &ActiveRow| row.length_per_unit.map_or(0.0, |price| (price.abs() * 1e6).round());
+    rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
     Freedom {
         stage: stage.name,
         length: here.length,
@@ -151,19 +154,24 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
 }
 
 impl ActiveRow {
-    fn new(row: String, span: Span, limit: Interval, unit: &'static str, length_per_unit: f64) -> Self {
-        let (each, per) =
-            if unit == "rad" { ("degree", length_per_unit * PI / 180.0) } else { ("metre", length_per_unit) };
-        let size = significant(per.abs(), 2);
-        let equation = limit.low == limit.high;
-        let words = match (per.abs() < NO_PRICE, equation) {
-            (true, true) => "a little more or less here changes nothing".to_owned(),
-            (true, false) => "giving way here alone changes nothing".to_owned(),
-            // Less of what shortens when it falls, more of what shortens when it rises.
-            (false, _) if per > 0.0 => format!("each {each} less here shortens the track by {size} m"),
-            (false, _) => format!("each {each} more here shortens the track by {size} m"),
+    fn new(row: String, span: Span, limit: Interval, unit: &'static str, length_per_unit: Option<f64>) -> Self {
+        let length_per_unit = length_per_unit.map(normal);
+        let (each, per) = match (unit, length_per_unit) {
+            ("rad", price) => ("degree", price.map(|price| price * PI / 180.0)),
+            (_, price) => ("metre", price),
         };
-        ActiveRow { row, span, limit, unit, length_per_unit: normal(length_per_unit), words }
+        let words = match per {
+            None => "nothing was optimised".to_owned(),
+            Some(per) if per.abs() < NO_PRICE && limit.low == limit.high => {
+                "a little more or less here changes nothing".to_owned()
+            }
+            Some(per) if per.abs() < NO_PRICE => "giving way here alone changes nothing".to_owned(),
+            Some(per) => {
+                let way = if per > 0.0 { "less" } else { "more" };
+                format!("each {each} {way} here shortens the track by {} m", significant(per.abs(), 2))
+            }
+        };
+        ActiveRow { row, span, limit, unit, length_per_unit, words }
     }
 }
 
@@ -226,4 +234,74 @@ pub(super) fn null_space(n: usize, rows: impl Iterator<Item = DVector<f64>>) -> 
 fn rank(basis: &[DVector<f64>], variables: &[usize]) -> usize {
     let part = DMatrix::from_fn(variables.len(), basis.len(), |i, j| basis[j][variables[i]]);
     if basis.is_empty() { 0 } else { part.singular_values().iter().filter(|s| **s > SHARE).count() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::instances::thesis10;
+    use crate::solve::{Discretise, Options, solve_with};
+
+    fn continuous(layout: &Layout) -> Vec<Stage> {
+        let nothing: Discretise = |_, _, solution, _| solution.clone();
+        solve_with(layout, &Options::default(), nothing, &|_| {})
+    }
+
+    /// Each price against the optimum with the limit moved both ways.
+    #[test]
+    fn prices_are_what_moving_a_limit_changes() {
+        let layout = thesis10();
+        let stages = continuous(&layout);
+        let found = freedom(&layout, &stages[1]);
+        let problem = Problem::new(&layout, Scope::Obstacles);
+        let step = 1e-4;
+        let mut compared = 0;
+        for row in &found.rows {
+            let moved = |by: f64| {
+                let mut problem = problem.clone();
+                let listed = problem.rows.iter_mut().find(|r| r.label == row.row);
+                if let Some(listed) = listed {
+                    (listed.low, listed.high) = (listed.low + by, listed.high + by);
+                } else if let Some(k) = (0..problem.start.len()).find(|&k| problem.variable_name(k) == row.row) {
+                    let bound = &mut problem.bounds[k];
+                    (bound.low, bound.high) = (bound.low + by, bound.high + by);
+                } else {
+                    let keepout = problem.keepouts.iter_mut().find(|k| row.row.contains(&k.name)).unwrap();
+                    keepout.distance += by;
+                }
+                let settings = Settings { radius: 0.01, ..Settings::default() };
+                sqp::minimise(&problem, &to_variables(&stages[1].corners), &settings, &|_, _, _| {}).length
+            };
+            // It is approached in two places, which move together.
+            if row.row.contains("O1") {
+                continue;
+            }
+            let (slope, price) = ((moved(step) - moved(-step)) / (2.0 * step), row.length_per_unit.unwrap());
+            assert!((slope - price).abs() < 1e-3 * (1.0 + price.abs()), "{}: {slope} {price}", row.row);
+            compared += 1;
+        }
+        assert!(compared > 20, "{compared}");
+    }
+
+    #[test]
+    fn a_loop_that_nothing_holds_moves_as_a_body() {
+        let mut layout = thesis10();
+        layout.constraints.clear();
+        layout.building = None;
+        layout.obstacles.clear();
+        let stages = continuous(&layout);
+        let found = freedom(&layout, &stages[0]);
+        assert!(found.degrees >= 3, "{}", found.degrees);
+        assert!(found.vertices.iter().all(|v| v.position == Hold::Free && v.directions == 2), "{:?}", found.vertices);
+    }
+
+    #[test]
+    fn fixed_bound_and_free() {
+        let layout = thesis10();
+        let found = freedom(&layout, &continuous(&layout)[1]);
+        let holds: Vec<Hold> = found.vertices.iter().map(|v| v.position).collect();
+        use Hold::*;
+        assert_eq!(holds, [Free, Fixed, Fixed, Bound, Bound, Bound, Bound, Fixed, Fixed, Bound]);
+        assert_eq!((found.degrees, found.vertices[0].directions), (1, 1));
+    }
 }
