@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Goal, Layout, Side};
+use crate::solve::MOST_OPEN;
 use crate::source::Span;
 
 /// One diagnostic for each part of a checked layout that cannot be built yet.
@@ -27,8 +28,9 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
             Some((_, Goal::Length)) | None => {}
         }
     }
-    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either) {
-        let what = format!("`pass {} either`", obstacle.name);
+    // Every combination of sides is solved.
+    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either).skip(MOST_OPEN) {
+        let what = format!("`pass {} either` beside {MOST_OPEN} others", obstacle.name);
         say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
     }
     if !layout.objective.terms.is_empty() {
@@ -39,9 +41,6 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
                 "write `optimise nothing`: the layout is then built as written",
             );
         }
-    }
-    if let Some(closes) = &layout.chain.closes_within {
-        say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");
     }
     found.sort_by_key(|d| d.label.span);
     found

@@ -16,5 +16,5 @@ pub use certificate::Certificate;
 pub use exact::Effort;
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
-pub use report::diagnose;
+pub use report::{diagnose, unclosed};
 pub use stages::{Discretise, Discretised, MOST_OPEN, Options, Progress, Solver, solve, solve_with};
