@@ -52,6 +52,10 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         (Code::E0410 | Code::E0411 | Code::W0711, Ok(Some(layout))) => {
             diagnostics.extend(Compiled::new(layout.clone(), Vec::new()).heights);
         }
+        (Code::E0603, Ok(Some(layout))) => {
+            let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
+            diagnostics.extend(solve::unclosed(layout, &compiled.track, &compiled.space.line));
+        }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(layout, &solve::solve(layout, &solve::Options::default(), &|_| {})));
         }

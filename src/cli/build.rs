@@ -155,6 +155,9 @@ impl Build {
         }
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
+        if !compiled.failed() {
+            said.extend(solve::unclosed(layout, &compiled.track, &compiled.space.line));
+        }
         said.extend(compiled.heights.iter().cloned());
         if compiled.heights.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);

@@ -92,6 +92,7 @@ codes! {
 
     E0601 "no-feasible-layout",
     E0602 "not-met-as-written",
+    E0603 "chain-does-not-close",
     E0650 "not-built-yet",
 
     W0701 "unused-import",

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Goal, Layout, Side};
+use crate::solve::MOST_OPEN;
 use crate::solve::polygon::Smooth;
 use crate::source::Span;
 
@@ -27,8 +28,13 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     } else if let Some((_, Goal::Cost)) = objective.terms.first() {
         say(written, "`optimise cost`", "write `optimise length`");
     }
-    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either) {
-        let what = format!("`pass {} either`", obstacle.name);
+    // Every combination of sides is solved, but for polygon action.
+    let open = if smooth { 0 } else { MOST_OPEN };
+    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either).skip(open) {
+        let what = match smooth {
+            true => format!("`pass {} either` under `polygon_action`", obstacle.name),
+            false => format!("`pass {} either` beside {MOST_OPEN} others", obstacle.name),
+        };
         say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
     }
     if !layout.objective.terms.is_empty() && !layout.is_flat() {
@@ -39,9 +45,6 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
                 "write `optimise nothing`: the layout is then built as written",
             );
         }
-    }
-    if let (Some(closes), false) = (&layout.chain.closes_within, smooth) {
-        say(closes.span, "`chain closes within`", "remove it: the left-over is then reported");
     }
     found.sort_by_key(|d| d.label.span);
     found

@@ -22,5 +22,5 @@ pub use exact::discretise;
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
-pub use report::diagnose;
+pub use report::{diagnose, unclosed};
 pub use stages::{Discretise, Discretised, MOST_OPEN, Options, Progress, Solver, solve, solve_with};

@@ -4,7 +4,9 @@ use super::{Stage, Status, Violation, conflict};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::number::trimmed;
 use crate::geometry::trig::PI;
-use crate::model::Layout;
+use crate::geometry::{CentreLine, Point, Track};
+use crate::kinematics::{Fit, fit};
+use crate::model::{ConstraintKind, FixKind, Layout};
 
 /// Rows named in one message besides the worst.
 const MOST_RELATED: usize = 7;
@@ -45,6 +47,55 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
         }
     };
     vec![diagnostic.help(help)]
+}
+
+/// Why the chain does not close on a solved layout, if closing is asked for: by how much, and which sections to change.
+pub fn unclosed(layout: &Layout, track: &Track, line: &CentreLine) -> Option<Diagnostic> {
+    let closes = layout.chain.closes_within.as_ref()?;
+    let pitch = layout.cart.length;
+    let Some(Fit { carts, left_over }) = fit(line, pitch) else {
+        let message = "no chain of these carts closes on this track";
+        let label = format!("carts of {} mm", trimmed(1e3 * pitch, 1));
+        let help = "use shorter carts, or a longer track";
+        return Some(Diagnostic::new(Code::E0603, message, closes.span, label).help(help));
+    };
+    if left_over.abs() <= closes.value + CLOSED {
+        return None;
+    }
+    let within = trimmed(1e3 * closes.value, 1);
+    let message = format!("no whole number of carts closes the chain within {within} mm");
+    let too = if left_over > 0.0 { "long" } else { "short" };
+    let label = format!("for {carts} carts, the track is {} mm too {too}", trimmed(1e3 * left_over.abs(), 1));
+    let (longer, shorter) = if left_over > 0.0 { (pitch - left_over, left_over) } else { (-left_over, pitch + left_over) };
+    let half = |length: f64| trimmed(0.5e3 * length, 1);
+    let help = opposite(layout, track).map_or_else(
+        || "give a section some freedom, so that the track can be lengthened".to_owned(),
+        |[a, b]| {
+            let (a, b) = (layout.section_name(a), layout.section_name(b));
+            format!("lengthen {a} and {b} by {} mm each, or shorten both by {} mm", half(longer), half(shorter))
+        },
+    );
+    Some(Diagnostic::new(Code::E0603, message, closes.span, label).help(help))
+}
+
+/// A left-over that exceeds what is allowed by less does not, m.
+const CLOSED: f64 = 1e-5;
+
+/// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like pairs.
+fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
+    let held = |i: usize| {
+        layout.constraints.iter().any(|c| {
+            matches!(&c.kind, ConstraintKind::FixSection { target, kinds } if target.from == i && kinds.contains(&FixKind::Length))
+        })
+    };
+    let n = track.corners.len();
+    let along = |i: usize| Point::unit(track.straight(i).heading);
+    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).filter(|p| !p.iter().any(|&i| held(i)));
+    let order = |p: &[usize; 2]| {
+        let against = (1e6 * along(p[0]).dot(along(p[1]))).round();
+        (against, -track.straight(p[0]).length - track.straight(p[1]).length)
+    };
+    pairs.min_by(|a, b| order(a).0.total_cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
 }
 
 /// `clearance of column_a to the straight P4..P5: 0.214 m short`

@@ -106,7 +106,7 @@ impl Beside<'_> {
                     let whole = self.convex(keepout, corner, stage, heading, open);
                     return whole.or(Some(Remedy::Settle(stage)));
                 }
-                Some(Remedy::Split(self.straight(k, corner, i, choice, decided)))
+                Some(Remedy::Split(self.straight(k, corner, i, choice, decided, open)))
             }
             (_, Part::Arc(v)) => {
                 let stage = self.grid.stage(v);
@@ -131,7 +131,7 @@ impl Beside<'_> {
                 }
                 let arc = Arc { grid: self.grid, stage, choice };
                 match feature {
-                    Feature::Corner(corner) => self.corner(&arc, k, corner, track, decided).map(Remedy::Split),
+                    Feature::Corner(corner) => self.corner(&arc, k, corner, track, decided, open).map(Remedy::Split),
                     Feature::Edge(edge) => edge_rows(&arc, keepout, edge).map(Remedy::Split),
                 }
             }
@@ -158,6 +158,9 @@ impl Beside<'_> {
             let steps = (direction.heading() - grid.origin) / grid.step;
             steps - ((steps - middle) / circle).round() * circle
         };
+        if let Some(inside) = self.inside(keepout, corner, near(stages[0]), open) {
+            return Some(Remedy::Split(vec![inside]));
+        }
         let found = stages.into_iter().filter_map(|stage| self.convex(keepout, corner, stage, near(stage), open));
         found.min_by_key(|r| matches!(r, Remedy::Part(..)))
     }
@@ -193,16 +196,64 @@ impl Beside<'_> {
         let u = Point::unit(grid.origin + heading * grid.step);
         let g = u.left() * -side;
         let row = |row: Row| Alternative { rows: vec![row], decided: None };
-        let touch = vec![Touch { stage, heading, normal: u.left(), pull: g }];
+        let touch = vec![Touch { from: stage, to: next, heading, normal: u.left(), pull: g }];
         let low = keepout.distance + g.dot(q);
+        let inside = row(Row { at: vec![(stage, g)], touch, low, ..Row::default() });
         Some(Remedy::Split(vec![
-            row(Row { at: vec![(stage, g)], touch, low, ..Row::default() }),
+            inside,
             row(Row { at: vec![(stage, u)], into: vec![(stage, -u)], low: u.dot(q), ..Row::default() }),
             row(Row { at: vec![(next, -u)], out: vec![(next, -u)], low: -u.dot(q), ..Row::default() }),
         ]))
     }
 
-    fn straight(&self, k: usize, corner: usize, i: usize, choice: &Choice, known: &[Decided]) -> Vec<Alternative> {
+    /// That a corner lies a distance D inside the loop's tangent of this heading, where it must: it lies within the loop, whose
+    /// farthest point in the direction of the normal has this heading on an arc that turns as the loop does, and only
+    /// these consecutive arcs can have it.
+    fn inside(&self, keepout: &Keepout, corner: usize, heading: f64, open: &Open) -> Option<Alternative> {
+        let (grid, n) = (self.grid, self.grid.len());
+        let winding = open.headings[n][0] - open.headings[0][0];
+        let (sign, circle) = (winding.signum(), f64::from(grid.circle));
+        let side = f64::from(sign);
+        if keepout.region.outside || keepout.region.lies != side || winding.abs() != grid.circle {
+            return None;
+        }
+        let q = keepout.region.polygon.points()[corner];
+        let u = Point::unit(grid.origin + heading * grid.step);
+        let g = u.left() * -side;
+        let low = keepout.distance + g.dot(q);
+        let first = f64::from(open.headings[0][0]);
+        if (((heading - first) / circle).round() * circle + first - heading).abs() < 1e-9 {
+            // The tangent is the section of known heading.
+            return Some(Alternative { rows: vec![Row { at: vec![(0, g)], low, ..Row::default() }], decided: None });
+        }
+        let mut found: Option<(usize, usize, f64)> = None;
+        for k in (1..=n).filter(|k| grid.signs[k % n] == sign) {
+            let ends = [&open.headings[k - 1], &open.headings[k]].map(|h| (h[0], h[h.len() - 1]));
+            let (low, high) = (f64::from(ends[0].0.min(ends[1].0)), f64::from(ends[0].1.max(ends[1].1)));
+            let copy = heading + ((low - heading) / circle).ceil() * circle;
+            if copy > high {
+                continue;
+            }
+            found = match found {
+                None => Some((k, k, copy)),
+                Some((from, to, known)) if to + 1 == k && (known - copy).abs() < 1e-9 => Some((from, k, known)),
+                Some(_) => return None,
+            };
+            if copy + circle <= high {
+                return None;
+            }
+        }
+        let (from, to, heading) = found?;
+        let touch = Touch { from, to, heading, normal: u.left(), pull: g };
+        let before = open.headings[from - 1].iter().all(|&h| side * (f64::from(h) - heading) <= 0.0);
+        let behind = open.headings[to].iter().all(|&h| touch.passed(h, sign));
+        (before && behind).then(|| Alternative {
+            rows: vec![Row { at: vec![(from % n, g)], touch: vec![touch], low, ..Row::default() }],
+            decided: None,
+        })
+    }
+
+    fn straight(&self, k: usize, corner: usize, i: usize, choice: &Choice, known: &[Decided], open: &Open) -> Vec<Alternative> {
         let keepout = &self.problem.keepouts[k];
         let (n, stage) = (self.grid.len(), self.grid.stage(i));
         let next = (stage + 1) % n;
@@ -212,6 +263,12 @@ impl Beside<'_> {
         let at = |k: usize, g: Point| vec![(k, g)];
         let row = |row: Row| Alternative { rows: vec![row], decided: None };
         let mut out = vec![row(Row { at: at(stage, -side), low: keepout.distance - side.dot(q), ..Row::default() })];
+        let sign = self.grid.signs[stage];
+        let bent = self.grid.signs[next] == sign && keepout.region.lies == f64::from(sign);
+        let must = || self.inside(keepout, corner, f64::from(choice.headings[stage]), open);
+        if let Some(inside) = bent.then(must).flatten() {
+            return vec![inside];
+        }
         let rows = [
             Row { at: at(stage, u), out: at(stage, u), low: u.dot(q), ..Row::default() },
             Row { at: at(next, -u), into: at(next, u), low: -u.dot(q), ..Row::default() },
@@ -230,6 +287,7 @@ impl Beside<'_> {
         corner: usize,
         track: &Track,
         decided: &[Decided],
+        open: &Open,
     ) -> Option<Vec<Alternative>> {
         let rules = &self.problem.keepouts[keepout];
         let q = rules.region.polygon.points()[corner];
@@ -258,6 +316,13 @@ impl Beside<'_> {
                 return (b - a > 1e-6).then(|| vec![outer(a, middle), outer(middle, b)]);
             }
             None => {}
+        }
+        let turned = if stage == 0 { arc.grid.len() } else { stage };
+        let (a, b) = (arc.choice.headings[turned - 1], arc.choice.headings[turned]);
+        let heading = f64::from(a) + f64::from(b - a) * arc.fraction(w);
+        let sign = f64::from(arc.grid.signs[stage]);
+        if let Some(inside) = (rules.region.lies == sign).then(|| self.inside(rules, corner, heading, open)).flatten() {
+            return Some(vec![inside]);
         }
         let before = (stage + arc.grid.len() - 1) % arc.grid.len();
         let joints = [Joint::End(before), Joint::Begin(stage)];

@@ -79,16 +79,14 @@ impl Choice {
     }
 
     fn touched(&self, grid: &Grid, touch: &Touch) -> f64 {
-        let (k, sign, g) = (touch.stage, grid.signs[touch.stage], touch.pull);
-        let next = (k + 1) % grid.len();
-        let (u, side) = (grid.unit(self.headings[k]), f64::from(sign));
-        if touch.before(self.headings[k], sign) {
-            let u = grid.unit(self.headings[k - 1]);
-            -self.tangent(grid, k) * g.dot(u) + side * self.radii[k] * g.dot(u.left() - touch.normal)
-        } else {
-            (self.tangent(grid, k) + self.straights[k]) * g.dot(u)
-                + side * self.radii[next] * g.dot(u.left() - touch.normal)
-        }
+        let sign = grid.signs[touch.from % grid.len()];
+        let along = |k: usize| (self.headings[k], grid.unit(self.headings[k]));
+        let arc = |k: usize| {
+            let (tangent, radius) = touch.arc(k, sign, along(k - 1), along(k));
+            tangent * self.tangent(grid, k % grid.len()) + radius * self.radii[k % grid.len()]
+        };
+        let straight = |k: usize| touch.straight(k, sign, along(k)) * self.straights[k];
+        (touch.from..=touch.to).map(arc).sum::<f64>() + (touch.from..touch.to).map(straight).sum::<f64>()
     }
 }
 
@@ -102,7 +100,7 @@ struct Prices {
     into: Vec<Point>,
     out: Vec<Point>,
     normal: Vec<Point>,
-    /// By stage of the section.
+    /// By stage 0..=n of what they speak of.
     touch: Vec<Vec<Touch>>,
     /// On the first vertex.
     first: Point,
@@ -123,7 +121,7 @@ impl Prices {
             into: zero.clone(),
             out: zero.clone(),
             normal: zero,
-            touch: vec![Vec::new(); n],
+            touch: vec![Vec::new(); n + 1],
             first: Point::default(),
             constant: 0.0,
             size: 0.0,
@@ -137,7 +135,10 @@ impl Prices {
             row.into.iter().for_each(|&(k, g)| p.into[k] = p.into[k] - g * y);
             row.out.iter().for_each(|&(k, g)| p.out[k] = p.out[k] - g * y);
             row.normal.iter().for_each(|&(k, g)| p.normal[k] = p.normal[k] - g * y);
-            row.touch.iter().for_each(|t| p.touch[t.stage].push(Touch { pull: -(t.pull * y), ..*t }));
+            for t in &row.touch {
+                let priced = Touch { pull: -(t.pull * y), ..*t };
+                (t.from..=t.to).for_each(|k| p.touch[k].push(priced));
+            }
             p.constant += row.low * y;
             p.size += (row.low * y).abs();
         }
@@ -168,8 +169,8 @@ pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[Row], y: &[f6
     let p = Prices::new(n, rows, y);
     let straight = |k: usize, h: i32| {
         let u = grid.unit(h);
-        let passed = p.touch[k].iter().filter(|t| !t.before(h, grid.signs[k])).map(|t| t.pull.dot(u)).sum::<f64>();
-        let price = 1.0 + p.straight[k] + p.length[k] + p.section[k].dot(u) + passed;
+        let touched = p.touch[k].iter().map(|t| t.straight(k, grid.signs[t.from % n], (h, u))).sum::<f64>();
+        let price = 1.0 + p.straight[k] + p.length[k] + p.section[k].dot(u) + touched;
         let (low, high) = limits.straights[k];
         if price >= 0.0 { (price * low, low) } else { (price * high, high) }
     };
@@ -251,10 +252,7 @@ fn edges(grid: &Grid, open: &Open, p: &Prices, k: usize) -> Vec<Edge> {
         .iter()
         .map(|&h| {
             let u = grid.unit(h);
-            let mut price = p.normal[v].dot(u.left()) + p.radius[v];
-            for t in p.touch[k - 1].iter().filter(|t| !t.before(h, grid.signs[k - 1])) {
-                price += f64::from(grid.signs[k - 1]) * t.pull.dot(u.left() - t.normal);
-            }
+            let price = p.normal[v].dot(u.left()) + p.radius[v];
             (before.dot(u) + lengths, price)
         })
         .collect();
@@ -271,14 +269,9 @@ fn edges(grid: &Grid, open: &Open, p: &Prices, k: usize) -> Vec<Edge> {
             }
             let (angle, tangent) = grid.turn(t - h);
             let mut price = angle + entering[from].1 + tangent * (entering[from].0 + leaving[to]);
-            for touch in &p.touch[v] {
-                let g = touch.pull;
-                if touch.before(t, sign) {
-                    let u = grid.unit(h);
-                    price += f64::from(sign) * g.dot(u.left() - touch.normal) - tangent * g.dot(u);
-                } else {
-                    price += tangent * g.dot(grid.unit(t));
-                }
+            for touch in &p.touch[k] {
+                let (along, across) = touch.arc(k, sign, (h, grid.unit(h)), (t, grid.unit(t)));
+                price += tangent * along + across;
             }
             let radius = if price >= 0.0 { low } else { high };
             out.push(Edge { from, to, cost: price * radius, radius });
@@ -302,7 +295,8 @@ fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -
         let (angle, tangent) = grid.turn(grid.turns[k].1);
         let turning = size(p.section[before]) + size(p.section[k]) + size(p.into[k]) + size(p.out[k]);
         let lengths = p.length[before].abs() + p.length[k].abs();
-        let touching = 2.0 * touched(before) + (2.0 + tangent) * touched(k);
+        let stage = if k == 0 { n } else { k };
+        let touching = (2.0 + 2.0 * tangent) * touched(stage);
         let turning = tangent * (turning + lengths) + touching;
         total += radius * (angle + p.radius[k].abs() + size(p.normal[k]) + turning);
     }

@@ -92,7 +92,7 @@ fn one_chain(row: &Row, pins: &[usize]) -> bool {
     let vertices =
         row.radius.iter().map(|e| e.0).chain(row.into.iter().chain(&row.out).chain(&row.normal).map(|e| e.0));
     chains.extend(vertices.map(section));
-    chains.extend(row.touch.iter().map(|t| section(t.stage)));
+    chains.extend(row.touch.iter().map(|t| section(t.from)));
     chains.extend(row.at.iter().filter(|e| !pins.contains(&e.0)).map(|e| section(e.0)));
     chains.dedup();
     chains.windows(2).all(|w| w[0] == w[1])

@@ -30,12 +30,13 @@ pub struct Row {
     pub equal: bool,
 }
 
-/// The point p with a given heading on the arc before a section or on the arc after it, which turn in the same direction. Such a
-/// run is convex, so that p is its extreme point in the direction of the normal.
+/// The point p with a given heading on one of consecutive arcs that all turn in the same direction. The track there is convex, so
+/// that p is its extreme point in the direction of the normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    /// Stage of the section, whose first vertex V is.
-    pub stage: usize,
+    /// The arcs, by vertex stage 1..=n; V is the first one's vertex.
+    pub from: usize,
+    pub to: usize,
     /// In steps.
     pub heading: f64,
     /// Left normal of that heading.
@@ -44,9 +45,29 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Whether the heading is reached on the arc before the section.
-    pub fn before(&self, heading: i32, sign: i32) -> bool {
+    /// Whether a section's heading is beyond it.
+    pub fn passed(&self, heading: i32, sign: i32) -> bool {
         f64::from(sign) * (f64::from(heading) - self.heading) >= 0.0
+    }
+
+    /// What the arc at a stage adds, for each metre of its tangent length and of its radius; u and v are the unit vectors before
+    /// and after, with their headings. Beyond p nothing counts; before it, the whole way.
+    pub fn arc(&self, k: usize, sign: i32, (h, u): (i32, Point), (t, v): (i32, Point)) -> (f64, f64) {
+        let first = k == self.from;
+        if self.passed(h, sign) {
+            (0.0, 0.0)
+        } else if self.passed(t, sign) {
+            let back = if first { -self.pull.dot(u) } else { 0.0 };
+            (back, f64::from(sign) * self.pull.dot(u.left() - self.normal))
+        } else {
+            (self.pull.dot(if first { v } else { u + v }), 0.0)
+        }
+    }
+
+    /// What the straight of a stage adds for each metre.
+    pub fn straight(&self, k: usize, sign: i32, (h, u): (i32, Point)) -> f64 {
+        let counts = self.from <= k && k < self.to && !self.passed(h, sign);
+        if counts { self.pull.dot(u) } else { 0.0 }
     }
 }
 

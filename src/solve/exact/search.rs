@@ -231,14 +231,18 @@ impl Search<'_> {
         let corners: Vec<Corner> = (0..grid.len()).map(corner).collect();
         let at = self.setting.problem.evaluate(&to_variables(&corners), 0.0);
         let mut close: Vec<(RowKey, f64)> =
-            at.rows.iter().map(|r| (r.key, r.violation())).filter(|v| v.1 > EARLY && v.1 < FAR).collect();
+            at.rows.iter().map(|r| (r.key, r.violation())).filter(|v| v.1 > EARLY).collect();
         close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let value =
             |row: &Row| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
-        for (key, _) in close {
+        for (key, violation) in close {
             let Some(Remedy::Split(alternatives)) = self.setting.beside.early(key, &node.open, &at.track) else {
                 continue;
             };
+            // What is far on the wrong side some other strand may be beside, unless there is no other way.
+            if violation > FAR && alternatives.len() > 1 {
+                continue;
+            }
             if alternatives.iter().all(|a| a.rows.iter().any(|row| value(row) < row.low - EARLY)) {
                 self.branch(node, alternatives);
                 return true;
