@@ -100,7 +100,7 @@ codes! {
     W0704 "redundant-statement",
     W0705 "implied-constraint",
     W0710 "not-in-catalog",
-    W0711 "heights-not-billed",
+    W0711 "climb-not-in-catalog",
 
     E0801 "not-a-drawing",
     E0802 "unknown-drawing-unit",
