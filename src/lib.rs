@@ -19,6 +19,8 @@
 //!
 //! [`gap`] says where a built system and its simulation part, which effect does it, and how much adding it closes.
 //!
+//! [`import`] is a way in: it makes source text of a drawing from CAD.
+//!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod cli;
@@ -29,6 +31,7 @@ pub mod emit;
 pub mod gap;
 pub mod geometry;
 pub mod identify;
+pub mod import;
 pub mod kinematics;
 pub mod model;
 pub mod problem;

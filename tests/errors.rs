@@ -7,12 +7,18 @@ use lss::diagnostic::{Code, Diagnostic, text};
 use lss::elements;
 use lss::emit::Compiled;
 use lss::geometry::Track;
+use lss::import;
 use lss::semantics::{analyse, unsupported};
 use lss::solve;
 use lss::source::{Loader, SourceMap};
 
 fn folder(code: Code) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())
+}
+
+/// What the case's main file is called: codes of an import have a drawing.
+fn input(code: Code) -> &'static str {
+    if code.as_str()[1..].starts_with("08") { "input.dxf" } else { "input.lss" }
 }
 
 /// The case's files, `input.lss` first. `NAME.spaces` holds the number of spaces that the file NAME is made of.
@@ -34,11 +40,18 @@ fn files(code: Code) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// What checking the case says, and building it where that is what the code is about.
+/// What checking the case says, and building or importing it where that is what the code is about.
 fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
+    let mut sources = SourceMap::default();
+    if input(code) == "input.dxf" {
+        let text =
+            fs::read_to_string(folder(code).join("input.dxf")).unwrap_or_else(|_| panic!("{code:?} has no case"));
+        let drawing = sources.add("input.dxf", text);
+        let (_, said) = import::read(&sources, drawing, &import::Options::default());
+        return (sources, said);
+    }
     let files = files(code);
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
-    let mut sources = SourceMap::default();
     let (mut loader, main) = Loader::memory(&mut sources, &files).expect("input.lss is text");
     let analysis = analyse(&mut sources, &mut loader, main, None);
     let mut diagnostics = analysis.diagnostics.clone();
@@ -70,7 +83,7 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
 
 /// The first example in a page.
 fn example(page: &str) -> Option<&str> {
-    let (_, rest) = page.split_once("```lss\n")?;
+    let (_, rest) = page.split_once("```lss\n").or_else(|| page.split_once("```dxf\n"))?;
     rest.split_once("```").map(|(example, _)| example)
 }
 
@@ -79,7 +92,7 @@ fn every_code_reports_its_page_example_and_nothing_else() {
     let mut failures = Vec::new();
     for code in Code::ALL {
         let input =
-            fs::read_to_string(folder(*code).join("input.lss")).unwrap_or_else(|_| panic!("{code:?} has no case"));
+            fs::read_to_string(folder(*code).join(input(*code))).unwrap_or_else(|_| panic!("{code:?} has no case"));
         if example(code.page()) != Some(input.as_str()) {
             failures.push(format!("{code:?}: page and case differ"));
         }

@@ -306,7 +306,7 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
         summary.element_count, summary.price_eur, summary.mass_kg, summary.footprint_m2, summary.closure_m
     );
     if raised {
-        out += &format!("  {:.5} m along the slope; stages and elements count the plan\n", summary.length_m);
+        out += &format!("  {:.5} m along the slope; stages count the plan\n", summary.length_m);
     }
     if let Some(folder) = output {
         out += &format!("  written to {}\n", folder.display());

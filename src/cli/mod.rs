@@ -11,6 +11,7 @@ mod fmt;
 mod gap;
 mod generate;
 mod identify;
+mod import;
 mod new;
 mod polygon;
 mod progress;
@@ -44,6 +45,7 @@ enum Verb {
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
+    Import(import::Import),
     Completions(generate::Completions),
     Man(generate::Man),
 }
@@ -98,6 +100,7 @@ pub fn main() -> ExitCode {
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),
+        Verb::Import(verb) => verb.run(),
         Verb::Completions(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),
     };

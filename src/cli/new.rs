@@ -2,6 +2,7 @@
 
 use super::{Outcome, could_not, report};
 use crate::emit::Files;
+use crate::import::as_name;
 use std::path::PathBuf;
 
 /// Start a project: a folder with a layout that builds.
@@ -15,7 +16,7 @@ const LAYOUT: &str = include_str!("new_layout.lss");
 
 impl New {
     pub fn run(&self) -> Outcome {
-        let Some(name) = self.folder.file_name().map(|n| identifier(&n.to_string_lossy())) else {
+        let Some(name) = self.folder.file_name().map(|n| as_name(&n.to_string_lossy(), "layout")) else {
             report::error("give the new folder a name");
             return Outcome::CouldNotRun;
         };
@@ -39,13 +40,4 @@ impl New {
         ));
         Outcome::Clean
     }
-}
-
-/// A folder's name as a name of the language.
-fn identifier(text: &str) -> String {
-    let mut name: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        name.insert_str(0, "layout_");
-    }
-    name
 }

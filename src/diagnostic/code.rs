@@ -1,5 +1,5 @@
 //! The stable codes. E01 text and syntax, E02 files, names and imports, E03 values and dimensions, E04 the layout's
-//! geometry, E05 constraints, E06 solving, W07 warnings.
+//! geometry, E05 constraints, E06 solving, W07 warnings, E08 and W08 drawings that are imported.
 
 use super::Severity;
 
@@ -101,7 +101,16 @@ codes! {
     W0704 "redundant-statement",
     W0705 "implied-constraint",
     W0710 "not-in-catalog",
-    W0711 "heights-not-billed",
+    W0711 "climb-not-in-catalog",
+
+    E0801 "not-a-drawing",
+    E0802 "unknown-drawing-unit",
+    E0803 "no-centre-line",
+    E0804 "loop-not-closed",
+    E0805 "not-tangent",
+    E0806 "unreadable-shape",
+    W0801 "drawing-healed",
+    W0802 "outline-left-out",
 }
 
 impl Code {

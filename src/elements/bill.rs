@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::sequence::{degrees, millimetres};
-use super::{Sequence, Shape};
-use crate::model::Layout;
+use super::{Piece, Ware};
+use crate::model::{Layout, Rate};
 use serde::Serialize;
 
 /// One article of the bill.
@@ -12,8 +12,8 @@ use serde::Serialize;
 pub struct BillLine {
     pub article: String,
     pub description: String,
-    /// Of one piece; a curve's turn is positive, since a left curve turned end for end is a right one.
-    pub shape: Shape,
+    /// Of one piece, as [`Ware::turned`] has it.
+    pub ware: Ware,
     pub count: usize,
     /// EUR a piece and in all; a piece's price is rounded to the cent.
     pub unit_price: f64,
@@ -24,7 +24,8 @@ pub struct BillLine {
     pub in_catalog: bool,
 }
 
-/// The bill of elements: articles in a fixed order (straights by length, then curves by radius and angle).
+/// The bill of elements: articles in a fixed order (straights by length, then curves, vertical curves and spirals by radius
+/// and angle).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bill {
     pub lines: Vec<BillLine>,
@@ -40,12 +41,12 @@ pub struct Bill {
 /// Lengths that differ by less than a micrometre have the same article number and stand on one line. A piece cut to a
 /// stock length (which happens when a cut costs no surcharge) is still a line of its own. Special pieces, which the
 /// catalogue does not have, are priced by its rates as an estimate.
-pub fn bill(sequence: &Sequence, layout: &Layout) -> Bill {
-    let mut counts: BTreeMap<Key, (usize, &super::Element)> = BTreeMap::new();
-    for element in &sequence.elements {
-        counts.entry(Key::of(&element.shape, element.in_catalog)).or_insert((0, element)).0 += 1;
+pub fn bill(pieces: &[Piece], layout: &Layout) -> Bill {
+    let mut counts: BTreeMap<Key, (usize, &Piece)> = BTreeMap::new();
+    for piece in pieces {
+        counts.entry(Key::of(&piece.ware.turned(), piece.in_catalog)).or_insert((0, piece)).0 += 1;
     }
-    let lines: Vec<BillLine> = counts.into_values().map(|(count, element)| line(count, element, layout)).collect();
+    let lines: Vec<BillLine> = counts.into_values().map(|(count, piece)| line(count, piece, layout)).collect();
     Bill {
         count: lines.iter().map(|l| l.count).sum(),
         price: rounded(lines.iter().map(|l| l.price).sum(), 100.0),
@@ -54,34 +55,52 @@ pub fn bill(sequence: &Sequence, layout: &Layout) -> Bill {
     }
 }
 
-fn line(count: usize, element: &super::Element, layout: &Layout) -> BillLine {
-    let (straight, curve) = (&layout.catalog.straight, &layout.catalog.curve);
-    let special = if element.in_catalog { "" } else { ", special" };
-    let (shape, price, mass, description) = match element.shape {
-        Shape::Straight { length, cut } => {
+fn line(count: usize, piece: &Piece, layout: &Layout) -> BillLine {
+    let catalog = &layout.catalog;
+    let (straight, curve) = (&catalog.straight, &catalog.curve);
+    let special = if piece.in_catalog { "" } else { ", special" };
+    let ware = piece.ware.turned();
+    let length = ware.length();
+    // What the catalogue has none of is estimated by its curves.
+    let else_curve = |rates: Option<(Rate, Rate)>| {
+        let (price, mass) = rates.unwrap_or((curve.price, curve.mass));
+        (price.of(length), mass.of(length))
+    };
+    let ((price, mass), description) = match ware {
+        Ware::Straight { cut, .. } => {
             let how = if cut { " cut to" } else { "," };
             let surcharge = if cut { straight.cut_price } else { 0.0 };
             let description = format!("straight{how} {} mm{special}", millimetres(length));
-            (element.shape, straight.price.of(length) + surcharge, straight.mass.of(length), description)
+            ((straight.price.of(length) + surcharge, straight.mass.of(length)), description)
         }
-        Shape::Curve { radius, turn } => {
-            let length = element.shape.length();
+        Ware::Curve { radius, turn } => {
             let description = format!("curve, radius {} mm, {}°{special}", millimetres(radius), degrees(turn));
-            let shape = Shape::Curve { radius, turn: turn.abs() };
-            (shape, curve.price.of(length), curve.mass.of(length), description)
+            ((curve.price.of(length), curve.mass.of(length)), description)
+        }
+        Ware::Vertical { radius, turn } => {
+            let (radius, angle) = (millimetres(radius), degrees(turn));
+            let kind = if turn < 0.0 { "crest" } else { "sag" };
+            let description = format!("vertical curve, {kind}, radius {radius} mm, {angle}°{special}");
+            (else_curve(catalog.vertical.as_ref().map(|v| (v.price, v.mass))), description)
+        }
+        Ware::Spiral { radius, turn, rise } => {
+            let (radius, angle, rise) = (millimetres(radius), degrees(turn), millimetres(rise));
+            let hand = if turn < 0.0 { "right" } else { "left" };
+            let description = format!("spiral, rising {rise} mm to the {hand}, radius {radius} mm, {angle}°{special}");
+            (else_curve(catalog.spiral.as_ref().map(|s| (s.price, s.mass))), description)
         }
     };
     let (unit_price, unit_mass) = (rounded(price, 100.0), rounded(mass, 1000.0));
     BillLine {
-        article: element.article.clone(),
+        article: piece.article.clone(),
         description,
-        shape,
+        ware,
         count,
         unit_price,
         price: rounded(unit_price * count as f64, 100.0),
         unit_mass,
         mass: rounded(unit_mass * count as f64, 1000.0),
-        in_catalog: element.in_catalog,
+        in_catalog: piece.in_catalog,
     }
 }
 
@@ -89,28 +108,29 @@ fn rounded(value: f64, units: f64) -> f64 {
     (value * units).round() / units
 }
 
-/// What makes two pieces one article, in the order of the bill: straights before curves, then length or radius (µm),
-/// then angle (0.0001°), stock before cut, the catalogue's before special ones.
+/// What makes two pieces one article, in the order of the bill: straights, curves, vertical curves, spirals; then length or
+/// radius (µm), angle (0.0001°) and rise (µm), stock before cut, the catalogue's before special ones.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
-    curve: bool,
+    kind: u8,
     size: i64,
     angle: i64,
+    rise: i64,
     cut: bool,
     special: bool,
 }
 
 impl Key {
-    fn of(shape: &Shape, in_catalog: bool) -> Self {
+    fn of(ware: &Ware, in_catalog: bool) -> Self {
         let micrometres = |length: f64| (length * 1e6).round() as i64;
-        let special = !in_catalog;
-        match *shape {
-            Shape::Straight { length, cut } => Key { curve: false, size: micrometres(length), angle: 0, cut, special },
-            Shape::Curve { radius, turn } => {
-                let angle = (turn.abs().to_degrees() * 1e4).round() as i64;
-                Key { curve: true, size: micrometres(radius), angle, cut: false, special }
-            }
-        }
+        let angle = |turn: f64| (turn.to_degrees() * 1e4).round() as i64;
+        let (kind, size, angle, rise, cut) = match *ware {
+            Ware::Straight { length, cut } => (0, length, 0, 0.0, cut),
+            Ware::Curve { radius, turn } => (1, radius, angle(turn), 0.0, false),
+            Ware::Vertical { radius, turn } => (2, radius, angle(turn), 0.0, false),
+            Ware::Spiral { radius, turn, rise } => (3, radius, angle(turn), rise, false),
+        };
+        Key { kind, size: micrometres(size), angle, rise: micrometres(rise), cut, special: !in_catalog }
     }
 }
 
@@ -120,10 +140,16 @@ mod tests {
     use crate::geometry::Track;
     use crate::model::fixture;
 
+    fn pieces(layout: &Layout) -> Vec<Piece> {
+        let sequence = super::super::sequence(&Track::new(&layout.corners()), layout);
+        let (space, _) = super::super::Space::new(layout, &sequence);
+        super::super::pieces(&sequence, &space, layout)
+    }
+
     #[test]
     fn a_rectangle_is_billed() {
         let layout = fixture::rectangle(20.0, 10.5, 4.0);
-        let bill = bill(&super::super::sequence(&Track::new(&layout.corners()), &layout), &layout);
+        let bill = bill(&pieces(&layout), &layout);
         let lines: Vec<_> =
             bill.lines.iter().map(|l| (l.article.as_str(), l.description.as_str(), l.count, l.price, l.mass)).collect();
         // Straights: 40 EUR and 100 EUR/m, 25 EUR a cut, 2 kg and 20 kg/m. Curves of π m: 60 EUR and 200 EUR/m
@@ -143,7 +169,7 @@ mod tests {
     fn special_pieces_have_their_own_lines() {
         let mut layout = fixture::rectangle(20.0, 10.5, 4.0);
         layout.vertices[2].radius.value = 4.2;
-        let bill = bill(&super::super::sequence(&Track::new(&layout.corners()), &layout), &layout);
+        let bill = bill(&pieces(&layout), &layout);
         let special: Vec<_> =
             bill.lines.iter().filter(|l| !l.in_catalog).map(|l| (l.description.as_str(), l.count)).collect();
         assert_eq!(special, [("curve, radius 4200 mm, 45°, special", 2)]);

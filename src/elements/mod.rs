@@ -10,12 +10,14 @@ mod cover;
 mod lacking;
 mod sequence;
 mod space;
+mod ware;
 
 pub use bill::{Bill, BillLine, bill};
 pub use cover::Cover;
 pub use lacking::lacking;
 pub use sequence::sequence;
-pub use space::{Leg, Space, merged};
+pub use space::{Leg, Length, Room, Space, merged, rooms};
+pub use ware::{Piece, Ware, climbs_lacking, pieces};
 
 use crate::geometry::{Point, trig};
 use serde::Serialize;

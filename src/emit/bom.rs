@@ -2,7 +2,7 @@
 
 use super::number::{fixed, normal, trimmed};
 use super::{Compiled, json};
-use crate::elements::{BillLine, Shape};
+use crate::elements::{BillLine, Ware};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub struct Bom {
     pub layout: String,
     /// The catalogue that the articles are from.
     pub catalog: String,
-    /// Straights by length, then curves by radius and angle.
+    /// Straights by length, then curves, vertical curves and spirals by radius and angle.
     pub articles: Vec<Article>,
     /// Number of pieces in all.
     pub count: usize,
@@ -35,15 +35,20 @@ pub struct Article {
     pub description: String,
     /// Length of the centre line of a piece, m.
     pub length_m: f64,
-    /// Whether the piece is cut to its length; absent for curves.
+    /// Whether the piece is cut to its length; absent for others than straights.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub cut: Option<bool>,
     /// Radius of the centre line, m; absent for straights.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub radius_m: Option<f64>,
-    /// Turn, deg, positive: a left curve turned end for end is a right one; absent for straights.
+    /// Turn, deg; absent for straights. Positive for curves: a left curve turned end for end is a right one. A vertical
+    /// curve's is the change of its slope angle, positive for a sag and negative for a crest; a spiral's is positive
+    /// where it rises to the left.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub turn_deg: Option<f64>,
+    /// Rise of a spiral, m; absent for the others.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub rise_m: Option<f64>,
     /// Number of pieces.
     pub count: usize,
     /// Price of a piece, EUR.
@@ -75,19 +80,24 @@ impl Bom {
 impl Article {
     fn new(line: &BillLine) -> Self {
         let micrometre = |length: f64| (length * 1e6).round() / 1e6;
-        let (cut, radius_m, turn_deg) = match line.shape {
-            Shape::Straight { cut, .. } => (Some(cut), None, None),
-            Shape::Curve { radius, turn } => {
-                (None, Some(micrometre(radius)), Some((turn.to_degrees() * 1e4).round() / 1e4))
+        let degrees = |turn: f64| (turn.to_degrees() * 1e4).round() / 1e4;
+        let (cut, radius_m, turn_deg, rise_m) = match line.ware {
+            Ware::Straight { cut, .. } => (Some(cut), None, None, None),
+            Ware::Curve { radius, turn } | Ware::Vertical { radius, turn } => {
+                (None, Some(micrometre(radius)), Some(degrees(turn)), None)
+            }
+            Ware::Spiral { radius, turn, rise } => {
+                (None, Some(micrometre(radius)), Some(degrees(turn)), Some(micrometre(rise)))
             }
         };
         Article {
             article: line.article.clone(),
             description: line.description.clone(),
-            length_m: micrometre(line.shape.length()),
+            length_m: micrometre(line.ware.length()),
             cut,
             radius_m,
             turn_deg,
+            rise_m,
             count: line.count,
             unit_price_eur: line.unit_price,
             price_eur: line.price,
@@ -122,7 +132,7 @@ pub fn csv(compiled: &Compiled) -> Vec<u8> {
             line.article.clone(),
             line.description.clone(),
             line.count.to_string(),
-            trimmed(line.shape.length(), 6),
+            trimmed(line.ware.length(), 6),
             fixed(line.unit_price, 2),
             fixed(line.price, 2),
             fixed(line.unit_mass, 3),

@@ -1,10 +1,10 @@
 //! A solved layout with everything that writers need worked out once.
 
 use super::Contact;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::elements::{self, Bill, Leg, Sequence, Space};
+use crate::diagnostic::Diagnostic;
+use crate::elements::{self, Bill, Sequence, Space};
 use crate::geometry::clearance::Region;
-use crate::geometry::{Form, Hand, Outline, Track};
+use crate::geometry::{Hand, Outline, Track};
 use crate::model::{Layout, Side};
 use crate::solve::{Stage, Status};
 
@@ -19,7 +19,7 @@ pub struct Compiled {
     pub sequence: Sequence,
     /// The centre line in space; level at height 0 where the layout has no levels.
     pub space: Space,
-    /// What of the layout's heights cannot be built, or is not.
+    /// What of the layout's heights cannot be built, or not from the catalogue.
     pub heights: Vec<Diagnostic>,
     pub bill: Bill,
     /// Contact areas and clearances per obstacle, in the order of `layout.obstacles`, then the building.
@@ -35,15 +35,10 @@ impl Compiled {
         let track = Track::new(&corners);
         let sequence = elements::sequence(&track, &layout);
         let (space, mut heights) = Space::new(&layout, &sequence);
-        let climbs = |leg: &Leg| matches!(leg.form, Form::Vertical { .. } | Form::Spiral { .. });
-        if let (Some(level), true) = (layout.levels.first(), space.legs.iter().any(climbs)) {
-            let message = "the bill of elements leaves out vertical curves and spirals";
-            let label = "heights begin here";
-            let help = "order them by hand: `layout.json` lists every piece with its slopes in `centre_line`";
-            heights.push(Diagnostic::new(Code::W0711, message, level.span, label).help(help));
-        }
+        let pieces = elements::pieces(&sequence, &space, &layout);
+        heights.extend(elements::climbs_lacking(&pieces, &layout));
         Compiled {
-            bill: elements::bill(&sequence, &layout),
+            bill: elements::bill(&pieces, &layout),
             contacts: contacts(&layout, &track),
             footprint: track.footprint(layout.width.value),
             sequence,

@@ -16,6 +16,8 @@ pub struct Catalog {
     pub spiral: Option<SpiralStock>,
     /// Length that the chain's take-up compensates, m.
     pub take_up: f64,
+    /// From one section's centre line up to that of another which crosses it, at least, m.
+    pub headroom: f64,
 }
 
 /// Price (EUR) and mass (kg) of a piece: a part per piece and a part per unit of its size

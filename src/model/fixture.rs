@@ -86,6 +86,7 @@ pub fn catalog() -> Catalog {
         vertical: None,
         spiral: None,
         take_up: 0.05,
+        headroom: 1.0,
     }
 }
 

@@ -6,6 +6,7 @@ mod constraint;
 mod equipment;
 #[cfg(test)]
 pub mod fixture;
+mod heights;
 #[cfg(test)]
 pub mod instances;
 mod print;
@@ -13,6 +14,7 @@ mod print;
 pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
+pub use heights::Heights;
 pub use print::print;
 
 use crate::geometry::{Corner, Point, Polygon};

@@ -50,6 +50,7 @@ impl Printer {
     fn catalog(&mut self, catalog: &Catalog) {
         self.block(format!("catalog {}", catalog.name), |out| {
             out.field("take_up", metres(catalog.take_up));
+            out.field("headroom", metres(catalog.headroom));
             let straight = &catalog.straight;
             out.block("straight", |out| {
                 out.field("article", quoted(&straight.article));

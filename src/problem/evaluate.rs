@@ -87,7 +87,12 @@ impl Problem {
     /// Rows that keep the band off itself.
     fn own_keys(&self, track: &Track, reach: f64) -> impl Iterator<Item = RowKey> {
         let meetings = proximity::meetings(track, 2.0 * self.half_width + reach);
-        meetings.into_iter().map(|m| RowKey::Own(m.arc, m.other, m.side > 0.0))
+        let piece = |part: Part| match part {
+            Part::Straight(vertex) => &track.pieces[2 * vertex],
+            Part::Arc(vertex) => &track.pieces[(2 * vertex + track.pieces.len() - 1) % track.pieces.len()],
+        };
+        let meetings = meetings.into_iter().filter(|m| !self.passes(piece(Part::Arc(m.arc)), piece(m.other)));
+        meetings.collect::<Vec<_>>().into_iter().map(|m| RowKey::Own(m.arc, m.other, m.side > 0.0))
     }
 
     fn evaluate_rows(&self, variables: &[f64], track: Track, clearances: impl Iterator<Item = RowKey>) -> Evaluation {

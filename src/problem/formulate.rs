@@ -3,9 +3,12 @@
 use super::formula::Places;
 use super::measures::{radius, to_variables, x, y};
 use super::{Function, Keepout, Problem, Row, Scope};
+use crate::elements::{self, Length};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Point, Track};
-use crate::model::{self, Constraint, ConstraintKind, FixKind, Interval, Layout, Motors, Place, Side, Target, Unit};
+use crate::model::{
+    self, Constraint, ConstraintKind, FixKind, Heights, Interval, Layout, Motors, Place, Side, Target, Unit,
+};
 use crate::source::Span;
 
 impl Problem {
@@ -29,6 +32,8 @@ impl Problem {
             keepouts: keepouts(layout, &track, scope),
             elastic: None,
             half_width: layout.width.value / 2.0,
+            heights: Heights::new(n, &layout.levels),
+            headroom: layout.catalog.headroom,
             places: Places {
                 obstacles: layout.obstacles.iter().map(|o| o.polygon.clone()).collect(),
                 building: layout.building.as_ref().map(|b| b.polygon.clone()),
@@ -51,6 +56,10 @@ impl Problem {
             problem.row(Function::Straight(i), shortest, f64::INFINITY, false, label, vertex.span);
         }
         problem.make_room(layout);
+        // A layout that is compiled as written climbs or does not; building says which.
+        if !layout.objective.terms.is_empty() {
+            problem.climb(layout, &track);
+        }
         for constraint in &layout.constraints {
             problem.constrain(constraint, &track);
         }
@@ -81,6 +90,17 @@ impl Problem {
             let label = format!("room for {name} on the straight {}", self.section_name(place.section));
             let function = Function::Straight(place.section);
             self.row(function, place.at + length, f64::INFINITY, false, label, place.span);
+        }
+    }
+
+    /// Climbs need theirs.
+    fn climb(&mut self, layout: &Layout, track: &Track) {
+        for room in elements::rooms(layout, track) {
+            let function = match room.what {
+                Length::Straight(section) => Function::Straight(section),
+                Length::Run(formula) => Function::Formula(formula),
+            };
+            self.row(function, room.low, room.high, false, room.label, room.span);
         }
     }
 

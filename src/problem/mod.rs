@@ -25,7 +25,8 @@ pub use expansion::Expansion;
 pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;
-use crate::model::{Formula, Interval};
+use crate::geometry::{Piece, Track, self_crossings};
+use crate::model::{Formula, Heights, Interval};
 use crate::source::Span;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -64,6 +65,11 @@ pub struct Problem {
     pub elastic: Option<Elastic>,
     /// Half the track's width, m.
     pub half_width: f64,
+    /// Heights, and by how much one piece has to be above another to pass over it, m.
+    #[serde(skip)]
+    pub heights: Heights,
+    #[serde(skip)]
+    pub headroom: f64,
     pub places: formula::Places,
 }
 
@@ -128,6 +134,19 @@ pub struct Keepout {
 }
 
 impl Problem {
+    /// Pairs of pieces that cross or touch, and where neither passes over the other.
+    pub fn crossings(&self, track: &Track) -> Vec<(usize, usize)> {
+        let mut found = self_crossings(track);
+        found.retain(|&(i, j)| !self.passes(&track.pieces[i], &track.pieces[j]));
+        found
+    }
+
+    /// Whether two pieces may cross in the plan: one passes over the other.
+    pub fn passes(&self, a: &Piece, b: &Piece) -> bool {
+        let apart = self.heights.apart(a, b);
+        apart > 0.0 && apart >= self.headroom - 1e-9
+    }
+
     /// The variables that may move.
     pub fn free(&self) -> Vec<usize> {
         (0..self.bounds.len()).filter(|&k| self.bounds[k].low < self.bounds[k].high).collect()

@@ -34,6 +34,7 @@ pub(super) fn catalog(c: &Component, span: Span) -> Option<Catalog> {
         vertical: vertical(c),
         spiral: spiral(c),
         take_up: c.number("take_up")?,
+        headroom: c.number("headroom").unwrap_or(0.0),
     })
 }
 

@@ -80,6 +80,7 @@ use Shape::{Interval, Number, Numbers, Reference, Stiffness, Text, Tuple};
 
 const CATALOG: &[FieldSpec] = &[
     field("take_up", Number("m", LENGTH_OR_ZERO), Required, "length that the chain's take-up compensates"),
+    field("headroom", Number("m", LENGTH_OR_ZERO), Optional, "least height between two sections that cross"),
     field("straight.article", Text, Required, "article number prefix"),
     field("straight.stock", Numbers("m", LENGTH), Required, "lengths on stock, may be an empty list"),
     field("straight.cut", Interval("m", LENGTH_OR_ZERO), Optional, "lengths that a piece may be cut to"),

@@ -1,6 +1,7 @@
 //! What the language has and `build` cannot yet do: nothing of it is silently ignored.
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::{Track, self_crossings};
 use crate::model::{Goal, Layout, Side};
 use crate::solve::MOST_OPEN;
 use crate::solve::polygon::Smooth;
@@ -37,14 +38,18 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
         };
         say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
     }
-    if !layout.objective.terms.is_empty() && !layout.is_flat() {
+    if smooth && !layout.is_flat() {
         for level in &layout.levels {
-            say(
-                level.span,
-                "optimising a layout with levels",
-                "write `optimise nothing`: the layout is then built as written",
-            );
+            say(level.span, "polygon action on different heights", "write `optimise length`");
         }
+    }
+    // A loop that crosses itself has no inside, by which walls and obstacles lie on a side of it.
+    let kept_clear = layout.obstacles.iter().map(|o| o.span).chain(layout.building.iter().map(|b| b.span)).min();
+    if let (false, false, Some(span)) = (layout.objective.terms.is_empty(), layout.levels.is_empty(), kept_clear)
+        && !self_crossings(&Track::new(&layout.corners())).is_empty()
+    {
+        let what = "optimising a loop that crosses itself around obstacles or within a building";
+        say(span, what, "write `optimise nothing`: the layout is then built as written");
     }
     found.sort_by_key(|d| d.label.span);
     found

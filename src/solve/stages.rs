@@ -4,7 +4,7 @@
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
 use super::{Certificate, Effort, Stage, Status, Violation, complex, exact, polygon};
-use crate::geometry::{Track, self_crossings};
+use crate::geometry::Track;
 use crate::model::{Layout, Side};
 use crate::problem::measures::{radius as radius_of, to_corners};
 use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
@@ -291,7 +291,7 @@ fn violations(problem: &Problem, x: &[f64], tolerance: f64, counts: impl Fn(RowK
     }
     // Rows watch where strands come close; strands that have crossed are beyond them.
     let pieces = &at.track.pieces;
-    for (i, j) in self_crossings(&at.track) {
+    for (i, j) in problem.crossings(&at.track) {
         let (first, second) = (problem.piece_name(&pieces[i]), problem.piece_name(&pieces[j]));
         let row = format!("the loop crosses itself: {first} and {second}");
         let span = problem.vertex_span(pieces[i].vertex);

@@ -20,6 +20,9 @@ pub const STDLIB: &[(&str, &str)] = &[
     ("wheels", include_str!("../../stdlib/wheels.lss")),
 ];
 
+/// Largest drawing, bytes.
+pub const DRAWING_LIMIT: u64 = 64 * 1024 * 1024;
+
 /// Why a file could not become a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LoadError {
@@ -27,7 +30,7 @@ pub enum LoadError {
     Unreadable(String),
     /// Its path leads out of the project root (as messages show it), directly or through a symbolic link.
     OutsideRoot(String),
-    /// Larger than [`SIZE_LIMIT`], bytes.
+    /// Larger than [`SIZE_LIMIT`] or, a drawing, than [`DRAWING_LIMIT`]; bytes.
     TooLarge(u64),
     /// Not UTF-8 from this byte on. The text up to there is in the source map, for messages.
     NotUtf8 { file: FileId, byte: usize },
@@ -120,7 +123,7 @@ impl Loader {
             return Ok(*id);
         }
         let bytes = match &self.origin {
-            Origin::Disk { .. } => read_disk(&place)?,
+            Origin::Disk { .. } => read_disk(&place, SIZE_LIMIT)?,
             Origin::Memory { files } => files
                 .get(place.to_string_lossy().as_ref())
                 .cloned()
@@ -145,18 +148,27 @@ impl Loader {
     }
 }
 
-fn read_disk(place: &Path) -> Result<Vec<u8>, LoadError> {
+/// Reads a drawing from the disk. Programs write them in many encodings: what is not UTF-8 is taken for Latin-1, in which
+/// every byte is a character.
+pub fn drawing(sources: &mut SourceMap, path: &Path) -> Result<FileId, LoadError> {
+    let bytes = read_disk(path, DRAWING_LIMIT)?;
+    let text = String::from_utf8(bytes)
+        .unwrap_or_else(|error| error.as_bytes().iter().map(|byte| char::from(*byte)).collect());
+    Ok(sources.add(path.to_string_lossy(), text))
+}
+
+fn read_disk(place: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
     let unreadable = |e: std::io::Error| LoadError::Unreadable(e.to_string());
     let facts = std::fs::metadata(place).map_err(unreadable)?;
     if !facts.is_file() {
         return Err(LoadError::Unreadable("not a regular file".into()));
     }
-    if facts.len() > SIZE_LIMIT {
+    if facts.len() > limit {
         return Err(LoadError::TooLarge(facts.len()));
     }
     let mut bytes = Vec::with_capacity(facts.len() as usize);
     let file = std::fs::File::open(place).map_err(unreadable)?;
-    file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     Ok(bytes)
 }
 

@@ -5,7 +5,7 @@
 
 mod loader;
 
-pub use loader::{LoadError, Loader, SIZE_LIMIT, STDLIB};
+pub use loader::{DRAWING_LIMIT, LoadError, Loader, SIZE_LIMIT, STDLIB, drawing};
 
 use serde::Serialize;
 

@@ -26,6 +26,17 @@ pub enum Misfit {
     TooLong(f64),
     /// A vertical curve would reach into a horizontal one: so much of a straight is missing at its begin or end, m.
     IntoCurve(f64),
+    /// It fits only at a slope beyond the catalogue's.
+    TooSteep { used: f64, steepest: f64 },
+}
+
+/// Plan that a climb takes at a slope, and that of one of its vertical curves, m. A rise too small for the slope is
+/// climbed by curves alone, with less of it.
+pub fn plan(rise: f64, radius: f64, slope: f64) -> (f64, f64) {
+    let slope = slope.min(only_curves(rise.abs(), radius));
+    let (sin, cos) = trig::sin_cos(trig::atan(slope));
+    let straight_rise = (rise.abs() - 2.0 * radius * (1.0 - cos)).max(0.0);
+    (2.0 * radius * sin + straight_rise / slope, radius * sin)
 }
 
 /// The run of a plan, from a straight to a straight, as it climbs. Returns its legs and the slope.
@@ -38,17 +49,14 @@ pub fn climb(run: &[(usize, Shape)], climb: &Climb) -> Result<(Vec<Leg>, f64), M
         Some(slope) => slope.min(only_curves(size, radius)),
         None => fitting(size, radius, whole - climb.from.unwrap_or(0.0)).ok_or(Misfit::TooLong(0.0))?,
     };
-    let angle = trig::atan(slope);
-    let (sin, cos) = trig::sin_cos(angle);
-    let straight_rise = (size - 2.0 * radius * (1.0 - cos)).max(0.0);
-    let plan = 2.0 * radius * sin + straight_rise / slope;
+    let (plan, curve) = plan(size, radius, slope);
     let from = climb.from.unwrap_or(if run.len() == 1 { ((whole - plan) / 2.0).max(0.0) } else { 0.0 });
     let to = from + plan;
     if to > whole + NEAR {
         return Err(Misfit::TooLong(to - whole));
     }
     // The curve in lies on the first straight, the curve out on the last.
-    let (into, out) = (from + radius * sin, to - radius * sin);
+    let (into, out) = (from + curve, to - curve);
     if run.len() > 1 && into > first + NEAR {
         return Err(Misfit::IntoCurve(into - first));
     }

@@ -6,24 +6,17 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::elements::Shape;
 use crate::emit::number::trimmed;
 use crate::model::{Catalog, Layout, Level, Ramp};
+use crate::source::Span;
 
 /// A plan's legs in space from its first levelled section on, that section's height, and what could not be climbed.
 pub fn raise(layout: &Layout, plan: &[(usize, Shape)]) -> (Vec<Leg>, f64, Vec<Diagnostic>) {
     let (given, mut said) = sections(layout);
     let n = layout.vertices.len();
-    let levelled: Vec<usize> = (0..n).filter(|i| given[*i].is_some()).collect();
-    let height = |i: usize| given[i].map_or(0.0, |level| level.height);
     // Legs of climbs by the section they begin on, and the sections they take in.
     let mut climbs: Vec<Option<Vec<Leg>>> = vec![None; n];
     let mut inside = vec![false; n];
-    for (k, &a) in levelled.iter().enumerate() {
-        let b = levelled[(k + 1) % levelled.len()];
-        let rise = height(b) - height(a);
-        if rise == 0.0 {
-            continue;
-        }
-        let between: Vec<usize> = (1..=(b + n - a - 1) % n).map(|d| (a + d) % n).collect();
-        match gap(layout, plan, &between, rise, given[b]) {
+    for (between, rise, next) in changes(layout, &given) {
+        match gap(layout, plan, (&between, rise, next)) {
             Ok((run, legs)) => {
                 for section in &run {
                     inside[*section] = true;
@@ -50,7 +43,7 @@ pub fn raise(layout: &Layout, plan: &[(usize, Shape)]) -> (Vec<Leg>, f64, Vec<Di
         }
     }
     // No climb takes in a levelled section, so that from one on every climb is whole.
-    let anchor = levelled.first().copied().unwrap_or(0);
+    let anchor = given.iter().position(Option::is_some).unwrap_or(0);
     let turn = plan.iter().position(|(vertex, shape)| *vertex == anchor && matches!(shape, Shape::Straight { .. }));
     let mut legs = Vec::new();
     for (vertex, shape) in plan.iter().cycle().skip(turn.unwrap_or(0)).take(plan.len()) {
@@ -61,7 +54,7 @@ pub fn raise(layout: &Layout, plan: &[(usize, Shape)]) -> (Vec<Leg>, f64, Vec<Di
             legs.push(flat(*vertex, *shape));
         }
     }
-    (legs, height(anchor), said)
+    (legs, given[anchor].map_or(0.0, |level| level.height), said)
 }
 
 /// Whether a climb that begins on an earlier section already has this piece. A curve is its when both sections beside it are.
@@ -75,7 +68,7 @@ fn taken(inside: &[bool], climbs: &[Option<Vec<Leg>>], vertex: usize, curve: boo
 }
 
 /// The level of each section, if it has one.
-fn sections(layout: &Layout) -> (Vec<Option<&Level>>, Vec<Diagnostic>) {
+pub fn sections(layout: &Layout) -> (Vec<Option<&Level>>, Vec<Diagnostic>) {
     let mut given: Vec<Option<&Level>> = vec![None; layout.vertices.len()];
     let mut said = Vec::new();
     for level in &layout.levels {
@@ -108,22 +101,46 @@ fn sections(layout: &Layout) -> (Vec<Option<&Level>>, Vec<Diagnostic>) {
     (given, said)
 }
 
-/// The climb between two levels: the sections it takes in, and its legs.
-fn gap(
+/// How the track gets from one level to the next.
+pub struct Way {
+    /// Sections that the climb takes in.
+    pub run: Vec<usize>,
+    /// From the begin of the first straight, m.
+    pub from: Option<f64>,
+    /// Rise over run, unsigned; `None`: as gently as the run allows.
+    pub slope: Option<f64>,
+    /// The catalogue's limit.
+    pub steepest: Option<f64>,
+    /// Of the vertical curves, to be tried in this order, m.
+    pub radii: Vec<f64>,
+    /// The line to blame.
+    pub span: Span,
+}
+
+/// Each change of level of a layout: the sections between the two, the rise, m, and the level that is reached.
+pub fn changes<'a>(layout: &Layout, given: &[Option<&'a Level>]) -> Vec<(Vec<usize>, f64, &'a Level)> {
+    let n = layout.vertices.len();
+    let levelled: Vec<(usize, &Level)> = (0..n).filter_map(|i| given[i].map(|level| (i, level))).collect();
+    let after = levelled.iter().cycle().skip(1);
+    let pairs = levelled.iter().zip(after).filter(|((_, a), (_, b))| a.height != b.height);
+    pairs
+        .map(|((i, a), (j, b))| {
+            let between = (1..=(j + n - i - 1) % n).map(|d| (i + d) % n).collect();
+            (between, b.height - a.height, *b)
+        })
+        .collect()
+}
+
+/// The way over the sections between two levels. `straight` is the length of a section's straight, m.
+pub fn way(
     layout: &Layout,
-    plan: &[(usize, Shape)],
-    between: &[usize],
-    rise: f64,
-    next: Option<&Level>,
-) -> Result<(Vec<usize>, Vec<Leg>), Box<Diagnostic>> {
+    straight: &dyn Fn(usize) -> f64,
+    (between, rise, next): (&[usize], f64, &Level),
+) -> Result<Way, Box<Diagnostic>> {
     let n = layout.vertices.len();
     let mut ramps = layout.ramps.iter().filter(|ramp| between.contains(&ramp.section));
     let (ramp, second) = (ramps.next(), ramps.next());
-    let span = ramp.map(|r| r.span).or(next.map(|l| l.span)).unwrap_or(layout.span);
-    let refuse = |message: String, label: &str, help: String| {
-        Err(Box::new(Diagnostic::new(Code::E0410, message, span, label.to_owned()).help(help)))
-    };
-    let metres = |x: f64| format!("{} m", trimmed(x, 3));
+    let span = ramp.map_or(next.span, |r| r.span);
     if let Some(second) = second {
         let diagnostic = Diagnostic::new(Code::E0410, "two ramps for one change of height", second.span, "the second")
             .related(span, "the first")
@@ -134,16 +151,12 @@ fn gap(
         let help =
             "end one of the levels a section earlier: the section left without a level is where the track climbs";
         return refuse(
+            span,
             format!("the height changes by {} with no section to climb on", metres(rise)),
             "no room to climb",
             help.into(),
         );
     }
-    let straight = |section: usize| {
-        plan.iter()
-            .find(|(vertex, shape)| *vertex == section && matches!(shape, Shape::Straight { .. }))
-            .map_or(0.0, |(_, shape)| shape.length())
-    };
     let run: Vec<usize> = match ramp {
         Some(ramp) => (0..=(ramp.last + n - ramp.section) % n).map(|d| (ramp.section + d) % n).collect(),
         // The longest straight.
@@ -151,6 +164,7 @@ fn gap(
     };
     if run.iter().any(|section| !between.contains(section)) {
         return refuse(
+            span,
             "the ramp reaches into a section that has a level".into(),
             "climbs on a level",
             "end the ramp, or begin the level, at another vertex".into(),
@@ -162,6 +176,7 @@ fn gap(
         && slope > steepest + 1e-12
     {
         return refuse(
+            span,
             format!("a slope of {slope} is steeper than the catalogue's {steepest}"),
             "too steep",
             format!("write a slope of at most {steepest}"),
@@ -173,45 +188,71 @@ fn gap(
     };
     if radii.is_empty() {
         return refuse(
+            span,
             "the catalogue has no vertical curves".into(),
             "cannot climb",
             "add a `vertical` group to the catalogue, or write the ramp's radius and slope".into(),
         );
     }
-    let pieces = pieces(plan, &run, layout);
     // A single straight climbs as steeply as may be; a run of them as gently.
     let slope = if run.len() > 1 { slope } else { slope.or(steepest) };
+    Ok(Way { run, from: ramp.and_then(|r| r.from), slope, steepest, radii, span })
+}
+
+/// The climb between two levels: the sections it takes in, and its legs.
+fn gap(
+    layout: &Layout,
+    plan: &[(usize, Shape)],
+    (between, rise, next): (&[usize], f64, &Level),
+) -> Result<(Vec<usize>, Vec<Leg>), Box<Diagnostic>> {
+    let straight = |section: usize| {
+        plan.iter()
+            .find(|(vertex, shape)| *vertex == section && matches!(shape, Shape::Straight { .. }))
+            .map_or(0.0, |(_, shape)| shape.length())
+    };
+    let way = way(layout, &straight, (between, rise, next))?;
+    let pieces = pieces(plan, &way.run, layout);
     let mut worst = Misfit::TooLong(0.0);
-    for radius in radii {
-        match climb(&pieces, &Climb { rise, radius, slope, from: ramp.and_then(|r| r.from) }) {
-            Ok((legs, used)) => {
-                if let Some(steepest) = steepest.filter(|s| used > s + 1e-9) {
-                    return refuse(
-                        format!("climbing {} here takes a slope of {}", metres(rise), trimmed(used, 3)),
-                        "too steep",
-                        format!("the catalogue allows {steepest}: lengthen the run"),
-                    );
-                }
-                return Ok((run, legs));
-            }
+    for radius in way.radii {
+        match climb(&pieces, &Climb { rise, radius, slope: way.slope, from: way.from }) {
+            Ok((legs, used)) => match way.steepest.filter(|s| used > s + 1e-9) {
+                None => return Ok((way.run, legs)),
+                Some(steepest) => worst = Misfit::TooSteep { used, steepest },
+            },
             Err(misfit) => worst = misfit,
         }
     }
-    let (message, help) = match worst {
+    let (message, label, help) = match worst {
         Misfit::TooLong(missing) if missing > 0.0 => (
             format!("climbing {} does not fit on its straight: {} are missing", metres(rise), metres(missing)),
-            "lengthen the straight, or write a steeper slope, a smaller radius or an earlier `from`",
+            "does not fit",
+            "lengthen the straight, or write a steeper slope, a smaller radius or an earlier `from`".to_string(),
         ),
         Misfit::TooLong(_) => (
             format!("climbing {} does not fit between these sections at any slope", metres(rise)),
-            "take in more sections, or write a smaller radius",
+            "does not fit",
+            "take in more sections, or write a smaller radius".to_string(),
         ),
         Misfit::IntoCurve(missing) => (
             format!("a vertical curve would reach {} into a horizontal one", metres(missing)),
-            "vertical curves lie on straights: change `from`, the slope or the radius",
+            "does not fit",
+            "vertical curves lie on straights: change `from`, the slope or the radius".to_string(),
+        ),
+        Misfit::TooSteep { used, steepest } => (
+            format!("climbing {} here takes a slope of {}", metres(rise), trimmed(used, 3)),
+            "too steep",
+            format!("the catalogue allows {steepest}: lengthen the run"),
         ),
     };
-    refuse(message, "does not fit", help.into())
+    refuse(way.span, message, label, help)
+}
+
+fn refuse<T>(span: Span, message: String, label: &str, help: String) -> Result<T, Box<Diagnostic>> {
+    Err(Box::new(Diagnostic::new(Code::E0410, message, span, label.to_owned()).help(help)))
+}
+
+fn metres(length: f64) -> String {
+    format!("{} m", trimmed(length, 3))
 }
 
 /// Steepest slope and the radii of vertical curves, from the largest, as far as the catalogue says.

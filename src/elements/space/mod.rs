@@ -4,6 +4,9 @@
 
 mod climb;
 mod heights;
+mod room;
+
+pub use room::{Length, Room, rooms};
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{CentreLine, Form, Point};

@@ -1,8 +1,8 @@
-//! A loop that crosses itself on one level.
+//! A loop that crosses itself without headroom.
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Curve, Piece, PieceKind, Point, Track, piece_distance};
-use crate::model::{Level, Vertex};
+use crate::model::{Heights, Level, Vertex};
 use crate::semantics::scope::Context;
 use crate::semantics::value::metres;
 
@@ -12,8 +12,8 @@ const TOUCH: f64 = 1e-9;
 const MOST: usize = 10;
 
 impl Context<'_> {
-    /// Whether the loop stays clear of itself on each level.
-    pub(super) fn check_crossings(&self, vertices: &[Vertex], track: &Track, levels: &[Level]) -> bool {
+    /// Whether the loop stays clear of itself: where it crosses in the plan, one section is `headroom` above the other, m.
+    pub(super) fn check_crossings(&self, vertices: &[Vertex], track: &Track, levels: &[Level], headroom: f64) -> bool {
         let heights = Heights::new(vertices.len(), levels);
         let name = |piece: &Piece| {
             let (at, next) = (&vertices[piece.vertex].name, &vertices[(piece.vertex + 1) % vertices.len()].name);
@@ -22,16 +22,29 @@ impl Context<'_> {
                 PieceKind::Arc { .. } => format!("the curve at `{at}`"),
             }
         };
-        let found = crossings(track, &heights);
+        let found = crossings(track, &heights, headroom.max(TOUCH));
         for (a, b) in &found {
             let message = format!("the loop crosses itself: {} meets {}", name(a), name(b));
             let place = |piece: &Piece| vertices[piece.vertex].span;
             let mut diagnostic = Diagnostic::new(Code::E0405, message, place(b), format!("{} crosses", name(b)))
                 .related(place(a), format!("{} here", name(a)))
-                .help("give both sections a `level`, at different heights, or move a vertex");
+                .help(match headroom {
+                    h if h > 0.0 => {
+                        format!("give both sections a `level`, {} apart or more, or move a vertex", metres(h))
+                    }
+                    _ => "give both sections a `level`, at different heights, or move a vertex".to_string(),
+                });
             if let Some(point) = meeting(a, b) {
                 let found = format!("a crossing at ({}, {})", metres(point.x), metres(point.y));
-                diagnostic = diagnostic.expected("a loop that does not cross itself on one level", found);
+                let apart = heights.apart(a, b);
+                let (expected, found) = match apart > 0.0 {
+                    true => (
+                        format!("the catalogue's headroom of {}", metres(headroom)),
+                        format!("{found} with {} between the levels", metres(apart)),
+                    ),
+                    false => ("a loop that does not cross itself on one level".to_string(), found),
+                };
+                diagnostic = diagnostic.expected(expected, found);
             }
             self.report(diagnostic);
         }
@@ -39,44 +52,10 @@ impl Context<'_> {
     }
 }
 
-/// Heights of sections and of vertices, where levels say.
-struct Heights {
-    sections: Vec<Option<f64>>,
-    vertices: Vec<Option<f64>>,
-}
-
-impl Heights {
-    fn new(n: usize, levels: &[Level]) -> Self {
-        let mut heights = Heights { sections: vec![None; n], vertices: vec![None; n] };
-        for level in levels {
-            let mut i = level.from;
-            heights.vertices[i] = Some(level.height);
-            // From a vertex to itself is the whole loop.
-            loop {
-                heights.sections[i] = Some(level.height);
-                i = (i + 1) % n;
-                heights.vertices[i] = Some(level.height);
-                if i == level.to {
-                    break;
-                }
-            }
-        }
-        heights
-    }
-
-    fn apart(&self, a: &Piece, b: &Piece) -> bool {
-        let of = |piece: &Piece| match piece.kind {
-            PieceKind::Straight => self.sections[piece.vertex],
-            PieceKind::Arc { .. } => self.vertices[piece.vertex],
-        };
-        matches!((of(a), of(b)), (Some(a), Some(b)) if (a - b).abs() > TOUCH)
-    }
-}
-
-/// Pairs of pieces that cross on one level, at most [`MOST`]. A sweep along x: O(n log n) and the pairs whose extents in
+/// Pairs of pieces that cross without headroom, at most [`MOST`]. A sweep along x: O(n log n) and the pairs whose extents in
 /// x overlap, each of which costs a comparison. [`crate::geometry::self_crossings`] finds all, and how near a miss is;
 /// this one stops early, because hostile input crosses itself millions of times.
-fn crossings<'a>(track: &'a Track, heights: &Heights) -> Vec<(&'a Piece, &'a Piece)> {
+fn crossings<'a>(track: &'a Track, heights: &Heights, headroom: f64) -> Vec<(&'a Piece, &'a Piece)> {
     let boxes: Vec<(Point, Point)> = track.pieces.iter().map(|p| Curve::from(p).bounds()).collect();
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|a, b| boxes[*a].0.x.total_cmp(&boxes[*b].0.x));
@@ -90,7 +69,7 @@ fn crossings<'a>(track: &'a Track, heights: &Heights) -> Vec<(&'a Piece, &'a Pie
             let (i, j) = (a.min(b), a.max(b));
             let neighbours = j - i == 1 || j - i == boxes.len() - 1;
             let (p, q) = (&track.pieces[i], &track.pieces[j]);
-            if neighbours || near_each_other(track, i, j) || heights.apart(p, q) || !meet(p, q) {
+            if neighbours || near_each_other(track, i, j) || heights.apart(p, q) >= headroom - TOUCH || !meet(p, q) {
                 continue;
             }
             found.push((i, j));

@@ -67,7 +67,8 @@ impl<'t> Context<'t> {
             return;
         }
         // A loop that crosses itself often comes from a wrong order, which bends every turn.
-        if self.check_crossings(vertices, &track, facts.levels)
+        let headroom = facts.catalog.map_or(0.0, |catalog| catalog.headroom);
+        if self.check_crossings(vertices, &track, facts.levels, headroom)
             && let Some(limits) = facts.limits
         {
             self.check_limits(vertices, &track, limits, facts);

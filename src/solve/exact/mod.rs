@@ -21,7 +21,7 @@ pub use search::Effort;
 use super::sqp::{Settings, Solution};
 use super::stages::Discretised;
 use super::{Certificate, Violation, discrete};
-use crate::geometry::{Point, bounds, self_crossings};
+use crate::geometry::{Point, bounds};
 use crate::model::Layout;
 use crate::problem::Problem;
 use beside::Beside;
@@ -180,7 +180,7 @@ const CLOSING: usize = 5_000;
 /// Whether a layout meets every row and does not cross itself.
 fn sound(problem: &Problem, x: &[f64]) -> bool {
     let at = problem.evaluate(x, 0.0);
-    at.rows.iter().all(|r| r.violation() <= FEASIBLE) && self_crossings(&at.track).is_empty()
+    at.rows.iter().all(|r| r.violation() <= FEASIBLE) && problem.crossings(&at.track).is_empty()
 }
 
 fn refusal(problem: &Problem, why: &NoGrid) -> Vec<Violation> {

@@ -8,7 +8,6 @@ use super::grid::Grid;
 use super::network::Open;
 use super::row::{Row, Stated};
 use super::search::{FEASIBLE, Found, Setting, search as whole, track};
-use crate::geometry::self_crossings;
 
 /// Searches chain by chain where that is possible.
 pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64), longest: f64) -> Found {
@@ -59,7 +58,7 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
     }
     let bound = best.1 - gap - 1e-9;
     let at = setting.problem.evaluate(&best.0, 0.0);
-    let sound = at.rows.iter().all(|r| r.violation() <= FEASIBLE) && self_crossings(&track(&best.0)).is_empty();
+    let sound = at.rows.iter().all(|r| r.violation() <= FEASIBLE) && setting.problem.crossings(&at.track).is_empty();
     if sound {
         return Found { variables: Some(best.0), length: best.1, bound, nodes };
     }

@@ -6,7 +6,7 @@ use super::grid::Grid;
 use super::master::{Column, relax};
 use super::network::{Choice, Limits, Open};
 use super::row::Row;
-use crate::geometry::{Corner, Point, Track, self_crossings};
+use crate::geometry::{Corner, Point, Track};
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
 use std::cmp::Ordering;
@@ -339,7 +339,7 @@ impl Search<'_> {
             self.push(&node, |c| c.open.radii[k].0 = above);
             return;
         }
-        let crosses = || self.setting.coupled.is_none() && !self_crossings(&at.track).is_empty();
+        let crosses = || self.setting.coupled.is_none() && !problem.crossings(&at.track).is_empty();
         let clean = violated.is_empty() && !crosses();
         let lack = self.setting.closes.map_or(Some(0.0), |c| c.lack(&at.track)).filter(|_| clean);
         let total = || (0..grid.len()).map(|k| at.track.straight(k).length).sum::<f64>();

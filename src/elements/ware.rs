@@ -1,0 +1,179 @@
+//! What has to be ordered: the pieces of the track in space.
+
+use super::course::SNAP;
+use super::sequence::{degrees, millimetres};
+use super::space::{Leg, Space};
+use super::{Cover, Sequence, Shape, cover};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::{Form, trig};
+use crate::model::{Catalog, Layout};
+use serde::Serialize;
+
+/// What a piece is, wherever it lies. Metres and radians.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Ware {
+    Straight {
+        length: f64,
+        cut: bool,
+    },
+    Curve {
+        radius: f64,
+        turn: f64,
+    },
+    /// Between two slopes; the slope angle changes by `turn`: upwards (a sag) where positive, else a crest.
+    Vertical {
+        radius: f64,
+        turn: f64,
+    },
+    /// A curve that climbs.
+    Spiral {
+        /// Of its plan.
+        radius: f64,
+        turn: f64,
+        rise: f64,
+    },
+}
+
+impl Ware {
+    /// Of the centre line, m.
+    pub fn length(&self) -> f64 {
+        match *self {
+            Ware::Straight { length, .. } => length,
+            Ware::Curve { radius, turn } | Ware::Vertical { radius, turn } => radius * turn.abs(),
+            Ware::Spiral { radius, turn, rise } => trig::hypot(radius * turn, rise),
+        }
+    }
+
+    /// Turned end for end where that makes fewer articles: a right curve is a left one, and a spiral that falls to the right
+    /// one that rises to the left. A sag stays a sag.
+    pub fn turned(self) -> Ware {
+        match self {
+            Ware::Curve { radius, turn } => Ware::Curve { radius, turn: turn.abs() },
+            Ware::Spiral { radius, turn, rise } if rise < 0.0 => Ware::Spiral { radius, turn: -turn, rise: -rise },
+            other => other,
+        }
+    }
+
+    fn article(&self, in_catalog: bool, catalog: &Catalog) -> String {
+        let special = if in_catalog { "" } else { "X-" };
+        match self.turned() {
+            Ware::Straight { length, .. } => format!("{special}{}-{}", catalog.straight.article, millimetres(length)),
+            Ware::Curve { radius, turn } => {
+                format!("{special}{}-{}-{}", catalog.curve.article, millimetres(radius), degrees(turn))
+            }
+            Ware::Vertical { radius, turn } => {
+                let prefix = catalog.vertical.as_ref().map_or("VC", |v| v.article.as_str());
+                let kind = if turn < 0.0 { "C" } else { "S" };
+                format!("{special}{prefix}-{}-{}{kind}", millimetres(radius), degrees(turn))
+            }
+            Ware::Spiral { radius, turn, rise } => {
+                let prefix = catalog.spiral.as_ref().map_or("SP", |s| s.article.as_str());
+                let hand = if turn < 0.0 { "R" } else { "L" };
+                let (radius, rise) = (millimetres(radius), millimetres(rise));
+                format!("{special}{prefix}-{radius}-{}-{rise}{hand}", degrees(turn))
+            }
+        }
+    }
+}
+
+/// One orderable piece of the track in space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    pub ware: Ware,
+    /// `ST-3000`, `CU-4000-45` as in the sequence; `VC-10000-8S` is the vertical curve of 10 m and 8° that is a sag (`C`: a
+    /// crest), `SP-4000-45-400L` the spiral of 4 m and 45° that rises by 400 mm to the left. `X-` is before what the
+    /// catalogue lacks.
+    pub article: String,
+    pub in_catalog: bool,
+}
+
+/// The pieces of a track: its elements where it lies level, else what its legs in space are made of.
+pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece> {
+    let element = |e: &super::Element| {
+        let ware = match e.shape {
+            Shape::Straight { length, cut } => Ware::Straight { length, cut },
+            Shape::Curve { radius, turn } => Ware::Curve { radius, turn },
+        };
+        Piece { ware, article: e.article.clone(), in_catalog: e.in_catalog }
+    };
+    let curve_of = |vertex: usize| {
+        let elements = sequence.elements.iter();
+        elements.filter(move |e| e.vertex == vertex && matches!(e.shape, Shape::Curve { .. })).map(element)
+    };
+    if layout.levels.is_empty() {
+        return sequence.elements.iter().map(element).collect();
+    }
+    let catalog = &layout.catalog;
+    let made = |ware: Ware, in_catalog: bool| Piece { article: ware.article(in_catalog, catalog), ware, in_catalog };
+    let mut list = Vec::new();
+    for Leg { vertex, form, .. } in &space.legs {
+        match *form {
+            Form::Straight { length, .. } => match cover::straight(length, &catalog.straight, Cover::of(layout)) {
+                Some(parts) => {
+                    list.extend(parts.into_iter().map(|p| made(Ware::Straight { length: p.length, cut: p.cut }, true)))
+                }
+                None => list.push(made(Ware::Straight { length, cut: true }, false)),
+            },
+            Form::Arc { .. } => list.extend(curve_of(*vertex)),
+            Form::Vertical { radius, slope_from, slope_to } => {
+                let turn = trig::atan(slope_to) - trig::atan(slope_from);
+                list.push(made(Ware::Vertical { radius, turn }, has_vertical(catalog, radius, turn)));
+            }
+            Form::Spiral { radius, turn, rise } => {
+                list.extend(spiral(catalog, radius, turn, rise).into_iter().map(|(ware, has)| made(ware, has)));
+            }
+        }
+    }
+    list
+}
+
+fn has_vertical(catalog: &Catalog, radius: f64, turn: f64) -> bool {
+    catalog.vertical.as_ref().is_some_and(|stock| {
+        let step = stock.angle_step;
+        let on_grid = step <= 0.0 || (turn - (turn / step).round() * step).abs() <= SNAP;
+        on_grid && stock.radii.iter().any(|r| (r - radius).abs() <= SNAP)
+    })
+}
+
+/// A spiral as pieces of at most the largest angle of a curve, each with its share of the rise.
+fn spiral(catalog: &Catalog, radius: f64, turn: f64, rise: f64) -> Vec<(Ware, bool)> {
+    let listed = catalog.spiral.as_ref().filter(|stock| {
+        let slope = rise.abs() / (radius * turn.abs());
+        stock.radii.iter().any(|r| (r - radius).abs() <= SNAP) && slope <= stock.steepest + SNAP
+    });
+    let parts = listed.and_then(|stock| {
+        let steps = (turn.abs() / stock.angle_step).round();
+        let on_grid = (steps * stock.angle_step - turn.abs()).abs() <= SNAP && steps < 1e6;
+        let largest = ((catalog.curve.largest + SNAP) / stock.angle_step).floor() as usize;
+        let parts = on_grid.then(|| cover::turn(steps as usize, largest)).flatten()?;
+        Some(parts.into_iter().map(|k| k as f64 / steps).collect::<Vec<f64>>())
+    });
+    let in_catalog = parts.is_some();
+    let share = |k: f64| (Ware::Spiral { radius, turn: turn * k, rise: rise * k }, in_catalog);
+    parts.unwrap_or_else(|| vec![1.0]).into_iter().map(share).collect()
+}
+
+/// A warning for the vertical curves and spirals that the layout's catalogue does not have.
+pub fn climbs_lacking(pieces: &[Piece], layout: &Layout) -> Option<Diagnostic> {
+    let climbs = |p: &&Piece| matches!(p.ware, Ware::Vertical { .. } | Ware::Spiral { .. }) && !p.in_catalog;
+    let mut articles: Vec<&str> = pieces.iter().filter(climbs).map(|p| p.article.as_str()).collect();
+    articles.sort_unstable();
+    articles.dedup();
+    let span = layout.ramps.first().map(|r| r.span).or(layout.levels.first().map(|l| l.span))?;
+    articles.first()?;
+    let message =
+        format!("catalogue `{}` lacks vertical curves or spirals that this layout needs", layout.catalog.name);
+    let expected = match &layout.catalog.vertical {
+        Some(stock) if stock.angle_step > 0.0 => {
+            format!("slope angles in steps of {}°, at the catalogue's radii", degrees(stock.angle_step))
+        }
+        Some(_) => "the catalogue's radii".to_string(),
+        None => "a catalogue with vertical curves".to_string(),
+    };
+    Some(
+        Diagnostic::new(Code::W0711, message, span, "a climb of this layout")
+            .expected(expected, articles.join(", "))
+            .help("the bill has them as special pieces: choose another slope or radius, or extend the catalogue"),
+    )
+}
