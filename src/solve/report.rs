@@ -59,7 +59,8 @@ pub fn unclosed(layout: &Layout, track: &Track, line: &CentreLine) -> Option<Dia
     let message = format!("no whole number of carts closes the chain within {within} mm");
     let too = if left_over > 0.0 { "long" } else { "short" };
     let label = format!("for {carts} carts, the track is {} mm too {too}", trimmed(1e3 * left_over.abs(), 1));
-    let (longer, shorter) = if left_over > 0.0 { (pitch - left_over, left_over) } else { (-left_over, pitch + left_over) };
+    let (longer, shorter) =
+        if left_over > 0.0 { (pitch - left_over, left_over) } else { (-left_over, pitch + left_over) };
     let half = |length: f64| trimmed(0.5e3 * length, 1);
     let help = opposite(layout, track).map_or_else(
         || "give a section some freedom, so that the track can be lengthened".to_owned(),

@@ -253,7 +253,15 @@ impl Beside<'_> {
         })
     }
 
-    fn straight(&self, k: usize, corner: usize, i: usize, choice: &Choice, known: &[Decided], open: &Open) -> Vec<Alternative> {
+    fn straight(
+        &self,
+        k: usize,
+        corner: usize,
+        i: usize,
+        choice: &Choice,
+        known: &[Decided],
+        open: &Open,
+    ) -> Vec<Alternative> {
         let keepout = &self.problem.keepouts[k];
         let (n, stage) = (self.grid.len(), self.grid.stage(i));
         let next = (stage + 1) % n;
