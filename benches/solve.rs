@@ -13,6 +13,7 @@ fn main() {
     beside_complex();
     rough_starts();
     by_size();
+    proofs();
     divan::main();
 }
 
@@ -98,6 +99,30 @@ fn by_size() {
         {
             println!("comb of {n:>3}: {} {:.4} m, {:?} after {} iterations", s.name, s.length, s.status, s.iterations);
         }
+    }
+}
+
+/// How long stage 3 takes to prove thesis10, on one thread.
+fn proofs() {
+    println!("thesis10            length m     lower bound m   nodes   proof s   stage 3 s");
+    let full = thesis10();
+    let mut walls = full.clone();
+    walls.obstacles.clear();
+    let mut free = walls.clone();
+    free.building = None;
+    for (name, layout) in [("alone", free), ("building", walls), ("and obstacles", full)] {
+        let stages = solve(&layout, &Options { threads: 1, ..Options::default() }, &|_| {});
+        let Some(last) = stages.last() else { continue };
+        let Some(c) = &last.certificate else { continue };
+        println!(
+            "{name:<16} {:>12.6} {:>15.6} {:>8} {:>9.3} {:>9.3}  {}",
+            last.length,
+            c.lower_bound,
+            c.nodes,
+            c.seconds,
+            last.seconds,
+            if c.proven { "proven" } else { "open" }
+        );
     }
 }
 

@@ -300,6 +300,6 @@ fn what_cannot_be_built_yet_is_said() {
         "  obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\n  pass o either\n  level A..B 3 m\n  ramp B..C\n  chain closes within 5 mm\n  \
          effect joint_clearance(gap: 0.05 mm)\n  optimise cost",
     ));
-    assert_eq!(lss::semantics::unsupported(&layout).len(), 4);
+    assert_eq!(lss::semantics::unsupported(&layout).len(), 2);
     assert!(lss::semantics::unsupported(&built(include_str!("../examples/thesis10.lss"))).is_empty());
 }
