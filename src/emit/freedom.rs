@@ -16,9 +16,9 @@ pub struct Table {
 }
 
 impl Table {
-    /// At the optimum of the last continuous stage.
+    /// At the optimum of the last continuous stage, or as written.
     pub fn new(compiled: &Compiled, sources: &SourceMap) -> Self {
-        let continuous = compiled.stages.iter().rfind(|stage| stage.name != "stage3");
+        let continuous = compiled.stages.iter().rfind(|stage| matches!(stage.name, "stage1" | "stage2" | "written"));
         match continuous.map(|stage| freedom(&compiled.layout, stage)) {
             Some(freedom) => {
                 Table { text: text(&freedom, &compiled.layout.name, sources), json: json(&freedom, sources) }

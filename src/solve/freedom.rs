@@ -21,6 +21,8 @@ const ACTIVE: f64 = 1e-6;
 const RANK: f64 = 1e-5;
 /// A vertex moves along a direction of the null space if it takes this share of it.
 const SHARE: f64 = 1e-5;
+/// An optimum found again may be this far off, m.
+const SAME: f64 = 1e-3;
 /// Multipliers below this are none, m a unit.
 const NO_PRICE: f64 = 1e-6;
 
@@ -57,7 +59,8 @@ pub struct ActiveRow {
     pub limit: Interval,
     /// `m` or `rad`.
     pub unit: &'static str,
-    /// Derivative of the shortest length by the value the row is held at, m a unit; `None` where nothing was optimised.
+    /// Derivative of the shortest length by the value the row is held at, m a unit; `None` where the length is
+    /// not at a minimum.
     pub length_per_unit: Option<f64>,
     /// What that means.
     pub words: String,
@@ -81,11 +84,12 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
     let scope = if stage.name == "stage1" { Scope::Building } else { Scope::Obstacles };
     let problem = Problem::new(layout, scope);
     let mut x = to_variables(&stage.corners);
+    // From its optimum a stage ends again at once, and says what it ended on. Elsewhere there are no prices.
+    let settings = Settings { radius: 1e-3, ..Settings::default() };
+    let again = sqp::minimise(&problem, &x, &settings, &|_, _, _| {});
+    let moved = x.iter().zip(&again.variables).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let mut multipliers = None;
-    if stage.name != "written" {
-        // From its optimum a stage ends again at once, and says what it ended on.
-        let settings = Settings { radius: 1e-3, ..Settings::default() };
-        let again = sqp::minimise(&problem, &x, &settings, &|_, _, _| {});
+    if moved <= SAME {
         x = again.variables;
         multipliers = Some(again.multipliers);
     }
@@ -161,7 +165,7 @@ impl ActiveRow {
             (_, price) => ("metre", price),
         };
         let words = match per {
-            None => "nothing was optimised".to_owned(),
+            None => "the length is not at its least here".to_owned(),
             Some(per) if per.abs() < NO_PRICE && limit.low == limit.high => {
                 "a little more or less here changes nothing".to_owned()
             }

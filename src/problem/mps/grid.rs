@@ -1,7 +1,7 @@
 //! The choices of the discrete stage: headings, turns and radii of the catalogue (thesis §3.3, stage 3).
 
 use super::super::Problem;
-use super::super::measures::{radius, to_corners, x, y};
+use super::super::measures::{radius, to_corners};
 use crate::geometry::{Track, trig};
 use crate::model::Layout;
 
@@ -21,7 +21,8 @@ pub struct Grid {
     pub origin: f64,
     /// Whether the layout fixes that heading; if not, it is assumed.
     pub fixed: bool,
-    /// First and last heading of each section, in steps from the origin, unwound along the loop from the anchor on.
+    /// First and last heading of each section, in steps from the origin, unwound along the loop from the anchor on: within
+    /// half a turn of the written one, and within reach of turns.
     pub headings: Vec<(i64, i64)>,
     /// First and last turn in its written direction, in steps.
     pub turns: (i64, i64),
@@ -38,7 +39,7 @@ impl Grid {
         let n = problem.signs.len();
         let step = layout.catalog.curve.angle_step;
         let track = Track::new(&to_corners(&problem.start));
-        let held: Vec<usize> = (0..n).filter(|&i| heading_fixed(problem, i)).collect();
+        let held: Vec<usize> = (0..n).filter(|&i| problem.holds_heading(i)).collect();
         let anchor = held.first().copied().unwrap_or(0);
         let mut written = vec![0.0; n];
         let mut heading = 0.0;
@@ -48,12 +49,14 @@ impl Grid {
         }
         let total: f64 = track.fillets.iter().map(|f| f.turn).sum();
         let limits = layout.turns.value;
+        let half = (trig::PI / step).round() as i64;
+        let near = |steps: &f64| (steps.round() as i64 - half, steps.round() as i64 + half);
         let mut grid = Grid {
             step,
             anchor,
             origin: track.straight(anchor).heading,
             fixed: !held.is_empty(),
-            headings: vec![(i64::MIN / 4, i64::MAX / 4); n],
+            headings: written.iter().map(near).collect(),
             turns: ((limits.low / step - SLACK).ceil() as i64, (limits.high / step + SLACK).floor() as i64),
             radii: (0..n).map(|i| radii(layout, problem, i)).collect(),
             winding: ((total / trig::TAU).round() * (trig::TAU / step).round()) as i64,
@@ -98,13 +101,6 @@ impl Grid {
             }
         }
     }
-}
-
-/// Whether a section keeps its written heading: its rotation is fixed, or both its vertices are.
-fn heading_fixed(problem: &Problem, i: usize) -> bool {
-    let j = (i + 1) % problem.signs.len();
-    let fixed = |k: usize| problem.bounds[k].low == problem.bounds[k].high;
-    problem.rotations.contains(&i) || [x(i), y(i), x(j), y(j)].into_iter().all(fixed)
 }
 
 /// The catalogue's radii within the limits of a vertex; a radius that the layout fixes is the user's own choice.

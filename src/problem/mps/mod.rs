@@ -190,7 +190,11 @@ fn notes(problem: &Problem, grid: &Grid, longest: f64, left_out: &[String]) -> V
             true => "which the layout fixes.".to_owned(),
             false => "which is assumed to stay as written: nothing in the layout fixes the rotation.".to_owned(),
         },
-        format!("No section is longer than a track of {} m can have it.", trimmed(longest, 6)),
+        format!(
+            "No section is longer than a track of {} m can have it, and none turns by more than",
+            trimmed(longest, 6)
+        ),
+        "180 deg from its written heading.".to_owned(),
     ];
     for &i in &grid.off {
         notes.push(format!(

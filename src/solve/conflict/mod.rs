@@ -45,8 +45,12 @@ pub fn conflict(layout: &Layout, failed: &Stage) -> Option<Diagnostic> {
     let help = match said.len() {
         1 => "change it; the best layout found is written, marked NOT FEASIBLE".to_owned(),
         _ => format!(
-            "without any one of them the others hold, within what the catalogue offers; all of them together would have \
-             to give way by {} each. The best layout found is written, marked NOT FEASIBLE",
+            "{}; all of them together would have to give way by {} each. The best layout found is written, marked NOT \
+             FEASIBLE",
+            match conflict.confirmed {
+                true => "without any one of them the others hold, within what the catalogue offers",
+                false => "fewer of them may be in conflict already: the search ended before that was known",
+            },
             words::metres(conflict.apart)
         ),
     };

@@ -51,6 +51,8 @@ pub struct Conflict {
     pub apart: f64,
     /// How far each must give way while the others hold, m; `None` where none was found that does.
     pub alone: Vec<Option<f64>>,
+    /// Whether a layout was found for every set that one of them is missing from.
+    pub confirmed: bool,
 }
 
 impl<'a> Search<'a> {
@@ -165,7 +167,8 @@ impl<'a> Search<'a> {
             self.minimum_near(&self.lines.problem(role), witnesses.get(&line)?)
         });
         let alone = alone.collect();
-        Some(Conflict { set: set.into_iter().collect(), apart: least.amount, alone })
+        let confirmed = set.iter().all(|line| witnesses.contains_key(line));
+        Some(Conflict { set: set.into_iter().collect(), apart: least.amount, alone, confirmed })
     }
 }
 
