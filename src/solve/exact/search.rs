@@ -24,7 +24,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Effort { gap: 0.0, nodes: 20_000 }
+        Effort { gap: 0.0, nodes: 6_000 }
     }
 }
 
