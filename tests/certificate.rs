@@ -1,0 +1,116 @@
+//! What is proven of whole layouts: the thesis' three figures, limits, sides left open, and chains that must close.
+
+use lss::emit::Compiled;
+use lss::kinematics::fit;
+use lss::model::Layout;
+use lss::semantics::analyse;
+use lss::solve::{Effort, Options, Stage, solve, unclosed};
+use lss::source::{Loader, SourceMap};
+
+fn layout(text: &str) -> Layout {
+    let mut sources = SourceMap::default();
+    let (mut loader, main) = Loader::memory(&mut sources, &[("layout.lss", text.as_bytes())]).expect("text");
+    let analysis = analyse(&mut sources, &mut loader, main, None);
+    analysis.chosen().ok().flatten().unwrap_or_else(|| panic!("{:?}", analysis.diagnostics)).clone()
+}
+
+fn thesis10() -> Layout {
+    layout(include_str!("../examples/thesis10.lss"))
+}
+
+fn last(layout: &Layout, effort: Effort, threads: usize) -> Stage {
+    let stages = solve(layout, &Options { threads, effort, ..Options::default() }, &|_| {});
+    stages.last().expect("a stage").clone()
+}
+
+#[test]
+fn thesis10_is_proven() {
+    let full = thesis10();
+    let mut walls = full.clone();
+    walls.obstacles.clear();
+    let mut free = walls.clone();
+    free.building = None;
+    for (layout, length) in [(free, 157.177024), (walls, 157.292296), (full, 159.514067)] {
+        let stage = last(&layout, Effort::default(), 1);
+        let certificate = stage.certificate.expect("a certificate");
+        assert!((stage.length - length).abs() < 1e-6, "{}", stage.length);
+        assert!(certificate.proven && certificate.gap < 1e-8, "{certificate:?}");
+        assert!(certificate.lower_bound > length - 2e-6 && certificate.lower_bound <= stage.length, "{certificate:?}");
+    }
+}
+
+/// Out of nodes or content with less, the bound is below the optimum and the gap says how far.
+#[test]
+fn what_is_left_is_said() {
+    let layout = thesis10();
+    let mut bounds = Vec::new();
+    for (nodes, gap) in [(1, 0.0), (20, 0.0), (200, 0.0), (3_000, 0.01), (3_000, 0.0)] {
+        let stage = last(&layout, Effort { nodes, gap }, 2);
+        let certificate = stage.certificate.expect("a certificate");
+        assert!(certificate.lower_bound <= 159.514067 + 1e-6 && certificate.nodes <= nodes, "{certificate:?}");
+        let told = (stage.length - certificate.lower_bound) / stage.length;
+        assert!((told - certificate.gap).abs() < 1e-12, "{certificate:?}");
+        if gap > 0.0 {
+            assert!(certificate.gap <= 2.0 * gap && !certificate.proven, "{certificate:?}");
+        } else {
+            bounds.push(certificate.lower_bound);
+        }
+    }
+    assert!(bounds.is_sorted(), "{bounds:?}");
+}
+
+#[test]
+fn threads_do_not_change_a_certificate() {
+    let told = |threads| {
+        let stage = last(&thesis10(), Effort::default(), threads);
+        let certificate = stage.certificate.expect("a certificate");
+        (stage.corners, certificate.lower_bound, certificate.nodes)
+    };
+    assert_eq!(told(1), told(2));
+}
+
+/// A loop of five curves around a long obstacle, with a column beside its slanted section.
+fn five(more: &str) -> Layout {
+    layout(&format!(
+        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout five {{\n  catalog thesis\n  cart tilt_tray(length: 1250 mm)\n  \
+         speed 2 m/s\n  width 1.2 m\n  vertex P1 (3 m, 3 m) radius 4 m\n  vertex P2 (37.3 m, 4 m) radius 4 m\n  \
+         vertex P3 (36 m, 17 m) radius 4 m\n  vertex P4 (20 m, 23 m) radius 4 m\n  vertex P5 (3 m, 17 m) radius 4 m\n  \
+         fix all P5..P1\n  building [(0 m, 0 m), (40 m, 0 m), (40 m, 26 m), (0 m, 26 m)]\n  \
+         obstacle long [(10 m, 8 m), (30 m, 8 m), (30 m, 14 m), (10 m, 14 m)]\n{more}  optimise length\n}}\n"
+    ))
+}
+
+/// The continuous stages end in a local optimum here; the grid's shortest layout is shorter than that.
+#[test]
+fn a_loop_around_an_obstacle_is_proven() {
+    let stage = last(&five(""), Effort::default(), 2);
+    assert!(stage.certificate.expect("a certificate").proven);
+    assert!((stage.length - 71.641988).abs() < 2e-6, "{}", stage.length);
+}
+
+#[test]
+fn a_side_left_open_is_the_better_one() {
+    let column = "  obstacle column [(31 m, 20 m), (32 m, 20 m), (32 m, 21 m), (31 m, 21 m)]\n";
+    let effort = Effort { nodes: 500, gap: 0.0 };
+    let told = |side: &str| last(&five(&format!("{column}  pass column {side}\n")), effort, 2);
+    let [left, right, either] = ["left", "right", "either"].map(told);
+    assert!(left.violations.is_empty() && right.violations.is_empty());
+    assert!((either.length - left.length.min(right.length)).abs() < 1e-9, "{} {}", left.length, right.length);
+    let bound = |s: &Stage| s.certificate.as_ref().expect("a certificate").lower_bound;
+    assert!(bound(&either) <= bound(&left).min(bound(&right)) + 1e-12);
+}
+
+#[test]
+fn a_chain_that_must_close_does() {
+    let effort = Effort { nodes: 300, gap: 0.0 };
+    let open = last(&five(""), effort, 2);
+    let layout = five("  chain closes within 20 mm\n");
+    let stages = solve(&layout, &Options { effort, ..Options::default() }, &|_| {});
+    let compiled = Compiled::new(layout.clone(), stages);
+    assert!(!compiled.failed());
+    let left = fit(&compiled.space.line, 1.25).expect("a chain").left_over;
+    assert!(left.abs() < 0.020_1, "{left}");
+    assert!(unclosed(&layout, &compiled.track, &compiled.space.line).is_none());
+    // No more than a cart's length was added, and no less than the shortest of all.
+    assert!(compiled.track.length > open.length - 1e-6 && compiled.track.length < open.length + 1.25);
+}
