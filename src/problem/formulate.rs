@@ -7,7 +7,7 @@ use crate::elements::{self, Length};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Point, Track};
 use crate::model::{
-    self, Constraint, ConstraintKind, FixKind, Heights, Interval, Layout, Motors, Place, Side, Target, Unit,
+    self, Constraint, ConstraintKind, FixKind, Goal, Heights, Interval, Layout, Motors, Place, Side, Target, Unit,
 };
 use crate::source::Span;
 
@@ -23,6 +23,7 @@ impl Problem {
         let mut problem = Problem {
             layout: layout.name.clone(),
             aim: super::Aim::Length,
+            minimises: minimises(layout),
             vertices: layout.vertices.iter().map(|v| v.name.clone()).collect(),
             signs: track.fillets.iter().map(|f| if f.turn < 0.0 { -1.0 } else { 1.0 }).collect(),
             start,
@@ -181,6 +182,17 @@ impl Problem {
                 equal(Function::Linear(terms), direction.dot(a.lerp(b, 0.5)), word);
             }
         }
+    }
+}
+
+/// The objective in words.
+fn minimises(layout: &Layout) -> &'static str {
+    let wants = |goal: Goal| layout.objective.terms.iter().any(|(_, g)| *g == goal);
+    match (wants(Goal::PolygonAction), wants(Goal::Length), layout.objective.within) {
+        (true, true, _) => "a sum of track length, m, and polygon action, mm²",
+        (true, false, Some(_)) => "polygon action, mm², within a budget of track length",
+        (true, false, None) => "polygon action, mm²",
+        (false, ..) => "track length, m",
     }
 }
 

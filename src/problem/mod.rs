@@ -47,6 +47,9 @@ pub struct Problem {
     /// What is minimised.
     #[serde(skip)]
     pub aim: Aim,
+    /// The same of the source's objective, in words.
+    #[serde(skip)]
+    pub minimises: &'static str,
     /// Vertex names, in driving order.
     pub vertices: Vec<String>,
     /// Written turn directions, +1 left and -1 right, which no solver may flip.

@@ -9,7 +9,7 @@ use std::fmt::Write;
 pub fn print(problem: &Problem, sources: &SourceMap) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "problem {}", problem.layout);
-    let _ = writeln!(out, "\nminimise\n  track length, m");
+    let _ = writeln!(out, "\nminimise\n  {}", problem.minimises);
     let _ = writeln!(out, "\nvariables (m), written value in [low, high]");
     for (k, bound) in problem.bounds.iter().enumerate() {
         let name = problem.variable_name(k);

@@ -37,18 +37,26 @@ struct Complex<'p> {
 
 /// Minimises the problem from `start` with a fixed seed. `iterations` of the result counts evaluations.
 pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Watch) -> Solution {
-    minimise_of(problem, start, settings, 1, &|at| at.value(), watch)
+    minimise_of(problem, start, settings, Draw { seed: 1, most: usize::MAX }, &|at| at.value(), watch)
+}
+
+/// A repetition.
+#[derive(Clone, Copy, Debug)]
+pub struct Draw {
+    pub seed: u64,
+    /// Evaluations it may take.
+    pub most: usize,
 }
 
 /// What is minimised, of a problem that is evaluated.
 pub type Value<'v> = &'v dyn Fn(&Evaluation) -> f64;
 
-/// The same of any value, with any seed.
+/// The same of any value.
 pub fn minimise_of(
     problem: &Problem,
     start: &[f64],
     settings: &Settings,
-    seed: u64,
+    draw: Draw,
     value: Value,
     watch: Watch,
 ) -> Solution {
@@ -56,7 +64,7 @@ pub fn minimise_of(
     let n = free.len();
     let plane = Plane::new(problem, &free, start);
     let mut complex = Complex { problem, free, start, plane, value, points: Vec::new(), evaluations: 0 };
-    complex.scatter(seed);
+    complex.scatter(draw.seed);
     let mut converged = n == 0;
     for round in 0..REFLECTIONS * n {
         complex.points.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -68,6 +76,9 @@ pub fn minimise_of(
         let size = best.0.iter().zip(&worst.0).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         if size < TOGETHER {
             converged = true;
+            break;
+        }
+        if complex.evaluations >= draw.most {
             break;
         }
         complex.reflect_worst();

@@ -102,12 +102,29 @@ fn traces(before: &Run, after: &Run, channel: Channel) -> Markup {
         return html! {};
     }
     let scale = Scale::new(0.0, last, low, high);
+    let both = both.map(|points| thinned(&points, last));
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
             (frame(&scale, "s"))
             @for (points, class) in both.iter().zip(["before", "after"]) { path class=(class) d=(line(points, &scale)) {} }
         }
     }
+}
+
+/// Least and largest of each of a thousand columns, in the order of time.
+fn thinned(points: &[(f64, f64)], last: f64) -> Vec<(f64, f64)> {
+    const COLUMNS: f64 = 1000.0;
+    let column = |p: &(f64, f64)| (p.0 / last * COLUMNS) as usize;
+    let mut out = Vec::new();
+    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+        let least = group.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied();
+        let most = group.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
+        let mut both: Vec<(f64, f64)> = least.into_iter().chain(most).collect();
+        both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        both.dedup();
+        out.extend(both);
+    }
+    out
 }
 
 fn spectra(before: &Run, after: &Run, channel: Channel, passing: f64) -> Markup {

@@ -193,10 +193,10 @@ impl Sweep<'_> {
         let chord = front - plane(place(behind).position);
         let mut slope = vec![0.0; at.len()];
         let mut own = 1.0;
-        for piece in behind.piece..=ahead.piece {
+        for (piece, stretch) in stretches.iter().enumerate().take(ahead.piece + 1).skip(behind.piece) {
             let from = if piece == behind.piece { behind.d } else { 0.0 };
-            let to = if piece == ahead.piece { ahead.d } else { stretches[piece].length };
-            let end = stretches[piece].at(to);
+            let to = if piece == ahead.piece { ahead.d } else { stretch.length };
+            let end = stretch.at(to);
             let curvature = self.curvature(piece);
             let lever = (front - plane(end.position)).left();
             // What a longer part, and a more bent one, add to r·dr.
@@ -237,6 +237,7 @@ impl Sweep<'_> {
 mod tests {
     use super::super::straight_behind;
     use super::*;
+    use crate::kinematics::polygon::straight_behind;
     use crate::model::instances::thesis10;
     use crate::problem::measures::to_variables;
 

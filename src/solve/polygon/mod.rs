@@ -9,7 +9,7 @@
 //!    has the cart's length as period and a great many minima: it is searched globally in the curves' phases, over the
 //!    polytope of the rows linearised at the base, by improving hit-and-run with whole lines searched ([`search`]).
 //! 3. The best of these are solved exactly by sequential quadratic programming, on all rows, and judged by ΔP itself.
-//! 4. Neighbouring turns on the grid are tried in the same way, as long as that helps ([`turns`]).
+//! 4. Neighbouring turns on the grid are tried in the same way, until none of them helps ([`turns`]).
 //!
 //! The result is a good layout, not a proven best one.
 

@@ -6,7 +6,7 @@ use super::{Discretise, Options, Smooth};
 use crate::model::{Interval, Layout};
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{Problem, Scope};
-use crate::solve::complex;
+use crate::solve::complex::{self, Draw};
 use crate::solve::sqp::Settings;
 
 /// Where a repetition ended.
@@ -22,6 +22,8 @@ pub struct Rival {
     pub length: f64,
 }
 
+/// Evaluations of a repetition.
+const EVALUATIONS: usize = 5000;
 /// Violations that a penalty method may leave, m and rad.
 const TOLERANCE: f64 = 1e-3;
 
@@ -47,7 +49,14 @@ pub fn rival(layout: &Layout, goal: Smooth, options: &Options, discretise: Discr
         waves(&variables, goal, pitch).map_or(f64::INFINITY, |w| w.value(&straights) * goal.action)
     };
     let settings = Settings::default();
-    let found = complex::minimise_of(&problem, &base.variables, &settings, seed, &of_curves, &|_, _, _| {});
+    let found = complex::minimise_of(
+        &problem,
+        &base.variables,
+        &settings,
+        Draw { seed, most: EVALUATIONS },
+        &of_curves,
+        &|_, _, _| {},
+    );
     let (evaluations, max_violation) = (found.iterations, found.max_violation);
     // Judged as ours is, but for the looser tolerance.
     let judged = Candidate::judged(&problem, goal, pitch, found, TOLERANCE);

@@ -7,12 +7,10 @@ use crate::problem::{Aim, Problem};
 use crate::solve::sqp::{self, Settings, Solution};
 use std::collections::BTreeSet;
 
-/// Rounds over all sections.
-const ROUNDS: usize = 3;
 /// Choices of turns in all.
-const CHOICES: usize = 60;
-/// A gain worth another round.
-const GAIN: f64 = 0.02;
+const CHOICES: usize = 200;
+/// A gain worth a step.
+const GAIN: f64 = 0.001;
 
 /// The best layout found. The base itself where nothing is better.
 pub fn best(
@@ -29,25 +27,28 @@ pub fn best(
     tell(0, &best);
     take(&mut best, best_of(base, &held, goal, &base.variables, POLISHED, effort));
     let mut seen: BTreeSet<Vec<i64>> = BTreeSet::from([turns.clone()]);
-    for _ in 0..ROUNDS {
-        let before = best.merit;
-        let from = best.clone();
-        let mut chosen = turns.clone();
-        for neighbour in neighbours(base, problem, &turns) {
-            if effort.choices >= CHOICES || !seen.insert(neighbour.clone()) {
-                continue;
-            }
-            let held = base.problem(problem, &neighbour, &base.variables);
-            let Some(near) = nearest(&held, &from.solution.variables) else { continue };
-            if take(&mut best, best_of(base, &held, goal, &near, 1, effort)) {
-                chosen = neighbour;
-            }
-            tell(effort.choices, &best);
-        }
-        turns = chosen;
-        if best.merit > before * (1.0 - GAIN) {
+    // One move after another, over and over, until none of them helps.
+    let moves = moves(problem);
+    let mut idle = 0;
+    for (section, by) in moves.iter().cycle() {
+        if idle == moves.len() || effort.choices >= CHOICES {
             break;
         }
+        idle += 1;
+        let Some(next) = moved(base, problem, &turns, *section, *by) else { continue };
+        if !seen.insert(next.clone()) {
+            continue;
+        }
+        let held = base.problem(problem, &next, &base.variables);
+        let Some(near) = nearest(&held, &best.solution.variables) else { continue };
+        let before = best.merit;
+        if take(&mut best, best_of(base, &held, goal, &near, 1, effort)) {
+            turns = next;
+            if best.merit < before * (1.0 - GAIN) {
+                idle = 0;
+            }
+        }
+        tell(effort.choices, &best);
     }
     best.solution.iterations = effort.iterations;
     best.solution.converged = true;
@@ -74,23 +75,20 @@ fn nearest(held: &Problem, from: &[f64]) -> Option<Vec<f64>> {
     (found.max_violation <= settings.feasibility).then_some(found.variables)
 }
 
-/// Turns with one section's heading a step to either side.
-fn neighbours(base: &Base, problem: &Problem, turns: &[i64]) -> Vec<Vec<i64>> {
-    let n = turns.len();
+/// Sections whose heading may change, each to either side.
+fn moves(problem: &Problem) -> Vec<(usize, i64)> {
+    let free = (0..problem.vertices.len()).filter(|&i| !problem.holds_heading(i));
+    free.flat_map(|i| [(i, 1), (i, -1)]).collect()
+}
+
+/// Turns with a section's heading a step to one side; `None` beyond the limits of turns.
+fn moved(base: &Base, problem: &Problem, turns: &[i64], section: usize, by: i64) -> Option<Vec<i64>> {
+    let next = (section + 1) % turns.len();
     let step = base.layout.catalog.curve.angle_step;
     let limits = base.layout.turns.value;
     let within = |turn: i64| turn as f64 * step >= limits.low - 1e-9 && turn as f64 * step <= limits.high + 1e-9;
-    let mut out = Vec::new();
-    for i in (0..n).filter(|&i| !problem.holds_heading(i)) {
-        let j = (i + 1) % n;
-        for by in [1, -1] {
-            let mut next = turns.to_vec();
-            next[i] += by * problem.signs[i] as i64;
-            next[j] -= by * problem.signs[j] as i64;
-            if within(next[i]) && within(next[j]) {
-                out.push(next);
-            }
-        }
-    }
-    out
+    let mut out = turns.to_vec();
+    out[section] += by * problem.signs[section] as i64;
+    out[next] -= by * problem.signs[next] as i64;
+    (within(out[section]) && within(out[next])).then_some(out)
 }
