@@ -235,7 +235,6 @@ impl Sweep<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::straight_behind;
     use super::*;
     use crate::kinematics::polygon::straight_behind;
     use crate::model::instances::thesis10;
