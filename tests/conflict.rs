@@ -37,8 +37,11 @@ fn lines<'s>(sources: &'s SourceMap, diagnostic: &Diagnostic) -> Vec<(&'s str, S
     diagnostic.related.iter().map(|label| (sources.text(label.span), label.text.clone())).collect()
 }
 
+/// What is written, the lines that conflict with the words about each, and what is said of all.
+type Told = (&'static str, &'static [(&'static str, &'static str)], &'static str);
+
 /// Statements that contradict each other among others that do not, and how far each must give way alone.
-const CONFLICTS: [(&str, &[(&str, &str)], &str); 5] = [
+const CONFLICTS: [Told; 5] = [
     // A section of 20 m along x over 15 m: turned by acos(15/20) it would end 13.229 m beside.
     (
         "  fix rotation P1..P2\n  require length(P1..P2) >= 20 m\n  require x(P2) - x(P1) <= 15 m \"the lift shaft\"\n  \

@@ -1,7 +1,7 @@
 //! Stage 3 against every choice of turns and radii of small random layouts, each solved by another route: straights that close a
 //! loop and cost least are a basic solution of their two equations, so all pairs are tried.
 
-use lss::geometry::{Point, Polygon, Track};
+use lss::geometry::{Point, Polygon, Track, trig};
 use lss::model::Layout;
 use lss::semantics::analyse;
 use lss::solve::{Effort, Options, Stage, solve};
@@ -47,7 +47,7 @@ struct Small {
 
 impl Small {
     fn tangent(&self, i: usize) -> f64 {
-        self.radii[i] * (f64::from(self.turns[i].abs()) * STEP / 2.0).to_radians().tan()
+        self.radii[i] * trig::tan((f64::from(self.turns[i].abs()) * STEP / 2.0).to_radians())
     }
 
     /// Unit vectors along sections; the first one along +x.
@@ -57,7 +57,7 @@ impl Small {
             .map(|i| {
                 heading += if i == 0 { 0 } else { self.turns[i] };
                 let angle = (f64::from(heading) * STEP).to_radians();
-                Point::new(angle.cos(), angle.sin())
+                Point::new(trig::cos(angle), trig::sin(angle))
             })
             .collect()
     }

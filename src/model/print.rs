@@ -7,6 +7,7 @@ mod formula;
 use std::fmt::Write;
 
 use super::*;
+use crate::gap::effects;
 use crate::geometry::trig;
 use formula::{ANGLE, Dimension, LENGTH, NONE};
 
@@ -268,7 +269,12 @@ impl Printer {
             self.line(format!("chain closes within {}", metres(closes.value)));
         }
         for effect in &layout.effects {
-            let strengths: Vec<String> = effect.strengths.iter().map(|(n, v)| format!("{n}: {}", number(*v))).collect();
+            let known = effects::named(&effect.name);
+            let strength = |(name, value): &(String, f64)| {
+                let unit = effects::spelled(known.and_then(|e| e.unit(name)).unwrap_or(""));
+                format!("{name}: {} {unit}", number(*value)).trim_end().to_owned()
+            };
+            let strengths: Vec<String> = effect.strengths.iter().map(strength).collect();
             self.line(format!("effect {}({})", effect.name, strengths.join(", ")));
         }
     }

@@ -22,7 +22,8 @@ pub struct Certificate {
 impl Certificate {
     /// Of a layout of this length, m.
     pub fn new(length: f64, lower_bound: f64, nodes: usize, assumed: Vec<String>) -> Self {
-        let lower_bound = lower_bound.min(length);
+        // Before anything was searched it is known that no layout is shorter than nothing.
+        let lower_bound = lower_bound.max(0.0).min(length);
         let proven = length - lower_bound <= PROVEN;
         let gap = if length > 0.0 { (length - lower_bound) / length } else { 0.0 };
         Certificate { lower_bound, gap, proven, nodes, seconds: 0.0, assumed }

@@ -7,7 +7,7 @@ use crate::emit::json;
 use crate::emit::number::shortest;
 use crate::emit::simulation::Effect;
 use crate::gap::chain::Chains;
-use crate::gap::effects::named;
+use crate::gap::effects::{named, spelled};
 use crate::gap::{Diagnosis, Finding, Verdict};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -69,9 +69,4 @@ fn text(layout: &str, import: &str, effects: &[Finding]) -> String {
     }
     out.push_str("}\n");
     out
-}
-
-/// A unit as the language spells it.
-fn spelled(unit: &str) -> String {
-    unit.replace(' ', "*").replace('²', "^2")
 }

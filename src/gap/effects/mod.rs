@@ -128,6 +128,11 @@ pub fn named(name: &str) -> Option<&'static Effect> {
     LIBRARY.into_iter().find(|e| e.name == name)
 }
 
+/// A unit as the language spells it.
+pub fn spelled(unit: &str) -> String {
+    unit.replace(' ', "*").replace('²', "^2")
+}
+
 /// The chain of an input with effects: the input without them, and how the chain deviates from it.
 ///
 /// # Errors
@@ -188,6 +193,11 @@ impl Effect {
     pub fn place_unit(&self, name: &str) -> Option<&'static str> {
         let (name, _) = self.places.iter().find(|(n, _)| *n == name)?;
         Some(if ["at", "back", "rise", "span", "wavelength"].contains(name) { "m" } else { "" })
+    }
+
+    /// SI unit of a strength or of what says its place, as a layout writes it; empty for a ratio.
+    pub fn unit(&self, name: &str) -> Option<&'static str> {
+        self.strengths.iter().find(|s| s.name == name).map(|s| s.unit).or_else(|| self.place_unit(name))
     }
 
     /// Whether it is one of the sensors.

@@ -192,11 +192,11 @@ impl Writer<'_> {
                 self.graph().norm(between)
             }
             Formula::DistanceObstacle(i, k) => match self.problem.places.obstacles.get(*k) {
-                Some(polygon) => self.to_outline(*i, polygon, 1.0),
+                Some(polygon) => self.outline_distance(*i, polygon, 1.0),
                 None => self.graph().number(f64::INFINITY),
             },
             Formula::DistanceBuilding(i) => match &self.problem.places.building {
-                Some(walls) => self.to_outline(*i, walls, -1.0),
+                Some(walls) => self.outline_distance(*i, walls, -1.0),
                 None => self.graph().number(f64::INFINITY),
             },
             Formula::Sum(terms) => self.list(Operator::Sum, terms),
@@ -229,7 +229,7 @@ impl Writer<'_> {
         self.graph().list(operator, terms)
     }
 
-    fn to_outline(&mut self, vertex: usize, polygon: &Polygon, side: f64) -> Id {
+    fn outline_distance(&mut self, vertex: usize, polygon: &Polygon, side: f64) -> Id {
         let Some(Nearest { foot, normal, sign }) = nearest(polygon, self.track.corners[vertex].point) else {
             return self.graph().number(f64::INFINITY);
         };

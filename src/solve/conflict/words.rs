@@ -40,7 +40,7 @@ pub fn alone(layout: &Layout, lines: &Lines, line: &Line, amount: Option<f64>) -
 }
 
 fn require(layout: &Layout, lines: &Lines, line: &Line, amount: f64) -> String {
-    let unit = layout.constraints.iter().find(|c| c.span == line.span).map(|c| unit(c));
+    let unit = layout.constraints.iter().find(|c| c.span == line.span).map(unit);
     let size = match unit {
         Some(Unit::Radian) => degrees(amount),
         Some(Unit::Metre) => metres(amount),

@@ -57,6 +57,9 @@ fn directed(function: &Function) -> bool {
     }
 }
 
+/// From variables to variables and their length, m.
+type Improve<'a> = dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)> + 'a;
+
 /// Bounds every offset, and improves the incumbent (variables and length) on the way. `improve` makes a layout of the relaxed
 /// problem one of the problem, if it can.
 pub fn search(
@@ -65,7 +68,7 @@ pub fn search(
     incumbent: (Vec<f64>, f64),
     effort: Effort,
     at: &At,
-    improve: &dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)>,
+    improve: &Improve,
 ) -> Found {
     let mut best = incumbent;
     let mut heap = BinaryHeap::from([Interval { bound: 0.0, low: -step / 2.0, high: step / 2.0 }]);

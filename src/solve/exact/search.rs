@@ -202,7 +202,8 @@ impl Search<'_> {
         let mean = |k: usize| mix.iter().map(|(c, w)| f64::from(c.headings[k]) * w).sum::<f64>();
         let spread = |k: usize| {
             let mean = mean(k);
-            mix.iter().map(|(c, w)| w * (f64::from(c.headings[k]) - mean).powi(2)).sum::<f64>()
+            let off = |c: &Choice| f64::from(c.headings[k]) - mean;
+            mix.iter().map(|(c, w)| w * off(c) * off(c)).sum::<f64>()
         };
         let widest = (0..grid.len()).map(|k| (k, spread(k))).fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         if widest.1 > 1e-9 {
