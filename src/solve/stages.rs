@@ -121,7 +121,9 @@ fn best_of(ways: Vec<Vec<Stage>>) -> Vec<Stage> {
     {
         certificate.combine(&certificates, stage.length);
         if !all {
+            // That is believed, not proven.
             certificate.assumed.push("no layout passes on a side for which the continuous stages found none".into());
+            certificate.proven = false;
         }
     }
     best

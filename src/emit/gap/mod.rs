@@ -12,8 +12,9 @@ mod words;
 use super::lap::lap_track::LapTrack;
 use super::number::trimmed;
 use super::simulation::Track;
+use super::style::document;
 use crate::gap::{Diagnosis, Finding, Verdict};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use words::{amount, heading, list, percent, plain, significant};
 
 /// Findings at least this probable are present, as the verdict has it.
@@ -54,19 +55,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         }
         (floor(diagnosis))
     };
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) ": the gap" }
-                style { (PreEscaped(super::style::STYLE)) (PreEscaped(style::STYLE)) }
-            }
-            body { main { (body) } }
-        }
-    }
-    .into_string()
+    document(&format!("{title}: the gap"), style::STYLE, &body)
 }
 
 /// The effects that the verdict names.

@@ -4,13 +4,13 @@ mod boxes;
 
 use super::number::{fixed, trimmed};
 use super::simulation::ContactLaw;
-use super::style::STYLE;
+use super::style::document;
 use crate::identify::study::{Estimate, Fitted};
 use crate::identify::{Parameter, damping};
 pub use boxes::quantile;
 use boxes::{Group, boxes};
 use clap::ValueEnum;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// The page of a study: laws in the order they were fitted, each with its runs.
 pub fn page(laws: &[(ContactLaw, &[Fitted])], shared: &[Parameter]) -> String {
@@ -50,19 +50,7 @@ pub fn page(laws: &[(ContactLaw, &[Fitted])], shared: &[Parameter]) -> String {
             @for fit in *fits { (run(fit)) }
         }
     };
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Identification" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body { main { (body) } }
-        }
-    }
-    .into_string()
+    document("Identification", "", &body)
 }
 
 fn name(law: ContactLaw) -> String {

@@ -9,12 +9,13 @@ pub use hotspot::{Hotspot, hotspots};
 
 use super::number::{fixed, trimmed};
 use super::simulation::Simulation;
+use crate::emit::style::document;
 use crate::signal::measures::{Section, Statistics, by_section, statistics};
 use crate::signal::order::order_spectrum;
 use crate::signal::spectrum::welch;
 use crate::signal::{Channel, Run, SupportLoad, position, rainflow};
 use lap_track::LapTrack;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// Slope of the S-N curve and number of cycles of the damage-equivalent loads.
 const SLOPE: f64 = 3.0;
@@ -95,19 +96,7 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
             (worst(supports))
         }
     };
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (simulation.name) ": a lap" }
-                style { (PreEscaped(crate::emit::style::STYLE)) }
-            }
-            body { main { (body) } }
-        }
-    }
-    .into_string()
+    document(&format!("{}: a lap", simulation.name), "", &body)
 }
 
 /// What the lap is like, in two sentences.

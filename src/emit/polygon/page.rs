@@ -3,9 +3,10 @@
 use super::verify::{CHANNELS, Verification, spectrum};
 use crate::emit::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, frame};
 use crate::emit::number::{fixed, trimmed};
+use crate::emit::style::document;
 use crate::geometry::trig;
 use crate::signal::{Channel, Run};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// Part of the lap that is shown, s.
 const SHOWN: f64 = 30.0;
@@ -40,19 +41,7 @@ pub fn page(v: &Verification, runs: &[&Run]) -> String {
             }
         }
     };
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (v.layout) ": polygon action and forces" }
-                style { (PreEscaped(crate::emit::style::STYLE)) (PreEscaped(STYLE)) }
-            }
-            body { main { (body) } }
-        }
-    }
-    .into_string()
+    document(&format!("{}: polygon action and forces", v.layout), STYLE, &body)
 }
 
 fn kinematic(v: &Verification) -> Markup {

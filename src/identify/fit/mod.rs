@@ -171,14 +171,6 @@ pub fn land(
                 continue;
             }
         }
-        let narrower: Coordinates = std::array::from_fn(|k| (0.5 * slopes.1.reach[k]).max(LEAST_REACH * base[k]));
-        if steps < settings.steps && narrower != slopes.1.reach && length < SHORT {
-            let bare = fitter.residuals(model, &at, &centre, &floor, &numerics);
-            if fitter.hidden(&bare, &residuals) {
-                (reach, steps) = (narrower, steps + 1);
-                continue;
-            }
-        }
         if length < SHORT || steps == settings.steps {
             let mut covariance: DMatrix<f64> = DMatrix::from_fn(COUNT, COUNT, |i, j| {
                 found.covariance[(i, j)] * Parameter::ALL[i].reach() * Parameter::ALL[j].reach()

@@ -64,6 +64,9 @@ pub fn discretise(
     if let Some(closes) = Closes::new(layout) {
         found = task.closing(&grid, found, closes);
         assumed.push("curves cut off chords as their series says, within a tenth".to_owned());
+        assumed.push(
+            "with turns and radii chosen, no length closes between one and the next that was found to".to_owned(),
+        );
     }
     let Some(variables) = found.variables else { return rough.into() };
     let mut certificate = Certificate::new(found.length, found.bound, found.nodes, assumed);
