@@ -103,6 +103,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
                 variance: vec![1.0; FEATURES],
                 scatter: (0..40).map(|_| noise()).collect(),
                 doubts: Vec::new(),
+                built: Vec::new(),
                 slopes: DMatrix::from_fn(FEATURES, 1, |k, _| level(k)),
                 prior: vec![(0.0, 10.0)],
                 nuisances: vec!["level".into()],

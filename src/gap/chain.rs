@@ -9,6 +9,7 @@ use crate::geometry::trig;
 use crate::identify::fit::{Landing, land};
 use crate::identify::local::WITH_FLOOR;
 use crate::identify::model::{Coordinates, Plan, samples};
+use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;
 use crate::identify::summary::{Block, FORCES, Summary};
 use crate::identify::{Measured, Model, Parameter, Settings};
@@ -20,11 +21,18 @@ use std::collections::BTreeMap;
 const PASSES: f64 = 24.0;
 const SIGNATURE_PASSES: f64 = 14.0;
 
+/// Chains as built that are drawn, and how uneven their rails are, m.
+const DRAWS: usize = 4;
+const UNEVEN: f64 = 1.2e-5;
+
 /// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
 const STEPS: usize = 3;
 
 /// Carts that listen with a sensor's effect.
 const LISTENERS: usize = 14;
+
+/// Samples of a run above what counts as its largest force, so that noise does not make it.
+const FEW: usize = 5;
 
 /// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
 const FLOOR_DEVIATION: f64 = 1.0;
@@ -44,8 +52,10 @@ struct Fitted {
     /// Laps, and where along the lap the run begins, m.
     laps: f64,
     begin: f64,
-    /// The largest of each channel that is simulated, N.
+    /// What a channel that does not clip has as its largest force, N, if one that does ends where the measured does.
     tops: [f64; FORCES],
+    /// High forces of each channel, measured and simulated, N.
+    highs: [(f64, f64); FORCES],
     /// Which channels were measured.
     measured: [bool; FORCES],
     seed: u64,
@@ -71,13 +81,15 @@ impl Chains {
             tell(&subject.name);
             found
         });
-        let runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
+        let mut runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
+        set_tops(&mut runs);
         let mut out = Chains {
             frames: subjects.iter().zip(&runs).map(|(s, run)| frame(&s.name, run)).collect(),
             runs,
             candidates: Vec::new(),
             threads,
         };
+        out.build(threads);
         for effect in LIBRARY {
             for site in out.sites(effect) {
                 let around = sites::beside(effect, &site, out.cell());
@@ -93,6 +105,23 @@ impl Chains {
             }
         }
         Ok(out)
+    }
+
+    /// Draws chains as they are built.
+    fn build(&mut self, threads: usize) {
+        let asked: Vec<(usize, usize)> =
+            (0..self.runs.len()).flat_map(|run| (0..DRAWS).map(move |k| (run, k))).collect();
+        let answers = parallel::map(&asked, threads, |&(run, draw)| {
+            let strengths = [("amplitude", UNEVEN), ("draw", draw as f64 + 1.0)];
+            let strengths = strengths.map(|(name, x)| (name.to_owned(), x)).into();
+            let wavy = input::Effect { name: "rail_waviness".to_owned(), strengths };
+            self.simulated(run, &[], vec![wavy], false)
+        });
+        for ((run, _), features) in asked.into_iter().zip(answers) {
+            let frame = &mut self.frames[run];
+            let change = features.map(|f| f.iter().zip(&frame.nominal).map(|(f, n)| f - n).collect());
+            frame.built.extend(change);
+        }
     }
 
     /// Length over which means are taken, m.
@@ -170,6 +199,29 @@ impl Chains {
         }
     }
 
+    /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
+    fn simulated(&self, run: usize, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
+        let fitted = &self.runs[run];
+        let mut at = fitted.landing.at;
+        let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
+        let mut plan = Plan { passes, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
+        for (k, moved) in step.iter().enumerate() {
+            match Parameter::ALL.get(k) {
+                Some(p) => {
+                    let (low, high) = fitted.model.range(*p);
+                    at[p.index()] = (at[p.index()] + moved * p.reach()).clamp(low, high);
+                }
+                None => plan.floor = moved * crate::identify::fit::FLOOR_SCALE,
+            }
+        }
+        let model = fitted.with(effects);
+        let fleet = model.survey(&at, &plan)?;
+        let load = built(&model.simulation).ok()?.1.load;
+        let features = fitted.features(&model, &fleet, &load, sensor, at);
+        // Of what differs, chaos' share is taken out, block by block.
+        Some(fitted.calmed(&self.frames[run], &features, passes))
+    }
+
     /// What the runs lack, and what it costs.
     pub fn lost(&self) -> Vec<String> {
         let mut lost = Vec::new();
@@ -216,31 +268,14 @@ impl Simulator for Chains {
     }
 
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-        let fitted = &self.runs[run];
-        let mut at = fitted.landing.at;
-        let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
-        let mut plan = Plan { passes, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
-        for (k, moved) in step.iter().enumerate() {
-            match Parameter::ALL.get(k) {
-                Some(p) => {
-                    let (low, high) = fitted.model.range(*p);
-                    at[p.index()] = (at[p.index()] + moved * p.reach()).clamp(low, high);
-                }
-                None => plan.floor = moved * crate::identify::fit::FLOOR_SCALE,
-            }
-        }
-        let mut model = fitted.model.clone();
-        model.simulation.effects = effects.iter().map(|e| self.effect(e)).collect();
         let sensor = effects.iter().any(|e| self.candidates[e.candidate].sensor);
         let machine = effects.iter().any(|e| !self.candidates[e.candidate].sensor);
+        let effects = effects.iter().map(|e| self.effect(e)).collect();
         if !machine && step.iter().all(|x| *x == 0.0) {
-            return Some(fitted.overheard(&model, &self.frames[run].nominal));
+            let fitted = &self.runs[run];
+            return Some(fitted.overheard(&fitted.with(effects), &self.frames[run].nominal));
         }
-        let fleet = model.survey(&at, &plan)?;
-        let load = built(&model.simulation).ok()?.1.load;
-        let features = fitted.features(&model, &fleet, &load, sensor, at);
-        // Of what differs, chaos' share is taken out, block by block.
-        Some(fitted.calmed(&self.frames[run], &features, passes))
+        self.simulated(run, step, effects, sensor)
     }
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
@@ -249,6 +284,13 @@ impl Simulator for Chains {
 }
 
 impl Fitted {
+    /// The model with effects.
+    fn with(&self, effects: Vec<input::Effect>) -> Model {
+        let mut model = self.model.clone();
+        model.simulation.effects = effects;
+        model
+    }
+
     /// Features of a fleet as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
     fn features(&self, model: &Model, fleet: &Fleet, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
         let empty = |k: usize| load.get(k).is_none_or(|x| *x == 0.0);
@@ -362,17 +404,45 @@ fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fitted
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
     let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
-    let carts = &landing.centre.fleet.carts;
-    let top = |k: usize| carts.iter().flat_map(|c| &c.forces[k]).copied().fold(f32::NEG_INFINITY, f32::max);
     Ok(Fitted {
         laps: measured.laps,
         begin,
-        tops: std::array::from_fn(|k| f64::from(top(k))),
+        tops: [0.0; FORCES],
+        highs: highs(&landing, &samples),
         measured: std::array::from_fn(|k| measured.has(k)),
         seed: settings.seed.wrapping_add(77),
         model,
         landing,
     })
+}
+
+/// Of each channel the force that a few samples of a run exceed, measured and simulated.
+fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
+    let high = |mut all: Vec<f32>, rank: usize| {
+        all.retain(|x| x.is_finite());
+        let rank = rank.min(all.len().saturating_sub(1));
+        if all.is_empty() { 0.0 } else { f64::from(*all.select_nth_unstable_by(rank, |a, b| b.total_cmp(a)).1) }
+    };
+    std::array::from_fn(|k| {
+        let run = measured.forces[k].to_vec();
+        let fleet: Vec<f32> = landing.centre.fleet.carts.iter().flat_map(|c| &c.forces[k]).copied().collect();
+        let rank = FEW * fleet.len() / run.len().max(1);
+        (high(run, FEW), high(fleet, rank))
+    })
+}
+
+/// The largest forces of channels that do not clip, so that at the loss which the runs have on average each ends where it was measured
+/// to: an amplifier's end is one force, whatever a run's largest.
+fn set_tops(runs: &mut [Fitted]) {
+    for k in 0..FORCES {
+        let known: Vec<(f64, f64)> = runs.iter().map(|r| r.highs[k]).filter(|(m, s)| *m > 0.0 && *s > 0.0).collect();
+        let mean = known.iter().map(|(m, s)| 1.0 - m / s).sum::<f64>() / known.len().max(1) as f64;
+        let loss = mean.clamp(0.0, 0.9);
+        for run in runs.iter_mut() {
+            let (measured, simulated) = run.highs[k];
+            run.tops[k] = if measured > 0.0 { measured / (1.0 - loss) } else { simulated };
+        }
+    }
 }
 
 /// Orders of wheels, once and twice a turn, and of motors' ripple, Hz.
@@ -411,6 +481,7 @@ fn frame(name: &str, run: &Fitted) -> Frame {
         variance: with(&landing.variance, deviation * deviation),
         scatter: landing.floor.scatter.iter().map(deviate).collect(),
         doubts,
+        built: Vec::new(),
         slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
         prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
         nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),

@@ -133,17 +133,17 @@ impl Court<'_> {
                 trials.push(Trial { candidate, strength, size: *size });
             }
             let size = if *size == 0.0 { before } else { *size };
-            let beside = (0..candidates.len()).filter(|c| candidates[*c].beside == Some(candidate));
-            trials.extend(beside.map(|candidate| Trial { candidate, strength, size }));
+            let signed = candidates[candidate].strengths[strength].low < 0.0;
+            for candidate in (0..candidates.len()).filter(|c| candidates[*c].beside == Some(candidate)) {
+                let trial = Trial { candidate, strength, size };
+                trials.push(trial);
+                trials.extend(signed.then(|| trial.other()));
+            }
         }
         let of = trials.len();
         let taken = screen::take(self.simulator, &self.evidence, &trials, &mut |done| tell(done, of));
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
-            let same = |s: &Signature| (s.candidate, s.strength) == (signature.candidate, signature.strength);
-            match self.signatures.iter().position(same) {
-                Some(k) => self.signatures[k] = signature,
-                None => self.signatures.push(signature),
-            }
+            screen::keep(&mut self.signatures, signature, &self.evidence);
         }
     }
 

@@ -40,6 +40,7 @@ impl Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
         let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / frame.variance[k].sqrt()).collect();
+        let weights = tolerant(frame, &rows, weights);
         let white = |x: &[f64]| {
             let each = rows.iter().zip(&weights).map(|(&k, w)| if x[k].is_finite() { x[k] * w } else { 0.0 });
             DVector::from_iterator(rows.len(), each)
@@ -146,6 +147,33 @@ impl Evidence {
     pub fn each<'a>(&'a self, residual: &'a DVector<f64>) -> impl Iterator<Item = (usize, f64)> + 'a {
         self.rows.iter().copied().zip(residual.iter().copied())
     }
+}
+
+/// Weights that expect of each feature what chains as they are built deviate by, once nuisances are at their best.
+fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
+    let (n, p) = (rows.len(), frame.nuisances.len());
+    if frame.built.is_empty() {
+        return weights;
+    }
+    let mut reach = DMatrix::zeros(n + p, p);
+    for j in 0..p {
+        for (i, (&k, w)) in rows.iter().zip(&weights).enumerate() {
+            let slope = frame.slopes[(k, j)];
+            reach[(i, j)] = if slope.is_finite() { slope * w } else { 0.0 };
+        }
+        reach[(n + j, j)] = 1.0 / frame.prior[j].1;
+    }
+    let reach = reach.qr().q();
+    let mut squares = vec![0.0; n];
+    for change in &frame.built {
+        let mut long = DVector::zeros(n + p);
+        for (i, (&k, w)) in rows.iter().zip(&weights).enumerate() {
+            long[i] = if change[k].is_finite() { change[k] * w } else { 0.0 };
+        }
+        let left = &long - &reach * (reach.transpose() * &long);
+        squares.iter_mut().zip(left.iter()).for_each(|(sum, x)| *sum += x * x / frame.built.len() as f64);
+    }
+    weights.into_iter().zip(squares).map(|(w, square)| w / (1.0 + square).sqrt()).collect()
 }
 
 /// The strongest common deviations of honest laps beyond what each feature has of its own, each of unit variance.

@@ -2,10 +2,15 @@
 //!
 //! With s the mean square residual of a hypothesis over that of honest laps and f their degrees of freedom, −f/2 ln s is the log
 //! likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's equation is never that of the
-//! machine. So f is bounded, and each strength costs ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior.
+//! machine. So f is bounded, the more so far above the floor, where only the equations differ and no chance; and each strength costs
+//! ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior.
 
-/// Degrees of freedom that are believed of all runs together, at most.
+use crate::geometry::trig;
+
+/// Degrees of freedom that are believed of all runs together, at most; and of what is left beyond so many times the floor.
 pub const MOST_FREEDOM: f64 = 60.0;
+const COARSE: f64 = 2.0;
+const COARSE_FREEDOM: f64 = 24.0;
 
 /// Prior weights: no gap; one effect of the library, shared among its effects; two; something else.
 pub const NONE: f64 = 0.2;
@@ -22,12 +27,13 @@ const UNKNOWN_STRENGTHS: f64 = 2.0;
 /// Log likelihood of a mean square over that of honest laps.
 pub fn likelihood(excess: f64, freedom: f64) -> f64 {
     // Less than honest laps have speaks for nothing.
-    -0.5 * freedom * crate::geometry::trig::ln(excess.max(0.9))
+    let near = freedom * trig::ln(excess.clamp(0.9, COARSE));
+    -0.5 * (near + freedom.min(COARSE_FREEDOM) * trig::ln((excess / COARSE).max(1.0)))
 }
 
 /// What a strength costs.
 pub fn cost(strengths: f64, freedom: f64) -> f64 {
-    0.5 * strengths * crate::geometry::trig::ln(freedom.max(2.0))
+    0.5 * strengths * trig::ln(freedom.max(2.0))
 }
 
 /// The mean square that an unknown effect would leave.
@@ -38,7 +44,7 @@ pub fn unknown(excess: f64, freedom: f64) -> f64 {
 /// Probabilities from logarithms of weights.
 pub fn normalised(logs: &[f64]) -> Vec<f64> {
     let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let each: Vec<f64> = logs.iter().map(|x| crate::geometry::trig::exp(x - most)).collect();
+    let each: Vec<f64> = logs.iter().map(|x| trig::exp(x - most)).collect();
     let sum: f64 = each.iter().sum();
     each.into_iter().map(|x| x / sum).collect()
 }

@@ -12,6 +12,7 @@ mod evidence;
 mod judge;
 pub mod outside;
 mod refit;
+mod remembered;
 mod report;
 mod screen;
 mod simulator;
@@ -19,4 +20,5 @@ mod words;
 
 pub use diagnose::{Stage, diagnose};
 pub use diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
+pub use remembered::Remembered;
 pub use simulator::{Applied, Band, Candidate, Frame, Label, Request, Simulator, Strength};

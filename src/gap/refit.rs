@@ -5,8 +5,12 @@ use super::screen::{Explained, Signature, explain};
 use super::simulator::{Applied, Candidate, Request, Simulator};
 use nalgebra::{DMatrix, DVector};
 
-/// Simulations of each run.
-const ROUNDS: usize = 2;
+/// Simulations of each run at most, and the share of the squares that another one is worth.
+const ROUNDS: usize = 4;
+const ENOUGH: f64 = 0.02;
+
+/// A step that changes less than this share of what the effects do tells nothing of their slopes.
+const SHORT: f64 = 0.1;
 
 /// One effect or two, each at one place.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +84,57 @@ impl Hypothesis {
     }
 }
 
+/// Where a hypothesis' simulations are.
+struct Search {
+    /// The last strengths that were simulated, and what they changed, projected.
+    at: Vec<f64>,
+    found: Vec<DVector<f64>>,
+    best: Option<Point>,
+    settled: bool,
+}
+
+/// What was simulated with least left.
+struct Point {
+    square: f64,
+    strengths: Vec<f64>,
+    residuals: Vec<DVector<f64>>,
+    changes: Vec<Vec<f64>>,
+    features: Vec<Vec<f64>>,
+}
+
+impl Search {
+    fn new(strengths: usize, evidence: &[Evidence]) -> Search {
+        let found = evidence.iter().map(|e| DVector::zeros(e.residual.len())).collect();
+        Search { at: vec![0.0; strengths], found, best: None, settled: false }
+    }
+
+    /// Corrects what one more of each strength changes by what all of them together were found to since the last simulation: the
+    /// least change of the columns that says so, each for its share (Broyden 1965). Chaos drowns what short steps change.
+    fn learn(&mut self, columns: &mut [Vec<DVector<f64>>], strengths: &[f64], found: Vec<DVector<f64>>) {
+        let moved: Vec<f64> = strengths.iter().zip(&self.at).map(|(x, y)| x - y).collect();
+        let squares = columns.iter().zip(&moved);
+        let squares: Vec<f64> = squares.map(|(c, x)| x * x * norm_squared(c)).collect();
+        let all: f64 = squares.iter().sum();
+        if all > SHORT * SHORT * norm_squared(&found) && all > 0.0 {
+            for (run, found) in found.iter().enumerate() {
+                let mut missed = found - &self.found[run];
+                for (column, x) in columns.iter().zip(&moved) {
+                    missed -= &column[run] * *x;
+                }
+                for ((column, x), square) in columns.iter_mut().zip(&moved).zip(&squares).filter(|(c, _)| *c.1 != 0.0) {
+                    column[run] += &missed * (square / all / x);
+                }
+            }
+        }
+        self.at = strengths.to_vec();
+        self.found = found;
+    }
+}
+
+fn norm_squared(each: &[DVector<f64>]) -> f64 {
+    each.iter().map(DVector::norm_squared).sum()
+}
+
 /// Fits hypotheses by simulation. All requests of a round are made at once.
 pub fn refit(
     simulator: &dyn Simulator,
@@ -90,49 +145,72 @@ pub fn refit(
 ) -> Vec<Fitted> {
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let mut fitted = screened;
+    let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), evidence)).collect();
     let runs = evidence.len();
     for round in 0..ROUNDS {
         tell(round, ROUNDS);
+        let going: Vec<usize> = (0..fitted.len()).filter(|k| !searches[*k].settled).collect();
         let mut requests = Vec::new();
-        for one in &fitted {
+        for one in going.iter().map(|k| &fitted[*k]) {
             let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
             for (run, evidence) in evidence.iter().enumerate() {
-                let change = one.hypothesis.change(signatures, &one.strengths, run);
-                requests.push(Request { run, step: evidence.steps(&change), effects: effects.clone() });
+                let change = one.changes.get(run).map_or(&[][..], |c| c);
+                requests.push(Request { run, step: evidence.steps(change), effects: effects.clone() });
             }
         }
         let answers = simulator.simulate_all(&requests);
-        for (k, one) in fitted.iter_mut().enumerate() {
-            let rows = k * runs..(k + 1) * runs;
+        for (n, k) in going.into_iter().enumerate() {
+            let rows = n * runs..(n + 1) * runs;
             let answers: Option<Vec<&Vec<f64>>> = answers[rows.clone()].iter().map(Option::as_ref).collect();
-            // What cannot be simulated keeps what the screen says.
-            let Some(answers) = answers else { continue };
+            // What cannot be simulated keeps what is known of it.
+            let (one, search) = (&mut fitted[k], &mut searches[k]);
+            let Some(answers) = answers else {
+                search.settled = true;
+                continue;
+            };
             // The effects' part of each change: nuisances are projected out as their slopes have it.
-            one.changes = (0..runs)
-                .map(|run| {
-                    let frame = &frames[run];
-                    let moved = &frame.slopes * DVector::from_vec(requests[rows.start + run].step.clone());
-                    let features = answers[run].iter().zip(&frame.nominal).zip(moved.iter());
-                    features.map(|((f, n), m)| f - n - m).collect()
-                })
-                .collect();
-            let columns: Vec<DVector<f64>> = evidence.iter().zip(&one.changes).map(|(e, c)| e.column(c)).collect();
-            let residuals: Vec<DVector<f64>> = evidence.iter().zip(&columns).map(|(e, c)| &e.residual - c).collect();
-            if let [x] = one.strengths[..]
-                && x != 0.0
-            {
-                one.columns = vec![columns.iter().map(|c| c / x).collect()];
+            let change = |run: usize| -> Vec<f64> {
+                let frame = &frames[run];
+                let moved = &frame.slopes * DVector::from_vec(requests[rows.start + run].step.clone());
+                let features = answers[run].iter().zip(&frame.nominal).zip(moved.iter());
+                features.map(|((f, n), m)| f - n - m).collect()
+            };
+            let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
+            let found: Vec<DVector<f64>> = evidence.iter().zip(&changes).map(|(e, c)| e.column(c)).collect();
+            let residuals: Vec<DVector<f64>> = evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect();
+            search.learn(&mut one.columns, &one.strengths, found);
+            let square = norm_squared(&residuals);
+            if search.best.as_ref().is_none_or(|best| square < best.square) {
+                let features = answers.into_iter().cloned().collect();
+                let strengths = one.strengths.clone();
+                search.best = Some(Point { square, strengths, residuals, changes, features });
             }
-            let bounds = one.hypothesis.bounds(candidates, signatures);
-            let bounds: Vec<(f64, f64)> =
-                bounds.iter().zip(&one.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
-            let by: Vec<&[DVector<f64>]> = one.columns.iter().map(|c| &c[..]).collect();
-            let step = explain(&residuals, &by, &bounds, None);
-            one.strengths.iter_mut().zip(&step.strengths).for_each(|(x, d)| *x += d);
-            one.residuals = step.residuals;
-            one.covariance = step.covariance;
-            one.features = Some(answers.into_iter().cloned().collect());
+            if let Some(best) = &search.best {
+                search.settled = one.step(best, candidates, signatures);
+            }
         }
     }
     fitted
+}
+
+impl Fitted {
+    /// To where it fits best from the best that was simulated; whether that is hardly another place.
+    fn step(&mut self, best: &Point, candidates: &[Candidate], signatures: &[Signature]) -> bool {
+        let bounds = self.hypothesis.bounds(candidates, signatures);
+        let bounds: Vec<(f64, f64)> =
+            bounds.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
+        let by: Vec<&[DVector<f64>]> = self.columns.iter().map(|c| &c[..]).collect();
+        let step = explain(&best.residuals, &by, &bounds, None);
+        self.strengths = best.strengths.iter().zip(&step.strengths).map(|(x, d)| x + d).collect();
+        let gained = best.square - norm_squared(&step.residuals);
+        self.residuals = step.residuals;
+        self.covariance = step.covariance;
+        let moved = |run: usize| {
+            let more = self.hypothesis.change(signatures, &step.strengths, run);
+            best.changes[run].iter().zip(more).map(|(c, m)| c + m).collect()
+        };
+        self.changes = (0..best.changes.len()).map(moved).collect();
+        self.features = Some(best.features.clone());
+        gained < ENOUGH * best.square
+    }
 }

@@ -18,6 +18,9 @@ const NINETY: f64 = 1.644_853_627;
 const PARALLEL: f64 = 0.92;
 const APART: f64 = 3.0;
 
+/// Share of what is left of the gap, as an amplitude, that is believed to be the effect's own.
+const MISSED: f64 = 0.5;
+
 /// Places that are told.
 const PLACES: usize = 24;
 
@@ -116,6 +119,8 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
     let fitted = &judged.fitted;
     // A gap that is left makes every strength less sure.
     let scale = judged.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
+    // What the effect's equation misses of its own pattern may be as much of its strength.
+    let missed = MISSED * ((judged.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
     for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
         let signature = &court.signatures[*k];
         let candidate = &candidates[signature.candidate];
@@ -123,8 +128,9 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
             continue;
         }
         let strength = &candidate.strengths[signature.strength];
-        let half = NINETY * scale * fitted.covariance[(i, i)].max(0.0).sqrt();
         let value = fitted.strengths[i];
+        let own = scale * fitted.covariance[(i, i)].max(0.0).sqrt();
+        let half = NINETY * trig::hypot(own, missed * value);
         let amount = Amount {
             value: tidy(value),
             low: tidy((value - half).max(strength.low)),

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// A signature is taken where it is at least so many times the floor in the feature that it changes most.
 const CLEAR: f64 = 4.0;
 
-/// Sizes at which a signature is taken at most, each at most so many times the one before.
+/// Sizes at which a signature is taken at most, each at most so many times the one before, or as small a part of it.
 const ROUNDS: usize = 3;
 const MOST_MORE: f64 = 12.0;
 
@@ -65,7 +65,57 @@ pub fn signatures(
         }
         trials = again;
     }
-    found.into_values().collect()
+    // What goes up and down alike at first, as a blow does, has no sign yet.
+    let signed = |s: &&Signature| {
+        let candidate = &candidates[s.candidate];
+        candidate.strengths[s.strength].low < 0.0 && !candidate.sensor
+    };
+    let mut found: Vec<Signature> = found.into_values().collect();
+    let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
+    for (signature, whole) in take(simulator, evidence, &others, &mut |_| tell(all, all)) {
+        if whole {
+            keep(&mut found, signature, evidence);
+        }
+    }
+    found
+}
+
+/// Keeps a signature, unless one that was taken with the other sign explains more.
+pub fn keep(found: &mut Vec<Signature>, signature: Signature, evidence: &[Evidence]) {
+    let same = |s: &&mut Signature| (s.candidate, s.strength) == (signature.candidate, signature.strength);
+    match found.iter_mut().find(same) {
+        Some(known) => {
+            let turned = known.size * signature.size < 0.0;
+            if !turned || known.explains(evidence) < signature.explains(evidence) {
+                *known = signature;
+            }
+        }
+        None => found.push(signature),
+    }
+}
+
+impl Signature {
+    fn trial(&self) -> Trial {
+        Trial { candidate: self.candidate, strength: self.strength, size: self.size }
+    }
+
+    /// How much of the squares of what is left it explains, with its own sign.
+    fn explains(&self, evidence: &[Evidence]) -> f64 {
+        let (mut own, mut along) = (0.0, 0.0);
+        for (column, evidence) in self.columns.iter().zip(evidence) {
+            own += column.norm_squared();
+            along += column.dot(&evidence.residual);
+        }
+        let along = (along * self.size.signum()).max(0.0);
+        along * along / own.max(1e-300)
+    }
+}
+
+impl Trial {
+    /// With the other sign.
+    pub fn other(self) -> Trial {
+        Trial { size: -self.size, ..self }
+    }
 }
 
 /// The strength at which an effect does as much as there is to explain, and is clear: few effects are linear, and power grows
@@ -80,8 +130,8 @@ fn asked(signature: &Signature, evidence: &[Evidence], (low, high): (f64, f64)) 
         largest = largest.max(column.amax());
     }
     let size = (gap.max(0.0) / own.max(1e-300)).sqrt().max(1.5 * CLEAR / largest.max(1e-300));
-    let most = MOST_MORE * signature.size.abs();
-    let size = size.clamp(signature.size.abs(), most);
+    let now = signature.size.abs();
+    let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
     if along < 0.0 && low < 0.0 { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
 }
 

@@ -85,6 +85,8 @@ pub struct Frame {
     pub scatter: Vec<Vec<f64>>,
     /// By how much features may be off together.
     pub doubts: Vec<Vec<f64>>,
+    /// Features less the nominal ones of chains as they are built: draws of what no built chain lacks and no model has.
+    pub built: Vec<Vec<f64>>,
     /// Slopes: a row a feature, a column a nuisance.
     pub slopes: DMatrix<f64>,
     /// Of each nuisance's step, mean and deviation before the run.

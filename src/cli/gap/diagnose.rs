@@ -8,17 +8,21 @@ use crate::emit::simulation::Track;
 use crate::emit::{Files, json};
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
-use crate::gap::{Diagnosis, Simulator, Stage, diagnose};
+use crate::gap::{Diagnosis, Remembered, Simulator, Stage, diagnose};
 use crate::identify::study::Subject;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 
+/// Simulations of a diagnosis that was stopped, in the folder of its outputs.
+const PARTIAL: &str = "gap.partial";
+
 /// Diagnose the gap between a campaign of measured runs and the simulation of their layouts.
 ///
 /// Fits the nominal model to each run, maps what is left over the floor of two honest laps, asks every effect of the library
-/// whether it explains that, and tells how much of the gap each closes on runs left out. Writes gap.json and gap.html.
+/// whether it explains that, and tells how much of the gap each closes on runs left out. Writes gap.json and gap.html. One that was
+/// stopped goes on where it was when it is started again with the same outputs' folder.
 #[derive(Debug, clap::Args)]
 pub struct Diagnose {
     /// Folder of a campaign, its campaign.toml, or a single data file.
@@ -73,7 +77,8 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let mut found = bar.diagnose(&chains);
+        let known = Remembered::new(&chains, &self.output.join(PARTIAL));
+        let mut found = bar.diagnose(&known);
         found.lost = chains.lost();
         let mut files = Files::default();
         if self.apply {
@@ -85,7 +90,7 @@ impl Diagnose {
         // One map is drawn of runs on one layout.
         let same = subjects.iter().all(|s| s.simulation.track == first.subject.simulation.track);
         let track = same.then_some(&first.subject.simulation.track);
-        self.finish(&found, track, files, broken)
+        self.finish(&found, track, files, broken, known)
     }
 
     /// With a program outside as the model.
@@ -101,7 +106,8 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let mut found = bar.diagnose(&model);
+        let known = Remembered::new(&model, &self.output.join(PARTIAL));
+        let mut found = bar.diagnose(&known);
         found.axis = "s".into();
         found.lost = model.lost().to_vec();
         found.overlays.iter_mut().for_each(|o| o.unit = model.channels().get(&o.channel).cloned().unwrap_or_default());
@@ -109,17 +115,25 @@ impl Diagnose {
         if let Some(error) = &trouble {
             report::error(&error.to_string());
         }
-        self.finish(&found, None, Files::default(), trouble.is_some())
+        self.finish(&found, None, Files::default(), trouble.is_some(), known)
     }
 
     /// Writes and prints what was found.
-    fn finish(&self, found: &Diagnosis, track: Option<&Track>, mut files: Files, broken: bool) -> Outcome {
+    fn finish(
+        &self,
+        found: &Diagnosis,
+        track: Option<&Track>,
+        mut files: Files,
+        broken: bool,
+        known: Remembered,
+    ) -> Outcome {
         let title = self.campaign.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy().into_owned());
         files.push("gap.json", json::to_json(found));
         files.push("gap.html", crate::emit::gap::page(found, track, &title));
         if let Err(error) = files.write(&self.output) {
             return could_not("write", &error.path, &error.reason);
         }
+        known.forget();
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(found).unwrap_or_default() + "\n",
             OutputFormat::Text => format!("{}written to {}\n", text::text(found), self.output.display()),

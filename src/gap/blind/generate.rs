@@ -212,7 +212,13 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
             (source, *level)
         })
         .collect();
-    let sketch = |changes: Option<&Changes<'_>>, front: f64| reality.sketch(changes, front);
+    // As they would be measured, so that what no sensor tells is not over the floor.
+    let noise = mix(&mut { state });
+    let sketch = |changes: Option<&Changes<'_>>, front: f64| {
+        let run = reality.sketch(changes, front)?;
+        let mut state = noise.wrapping_add((1e3 * front) as u64 + u64::from(changes.is_some()));
+        Some(measured(run, reality.planned.first()?, track.file, &mut state))
+    };
     let mut without: Option<(Run, BTreeMap<Channel, f64>)> = None;
     if !sources.is_empty() {
         let (one, other) = (sketch(None, 0.0)?, sketch(None, 0.63)?);
@@ -232,11 +238,10 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
     let mut runs = Vec::new();
     let mut first = None;
     for (k, planned) in reality.planned.iter().enumerate().take(RUNS) {
-        let run = reality.record(k, Some(&changes))?;
+        let run = measured(reality.record(k, Some(&changes))?, planned, track.file, &mut state);
         if k == 0 {
             first = Some(run.clone());
         }
-        let run = measured(run, planned, track.file, &mut state);
         runs.push(Recorded { name: format!("run-{:02}", k + 1), run, tension: planned.chain.tension_n });
     }
     let oracle = match (&without, wish.kind.nameable()) {

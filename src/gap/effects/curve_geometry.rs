@@ -16,7 +16,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m",
         about: "to the left in the curve's middle",
         trial: 1e-3,
-        usual: 5e-4,
+        usual: 0.0,
         low: -0.04,
         high: 0.04,
     }],

@@ -14,6 +14,7 @@ mod motor_imbalance;
 mod motor_ripple;
 mod pitch_wear;
 pub mod rail_step;
+mod rail_waviness;
 mod sensor_bias_drift;
 mod sensor_clipping;
 mod sensor_crosstalk;
@@ -57,6 +58,9 @@ pub const LIBRARY: [&Effect; 22] = [
     &sensor_clipping::EFFECT,
     &sensor_swapped::EFFECT,
 ];
+
+/// What every built chain has, so that no diagnosis names it; a layout may.
+pub const BUILT: [&Effect; 1] = [&rail_waviness::EFFECT];
 
 /// An effect.
 pub struct Effect {
@@ -125,7 +129,7 @@ pub struct Sensed<'a> {
 
 /// The effect of a name.
 pub fn named(name: &str) -> Option<&'static Effect> {
-    LIBRARY.into_iter().find(|e| e.name == name)
+    LIBRARY.into_iter().chain(BUILT).find(|e| e.name == name)
 }
 
 /// A unit as the language spells it.
@@ -148,7 +152,7 @@ pub fn built(simulation: &Simulation) -> Result<(Simulation, Deviations), Unfit>
     for (k, given) in simulation.effects.iter().enumerate() {
         let place = |name: &str| format!("effects.{k}.{name}");
         let Some(effect) = named(&given.name) else {
-            let names: Vec<&str> = LIBRARY.iter().map(|e| e.name).collect();
+            let names: Vec<&str> = LIBRARY.iter().chain(&BUILT).map(|e| e.name).collect();
             let why = format!("there is no effect `{}`; there are {}", given.name, names.join(", "));
             return Err(Unfit { place: place("name"), why });
         };

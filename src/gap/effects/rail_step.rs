@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m",
         about: "of the step",
         trial: 1e-4,
-        usual: 2e-5,
+        usual: 0.0,
         low: -5e-3,
         high: 5e-3,
     }],
@@ -58,9 +58,9 @@ pub fn beside(step: &Site, cell: f64) -> Vec<(Site, Vec<Site>)> {
     let further = |at: f64| {
         let shapes = [(0.5, 1.0), (3.0, 1.0), (1.0, 0.25), (1.0, 0.5), (1.0, 2.5)];
         let shaped = shapes.map(|(rise, back)| site(at, rail, rise * RISE, back * BACK));
-        let between = [-0.125, 0.125].map(|share| site(at + share * cell, rail, RISE, BACK));
+        let between = [-0.25, -0.125, 0.125, 0.25].map(|share| site(at + share * cell, rail, RISE, BACK));
         shaped.into_iter().chain(between).collect()
     };
-    let near = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0].map(|share| at + share * cell);
+    let near = [-1.0, -0.5, 0.5, 1.0].map(|share| at + share * cell);
     near.map(|at| (site(at, rail, RISE, BACK), further(at))).to_vec()
 }

@@ -43,7 +43,7 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; 7] {
 #[test]
 fn every_effect_of_the_chain_moves_what_carts_measure() {
     let plain = fleet(&nominal());
-    for effect in LIBRARY.into_iter().filter(|e| !e.is_sensor()) {
+    for effect in LIBRARY.into_iter().chain(BUILT).filter(|e| !e.is_sensor()) {
         let strength = &effect.strengths[0];
         let simulation = with(effect.name, &[(strength.name, strength.trial)]);
         let moved = fleet(&simulation);
@@ -129,4 +129,15 @@ fn names_are_unique_and_sites_are_known() {
         }
         assert!(effect.strengths.iter().all(|s| s.low <= 0.0 && s.trial <= s.high), "{}", effect.name);
     }
+}
+
+#[test]
+fn rails_are_as_wavy_as_they_say() {
+    let (_, deviations) = built(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 3.0)])).expect("built");
+    for rail in &deviations.rails {
+        let square = rail.iter().map(|x| x * x).sum::<f64>() / rail.len() as f64;
+        assert!((square.sqrt() / 2e-5 - 1.0).abs() < 0.2, "{}", square.sqrt());
+    }
+    let (_, other) = built(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 4.0)])).expect("built");
+    assert!(other.rails != deviations.rails && deviations.rails[0] != deviations.rails[1]);
 }

@@ -155,6 +155,7 @@ impl Outside {
             variance: floor.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
             scatter: floor.scatter,
             doubts: floor.doubts,
+            built: Vec::new(),
             slopes,
             prior,
             nuisances: nuisances.iter().map(|n| n.name.clone()).collect(),

@@ -1,0 +1,212 @@
+//! Simulations that were made before: kept in a file while a diagnosis runs, so that one which was stopped goes on where it was.
+//!
+//! The file's first line tells of what model and runs it is; another's is begun anew. Then a line a simulation: the SHA-256 of what was
+//! asked, and the bits of the features. A line that was cut is one that was never made.
+
+use super::simulator::{Applied, Candidate, Frame, Request, Simulator};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+const MARK: &str = "lss gap simulations 1";
+
+/// A simulator that asks another one only what is not known.
+pub struct Remembered<'a> {
+    simulator: &'a dyn Simulator,
+    path: PathBuf,
+    book: Mutex<Book>,
+}
+
+struct Book {
+    known: BTreeMap<String, Option<Vec<f64>>>,
+    /// `None` where nothing can be written: nothing is kept then.
+    file: Option<File>,
+}
+
+impl<'a> Remembered<'a> {
+    /// With what a file knows of the same model and runs. The file and its folder are made if they are missing.
+    pub fn new(simulator: &'a dyn Simulator, path: &Path) -> Remembered<'a> {
+        let first = format!("{MARK} {}", fingerprint(simulator));
+        let known = read(path, &first).unwrap_or_default();
+        let file = begun(path, &first, &known).ok();
+        Remembered { simulator, path: path.to_owned(), book: Mutex::new(Book { known, file }) }
+    }
+
+    /// How many simulations are known.
+    pub fn known(&self) -> usize {
+        self.book().known.len()
+    }
+
+    /// Removes the file, once the diagnosis is written.
+    pub fn forget(self) {
+        let _ = fs::remove_file(&self.path);
+    }
+
+    fn book(&self) -> std::sync::MutexGuard<'_, Book> {
+        self.book.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+impl Simulator for Remembered<'_> {
+    fn candidates(&self) -> &[Candidate] {
+        self.simulator.candidates()
+    }
+
+    fn frames(&self) -> &[Frame] {
+        self.simulator.frames()
+    }
+
+    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
+        self.simulate_all(&[request]).pop().flatten()
+    }
+
+    fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        let keys: Vec<String> = requests.iter().map(key).collect();
+        let missing: Vec<usize> = {
+            let book = self.book();
+            (0..requests.len()).filter(|k| !book.known.contains_key(&keys[*k])).collect()
+        };
+        let asked: Vec<Request> = missing.iter().map(|k| requests[*k].clone()).collect();
+        let answers = self.simulator.simulate_all(&asked);
+        let mut book = self.book();
+        let mut text = String::new();
+        for (k, answer) in missing.into_iter().zip(answers) {
+            line(&mut text, &keys[k], answer.as_deref());
+            book.known.insert(keys[k].clone(), answer);
+        }
+        if let Some(file) = &mut book.file
+            && file.write_all(text.as_bytes()).and_then(|()| file.flush()).is_err()
+        {
+            book.file = None;
+        }
+        keys.iter().map(|key| book.known.get(key).cloned().flatten()).collect()
+    }
+}
+
+/// Of the model's effects and the runs as they were fitted.
+fn fingerprint(simulator: &dyn Simulator) -> String {
+    let mut hash = Sha256::new();
+    hash.update(env!("CARGO_PKG_VERSION"));
+    hash.update(format!("{:?}", simulator.candidates()));
+    for frame in simulator.frames() {
+        hash.update(&frame.run);
+        let numbers = frame.measured.iter().chain(&frame.nominal).chain(&frame.variance).chain(frame.slopes.iter());
+        numbers.for_each(|x| hash.update(x.to_bits().to_le_bytes()));
+    }
+    hex(&hash.finalize())
+}
+
+fn key(request: &Request) -> String {
+    let mut hash = Sha256::new();
+    hash.update((request.run as u64).to_le_bytes());
+    hash.update((request.step.len() as u64).to_le_bytes());
+    request.step.iter().for_each(|x| hash.update(x.to_bits().to_le_bytes()));
+    for effect in &request.effects {
+        hash.update((effect.candidate as u64).to_le_bytes());
+        effect.strengths.iter().for_each(|x| hash.update(x.to_bits().to_le_bytes()));
+    }
+    hex(&hash.finalize())
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, b| {
+        let _ = write!(text, "{b:02x}");
+        text
+    })
+}
+
+fn line(text: &mut String, key: &str, answer: Option<&[f64]>) {
+    // What could not be simulated may have had its reason outside.
+    let Some(features) = answer else { return };
+    text.push_str(key);
+    features.iter().for_each(|x| {
+        let _ = write!(text, " {:x}", x.to_bits());
+    });
+    text.push_str(" .\n");
+}
+
+fn read(path: &Path, first: &str) -> Option<BTreeMap<String, Option<Vec<f64>>>> {
+    let text = fs::read_to_string(path).ok()?;
+    let mut lines = text.lines();
+    if lines.next() != Some(first) {
+        return None;
+    }
+    let one = |line: &str| {
+        let (key, rest) = line.strip_suffix(" .")?.split_once(' ')?;
+        let bits = rest.split(' ').map(|x| u64::from_str_radix(x, 16).map(f64::from_bits));
+        Some((key.to_owned(), Some(bits.collect::<Result<Vec<f64>, _>>().ok()?)))
+    };
+    Some(lines.filter_map(one).collect())
+}
+
+/// The file with what is known already, open for more.
+fn begun(path: &Path, first: &str, known: &BTreeMap<String, Option<Vec<f64>>>) -> io::Result<File> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let mut text = format!("{first}\n");
+    known.iter().for_each(|(key, answer)| line(&mut text, key, answer.as_deref()));
+    let mut file = File::create(path)?;
+    file.write_all(text.as_bytes())?;
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Counts what it is asked.
+    struct Counting(AtomicUsize);
+
+    impl Simulator for Counting {
+        fn candidates(&self) -> &[Candidate] {
+            &[]
+        }
+
+        fn frames(&self) -> &[Frame] {
+            &[]
+        }
+
+        fn simulate(&self, run: usize, step: &[f64], _: &[Applied]) -> Option<Vec<f64>> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            (run < 9).then(|| vec![run as f64 + 0.1, step.iter().sum(), f64::NAN])
+        }
+    }
+
+    #[test]
+    fn a_stopped_diagnosis_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/gap.partial");
+        let of = |run: usize, step: f64| Request { run, step: vec![step], effects: Vec::new() };
+        let bits = |answers: &[Option<Vec<f64>>]| -> Vec<Option<Vec<u64>>> {
+            answers.iter().map(|a| a.as_ref().map(|x| x.iter().map(|y| y.to_bits()).collect())).collect()
+        };
+        let counting = Counting(AtomicUsize::new(0));
+        let first = Remembered::new(&counting, &path);
+        let whole = first.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2)]);
+        assert_eq!(counting.0.load(Ordering::Relaxed), 3);
+        drop(first);
+        // The last line is cut, as when the power fails.
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, &text[..text.len() - 4]).unwrap();
+        let second = Remembered::new(&counting, &path);
+        assert_eq!(second.known(), 1);
+        let again = second.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2), of(2, 0.2)]);
+        assert_eq!(bits(&again[..3]), bits(&whole));
+        // Only the first was known; what could not be simulated is asked for again.
+        assert_eq!(counting.0.load(Ordering::Relaxed), 6);
+        assert_eq!(Remembered::new(&counting, &path).known(), 3);
+        // Another model's file is begun anew.
+        fs::write(&path, text.replacen(" 1 ", " 1 0", 1)).unwrap();
+        let third = Remembered::new(&counting, &path);
+        assert_eq!(third.known(), 0);
+        third.forget();
+        assert!(!path.exists());
+    }
+}
