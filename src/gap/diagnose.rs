@@ -68,7 +68,9 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new() };
     court.excess = court.mean_excess(|run| court.evidence[run].residual.clone());
 
-    for _ in 0..LOOKS {
+    // Where there is no gap there is nothing to look at more closely, nor to fit.
+    let gap = court.excess > 1.0;
+    for _ in 0..if gap { LOOKS } else { 0 } {
         court.look_closer(&mut |done, of| tell(Stage::Screening { done, of }));
     }
     let singles = court.singles();
@@ -86,7 +88,10 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         }
     }
     pairs.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    let (chosen, rest) = court.shortlist(singles, pairs);
+    let (mut chosen, mut rest) = court.shortlist(singles, pairs);
+    if !gap {
+        rest.append(&mut chosen);
+    }
     let chosen = chosen.into_iter().map(|j| j.fitted).collect();
     let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });

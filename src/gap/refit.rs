@@ -9,6 +9,9 @@ use nalgebra::{DMatrix, DVector};
 const ROUNDS: usize = 4;
 const ENOUGH: f64 = 0.02;
 
+/// What leaves so many times the squares that another hypothesis does is not followed.
+const HOPELESS: f64 = 4.0;
+
 /// A step that changes less than this share of what the effects do tells nothing of their slopes.
 const SHORT: f64 = 0.1;
 
@@ -188,6 +191,11 @@ pub fn refit(
             if let Some(best) = &search.best {
                 search.settled = one.step(best, candidates, signatures);
             }
+        }
+        // What leaves several times as much as another one will not come up with it.
+        let least = searches.iter().filter_map(|s| s.best.as_ref()).map(|b| b.square).fold(f64::INFINITY, f64::min);
+        for search in &mut searches {
+            search.settled |= search.best.as_ref().is_some_and(|best| best.square > HOPELESS * least);
         }
     }
     fitted

@@ -48,6 +48,7 @@ pub fn signatures(
         })
         .collect();
     let all = trials.len();
+    let gap = evidence.iter().any(|e| e.excess(&e.residual) > 1.0);
     let mut found: BTreeMap<(usize, usize), Signature> = BTreeMap::new();
     for round in 0..ROUNDS {
         let mut again = Vec::new();
@@ -56,7 +57,7 @@ pub fn signatures(
         for (trial, (signature, whole)) in trials.iter().zip(taken) {
             let strength = &candidates[trial.candidate].strengths[trial.strength];
             let asked = asked(&signature, evidence, (strength.low, strength.high));
-            if round + 1 < ROUNDS && whole && !(0.5..2.0).contains(&(asked / trial.size)) {
+            if gap && round + 1 < ROUNDS && whole && !(0.5..2.0).contains(&(asked / trial.size)) {
                 again.push(Trial { size: asked, ..*trial });
             }
             if whole || round == 0 {
@@ -65,10 +66,10 @@ pub fn signatures(
         }
         trials = again;
     }
-    // What goes up and down alike at first, as a blow does, has no sign yet.
+    // A blow at a place has no sign as long as the place is not known.
     let signed = |s: &&Signature| {
-        let candidate = &candidates[s.candidate];
-        candidate.strengths[s.strength].low < 0.0 && !candidate.sensor
+        let placed = candidates.iter().any(|c| c.beside == Some(s.candidate));
+        gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
     };
     let mut found: Vec<Signature> = found.into_values().collect();
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
