@@ -10,7 +10,7 @@ use crate::kinematics::{Fit, fit};
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::unsupported;
-use crate::solve::{self, Certificate, Effort, Options, Solver};
+use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -105,7 +105,16 @@ struct Summary<'a> {
 /// What is proven of the last stage's layout.
 #[derive(Serialize)]
 struct CertificateSummary<'a> {
-    lower_bound_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_eur: Option<f64>,
+    /// Before the price of each piece is rounded to the cent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value_eur: Option<f64>,
+    /// What each metre counts beside the price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eur_per_metre: Option<f64>,
     gap: f64,
     proven: bool,
     nodes: usize,
@@ -253,8 +262,15 @@ impl Build {
 }
 
 fn certificate(c: &Certificate) -> CertificateSummary<'_> {
+    let price = match c.counted {
+        Counted::Length => None,
+        Counted::Price { metre } => Some(metre),
+    };
     CertificateSummary {
-        lower_bound_m: c.lower_bound,
+        lower_bound_m: price.is_none().then_some(c.lower_bound),
+        lower_bound_eur: price.map(|_| c.lower_bound),
+        value_eur: price.map(|_| c.value),
+        eur_per_metre: price.filter(|metre| *metre > 0.0),
         gap: c.gap,
         proven: c.proven,
         nodes: c.nodes,
@@ -291,11 +307,20 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
     }
     if let Some(c) = &summary.certificate {
         let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };
+        let least = match (c.lower_bound_eur, c.eur_per_metre) {
+            (Some(eur), None) => format!("cheaper than {eur:.3} EUR"),
+            (Some(eur), Some(metre)) => format!("better than {eur:.3} EUR, a metre counted as {metre} EUR"),
+            (None, _) => format!("shorter than {:.6} m", c.lower_bound_m.unwrap_or(0.0)),
+        };
+        let best = match (c.lower_bound_eur, c.eur_per_metre) {
+            (None, _) => "shortest",
+            (Some(_), None) => "cheapest",
+            (Some(_), Some(_)) => "best",
+        };
         out += &if c.proven {
-            format!("  proven shortest: no layout on this grid is shorter than {:.6} m ({nodes})\n", c.lower_bound_m)
+            format!("  proven {best}: no layout on this grid is {least} ({nodes})\n")
         } else {
-            let percent = 100.0 * c.gap;
-            format!("  no layout on this grid is shorter than {:.6} m (gap {percent:.3} %, {nodes})\n", c.lower_bound_m)
+            format!("  no layout on this grid is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
         };
     }
     if let Some(chain) = &summary.chain {

@@ -4,7 +4,7 @@
 //! angle step and radii the catalogue's own, and the straights take up what that opens: with headings fixed, closure
 //! is linear in their lengths.
 
-use super::{Cover, Shape, cover};
+use super::{Cover, Shape, Steps, cover};
 use crate::geometry::{PieceKind, Point, Track, trig};
 use crate::model::{Catalog, Layout, StraightStock};
 
@@ -70,13 +70,18 @@ impl Course {
     }
 
     /// Closes the course by the least-norm change of the straights' lengths, none below 0. Straights that stock
-    /// lengths make up keep that length unless the course cannot close without them.
+    /// lengths (or, where cost counts, fewer pieces) make up keep that length unless the course cannot close without them.
     fn close(&mut self, stock: &StraightStock, wanted: Cover) {
         let written = self.runs.clone();
         let mut held: Vec<bool> = Vec::with_capacity(self.runs.len());
+        let straight = |run: &Run| if let Shape::Straight { length, .. } = run.shape { length } else { 0.0 };
+        let longest = self.runs.iter().map(straight).fold(0.0, f64::max);
+        // Where it is the price that counts, a straight may be a hair longer than what fewer pieces make.
+        let steps = (wanted == Cover::Cheapest).then(|| Steps::new(stock, longest + 2.0 * SNAP)).flatten();
         for run in &mut self.runs {
             let nearest = match run.shape {
-                Shape::Straight { length, .. } if length > 0.0 => cover::nearest_stock(length, SNAP, stock, wanted),
+                Shape::Straight { length, .. } if length > 0.0 => cover::nearest_stock(length, SNAP, stock, wanted)
+                    .or_else(|| steps.as_ref()?.nearest_cheaper(length, SNAP)),
                 _ => None,
             };
             if let Some(length) = nearest {

@@ -15,10 +15,9 @@ pub mod sqp;
 mod stages;
 mod subproblem;
 
-pub use certificate::Certificate;
+pub use certificate::{Certificate, Counted};
 pub use conflict::implied;
-pub use exact::Effort;
-pub use exact::discretise;
+pub use exact::{Aim, Effort, discretise, least_of_a_metre, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use perturb::perturbed;
