@@ -134,3 +134,20 @@ fn the_bill_is_as_long_as_the_track() {
         assert_eq!(ordered, list.len(), "{name}");
     }
 }
+
+/// What a climb is made of is in the price, and the bound below it.
+#[test]
+fn climbs_cost() {
+    let text = layout(
+        &RECTANGLE,
+        "  level P1..P2 1 m\n  level P3..P4 2 m\n  ramp P2..P3 from 0.5 m slope 0.1405\n  optimise cost",
+    );
+    let compiled = build(&text);
+    feasible(&compiled);
+    let certificate = compiled.stages.last().and_then(|s| s.certificate.clone()).expect("a certificate");
+    assert!((compiled.bill.price - certificate.value).abs() <= 0.005 * compiled.bill.count as f64 + 1e-3);
+    assert!(certificate.lower_bound > 0.0 && certificate.lower_bound <= certificate.value);
+    assert!(compiled.bill.lines.iter().any(|l| matches!(l.ware, Ware::Vertical { .. })));
+    let shortest = build(&text.replace("optimise cost", "optimise length"));
+    assert!(certificate.lower_bound <= shortest.bill.price);
+}

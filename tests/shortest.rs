@@ -3,9 +3,12 @@
 
 mod small;
 
-use lss::geometry::{Point, Polygon};
+use lss::geometry::{Corner, Point, Polygon, Track};
 use lss::solve::Effort;
-use small::{Asked, HALF_WIDTH, Random, SHORTEST, Small, choices, last, random, text};
+use small::{Asked, Random, SHORTEST, Small, choices, last, random, text};
+
+/// Of the width that the text has, m.
+const HALF_WIDTH: f64 = 0.3;
 
 /// The length of the shortest, without obstacles.
 fn shortest(small: &Small, asked: &Asked) -> f64 {
@@ -50,6 +53,14 @@ fn no_choice_of_turns_and_radii_is_shorter() {
     assert!(proven * 10 >= count * 9, "{proven} of {count}");
 }
 
+/// Points of the centre line, about `step` apart.
+fn line(small: &Small, step: f64) -> Vec<Point> {
+    let corners = small.points().into_iter().zip(&small.radii);
+    let track = Track::new(&corners.map(|(point, &radius)| Corner { point, radius }).collect::<Vec<_>>());
+    let count = (track.length / step).ceil() as usize;
+    (0..count).map(|k| track.at(track.length * k as f64 / count as f64).0).collect()
+}
+
 /// The even-odd rule.
 fn encloses(line: &[Point], p: Point) -> bool {
     let crosses =
@@ -59,7 +70,7 @@ fn encloses(line: &[Point], p: Point) -> bool {
 
 /// Whether a layout keeps its distance from an obstacle and has it on the wanted side, by points of its centre line.
 fn clear(small: &Small, obstacle: &[Point], inside: bool, distance: f64) -> bool {
-    let line = small.line(0.1);
+    let line = line(small, 0.1);
     let polygon = Polygon::new(obstacle.to_vec()).expect("a rectangle");
     let near = line.iter().map(|&p| polygon.distance_to_outline(p)).fold(f64::INFINITY, f64::min);
     near >= distance && line.iter().all(|&p| !polygon.contains(p)) && encloses(&line, obstacle[0]) == inside

@@ -34,7 +34,8 @@ impl Steps {
     /// lengths that share no common measure.
     pub fn new(stock: &StraightStock, longest: f64) -> Option<Self> {
         let mut offers: Vec<(f64, f64, f64)> = Vec::new();
-        let most_cuts = stock.cut.map_or(0, |c| if c.high > EXACT { (longest / c.high).ceil() as usize + 1 } else { 0 });
+        let most_cuts =
+            stock.cut.map_or(0, |c| if c.high > EXACT { (longest / c.high).ceil() as usize + 1 } else { 0 });
         let price = |pieces: usize, cuts: usize| stock.price.per_piece * pieces as f64 + stock.cut_price * cuts as f64;
         for (sum, pieces) in sums(&stock.stock, longest)? {
             offers.push((price(pieces, 0), sum, sum));
@@ -178,7 +179,10 @@ mod tests {
     fn stock_without_cuts_is_a_set_of_lengths() {
         let steps = Steps::new(&stock(&[1.0, 2.5], None, 0.0), 4.0).expect("few steps");
         let told: Vec<_> = steps.points().iter().map(|p| (p.length, p.price)).collect();
-        assert_eq!(told, [(0.0, 0.0), (1.0, 60.0), (2.0, 120.0), (2.5, 60.0), (3.0, 180.0), (3.5, 120.0), (4.0, 240.0)]);
+        assert_eq!(
+            told,
+            [(0.0, 0.0), (1.0, 60.0), (2.0, 120.0), (2.5, 60.0), (3.0, 180.0), (3.5, 120.0), (4.0, 240.0)]
+        );
         assert_eq!(steps.price(2.2), f64::INFINITY);
     }
 

@@ -1,6 +1,6 @@
 //! Small random loops as text, and every choice of turns and radii that they have.
 
-use lss::geometry::{Point, Track, trig};
+use lss::geometry::{Point, trig};
 use lss::model::Layout;
 use lss::semantics::analyse;
 use lss::solve::{Effort, Options, Stage, solve};
@@ -12,7 +12,6 @@ pub const RADII: [f64; 2] = [2.0, 5.0];
 pub const SHORTEST: f64 = 0.2;
 /// Least and most steps of a turn.
 pub const TURNS: (i32, i32) = (1, 8);
-pub const HALF_WIDTH: f64 = 0.3;
 
 pub fn layout(text: &str) -> Layout {
     let mut sources = SourceMap::default();
@@ -94,15 +93,6 @@ impl Small {
         self.straights[a] = -open.cross(units[b]) / det;
         self.straights[b] = -units[a].cross(open) / det;
         true
-    }
-
-    /// Points of the centre line, about `step` apart.
-    pub fn line(&self, step: f64) -> Vec<Point> {
-        let corners = self.points().into_iter().zip(&self.radii);
-        let track =
-            Track::new(&corners.map(|(point, &radius)| lss::geometry::Corner { point, radius }).collect::<Vec<_>>());
-        let count = (track.length / step).ceil() as usize;
-        (0..count).map(|k| track.at(track.length * k as f64 / count as f64).0).collect()
     }
 }
 

@@ -35,8 +35,10 @@ struct Chart {
 impl Chart {
     fn new(sheet: &Sheet, length: f64, (low, high): (f64, f64)) -> Self {
         let (left, top, right, bottom) = ROOM;
-        let area =
-            Area { low: sheet.profile.low + Point::new(left, top), high: sheet.profile.high - Point::new(right, bottom) };
+        let area = Area {
+            low: sheet.profile.low + Point::new(left, top),
+            high: sheet.profile.high - Point::new(right, bottom),
+        };
         // From the floor, if that is not far below.
         let base = if low > 0.0 && low <= 2.0 * (high - low) { 0.0 } else { low };
         let along = area.width() / length;
@@ -66,7 +68,8 @@ pub fn profile(sheet: &Sheet, compiled: &Compiled) -> Element {
     let title = format!("height over arc length s, m; heights are drawn {ratio} times as large as lengths");
     group.push(text::line(sheet.profile.low + Point::new(4.0, 4.6), title, Height::H18, "quiet"));
     group.push(vertices(&chart, compiled));
-    let line: Vec<String> = points.iter().map(|&(s, z)| chart.at(s, z)).map(|p| format!("{} {}", number(p.x), number(p.y))).collect();
+    let line: Vec<String> =
+        points.iter().map(|&(s, z)| chart.at(s, z)).map(|p| format!("{} {}", number(p.x), number(p.y))).collect();
     let line = format!("M{}", line.join("L"));
     let (begin, end) = (chart.at(0.0, chart.base), chart.at(chart.length, chart.base));
     let floor = format!("L{} {}L{} {}Z", number(end.x), number(end.y), number(begin.x), number(begin.y));
@@ -142,10 +145,10 @@ fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
         let foot = chart.at(s, chart.base);
         let top = Point::new(foot.x, chart.area.low.y - 1.6);
         group.push(path(&path_line(foot, top), "tangent"));
-        let name = &compiled.layout.vertices[i].name;
-        let half = text::width(name, Height::H18.size(), false) / 2.0;
+        let name = text::fitted(&compiled.layout.vertices[i].name, Height::H18, false, 20.0);
+        let half = text::width(&name, Height::H18.size(), false) / 2.0;
         if foot.x - half > free + 1.0 {
-            group.push(text::centred(top - Point::new(0.0, 1.8), 0.0, name.as_str(), Height::H18, ""));
+            group.push(text::centred(top - Point::new(0.0, 1.8), 0.0, name, Height::H18, ""));
             free = foot.x + half;
         }
     }
@@ -171,8 +174,11 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
             _ => climbs.push((stretch.s, stretch.s + stretch.length, slope)),
         }
     }
+    let middle = |climb: &(f64, f64, f64)| compiled.round_trip((climb.0 + climb.1) / 2.0 - compiled.start());
+    climbs.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+    let mut free = f64::NEG_INFINITY;
     for (from, to, slope) in climbs {
-        let s = compiled.round_trip((from + to) / 2.0 - compiled.start());
+        let s = middle(&(from, to, slope));
         let z = compiled.space.line.at((from + to) / 2.0).position.z;
         let label = format!("{} %", trimmed(100.0 * slope, 2));
         let wide = text::width(&label, Height::H18.size(), false);
@@ -182,7 +188,10 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
         let tall = Height::H18.capitals();
         let at = chart.at(s, z) + Point::new(aside, if slope > 0.0 { tall } else { 0.0 });
         let at = Point::new(at.x.min(chart.area.high.x - wide), at.y.clamp(chart.area.low.y, chart.area.high.y - 0.8));
-        group.push(text::line(at, label, Height::H18, "halo"));
+        if at.x > free + 1.0 {
+            group.push(text::line(at, label, Height::H18, "halo"));
+            free = at.x + wide;
+        }
     }
     group
 }

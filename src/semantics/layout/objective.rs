@@ -6,7 +6,7 @@ use crate::model::{Catalog, Goal, Objective};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
 use crate::semantics::scope::Context;
-use crate::solve::least_of_a_metre;
+use crate::solve::unpriced;
 use crate::syntax::tree::{self, Statement};
 
 impl<'t> Context<'t> {
@@ -69,11 +69,7 @@ impl<'t> Context<'t> {
     /// What costs nothing has no cheapest layout.
     pub(super) fn check_prices(&self, objective: &Objective, catalog: &Catalog) {
         let wanted = objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost);
-        let curve = catalog.curve.price;
-        let free: Vec<&str> = [("straight", least_of_a_metre(catalog)), ("curve", curve.per_metre + curve.per_piece)]
-            .into_iter()
-            .filter_map(|(stock, price)| (price <= 0.0).then_some(stock))
-            .collect();
+        let free: Vec<&str> = unpriced(catalog).collect();
         let (Some(span), true, Some(first)) = (objective.span, wanted, free.first()) else { return };
         let name = &catalog.name;
         self.report(

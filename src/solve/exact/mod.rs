@@ -18,7 +18,7 @@ mod search;
 mod tariff;
 
 pub use search::Effort;
-pub use tariff::{Aim, least_of_a_metre, worth};
+pub use tariff::{Aim, unpriced, worth};
 
 use super::sqp::{Settings, Solution};
 use super::stages::Discretised;
@@ -243,8 +243,7 @@ impl Task<'_> {
         let stated = row::state(problem, grid);
         let most = |i: &(Vec<f64>, f64)| i.1 / tariff::least_rate(self.layout, self.aim);
         let longest = incumbent.map_or_else(|| 10.0 * problem.evaluate(&problem.start, 0.0).length, most);
-        let straights: Vec<(f64, f64)> =
-            stated.straights.iter().map(|s| (s.0, s.1.min(longest).max(s.0))).collect();
+        let straights: Vec<(f64, f64)> = stated.straights.iter().map(|s| (s.0, s.1.min(longest).max(s.0))).collect();
         let first = match stated.fixed.first() {
             Some(&(0, p)) => (p, p),
             _ => surroundings(self.layout, longest),

@@ -13,7 +13,9 @@ use super::search::{FEASIBLE, Found, Setting, search as whole, track};
 pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64), longest: f64) -> Found {
     let grid = setting.grid;
     let pins = pins(grid, stated);
-    let Some(held) = place(grid, &incumbent.0).filter(|_| split(grid, stated)) else { return whole(&setting, Some(incumbent)) };
+    let Some(held) = place(grid, &incumbent.0).filter(|_| split(grid, stated)) else {
+        return whole(&setting, Some(incumbent));
+    };
     let n = grid.len();
     let (full, limits, tariff) =
         (setting.open.clone(), setting.limits.straights.clone(), setting.limits.tariff.clone());

@@ -19,7 +19,9 @@ use crate::problem::Problem;
 pub enum Aim {
     Length,
     /// The price of the pieces, EUR, and so much for each metre, EUR/m.
-    Price { metre: f64 },
+    Price {
+        metre: f64,
+    },
 }
 
 impl Aim {
@@ -124,7 +126,8 @@ impl Tariff {
             self.straight[k] * length + cells.price(cells.cell(length, (0, cells.count() - 1)))
         };
         let curve = |k: usize| {
-            let (radius, steps) = (grid.radii[k % n][place.radii[k % n].0], place.headings[k][0] - place.headings[k - 1][0]);
+            let (radius, steps) =
+                (grid.radii[k % n][place.radii[k % n].0], place.headings[k][0] - place.headings[k - 1][0]);
             self.arc[k % n] * radius * grid.turn(steps).0 + self.turn(k % n, steps)
         };
         (0..n).map(straight).sum::<f64>() + (1..=n).map(curve).sum::<f64>()
@@ -169,9 +172,11 @@ pub fn least_rate(layout: &Layout, aim: Aim) -> f64 {
     let catalog = &layout.catalog;
     let curve = catalog.curve.price;
     let longest = catalog.curve.largest * catalog.curve.radii.last().copied().unwrap_or(1.0);
-    let least = least_of_a_metre(&layout.catalog).min(curve.per_metre + curve.per_piece / longest.max(f64::MIN_POSITIVE));
+    let least =
+        least_of_a_metre(&layout.catalog).min(curve.per_metre + curve.per_piece / longest.max(f64::MIN_POSITIVE));
     let climbs = [catalog.vertical.as_ref().map(|v| v.price), catalog.spiral.as_ref().map(|s| s.price)];
-    let raised = climbs.into_iter().map(|c| c.unwrap_or(curve).per_metre).fold(catalog.straight.price.per_metre, f64::min);
+    let raised =
+        climbs.into_iter().map(|c| c.unwrap_or(curve).per_metre).fold(catalog.straight.price.per_metre, f64::min);
     (if layout.is_flat() { least } else { least.min(raised) } + metre) / unit(layout, aim)
 }
 
@@ -180,6 +185,13 @@ pub fn least_of_a_metre(catalog: &Catalog) -> f64 {
     let stock = &catalog.straight;
     let longest = stock.stock.iter().copied().chain(stock.cut.map(|c| c.high)).fold(0.0, f64::max);
     stock.price.per_metre + if longest > 0.0 { stock.price.per_piece / longest } else { 0.0 }
+}
+
+/// What of a catalogue's stocks costs nothing: `straight`, `curve`.
+pub fn unpriced(catalog: &Catalog) -> impl Iterator<Item = &'static str> {
+    let curve = catalog.curve.price;
+    let prices = [("straight", least_of_a_metre(catalog)), ("curve", curve.per_metre + curve.per_piece)];
+    prices.into_iter().filter_map(|(stock, price)| (price <= 0.0).then_some(stock))
 }
 
 /// What a layout costs, and so much for each metre, EUR; infinite where its straights cannot be made.
