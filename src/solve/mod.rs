@@ -18,7 +18,7 @@ mod subproblem;
 
 pub use certificate::{Certificate, Counted};
 pub use conflict::implied;
-pub use exact::{Aim, Effort, discretise, unpriced, worth};
+pub use exact::{Effort, discretise, unpriced, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use pareto::{Trade, objective, pareto};

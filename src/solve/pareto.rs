@@ -5,7 +5,7 @@
 //! of a metre are not found this way.
 
 use super::stages::{Options, Progress, solve};
-use super::{Aim, Certificate, Stage, Status, worth};
+use super::{Certificate, Stage, Status, worth};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout, Objective};
 
@@ -78,10 +78,9 @@ fn trade(layout: &Layout, metre: Option<f64>, options: &Options, watch: &(dyn Fn
     let track = Track::new(&last.corners);
     // Bought for the least money in any case.
     layout.objective = objective(&layout, Some(0.0));
-    debug_assert_eq!(Aim::of(&layout), Aim::Price { metre: 0.0 });
     let price = worth(&layout, &track, 0.0);
     let certificate = last.certificate.clone();
-    price.is_finite().then(|| Trade { metre, length: track.length, price, certificate, stages })
+    price.is_finite().then_some(Trade { metre, length: track.length, price, certificate, stages })
 }
 
 /// By length, without what another one is as good as in both.

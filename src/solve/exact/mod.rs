@@ -18,7 +18,7 @@ mod search;
 mod tariff;
 
 pub use search::Effort;
-pub use tariff::{Aim, unpriced, worth};
+pub use tariff::{unpriced, worth};
 
 use super::sqp::{Settings, Solution};
 use super::stages::Discretised;
@@ -34,7 +34,7 @@ use row::Stated;
 use search::{FEASIBLE, Found, Polish, Setting, Value};
 use std::cell::RefCell;
 use std::time::Instant;
-use tariff::{Detail, Tariff};
+use tariff::{Aim, Detail, Tariff};
 
 /// The shortest or cheapest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how far it may
 /// be from the best.

@@ -430,7 +430,8 @@ impl Search<'_> {
             self.push(&node, |c| c.open.radii[k] = (place, place));
             return;
         }
-        if let Some(lack) = lack {
+        // What closes at another length has other straights; what costs more than its bound may have any.
+        if let Some(lack) = lack.filter(|_| !counted) {
             let straight = (0..grid.len()).map(|k| (k, 1.0)).collect();
             let low = total() + lack - 0.1 * FEASIBLE;
             self.push(&node, |c| c.rows.push(Row { straight, low, ..Row::default() }));

@@ -253,7 +253,7 @@ impl Cells {
 
     pub fn price(&self, cell: usize) -> f64 {
         let step = &self.steps[cell / 2];
-        if cell % 2 == 0 { step.price } else { step.after }
+        if cell.is_multiple_of(2) { step.price } else { step.after }
     }
 
     /// The lower convex hull of length and price over some cells; empty where none of them can be made.
