@@ -9,7 +9,7 @@ use super::grid::Grid;
 use super::network::Open;
 use super::parts::place;
 use super::search::track;
-use crate::elements::{self, Space, Step, Steps};
+use crate::elements::{self, Piece, Space, Step, Steps, Ware};
 use crate::geometry::Track;
 use crate::model::{Catalog, Goal, Layout};
 use crate::problem::Problem;
@@ -199,7 +199,12 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
     let sequence = elements::sequence(track, layout);
     let (space, _) = Space::new(layout, &sequence);
     let pieces = elements::pieces(&sequence, &space, layout);
-    if pieces.iter().any(|p| !p.in_catalog && matches!(p.ware, elements::Ware::Straight { .. })) {
+    // What a climb leaves of its straight may be shorter than any piece: the bill estimates it.
+    let stock = &layout.catalog.straight;
+    let least = stock.stock.iter().copied().chain(stock.cut.map(|c| c.low)).fold(f64::INFINITY, f64::min);
+    let left_over = |length: f64| !layout.is_flat() && length < least;
+    let lacking = |p: &Piece| matches!(p.ware, Ware::Straight { length, .. } if !p.in_catalog && !left_over(length));
+    if pieces.iter().any(lacking) {
         return f64::INFINITY;
     }
     elements::price(&pieces, layout) + metre * track.length
