@@ -114,3 +114,14 @@ fn a_chain_that_must_close_does() {
     // No more than a cart's length was added, and no less than the shortest of all.
     assert!(compiled.track.length > open.length - 1e-6 && compiled.track.length < open.length + 1.25);
 }
+
+/// Between two curves lies no less than the catalogue's shortest straight.
+#[test]
+fn the_shortest_straight_is_kept() {
+    let text = include_str!("../examples/smallest.lss").replace("catalog standard\n", "catalog ours\n");
+    let layout =
+        layout(&format!("{text}\ncatalog ours from standard {{\n  straight {{\n    shortest = 1.5 m\n  }}\n}}\n"));
+    let stage = last(&layout, Effort::default(), 1);
+    assert!(stage.certificate.expect("a certificate").proven);
+    assert!((stage.length - (4.0 * 1.5 + 6.0 * std::f64::consts::PI)).abs() < 1e-6, "{}", stage.length);
+}

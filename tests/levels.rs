@@ -6,7 +6,7 @@ use lss::emit::Compiled;
 use lss::geometry::{Track, trig};
 use lss::model::Layout;
 use lss::semantics::{analyse, unsupported};
-use lss::solve::{self, Options, Status};
+use lss::solve::{self, Effort, Options, Status};
 use lss::source::{Loader, SourceMap};
 
 fn check(text: &str) -> (Option<Layout>, Vec<Diagnostic>) {
@@ -133,4 +133,27 @@ fn the_bill_is_as_long_as_the_track() {
         let ordered: usize = compiled.bill.lines.iter().map(|l| l.count).sum();
         assert_eq!(ordered, list.len(), "{name}");
     }
+}
+
+/// What a climb is made of is in the price, and the bound below it.
+#[test]
+fn climbs_cost() {
+    let text = layout(
+        &RECTANGLE,
+        "  level P1..P2 1 m\n  level P3..P4 2 m\n  ramp P2..P3 from 0.5 m slope 0.1405\n  optimise cost",
+    );
+    let few = |text: &str| {
+        let layout = check(text).0.expect("a layout");
+        let effort = Effort { nodes: 100, gap: 0.0 };
+        let stages = solve::solve(&layout, &Options { effort, ..Options::default() }, &|_| ());
+        Compiled::new(layout, stages)
+    };
+    let compiled = few(&text);
+    feasible(&compiled);
+    let certificate = compiled.stages.last().and_then(|s| s.certificate.clone()).expect("a certificate");
+    assert!((compiled.bill.price - certificate.value).abs() <= 0.005 * compiled.bill.count as f64 + 1e-3);
+    assert!(certificate.lower_bound > 0.0 && certificate.lower_bound <= certificate.value);
+    assert!(compiled.bill.lines.iter().any(|l| matches!(l.ware, Ware::Vertical { .. })));
+    let shortest = few(&text.replace("optimise cost", "optimise length"));
+    assert!(certificate.lower_bound <= shortest.bill.price);
 }

@@ -5,12 +5,13 @@ use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, report};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
+use crate::emit::pareto::Pareto;
 use crate::emit::{self, Compiled, DrawError, Files};
 use crate::kinematics::{Fit, fit};
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::unsupported;
-use crate::solve::{self, Certificate, Effort, Options, Solver};
+use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -54,7 +55,7 @@ pub struct Build {
     /// Threads to use; the result does not depend on it. All cores when not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     threads: Option<u64>,
-    /// Stop the search for the shortest layout on the grid when the proven gap is no larger: 0.1% or 0.001.
+    /// Stop the search for the best layout on the grid when the proven gap is no larger: 0.1% or 0.001.
     #[arg(long, value_name = "GAP", value_parser = gap, default_value = "0")]
     gap: f64,
     /// Most nodes of that search; then the best layout found is returned with the gap that is left.
@@ -70,6 +71,8 @@ enum Emit {
     Problem,
     /// What the layout is still free to do, and what each row at its limit costs; with -o freedom.txt and freedom.json.
     Freedom,
+    /// Length against cost: layouts that are best for one price of a metre or another; with -o pareto.json.
+    Pareto,
     /// The continuous stages for other solvers, with the build: stage1.nl, stage2.nl, names in .row and .col.
     Nl,
     /// The discrete stage without building and obstacles for other solvers, with the build: stage3.mps.
@@ -100,12 +103,23 @@ struct Summary<'a> {
     feasible: bool,
     certificate: Option<CertificateSummary<'a>>,
     chain: Option<ChainSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pareto: Option<&'a Pareto>,
 }
 
 /// What is proven of the last stage's layout.
 #[derive(Serialize)]
 struct CertificateSummary<'a> {
-    lower_bound_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_eur: Option<f64>,
+    /// Before the price of each piece is rounded to the cent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value_eur: Option<f64>,
+    /// What each metre counts beside the price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eur_per_metre: Option<f64>,
     gap: f64,
     proven: bool,
     nodes: usize,
@@ -142,6 +156,15 @@ impl Build {
             return tell(&sources, &said, self.message_format);
         }
         said.extend(unsupported(layout));
+        if self.emit == Some(Emit::Pareto) {
+            if solve::unpriced(&layout.catalog).next().is_some() {
+                report::error("--emit pareto needs a catalogue in which straights and curves cost something");
+                return Outcome::CouldNotRun;
+            }
+            // What may be built of length may not be of cost.
+            let priced = Layout { objective: solve::objective(layout, Some(0.0)), ..layout.clone() };
+            said.extend(unsupported(&priced).into_iter().filter(|d| !said.contains(d)).collect::<Vec<_>>());
+        }
         if said.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);
         }
@@ -173,8 +196,18 @@ impl Build {
         }
         let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed())
             .then(|| emit::freedom::Table::new(&compiled, &sources));
+        let pareto = (self.emit == Some(Emit::Pareto) && !compiled.failed()).then(|| {
+            let line = Line::new();
+            let trades = solve::pareto(layout, &self.options(), &|progress| line.show(progress));
+            line.finish();
+            Pareto::new(layout, &trades)
+        });
         if let Some(folder) = &self.output {
-            let files = match self.files(&compiled, freedom.as_ref()) {
+            let files = self.files(&compiled, freedom.as_ref()).map(|mut files| {
+                files.extend(pareto.iter().map(Pareto::file));
+                files
+            });
+            let files = match files {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", &self.file, why),
             };
@@ -184,14 +217,17 @@ impl Build {
         }
         match &freedom {
             Some(table) if self.format == OutputFormat::Text => report::print(&table.text),
-            _ => self.summarise(&compiled),
+            _ => self.summarise(&compiled, pareto.as_ref()),
+        }
+        if let (Some(pareto), OutputFormat::Text) = (&pareto, self.format) {
+            report::print(&pareto.text());
         }
         tell(&sources, &said, self.message_format)
     }
 
-    fn solve(&self, layout: &Layout) -> Compiled {
+    fn options(&self) -> Options {
         let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
-        let options = Options {
+        Options {
             solver: match self.solver {
                 SolverName::Sqp => Solver::Sqp,
                 SolverName::Complex => Solver::Complex,
@@ -199,9 +235,12 @@ impl Build {
             perturb: self.perturb.map(|size| (size, self.seed)),
             threads: self.threads.map_or_else(cores, |n| n as usize),
             effort: Effort { gap: self.gap, nodes: self.nodes as usize },
-        };
+        }
+    }
+
+    fn solve(&self, layout: &Layout) -> Compiled {
         let line = Line::new();
-        let stages = solve::solve(layout, &options, &|progress| line.show(progress));
+        let stages = solve::solve(layout, &self.options(), &|progress| line.show(progress));
         line.finish();
         Compiled::new(layout.clone(), stages)
     }
@@ -221,7 +260,7 @@ impl Build {
         Ok(files)
     }
 
-    fn summarise(&self, compiled: &Compiled) {
+    fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>) {
         let stage = |s: &'_ solve::Stage| StageSummary {
             name: s.name,
             length_m: s.length,
@@ -243,6 +282,7 @@ impl Build {
             feasible: !compiled.failed(),
             certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
             chain: fit(&compiled.space.line, compiled.layout.cart.length).map(chain),
+            pareto,
         };
         let text = match self.format {
             OutputFormat::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
@@ -253,8 +293,15 @@ impl Build {
 }
 
 fn certificate(c: &Certificate) -> CertificateSummary<'_> {
+    let price = match c.counted {
+        Counted::Length => None,
+        Counted::Price { metre } => Some(metre),
+    };
     CertificateSummary {
-        lower_bound_m: c.lower_bound,
+        lower_bound_m: price.is_none().then_some(c.lower_bound),
+        lower_bound_eur: price.map(|_| c.lower_bound),
+        value_eur: price.map(|_| c.value),
+        eur_per_metre: price.filter(|metre| *metre > 0.0),
         gap: c.gap,
         proven: c.proven,
         nodes: c.nodes,
@@ -291,11 +338,20 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
     }
     if let Some(c) = &summary.certificate {
         let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };
+        let least = match (c.lower_bound_eur, c.eur_per_metre) {
+            (Some(eur), None) => format!("cheaper than {eur:.3} EUR"),
+            (Some(eur), Some(metre)) => format!("better than {eur:.3} EUR, a metre counted as {metre} EUR"),
+            (None, _) => format!("shorter than {:.6} m", c.lower_bound_m.unwrap_or(0.0)),
+        };
+        let best = match (c.lower_bound_eur, c.eur_per_metre) {
+            (None, _) => "shortest",
+            (Some(_), None) => "cheapest",
+            (Some(_), Some(_)) => "best",
+        };
         out += &if c.proven {
-            format!("  proven shortest: no layout on this grid is shorter than {:.6} m ({nodes})\n", c.lower_bound_m)
+            format!("  proven {best}: no layout on this grid is {least} ({nodes})\n")
         } else {
-            let percent = 100.0 * c.gap;
-            format!("  no layout on this grid is shorter than {:.6} m (gap {percent:.3} %, {nodes})\n", c.lower_bound_m)
+            format!("  no layout on this grid is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
         };
     }
     if let Some(chain) = &summary.chain {

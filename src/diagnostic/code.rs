@@ -74,6 +74,7 @@ codes! {
     E0309 "limit-exceeded",
     E0310 "cart-length-not-offered",
     E0311 "inverted-range",
+    E0312 "no-prices",
 
     E0401 "too-few-vertices",
     E0402 "coincident-vertices",

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::sequence::{degrees, millimetres};
 use super::{Piece, Ware};
-use crate::model::{Layout, Rate};
+use crate::model::Layout;
 use serde::Serialize;
 
 /// One article of the bill.
@@ -55,41 +55,50 @@ pub fn bill(pieces: &[Piece], layout: &Layout) -> Bill {
     }
 }
 
-fn line(count: usize, piece: &Piece, layout: &Layout) -> BillLine {
+/// What pieces cost together before prices are rounded to the cent, EUR. [`bill`] rounds the price of each piece.
+pub fn price(pieces: &[Piece], layout: &Layout) -> f64 {
+    pieces.iter().map(|piece| rates(&piece.ware, layout).0).sum()
+}
+
+/// Price (EUR) and mass (kg) of a piece.
+fn rates(ware: &Ware, layout: &Layout) -> (f64, f64) {
     let catalog = &layout.catalog;
     let (straight, curve) = (&catalog.straight, &catalog.curve);
-    let special = if piece.in_catalog { "" } else { ", special" };
-    let ware = piece.ware.turned();
     let length = ware.length();
     // What the catalogue has none of is estimated by its curves.
-    let else_curve = |rates: Option<(Rate, Rate)>| {
-        let (price, mass) = rates.unwrap_or((curve.price, curve.mass));
-        (price.of(length), mass.of(length))
+    let (price, mass) = match ware {
+        Ware::Straight { .. } => (straight.price, straight.mass),
+        Ware::Curve { .. } => (curve.price, curve.mass),
+        Ware::Vertical { .. } => catalog.vertical.as_ref().map_or((curve.price, curve.mass), |v| (v.price, v.mass)),
+        Ware::Spiral { .. } => catalog.spiral.as_ref().map_or((curve.price, curve.mass), |s| (s.price, s.mass)),
     };
-    let ((price, mass), description) = match ware {
-        Ware::Straight { cut, .. } => {
+    let surcharge = if matches!(ware, Ware::Straight { cut: true, .. }) { straight.cut_price } else { 0.0 };
+    (price.of(length) + surcharge, mass.of(length))
+}
+
+fn line(count: usize, piece: &Piece, layout: &Layout) -> BillLine {
+    let special = if piece.in_catalog { "" } else { ", special" };
+    let ware = piece.ware.turned();
+    let description = match ware {
+        Ware::Straight { length, cut } => {
             let how = if cut { " cut to" } else { "," };
-            let surcharge = if cut { straight.cut_price } else { 0.0 };
-            let description = format!("straight{how} {} mm{special}", millimetres(length));
-            ((straight.price.of(length) + surcharge, straight.mass.of(length)), description)
+            format!("straight{how} {} mm{special}", millimetres(length))
         }
         Ware::Curve { radius, turn } => {
-            let description = format!("curve, radius {} mm, {}°{special}", millimetres(radius), degrees(turn));
-            ((curve.price.of(length), curve.mass.of(length)), description)
+            format!("curve, radius {} mm, {}°{special}", millimetres(radius), degrees(turn))
         }
         Ware::Vertical { radius, turn } => {
             let (radius, angle) = (millimetres(radius), degrees(turn));
             let kind = if turn < 0.0 { "crest" } else { "sag" };
-            let description = format!("vertical curve, {kind}, radius {radius} mm, {angle}°{special}");
-            (else_curve(catalog.vertical.as_ref().map(|v| (v.price, v.mass))), description)
+            format!("vertical curve, {kind}, radius {radius} mm, {angle}°{special}")
         }
         Ware::Spiral { radius, turn, rise } => {
             let (radius, angle, rise) = (millimetres(radius), degrees(turn), millimetres(rise));
             let hand = if turn < 0.0 { "right" } else { "left" };
-            let description = format!("spiral, rising {rise} mm to the {hand}, radius {radius} mm, {angle}°{special}");
-            (else_curve(catalog.spiral.as_ref().map(|s| (s.price, s.mass))), description)
+            format!("spiral, rising {rise} mm to the {hand}, radius {radius} mm, {angle}°{special}")
         }
     };
+    let (price, mass) = rates(&ware, layout);
     let (unit_price, unit_mass) = (rounded(price, 100.0), rounded(mass, 1000.0));
     BillLine {
         article: piece.article.clone(),

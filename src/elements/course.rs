@@ -4,7 +4,7 @@
 //! angle step and radii the catalogue's own, and the straights take up what that opens: with headings fixed, closure
 //! is linear in their lengths.
 
-use super::{Cover, Shape, cover};
+use super::{Cover, Shape, Steps, cover};
 use crate::geometry::{PieceKind, Point, Track, trig};
 use crate::model::{Catalog, Layout, StraightStock};
 
@@ -70,13 +70,22 @@ impl Course {
     }
 
     /// Closes the course by the least-norm change of the straights' lengths, none below 0. Straights that stock
-    /// lengths make up keep that length unless the course cannot close without them.
+    /// lengths (or, where cost counts, fewer pieces) make up keep that length unless the course cannot close without them.
     fn close(&mut self, stock: &StraightStock, wanted: Cover) {
         let written = self.runs.clone();
         let mut held: Vec<bool> = Vec::with_capacity(self.runs.len());
+        let straight = |run: &Run| if let Shape::Straight { length, .. } = run.shape { length } else { 0.0 };
+        let longest = self.runs.iter().map(straight).fold(0.0, f64::max);
+        // A straight may be a hair shorter than the shortest cut or, where cost counts, longer than what fewer pieces make.
+        let unmade = |run: &Run| straight(run) > 0.0 && cover::straight(straight(run), stock, wanted).is_none();
+        let stepped = wanted == Cover::Cheapest || self.runs.iter().any(unmade);
+        let steps = stepped.then(|| Steps::new(stock, longest + 2.0 * SNAP)).flatten();
         for run in &mut self.runs {
+            let steps = steps.as_ref().filter(|_| wanted == Cover::Cheapest || unmade(run));
             let nearest = match run.shape {
-                Shape::Straight { length, .. } if length > 0.0 => cover::nearest_stock(length, SNAP, stock, wanted),
+                Shape::Straight { length, .. } if length > 0.0 => {
+                    cover::nearest_stock(length, SNAP, stock, wanted).or_else(|| steps?.nearest_cheaper(length, SNAP))
+                }
                 _ => None,
             };
             if let Some(length) = nearest {
@@ -214,6 +223,18 @@ mod tests {
         layout.vertices[1].point.x += 3e-7;
         layout.vertices[2].point.x += 3e-7;
         assert_eq!(lengths(&course(&layout)), [12.0, 2.0, 12.0, 2.0]);
+    }
+
+    /// A solver leaves a straight at the shortest cut, short of it by its tolerance.
+    #[test]
+    fn straights_near_the_shortest_cut_can_be_cut() {
+        let mut layout = fixture::rectangle(20.0, 8.2, 4.0);
+        layout.catalog.straight.cut = Some(crate::model::Interval { low: 0.2, high: 3.0 });
+        for vertex in &mut layout.vertices[2..] {
+            vertex.point.y -= 4e-7;
+        }
+        let lengths = lengths(&course(&layout));
+        assert_eq!((lengths[1], lengths[3]), (0.2, 0.2));
     }
 
     #[test]

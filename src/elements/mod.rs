@@ -10,13 +10,15 @@ mod cover;
 mod lacking;
 mod sequence;
 mod space;
+mod steps;
 mod ware;
 
-pub use bill::{Bill, BillLine, bill};
+pub use bill::{Bill, BillLine, bill, price};
 pub use cover::Cover;
 pub use lacking::lacking;
 pub use sequence::sequence;
 pub use space::{Leg, Length, Room, Space, merged, rooms};
+pub use steps::{Step, Steps};
 pub use ware::{Piece, Ware, climbs_lacking, pieces};
 
 use crate::geometry::{Point, trig};

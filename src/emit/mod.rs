@@ -15,6 +15,7 @@ pub mod lap;
 pub mod layout;
 pub mod number;
 pub mod outside;
+pub mod pareto;
 mod plan;
 pub mod png;
 pub mod polygon;

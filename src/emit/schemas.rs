@@ -3,15 +3,17 @@
 use super::bom::Bom;
 use super::json;
 use super::layout::LayoutFile;
+use super::pareto::Pareto;
 use super::polygon::Report;
 use super::simulation::Simulation;
 
 /// Names and contents of `docs/schemas/`.
-pub fn schemas() -> [(&'static str, Vec<u8>); 4] {
+pub fn schemas() -> [(&'static str, Vec<u8>); 5] {
     [
         ("layout.schema.json", json::schema::<LayoutFile>()),
         ("simulation.schema.json", json::schema::<Simulation>()),
         ("bom.schema.json", json::schema::<Bom>()),
+        ("pareto.schema.json", json::schema::<Pareto>()),
         ("polygon.schema.json", json::schema::<Report>()),
     ]
 }
@@ -48,7 +50,7 @@ mod tests {
             let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
             for (name, schema) in schemas() {
-                // Of `lss polygon`, not of a build.
+                // Of `lss polygon` and `--emit pareto`, not of every build.
                 let Some((_, content)) = files.iter().find(|(n, _)| *n == name.replace(".schema", "")) else {
                     continue;
                 };

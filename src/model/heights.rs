@@ -59,6 +59,16 @@ impl Heights {
         }
     }
 
+    /// Whether the track may climb on a section.
+    pub fn climbs(&self, section: usize) -> bool {
+        self.sections[section].0 < self.sections[section].1
+    }
+
+    /// Whether it may climb around a vertex.
+    pub fn climbs_around(&self, vertex: usize) -> bool {
+        self.fillets[vertex].0 < self.fillets[vertex].1
+    }
+
     /// By how much one of two pieces is sure to be above the other, m; 0 when it may not be.
     pub fn apart(&self, a: &Piece, b: &Piece) -> f64 {
         let ((low, high), (bottom, top)) = (self.of(a), self.of(b));

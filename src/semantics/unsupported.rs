@@ -20,14 +20,15 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     let objective = &layout.objective;
     let written = objective.span.unwrap_or(layout.span);
     let smooth = Smooth::is_known(objective);
+    let wants = |goal: Goal| objective.terms.iter().any(|(_, g)| *g == goal);
     if smooth {
         // Polygon action, alone, within a budget of length or summed with it.
     } else if objective.within.is_some() {
         say(written, "this goal within a budget", "write `optimise length` or `optimise polygon_action within length`");
-    } else if objective.terms.len() > 1 {
-        say(written, "this weighted sum of goals", "write `optimise length`, or sum it with `polygon_action`");
-    } else if let Some((_, Goal::Cost)) = objective.terms.first() {
-        say(written, "`optimise cost`", "write `optimise length`");
+    } else if wants(Goal::Cost) && wants(Goal::PolygonAction) {
+        say(written, "this weighted sum of goals", "sum `length` with either of the others");
+    } else if let (true, Some(closes)) = (wants(Goal::Cost), &layout.chain.closes_within) {
+        say(closes.span, "a chain that must close under `optimise cost`", "write `optimise length`");
     }
     // Every combination of sides is solved, but for polygon action.
     let open = if smooth { 0 } else { MOST_OPEN };

@@ -106,7 +106,8 @@ fn best_of(ways: Vec<Vec<Stage>>) -> Vec<Stage> {
     let last = |stages: &Vec<Stage>| -> (bool, bool, f64) {
         let Some(last) = stages.last() else { return (true, true, f64::INFINITY) };
         let failed = last.status == Status::Infeasible;
-        (failed, last.name != "stage3", if failed { last.max_violation } else { last.length })
+        let value = last.certificate.as_ref().map_or(last.length, |c| c.value);
+        (failed, last.name != "stage3", if failed { last.max_violation } else { value })
     };
     let certificates: Vec<Certificate> = ways.iter().filter_map(|stages| stages.last()?.certificate.clone()).collect();
     // A way that ended before stage 3 was not proven to have no layout.
@@ -116,10 +117,8 @@ fn best_of(ways: Vec<Vec<Stage>>) -> Vec<Stage> {
         (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     };
     let Some(mut best) = ways.into_iter().min_by(order) else { return Vec::new() };
-    if let Some(stage) = best.last_mut()
-        && let Some(certificate) = &mut stage.certificate
-    {
-        certificate.combine(&certificates, stage.length);
+    if let Some(certificate) = best.last_mut().and_then(|stage| stage.certificate.as_mut()) {
+        certificate.combine(&certificates);
         if !all {
             // That is believed, not proven.
             certificate.assumed.push("no layout passes on a side for which the continuous stages found none".into());

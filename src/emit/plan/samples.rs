@@ -4,8 +4,8 @@ use crate::emit::Compiled;
 use crate::emit::fixture::{compile, on};
 use crate::geometry::{Corner, Point, Polygon, Track, trig};
 use crate::model::{
-    Building, Chutes, Constraint, ConstraintKind, FixKind, Induction, Layout, Motors, Obstacle, Row, Side, Target,
-    fixture,
+    Building, Chutes, Constraint, ConstraintKind, FixKind, Induction, Layout, Level, Motors, Obstacle, Rate, Row, Side,
+    Target, VerticalStock, fixture,
 };
 use crate::solve::{Stage, Status, Violation};
 use crate::source::Spanned;
@@ -34,6 +34,23 @@ fn fix_section(from: usize, kinds: &[FixKind]) -> Constraint {
 /// A rectangle of 20 m by 10 m with what every layout has.
 pub fn rectangle() -> Compiled {
     compile(fixture::rectangle(20.0, 10.0, 3.0))
+}
+
+/// A rectangle that climbs on one long straight and comes down on a short one.
+pub fn raised() -> Compiled {
+    let mut layout = fixture::rectangle(40.0, 30.0, 4.0);
+    let rate = Rate { per_piece: 180.0, per_metre: 380.0 };
+    layout.catalog.vertical = Some(VerticalStock {
+        article: "VC".into(),
+        radii: vec![6.0, 10.0],
+        angle_step: 0.0,
+        steepest: 0.2,
+        price: rate,
+        mass: rate,
+    });
+    let level = |from, to, height| Level { from, to, height, span: fixture::span() };
+    layout.levels = vec![level(1, 2, 2.2), level(3, 0, 1.0)];
+    compile(layout)
 }
 
 /// Ten vertices, left and right turns, oblique sections, obstacles and a building with notches: the thesis' instance.

@@ -12,7 +12,7 @@ use super::sheet::Sheet;
 use super::strip::{self, Key};
 use super::text::{self, Height};
 use super::xml::Element;
-use super::{Theme, extent, root, track};
+use super::{Theme, extent, profile, root, track};
 use crate::emit::number::trimmed;
 
 /// The layout on its sheet: building, obstacles, track, equipment, dimensions, legend and title block.
@@ -23,7 +23,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let layout = &compiled.layout;
     let line = &compiled.track;
     let failed: Option<&Stage> = compiled.stages.last().filter(|_| compiled.failed());
-    let sheet = Sheet::choose(&extent(layout, &[line], strip::notes_height(failed)))?;
+    let sheet = Sheet::choose(&extent(layout, &[line], strip::notes_height(failed), profile::height(compiled)))?;
     let marks = plan::marks(compiled);
     let elements = &compiled.sequence.elements;
 
@@ -65,6 +65,9 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
         let labels = if omitted == 1 { "label" } else { "labels" };
         let text = format!("{omitted} {labels} found no room on this sheet");
         svg.push(text::line(at, text, Height::H18, "quiet"));
+    }
+    if !layout.is_flat() {
+        svg.push(profile::profile(&sheet, compiled));
     }
     if let Some(stage) = failed {
         svg.push(strip::notes(&sheet, stage));

@@ -4,6 +4,7 @@ mod general;
 mod labels;
 mod place;
 mod polygon;
+mod profile;
 mod sheet;
 mod stages;
 mod strip;
@@ -60,7 +61,7 @@ fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> Element 
 }
 
 /// Smallest and largest coordinates of all that is drawn, m.
-fn extent(layout: &Layout, tracks: &[&Track], notes: f64) -> Extent {
+fn extent(layout: &Layout, tracks: &[&Track], notes: f64, profile: f64) -> Extent {
     let half = layout.width.value / 2.0;
     let mut points: Vec<Point> = Vec::new();
     for track in tracks {
@@ -87,5 +88,5 @@ fn extent(layout: &Layout, tracks: &[&Track], notes: f64) -> Extent {
     let (low, high) =
         if broken { (Point::new(f64::NAN, f64::NAN), Point::default()) } else { bounds(points.into_iter()) };
     let (length, sections) = tracks.first().map_or((0.0, 1), |track| (track.length, track.corners.len()));
-    Extent { low, high, length, sections, band: layout.width.value, notes }
+    Extent { low, high, length, sections, band: layout.width.value, notes, profile }
 }

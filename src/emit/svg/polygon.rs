@@ -28,7 +28,7 @@ const ROW: f64 = 3.7;
 /// [`DrawError::Extent`] when the sheet cannot show the track.
 pub fn polygon(report: &Report, line: &CentreLine, theme: Theme) -> Result<String, DrawError> {
     let (low, high) = bounds(outline(line, 0.0, line.length).into_iter());
-    let extent = Extent { low, high, length: line.length, sections: 1, band: 1.0, notes: 0.0 };
+    let extent = Extent { low, high, length: line.length, sections: 1, band: 1.0, notes: 0.0, profile: 0.0 };
     let (sheet, panel) = Sheet::beside(&extent, PANEL)?;
     let description = format!(
         "Polygon action of {}: plan, matrix of starting straights and straights, first harmonics of the curves.",

@@ -54,6 +54,8 @@ pub struct Extent {
     pub band: f64,
     /// Height that notes take away from the drawing area, mm.
     pub notes: f64,
+    /// Height that a height profile takes away from it, mm.
+    pub profile: f64,
 }
 
 /// A sheet with its drawing area and scale.
@@ -64,8 +66,9 @@ pub struct Sheet {
     pub height: f64,
     /// 1 : scale
     pub scale: f64,
-    /// Drawing, notes under it, and the strip under both.
+    /// Drawing, height profile under it, notes under that, and the strip under all.
     pub drawing: Area,
+    pub profile: Area,
     pub notes: Area,
     pub strip: Area,
     /// Paper position of the floor's origin.
@@ -104,14 +107,18 @@ impl Sheet {
             low: Point::new(inside.low.x, strip.low.y - extent.notes.min(0.4 * height)),
             high: Point::new(inside.high.x, strip.low.y),
         };
-        let drawing = Area { low: inside.low, high: Point::new(inside.high.x, notes.low.y) };
+        let profile = Area {
+            low: Point::new(inside.low.x, notes.low.y - extent.profile),
+            high: Point::new(inside.high.x, notes.low.y),
+        };
+        let drawing = Area { low: inside.low, high: Point::new(inside.high.x, profile.low.y) };
         let room = Point::new(drawing.width() - 2.0 * MARGIN, drawing.height() - 2.0 * MARGIN);
         let needed = (1000.0 * span.x / room.x).max(1000.0 * span.y / room.y);
         let scale = standard_scale(needed);
         let middle = (drawing.low + drawing.high) * 0.5;
         let centre = (extent.low + extent.high) * 0.5;
         let origin = middle - Point::new(centre.x, -centre.y) * (1000.0 / scale);
-        Sheet { size, width, height, scale, drawing, notes, strip, origin }
+        Sheet { size, width, height, scale, drawing, profile, notes, strip, origin }
     }
 
     /// An A3 sheet at a standard scale, with a panel of this width (mm) at the right of its drawing.
@@ -273,6 +280,7 @@ mod tests {
             sections,
             band: 1.2,
             notes: 0.0,
+            profile: 0.0,
         }
     }
 

@@ -28,7 +28,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
         }))
         .collect();
     let tracks: Vec<&Track> = lines.iter().map(|(_, track)| track).collect();
-    let sheet = Sheet::choose(&extent(layout, &tracks, 0.0))?;
+    let sheet = Sheet::choose(&extent(layout, &tracks, 0.0, 0.0))?;
     let description = format!("Centre lines of {} before and after each stage of the optimisation.", layout.name);
     let mut svg = root(&sheet, theme, &format!("{}: stages", layout.name), &description);
     svg.push(sheet.frame());

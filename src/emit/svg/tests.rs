@@ -18,6 +18,7 @@ fn drawings() -> Vec<(&'static str, Compiled)> {
         ("crowded", samples::crowded()),
         ("failed", samples::failed()),
         ("large", samples::large(60, 20)),
+        ("raised", samples::raised()),
     ]
 }
 
@@ -108,7 +109,8 @@ fn no_text_is_cut_off_or_over_another() {
 fn no_text_is_over_the_track() {
     for (name, compiled) in drawings() {
         let failed = compiled.stages.last().filter(|_| compiled.failed());
-        let extent = extent(&compiled.layout, &[&compiled.track], strip::notes_height(failed));
+        let (notes, tall) = (strip::notes_height(failed), profile::height(&compiled));
+        let extent = extent(&compiled.layout, &[&compiled.track], notes, tall);
         let sheet = Sheet::choose(&extent).expect("fits");
         let half = compiled.layout.width.value / 2.0;
         let found = texts(&parse(&light(&compiled)));
@@ -259,6 +261,25 @@ fn stages_are_told_apart_and_their_lengths_given() {
     }
     let turns: f64 = Track::new(&written).fillets.iter().map(|f| f.turn).sum();
     assert!((turns - trig::TAU).abs() < 1e-9);
+}
+
+/// Levels at their height above the floor, slopes, vertices and arc lengths; nothing of it where the track is level.
+#[test]
+fn a_raised_track_has_a_height_profile() {
+    assert!(!light(&samples::rectangle()).contains("class=\"profile\""));
+    let svg = light(&samples::raised());
+    let (_, profile) = svg.split_once("class=\"profile\"").expect("a profile");
+    let (profile, _) = profile.split_once("class=\"legend\"").expect("a legend after it");
+    let labels: Vec<&str> = profile.split("</text>").filter_map(|t| t.rsplit('>').next()).collect();
+    insta::assert_snapshot!(labels[..labels.len() - 1].join(" | "));
+    // The highest and the lowest line stand apart by the rise, in the profile's own scale.
+    let heights: Vec<f64> = texts(&parse(&svg))
+        .iter()
+        .filter(|(text, _)| ["0 m", "1 m", "2.2 m"].contains(&text.as_str()))
+        .map(|(_, item)| item.centre.y)
+        .collect();
+    let [floor, low, high] = heights[..] else { panic!("{heights:?}") };
+    assert!(((floor - low) / (floor - high) - 1.0 / 2.2).abs() < 0.02, "{heights:?}");
 }
 
 #[test]

@@ -64,6 +64,9 @@ impl<'t> Context<'t> {
                 self.check_equipment(equipment, &ramps, track, &geometry.named);
             }
         }
+        if let (Some(objective), Some(catalog)) = (&objective, &catalog) {
+            self.check_prices(objective, catalog);
+        }
         if self.sink.borrow().errors() > before || !draft.bad.is_empty() || !draft.base_known {
             return None;
         }

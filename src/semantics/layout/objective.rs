@@ -2,10 +2,11 @@
 
 use super::draft::{Draft, Placed};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Goal, Objective};
+use crate::model::{Catalog, Goal, Objective};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
 use crate::semantics::scope::Context;
+use crate::solve::unpriced;
 use crate::syntax::tree::{self, Statement};
 
 impl<'t> Context<'t> {
@@ -63,6 +64,23 @@ impl<'t> Context<'t> {
             }
         };
         sound.then_some(Objective { terms, within, span: Some(*span) })
+    }
+
+    /// What costs nothing has no cheapest layout.
+    pub(super) fn check_prices(&self, objective: &Objective, catalog: &Catalog) {
+        let wanted = objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost);
+        let free: Vec<&str> = unpriced(catalog).collect();
+        let (Some(span), true, Some(first)) = (objective.span, wanted, free.first()) else { return };
+        let name = &catalog.name;
+        self.report(
+            Diagnostic::new(Code::E0312, format!("catalogue `{name}` has no prices to minimise"), span, "of this catalogue")
+                .expected("straights and curves that cost something", format!("0 EUR for each {}", free.join(" and ")))
+                .related(catalog.span, "the catalogue")
+                .help(format!(
+                    "state them: `catalog priced from {name} {{ {first} {{ piece_price = 60 EUR  metre_price = 210 EUR/m }} }}`, one \
+                     line each; or write `optimise length`"
+                )),
+        );
     }
 }
 

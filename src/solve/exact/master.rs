@@ -6,25 +6,30 @@
 use super::grid::Grid;
 use super::network::{Choice, Dual, Limits, Open, minimise};
 use super::row::Row;
+use super::tariff::Tariff;
 use std::rc::Rc;
 
-/// A choice with its length and the rows' values.
+/// A choice with what it costs and the rows' values.
 #[derive(Clone, Debug)]
 pub struct Column {
     pub choice: Rc<Choice>,
-    pub length: f64,
+    /// In the tariff's units.
+    pub cost: f64,
     pub values: Vec<f64>,
 }
 
 impl Column {
-    pub fn new(grid: &Grid, choice: Rc<Choice>, rows: &[Row]) -> Self {
+    pub fn new(grid: &Grid, tariff: &Tariff, open: &Open, choice: Rc<Choice>, rows: &[Row]) -> Self {
         let vertices = choice.vertices(grid);
         let values = rows.iter().map(|row| choice.value(grid, row, &vertices)).collect();
-        Column { length: choice.length(grid), choice, values }
+        Column { cost: choice.cost(grid, tariff, open), choice, values }
     }
 
-    /// Values of rows that were added since.
-    pub fn complete(&mut self, grid: &Grid, rows: &[Row]) {
+    /// Values of rows that were added since, and what it costs among what is open now.
+    pub fn complete(&mut self, grid: &Grid, tariff: &Tariff, open: &Open, rows: &[Row]) {
+        if !open.hulls.is_empty() {
+            self.cost = self.choice.cost(grid, tariff, open);
+        }
         if self.values.len() < rows.len() {
             let vertices = self.choice.vertices(grid);
             let known = self.values.len();
@@ -35,7 +40,7 @@ impl Column {
 
 /// The relaxation's optimum, or as much of it as was needed.
 pub struct Relaxed {
-    /// Rigorous lower bound, m.
+    /// Rigorous lower bound, in the tariff's units.
     pub bound: f64,
     /// Least total through each heading, as rigorous.
     pub through: Vec<Vec<f64>>,
@@ -71,11 +76,11 @@ pub fn relax(
     let m = rows.len();
     if pool.is_empty() {
         let dual = minimise(grid, limits, open, rows, &vec![0.0; m])?;
-        pool.push(Column::new(grid, Rc::new(dual.choice), rows));
+        pool.push(Column::new(grid, &limits.tariff, open, Rc::new(dual.choice), rows));
     }
     let miss = |c: &Column| -> f64 {
         let off = |(row, v): (&Row, &f64)| if row.equal { (row.low - v).abs() } else { (row.low - v).max(0.0) };
-        c.length + dear * rows.iter().zip(&c.values).map(off).sum::<f64>()
+        c.cost + dear * rows.iter().zip(&c.values).map(off).sum::<f64>()
     };
     let start = (0..pool.len()).min_by(|&a, &b| miss(&pool[a]).total_cmp(&miss(&pool[b]))).unwrap_or(0);
     let mut basis: Vec<Variable> = (0..m)
@@ -113,7 +118,7 @@ pub fn relax(
             if bound >= cutoff || reduced > -PRICED {
                 break;
             }
-            pool.push(Column::new(grid, column, rows));
+            pool.push(Column::new(grid, &limits.tariff, open, column, rows));
             entering = Some(Variable::Column(pool.len() - 1));
         }
         let Some(entering) = entering else { break };
@@ -147,7 +152,7 @@ pub fn relax(
 
 fn cost(v: Variable, pool: &[Column], dear: f64) -> f64 {
     match v {
-        Variable::Column(j) => pool[j].length,
+        Variable::Column(j) => pool[j].cost,
         Variable::Surplus(_) => 0.0,
         Variable::Short(_) | Variable::Over(_) => dear,
     }
@@ -176,7 +181,7 @@ fn cheapest(rows: &[Row], pool: &[Column], basis: &[Variable], y: &[f64], share:
     };
     for (j, column) in pool.iter().enumerate() {
         let rows: f64 = column.values.iter().zip(y).map(|(v, y)| v * y).sum();
-        offer(column.length - rows - share, Variable::Column(j));
+        offer(column.cost - rows - share, Variable::Column(j));
     }
     for (r, row) in rows.iter().enumerate() {
         offer(dear - y[r], Variable::Short(r));

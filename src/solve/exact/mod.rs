@@ -15,12 +15,14 @@ mod offset;
 mod parts;
 mod row;
 mod search;
+mod tariff;
 
 pub use search::Effort;
+pub use tariff::{unpriced, worth};
 
 use super::sqp::{Settings, Solution};
 use super::stages::Discretised;
-use super::{Certificate, Violation, discrete};
+use super::{Certificate, Counted, Violation, discrete};
 use crate::geometry::{Point, bounds};
 use crate::model::Layout;
 use crate::problem::Problem;
@@ -29,11 +31,13 @@ use closes::Closes;
 use grid::{Grid, NoGrid};
 use network::{Limits, Open};
 use row::Stated;
-use search::{FEASIBLE, Found, Polish, Setting};
+use search::{FEASIBLE, Found, Polish, Setting, Value};
+use std::cell::RefCell;
 use std::time::Instant;
+use tariff::{Aim, Detail, Tariff};
 
-/// The shortest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how far it may be from the
-/// shortest.
+/// The shortest or cheapest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how far it may
+/// be from the best.
 pub fn discretise(
     layout: &Layout,
     problem: &Problem,
@@ -51,17 +55,21 @@ pub fn discretise(
         let held = discrete::hold(layout, problem, settings, x, straights)?;
         sound(problem, &held.variables).then_some(held.variables)
     };
-    let task = Task { layout, problem, effort: *effort, polish: &polish };
+    let aim = Aim::of(layout);
+    let task = Task { layout, problem, effort: *effort, polish: &polish, aim, cheapest: RefCell::new(None) };
     let fits = parts::place(&grid, &rough.variables).is_some() && sound(problem, &rough.variables);
-    let incumbent = fits.then(|| (rough.variables.clone(), rough.length));
+    let incumbent = fits.then(|| (rough.variables.clone(), task.worth(&rough.variables))).filter(|i| i.1.is_finite());
     let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
     if !problem.keepouts.is_empty() {
         let beside = "every straight and curve passes an obstacle on its side, but where another strand runs between them in \
                       the written or the built layout";
         assumed.push(beside.to_owned());
     }
-    let mut found = task.any_length(&grid, incumbent);
-    if let Some(closes) = Closes::new(layout) {
+    let mut found = match aim {
+        Aim::Length => task.search(&grid, incumbent, (Detail::Envelope, true), *effort),
+        Aim::Price { .. } => task.cheapest(&grid, incumbent),
+    };
+    if let Some(closes) = Closes::new(layout).filter(|_| aim == Aim::Length) {
         found = task.closing(&grid, found, closes);
         assumed.push("curves cut off chords as their series says, within a tenth".to_owned());
         assumed.push(
@@ -69,11 +77,18 @@ pub fn discretise(
         );
     }
     let Some(variables) = found.variables else { return rough.into() };
-    let mut certificate = Certificate::new(found.length, found.bound, found.nodes, assumed);
+    let counted = match aim {
+        Aim::Length => Counted::Length,
+        Aim::Price { metre } => Counted::Price { metre },
+    };
+    let unit = tariff::unit(layout, aim);
+    // Converted to EUR, a bound is rounded once more.
+    let bound = if aim == Aim::Length { found.bound } else { found.bound * unit * (1.0 - 4.0 * f64::EPSILON) };
+    let mut certificate = Certificate::new(counted, found.value * unit, bound, found.nodes, assumed);
     certificate.seconds = clock.elapsed().as_secs_f64();
     let at = problem.evaluate(&variables, 0.0);
     let solution = Solution {
-        length: found.length,
+        length: at.length,
         max_violation: at.rows.iter().map(|r| r.violation()).fold(0.0, f64::max),
         variables,
         iterations: rough.iterations,
@@ -89,34 +104,108 @@ struct Task<'a> {
     problem: &'a Problem,
     effort: Effort,
     polish: &'a Polish<'a>,
+    aim: Aim,
+    /// The cheapest layout that any search came by, with what it is worth.
+    cheapest: RefCell<Option<(Vec<f64>, f64)>>,
 }
 
 impl Task<'_> {
-    /// The shortest layout, whether or not its chain closes.
-    fn any_length(&self, grid: &Grid, incumbent: Option<(Vec<f64>, f64)>) -> Found {
+    /// What a layout is worth: its length, m, or its price in units.
+    fn worth(&self, x: &[f64]) -> f64 {
+        match self.aim {
+            Aim::Length => self.problem.evaluate(x, 0.0).length,
+            Aim::Price { metre } => worth(self.layout, &search::track(x), metre) / tariff::unit(self.layout, self.aim),
+        }
+    }
+
+    /// What a search takes a layout to be worth; the cheapest is remembered.
+    fn value(&self, tariff: &Tariff, grid: &Grid, x: &[f64]) -> f64 {
+        if self.aim == Aim::Length {
+            return self.worth(x);
+        }
+        let worth = self.remember(x);
+        // Climbs cost more than a tariff says of them.
+        if self.layout.is_flat() { tariff.value(grid, x) } else { worth }
+    }
+
+    fn remember(&self, x: &[f64]) -> f64 {
+        let worth = self.worth(x);
+        let mut cheapest = self.cheapest.borrow_mut();
+        if worth < cheapest.as_ref().map_or(f64::INFINITY, |c| c.1) && sound(self.problem, x) {
+            *cheapest = Some((x.to_vec(), worth));
+        }
+        worth
+    }
+
+    /// The cheapest layout: first with straights at the least that a metre costs, which is quickly searched, then with their pieces;
+    /// where chains are searched apart, without those of the sections between chains, and then with them.
+    fn cheapest(&self, grid: &Grid, incumbent: Option<(Vec<f64>, f64)>) -> Found {
+        *self.cheapest.borrow_mut() = incumbent;
+        let apart = parts::split(grid, &row::state(self.problem, grid)) && self.layout.is_flat();
+        let mut phases = vec![(Detail::Envelope, apart), (Detail::Steps, apart)];
+        if apart {
+            phases.push((Detail::Steps, false));
+        }
+        let (mut bound, mut nodes) = (0.0f64, 0);
+        for (i, &(detail, apart)) in phases.iter().enumerate() {
+            let known = self.cheapest.borrow().clone();
+            let value = known.as_ref().map_or(f64::INFINITY, |k| k.1);
+            if value - bound <= search::ALIKE.max(self.effort.gap * value.min(1e12)) {
+                break;
+            }
+            let left = self.effort.nodes.saturating_sub(nodes);
+            let effort = Effort { nodes: if i + 1 < phases.len() { left / 2 } else { left }, ..self.effort };
+            let found = self.search(grid, known, (detail, apart), effort);
+            nodes += found.nodes;
+            bound = bound.max(found.bound);
+            found.variables.iter().for_each(|x| {
+                self.remember(x);
+            });
+        }
+        let (variables, value) = self.cheapest.take().map_or((None, f64::INFINITY), |(x, worth)| (Some(x), worth));
+        Found { variables, value, bound: bound.min(value), nodes }
+    }
+
+    /// The best layout, whether or not its chain closes: chain by chain where that is wanted.
+    fn search(
+        &self,
+        grid: &Grid,
+        incumbent: Option<(Vec<f64>, f64)>,
+        (detail, apart): (Detail, bool),
+        effort: Effort,
+    ) -> Found {
+        let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
         let Some(incumbent) = incumbent else {
-            let (setting, _) = self.setting(self.problem, grid, None);
+            let (mut setting, _) = self.setting(self.problem, grid, None, (detail, &value));
+            setting.effort = effort;
             return search::search(&setting, None);
         };
         if grid.held || offset::turns_freely(self.problem) {
-            let (setting, stated) = self.setting(self.problem, grid, Some(&incumbent));
-            let longest = incumbent.1;
+            let (mut setting, stated) = self.setting(self.problem, grid, Some(&incumbent), (detail, &value));
+            setting.effort = effort;
+            let longest = incumbent.1 / tariff::least_rate(self.layout, self.aim);
+            let incumbent = (incumbent.0.clone(), value(&setting.limits.tariff, &incumbent.0));
+            if !apart {
+                return search::search(&setting, Some(incumbent));
+            }
             return parts::search(setting, &stated, incumbent, longest);
         }
         let at = |relaxed: &Problem, offset: f64, beat: f64, effort: Effort| {
             let grid = Grid::new(self.layout, relaxed, &incumbent.0, offset).ok()?;
             let beat = (incumbent.0.clone(), beat);
-            let (mut setting, _) = self.setting(relaxed, &grid, Some(&beat));
+            let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, &grid, x);
+            let (mut setting, _) = self.setting(relaxed, &grid, Some(&beat), (detail, &value));
             setting.effort = effort;
             setting.polish = &|_, _| None;
             Some(search::search(&setting, Some(beat)))
         };
         let improve = |x: &[f64]| {
             let x = (self.polish)(x, None)?;
-            let length = self.problem.evaluate(&x, 0.0).length;
-            Some((x, length))
+            let value = self.worth(&x);
+            Some((x, value))
         };
-        offset::search(self.problem, grid.step, incumbent.clone(), self.effort, &at, &improve)
+        let metre = tariff::least_rate(self.layout, self.aim);
+        offset::search(self.problem, grid.step, incumbent.clone(), effort, metre, &at, &improve)
     }
 
     /// The shortest layout whose chain closes, from what is known of all.
@@ -129,11 +218,12 @@ impl Task<'_> {
             (x, length)
         });
         // Without a layout that closes, the one that does not is shown, and said not to close.
-        let open = Found { variables: Some(x), length: any.length, bound: any.bound, nodes: any.nodes };
+        let open = Found { variables: Some(x), value: any.value, bound: any.bound, nodes: any.nodes };
         if best.as_ref().is_some_and(|b| b.1 - bound <= 1e-6) || !(grid.held || offset::turns_freely(self.problem)) {
-            return best.map_or(open, |(x, length)| Found { variables: Some(x), length, bound, nodes: any.nodes });
+            return best.map_or(open, |(x, value)| Found { variables: Some(x), value, bound, nodes: any.nodes });
         }
-        let (mut setting, _) = self.setting(self.problem, grid, best.as_ref());
+        let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
+        let (mut setting, _) = self.setting(self.problem, grid, best.as_ref(), (Detail::Envelope, &value));
         setting.closes = Some(closes);
         setting.effort.nodes = self.effort.nodes.saturating_sub(any.nodes).min(CLOSING);
         let found = search::search(&setting, best);
@@ -148,28 +238,40 @@ impl Task<'_> {
         problem: &'b Problem,
         grid: &'b Grid,
         incumbent: Option<&(Vec<f64>, f64)>,
+        (detail, value): (Detail, &'b Value<'b>),
     ) -> (Setting<'b>, Stated) {
         let stated = row::state(problem, grid);
-        let longest = incumbent.map_or(10.0 * problem.evaluate(&problem.start, 0.0).length, |i| i.1);
-        let straights = stated.straights.iter().map(|s| (s.0, s.1.min(longest).max(s.0))).collect();
+        let most = |i: &(Vec<f64>, f64)| i.1 / tariff::least_rate(self.layout, self.aim);
+        let longest = incumbent.map_or_else(|| 10.0 * problem.evaluate(&problem.start, 0.0).length, most);
+        let straights: Vec<(f64, f64)> = stated.straights.iter().map(|s| (s.0, s.1.min(longest).max(s.0))).collect();
         let first = match stated.fixed.first() {
             Some(&(0, p)) => (p, p),
             _ => surroundings(self.layout, longest),
         };
         let mut known = vec![search::track(&problem.start)];
         known.extend(incumbent.iter().map(|i| search::track(&i.0)));
-        let open =
-            Open { headings: grid.headings.clone(), radii: grid.radii.iter().map(|r| (0, r.len() - 1)).collect() };
+        let tariff = match self.aim {
+            Aim::Length => Tariff::metres(grid.len()),
+            Aim::Price { metre } => Tariff::prices(self.layout, problem, grid, (metre, detail), &straights),
+        };
+        let mut open = Open {
+            headings: grid.headings.clone(),
+            radii: grid.radii.iter().map(|r| (0, r.len() - 1)).collect(),
+            cells: Vec::new(),
+            hulls: Vec::new(),
+        };
+        tariff.open(&mut open);
         let setting = Setting {
             problem,
             grid,
-            limits: Limits { straights, first },
+            limits: Limits { tariff, straights, first },
             rows: stated.rows.clone(),
             beside: Beside { problem, grid, known },
             effort: self.effort,
             open,
             coupled: None,
             fixed: stated.fixed.clone(),
+            value,
             closes: None,
             polish: self.polish,
         };

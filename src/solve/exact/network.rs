@@ -7,17 +7,23 @@
 
 use super::grid::Grid;
 use super::row::{Row, Touch};
+use super::tariff::{Tariff, on_hull};
 use crate::geometry::Point;
+use std::rc::Rc;
 
 /// What is still open: headings by stage 0..=n, and radii (first and last of the list) by vertex stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Open {
     pub headings: Vec<Vec<i32>>,
     pub radii: Vec<(usize, usize)>,
+    /// First and last cell of each straight, by stage, and the hull of their prices; empty where only metres count.
+    pub cells: Vec<(usize, usize)>,
+    pub hulls: Vec<Rc<[(f64, f64)]>>,
 }
 
 /// Limits that hold everywhere.
 pub struct Limits {
+    pub tariff: Tariff,
     /// Of each straight, m, by stage; finite.
     pub straights: Vec<(f64, f64)>,
     /// Corners of a box that holds the first vertex, m.
@@ -34,14 +40,18 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// m
-    pub fn length(&self, grid: &Grid) -> f64 {
+    /// What it costs at least with straights in their cells, in the tariff's units.
+    pub fn cost(&self, grid: &Grid, tariff: &Tariff, open: &Open) -> f64 {
         let n = grid.len();
         let arc = |k: usize| {
             let steps = self.headings[k] - self.headings[k - 1];
-            self.radii[k % n] * grid.turn(steps).0
+            tariff.arc[k % n] * self.radii[k % n] * grid.turn(steps).0 + tariff.turn(k % n, steps)
         };
-        self.straights.iter().sum::<f64>() + (1..=n).map(arc).sum::<f64>()
+        let straight = |k: usize| {
+            let pieces = open.hulls.get(k).map_or(0.0, |hull| on_hull(hull, self.straights[k]));
+            tariff.straight[k] * self.straights[k] + pieces
+        };
+        (0..n).map(straight).sum::<f64>() + (1..=n).map(arc).sum::<f64>()
     }
 
     /// Tangent length at a vertex stage, m.
@@ -154,7 +164,7 @@ impl Prices {
 
 /// A dual bound with everything that a choice through each heading costs at least.
 pub struct Dual {
-    /// m; holds in exact arithmetic: what rounding may have added is taken off.
+    /// In the tariff's units; holds in exact arithmetic: what rounding may have added is taken off.
     pub bound: f64,
     /// As computed, with the choice that attains it.
     pub value: f64,
@@ -170,7 +180,11 @@ pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[Row], y: &[f6
     let straight = |k: usize, h: i32| {
         let u = grid.unit(h);
         let touched = p.touch[k].iter().map(|t| t.straight(k, grid.signs[t.from % n], (h, u))).sum::<f64>();
-        let price = 1.0 + p.straight[k] + p.length[k] + p.section[k].dot(u) + touched;
+        let price = limits.tariff.straight[k] + p.straight[k] + p.length[k] + p.section[k].dot(u) + touched;
+        if let Some(hull) = open.hulls.get(k) {
+            let total = |v: &(f64, f64)| (price * v.0 + v.1, v.0);
+            return hull.iter().map(total).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0.0));
+        }
         let (low, high) = limits.straights[k];
         if price >= 0.0 { (price * low, low) } else { (price * high, high) }
     };
@@ -184,7 +198,7 @@ pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[Row], y: &[f6
     let mut from: Vec<Vec<(usize, f64)>> = vec![vec![(0, 0.0)]];
     let mut steps: Vec<Vec<Edge>> = Vec::with_capacity(n);
     for k in 1..=n {
-        let edges = edges(grid, open, &p, k);
+        let edges = edges(grid, &limits.tariff, open, &p, k);
         let mut best = vec![(f64::INFINITY, 0, 0.0); open.headings[k].len()];
         for edge in &edges {
             let total = reach[k - 1][edge.from] + edge.cost;
@@ -240,7 +254,7 @@ struct Edge {
 }
 
 /// The turns from each open heading of stage k − 1 to each of stage k.
-fn edges(grid: &Grid, open: &Open, p: &Prices, k: usize) -> Vec<Edge> {
+fn edges(grid: &Grid, tariff: &Tariff, open: &Open, p: &Prices, k: usize) -> Vec<Edge> {
     let n = grid.len();
     let v = k % n;
     let (low, high) = open.radii[v];
@@ -268,13 +282,14 @@ fn edges(grid: &Grid, open: &Open, p: &Prices, k: usize) -> Vec<Edge> {
                 break;
             }
             let (angle, tangent) = grid.turn(t - h);
-            let mut price = angle + entering[from].1 + tangent * (entering[from].0 + leaving[to]);
+            let mut price = tariff.arc[v] * angle + entering[from].1 + tangent * (entering[from].0 + leaving[to]);
             for touch in &p.touch[k] {
                 let (along, across) = touch.arc(k, sign, (h, grid.unit(h)), (t, grid.unit(t)));
                 price += tangent * along + across;
             }
             let radius = if price >= 0.0 { low } else { high };
-            out.push(Edge { from, to, cost: price * radius, radius });
+            let cost = price * radius + tariff.turn(v, t - h);
+            out.push(Edge { from, to, cost, radius });
         }
     }
     out
@@ -288,8 +303,11 @@ fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -
     let mut total = p.size + size(p.first) * (first.x.abs() + first.y.abs());
     for k in 0..n {
         let touched = |k: usize| p.touch[k].iter().map(|t| size(t.pull)).sum::<f64>();
-        let price = 1.0 + p.straight[k].abs() + p.length[k].abs() + size(p.section[k]) + touched(k);
+        let tariff = &limits.tariff;
+        let price = tariff.straight[k] + p.straight[k].abs() + p.length[k].abs() + size(p.section[k]) + touched(k);
         total += price * limits.straights[k].1.abs().max(limits.straights[k].0.abs());
+        total += open.hulls.get(k).map_or(0.0, |hull| hull.iter().map(|v| v.1).fold(0.0, f64::max));
+        total += tariff.turn(k, grid.turns[k].1);
         let before = (k + n - 1) % n;
         let radius = grid.radii[k][open.radii[k].1];
         let (angle, tangent) = grid.turn(grid.turns[k].1);
@@ -298,7 +316,7 @@ fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -
         let stage = if k == 0 { n } else { k };
         let touching = (2.0 + 2.0 * tangent) * touched(stage);
         let turning = tangent * (turning + lengths) + touching;
-        total += radius * (angle + p.radius[k].abs() + size(p.normal[k]) + turning);
+        total += radius * (tariff.arc[k] * angle + p.radius[k].abs() + size(p.normal[k]) + turning);
     }
     f64::EPSILON * (32.0 + 4.0 * n as f64) * total
 }
@@ -326,11 +344,24 @@ impl Open {
         true
     }
 
+    /// Lets a straight lie in these cells only. `false` when none of them can be made.
+    pub fn restrict(&mut self, tariff: &Tariff, k: usize, cells: (usize, usize)) -> bool {
+        let hull = tariff.cells[k].hull(cells);
+        self.cells[k] = cells;
+        self.hulls[k] = hull.into();
+        !self.hulls[k].is_empty()
+    }
+
     pub fn admits(&self, choice: &Choice, grid: &Grid) -> bool {
         let inside = |(h, value): (&Vec<i32>, &i32)| h.binary_search(value).is_ok();
         let within =
             |((range, list), r): ((&(usize, usize), &Vec<f64>), &f64)| list[range.0] <= *r && *r <= list[range.1];
-        self.headings.iter().zip(&choice.headings).all(inside)
+        let made = |(hull, s): (&Rc<[(f64, f64)]>, &f64)| match (hull.first(), hull.last()) {
+            (Some(first), Some(last)) => first.0 <= *s && *s <= last.0,
+            _ => false,
+        };
+        self.hulls.iter().zip(&choice.straights).all(made)
+            && self.headings.iter().zip(&choice.headings).all(inside)
             && self.radii.iter().zip(&grid.radii).zip(&choice.radii).all(within)
     }
 }

@@ -10,7 +10,7 @@ use crate::problem::{Function, Problem, Row};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// What is searched at an offset: a problem, the offset (rad), the length that must be beaten (m), and how hard.
+/// What is searched at an offset: a problem, the offset (rad), the value that must be beaten, and how hard.
 pub type At<'a> = dyn Fn(&Problem, f64, f64, Effort) -> Option<Found> + 'a;
 
 /// Intervals are not split beyond this, rad.
@@ -57,16 +57,17 @@ fn directed(function: &Function) -> bool {
     }
 }
 
-/// From variables to variables and their length, m.
+/// From variables to variables and their value.
 type Improve<'a> = dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)> + 'a;
 
-/// Bounds every offset, and improves the incumbent (variables and length) on the way. `improve` makes a layout of the relaxed
-/// problem one of the problem, if it can.
+/// Bounds every offset, and improves the incumbent (variables and value) on the way. `improve` makes a layout of the relaxed
+/// problem one of the problem, if it can; a metre of track is worth at least `metre`.
 pub fn search(
     problem: &Problem,
     step: f64,
     incumbent: (Vec<f64>, f64),
     effort: Effort,
+    metre: f64,
     at: &At,
     improve: &Improve,
 ) -> Found {
@@ -80,15 +81,15 @@ pub fn search(
             break;
         }
         let middle = (interval.low + interval.high) / 2.0;
-        let relaxed = relaxed(problem, (interval.high - interval.low) / 2.0 * best.1 / 2.0);
+        let relaxed = relaxed(problem, (interval.high - interval.low) / 2.0 * (best.1 / metre) / 2.0);
         let found = at(&relaxed, middle, best.1, Effort { nodes: effort.nodes - nodes, ..effort });
         let Some(found) = found else { continue };
         nodes += found.nodes.max(1);
-        if found.length < best.1
-            && let Some((x, length)) = found.variables.as_deref().and_then(improve)
-            && length < best.1
+        if found.value < best.1
+            && let Some((x, value)) = found.variables.as_deref().and_then(improve)
+            && value < best.1
         {
-            best = (x, length);
+            best = (x, value);
         }
         let bound = interval.bound.max(found.bound);
         if interval.high - interval.low < FINEST {
@@ -98,7 +99,7 @@ pub fn search(
         heap.push(Interval { bound, low: interval.low, high: middle });
         heap.push(Interval { bound, low: middle, high: interval.high });
     }
-    Found { bound: left.min(best.1), variables: Some(best.0), length: best.1, nodes }
+    Found { bound: left.min(best.1), variables: Some(best.0), value: best.1, nodes }
 }
 
 /// The problem with everything that depends on the offset relaxed by a displacement, m.

@@ -13,16 +13,21 @@ use super::search::{FEASIBLE, Found, Setting, search as whole, track};
 pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64), longest: f64) -> Found {
     let grid = setting.grid;
     let pins = pins(grid, stated);
-    let apart = pins.len() > 1 && !stated.partial && stated.rows[stated.closing..].iter().all(|r| one_chain(r, &pins));
-    let Some(held) = place(grid, &incumbent.0).filter(|_| apart) else { return whole(&setting, Some(incumbent)) };
+    let Some(held) = place(grid, &incumbent.0).filter(|_| split(grid, stated)) else {
+        return whole(&setting, Some(incumbent));
+    };
     let n = grid.len();
-    let (full, limits) = (setting.open.clone(), setting.limits.straights.clone());
+    let (full, limits, tariff) =
+        (setting.open.clone(), setting.limits.straights.clone(), setting.limits.tariff.clone());
     for &k in &pins {
         setting.limits.straights[k] = (-longest, longest);
+        setting.limits.tariff.release(k, longest);
     }
+    let released = setting.limits.tariff.clone();
     setting.coupled = Some(pins.iter().map(|&k| grid.vertex(k)).collect());
     let effort = setting.effort;
-    let mut best = incumbent.clone();
+    let value = setting.value;
+    let mut best = (incumbent.0.clone(), value(&released, &incumbent.0));
     let (mut gap, mut nodes) = (0.0, 0);
     let mut held = held;
     for (i, &pin) in pins.iter().enumerate() {
@@ -30,9 +35,13 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
         let end = pins.get(i + 1).copied().unwrap_or(pins[0] + n);
         let mut open = held.clone();
         let at = track(&best.0);
+        setting.limits.tariff = released.clone();
         for k in (0..n).filter(|k| !pins.contains(k)) {
             let length = at.straight(grid.vertex(k)).length;
             setting.limits.straights[k] = (length, length);
+            if !(pin + 1..end).any(|own| own % n == k) {
+                setting.limits.tariff.hold(k, length);
+            }
         }
         for k in pin + 1..=end {
             open.radii[k % n] = full.radii[k % n];
@@ -43,13 +52,14 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
                 }
             }
         }
+        setting.limits.tariff.open(&mut open);
         setting.open = open;
         setting.effort.nodes = effort.nodes.saturating_sub(nodes);
         let found = whole(&setting, Some(best.clone()));
         nodes += found.nodes;
-        gap += (found.length - found.bound).max(0.0);
+        gap += (found.value - found.bound).max(0.0);
         if let Some(x) = found.variables {
-            best = (x, found.length);
+            best = (x, found.value);
         }
         match place(grid, &best.0) {
             Some(place) => held = place,
@@ -60,14 +70,21 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
     let at = setting.problem.evaluate(&best.0, 0.0);
     let sound = at.rows.iter().all(|r| r.violation() <= FEASIBLE) && setting.problem.crossings(&at.track).is_empty();
     if sound {
-        return Found { variables: Some(best.0), length: best.1, bound, nodes };
+        return Found { variables: Some(best.0), value: best.1, bound, nodes };
     }
     (setting.open, setting.limits.straights, setting.coupled, setting.effort) = (full, limits, None, effort);
+    setting.limits.tariff = tariff;
     setting.effort.nodes = effort.nodes.saturating_sub(nodes);
     let mut found = whole(&setting, Some(incumbent));
     found.bound = found.bound.max(bound);
     found.nodes += nodes;
     found
+}
+
+/// Whether there is more than one chain.
+pub fn split(grid: &Grid, stated: &Stated) -> bool {
+    let pins = pins(grid, stated);
+    pins.len() > 1 && !stated.partial && stated.rows[stated.closing..].iter().all(|r| one_chain(r, &pins))
 }
 
 /// Sections, by stage, whose heading and both vertices are known.
@@ -113,5 +130,5 @@ pub fn place(grid: &Grid, x: &[f64]) -> Option<Open> {
         radii[k % n] = (place, place);
     }
     let inside = headings.iter().zip(&grid.headings).all(|(h, all)| all.contains(&h[0]));
-    inside.then_some(Open { headings, radii })
+    inside.then_some(Open { headings, radii, cells: Vec::new(), hulls: Vec::new() })
 }

@@ -6,6 +6,7 @@ use super::grid::Grid;
 use super::master::{Column, relax};
 use super::network::{Choice, Limits, Open};
 use super::row::Row;
+use super::tariff::{Tariff, on_hull};
 use crate::geometry::{Corner, Point, Track};
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
@@ -28,8 +29,8 @@ impl Default for Effort {
     }
 }
 
-/// Lengths that differ by less are alike, m: a tenth of what rows hold to.
-const ALIKE: f64 = 1e-7;
+/// Values that differ by less are alike, m or as many units of price: a tenth of what rows hold to.
+pub const ALIKE: f64 = 1e-7;
 /// How exactly rows are met, m or rad.
 pub const FEASIBLE: f64 = 1e-6;
 /// A radius this close to the list is on it, m.
@@ -38,9 +39,14 @@ const ON_LIST: f64 = 1e-7;
 const FAR: f64 = 3.0;
 /// While headings are open, only what matters is branched on, m.
 const EARLY: f64 = 1e-2;
+/// The same for what a straight's pieces cost above the bound of them, in units of price.
+const EARLY_STEP: f64 = 0.05;
 
 /// See [`Setting::polish`].
 pub type Polish<'a> = dyn Fn(&[f64], Option<f64>) -> Option<Vec<f64>> + 'a;
+
+/// See [`Setting::value`].
+pub type Value<'a> = dyn Fn(&Tariff, &[f64]) -> f64 + 'a;
 
 /// What a search knows from outside.
 pub struct Setting<'a> {
@@ -57,7 +63,9 @@ pub struct Setting<'a> {
     pub coupled: Option<Vec<usize>>,
     /// Vertices whose position is known, by stage.
     pub fixed: Vec<(usize, Point)>,
-    /// A whole number of carts must close the loop.
+    /// What a layout is worth in the tariff's units: its length, or the price of its pieces.
+    pub value: &'a Value<'a>,
+    /// A whole number of carts must close the loop; only where length is minimised.
     pub closes: Option<Closes>,
     /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m); `None`
     /// where that fails.
@@ -68,9 +76,9 @@ pub struct Setting<'a> {
 pub struct Found {
     /// The best layout's variables, if any was found or given.
     pub variables: Option<Vec<f64>>,
-    /// m
-    pub length: f64,
-    /// Rigorous, m.
+    /// In the tariff's units: m, where length is minimised.
+    pub value: f64,
+    /// Rigorous, in the same units.
     pub bound: f64,
     pub nodes: usize,
 }
@@ -108,7 +116,7 @@ impl Eq for Node {}
 
 /// Searches from an incumbent, if there is one.
 pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
-    let length = incumbent.as_ref().map_or(f64::INFINITY, |i| i.1);
+    let value = incumbent.as_ref().map_or(f64::INFINITY, |i| i.1);
     let root = Node {
         bound: f64::NEG_INFINITY,
         id: 0,
@@ -120,7 +128,7 @@ pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
     let mut search = Search {
         setting,
         best: incumbent.map(|i| i.0),
-        length,
+        value,
         heap: BinaryHeap::from([root]),
         ids: 0,
         left: f64::INFINITY,
@@ -138,13 +146,13 @@ pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
         nodes += 1;
         search.expand(node);
     }
-    Found { bound: search.left.min(search.length), variables: search.best, length: search.length, nodes }
+    Found { bound: search.left.min(search.value), variables: search.best, value: search.value, nodes }
 }
 
 struct Search<'a> {
     setting: &'a Setting<'a>,
     best: Option<Vec<f64>>,
-    length: f64,
+    value: f64,
     heap: BinaryHeap<Node>,
     ids: usize,
     /// Least bound of all that was put aside: proven to be no better, or not decidable.
@@ -154,13 +162,14 @@ struct Search<'a> {
 impl Search<'_> {
     /// Nothing that costs so much is looked at.
     fn cutoff(&self) -> f64 {
-        self.length - ALIKE.max(self.setting.effort.gap * self.length.min(1e12))
+        self.value - ALIKE.max(self.setting.effort.gap * self.value.min(1e12))
     }
 
     fn expand(&mut self, mut node: Node) {
         let grid = self.setting.grid;
         node.pool.retain(|c| node.open.admits(&c.choice, grid));
-        node.pool.iter_mut().for_each(|c| c.complete(grid, &node.rows));
+        let tariff = &self.setting.limits.tariff;
+        node.pool.iter_mut().for_each(|c| c.complete(grid, tariff, &node.open, &node.rows));
         let cutoff = self.cutoff();
         let mut dear = 50.0;
         let relaxed = loop {
@@ -207,6 +216,12 @@ impl Search<'_> {
         };
         let widest = (0..grid.len()).map(|k| (k, spread(k))).fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         if widest.1 > 1e-9 {
+            let straight = |k: usize| mix.iter().map(|(c, w)| c.straights[k] * w).sum::<f64>();
+            let straights: Vec<f64> = (0..grid.len()).map(straight).collect();
+            if let Some(step) = self.dearest(&node.open, &straights, EARLY_STEP) {
+                self.part_cells(&node, step);
+                return;
+            }
             if self.split_early(&node, &mix) {
                 return;
             }
@@ -302,6 +317,33 @@ impl Search<'_> {
         self.push(&node, |c| c.open.headings[k].retain(|&h| h == heading));
     }
 
+    /// The straight whose pieces cost most above the hull of what is open, and the cell it lies in.
+    fn dearest(&self, open: &Open, straights: &[f64], above: f64) -> Option<(usize, usize)> {
+        let mut worst = (above, None);
+        for (k, cells) in self.setting.limits.tariff.cells.iter().enumerate() {
+            let cell = cells.cell(straights[k], open.cells[k]);
+            let off = cells.price(cell) - on_hull(&open.hulls[k], straights[k]);
+            if open.cells[k].0 < open.cells[k].1 && off > worst.0 {
+                worst = (off, Some((k, cell)));
+            }
+        }
+        worst.1
+    }
+
+    /// A straight in one of its cells, and in those before and behind it.
+    fn part_cells(&mut self, node: &Node, (k, cell): (usize, usize)) {
+        let (from, to) = node.open.cells[k];
+        for (from, to) in [(from, cell.wrapping_sub(1)), (cell, cell), (cell + 1, to)] {
+            if from > to || to == usize::MAX {
+                continue;
+            }
+            let mut open = node.open.clone();
+            if open.restrict(&self.setting.limits.tariff, k, (from, to)) {
+                self.push(node, |c| c.open = open);
+            }
+        }
+    }
+
     /// The relaxation is a layout: accept it, or branch on what it lacks.
     fn settle(&mut self, node: Node, choice: Choice) {
         let (grid, problem) = (self.setting.grid, self.setting.problem);
@@ -344,23 +386,30 @@ impl Search<'_> {
         let clean = violated.is_empty() && !crosses();
         let lack = self.setting.closes.map_or(Some(0.0), |c| c.lack(&at.track)).filter(|_| clean);
         let total = || (0..grid.len()).map(|k| at.track.straight(k).length).sum::<f64>();
+        let counted = !self.setting.limits.tariff.cells.is_empty();
         let better = match lack {
             Some(0.0) => Some(x),
             // Longer by what the chain lacks, if that can be shorter than the best.
-            Some(lack) if node.bound + lack < self.length => {
+            Some(lack) if node.bound + lack < self.value => {
                 self.setting.closes.and_then(|c| c.stretch(&x, self.setting.polish))
             }
             Some(_) => None,
             None => (self.setting.polish)(&x, None),
         };
         if let Some(x) = better {
-            let length = problem.evaluate(&x, 0.0).length;
-            if length < self.length {
-                self.length = length;
+            let value = (self.setting.value)(&self.setting.limits.tariff, &x);
+            if value < self.value {
+                self.value = value;
                 self.best = Some(x);
             }
         }
-        if lack == Some(0.0) {
+        if counted && clean && node.bound < self.cutoff() {
+            // The pieces of some straight cost more than their bound.
+            if let Some(step) = self.dearest(&node.open, &choice.straights, 1e-9) {
+                return self.part_cells(&node, step);
+            }
+        }
+        if lack == Some(0.0) && !(counted && clean && node.bound < self.cutoff()) {
             // Nothing with these rows is shorter than the relaxation, which this is.
             self.left = self.left.min(node.bound);
             return;
@@ -381,7 +430,8 @@ impl Search<'_> {
             self.push(&node, |c| c.open.radii[k] = (place, place));
             return;
         }
-        if let Some(lack) = lack {
+        // What closes at another length has other straights; what costs more than its bound may have any.
+        if let Some(lack) = lack.filter(|_| !counted) {
             let straight = (0..grid.len()).map(|k| (k, 1.0)).collect();
             let low = total() + lack - 0.1 * FEASIBLE;
             self.push(&node, |c| c.rows.push(Row { straight, low, ..Row::default() }));
