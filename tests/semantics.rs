@@ -303,7 +303,8 @@ fn what_cannot_be_built_yet_is_said() {
         )));
         lss::semantics::unsupported(&layout).into_iter().map(|d| d.message).collect()
     };
-    assert_eq!(said("cost"), ["`optimise cost` is checked, but not built yet"]);
+    let dear = said("cost");
+    assert_eq!(dear, ["a chain that must close under `optimise cost` is checked, but not built yet"]);
     assert!(said("length").is_empty());
     let smooth = said("polygon_action");
     assert!(smooth.iter().any(|m| m.starts_with("`pass o either`")), "{smooth:?}");
