@@ -18,8 +18,8 @@ pub const ONE: f64 = 0.5;
 pub const PAIR: f64 = 0.15;
 pub const UNKNOWN: f64 = 0.15;
 
-/// What something unknown is thought to leave of a gap that a good hypothesis would close.
-const UNKNOWN_LEAVES: f64 = 0.35;
+/// What the best effect of the library is thought to leave of a gap that is none of it.
+const UNKNOWN_LEAVES: f64 = 0.5;
 
 /// Strengths that something unknown is charged for.
 const UNKNOWN_STRENGTHS: f64 = 2.0;
