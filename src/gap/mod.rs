@@ -7,6 +7,7 @@ pub mod blind;
 pub mod chain;
 mod diagnose;
 mod diagnosis;
+mod digest;
 pub mod effects;
 mod evidence;
 mod judge;

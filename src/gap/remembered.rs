@@ -3,8 +3,8 @@
 //! The file's first line tells of what model and runs it is; another's is begun anew. Then a line a simulation: the SHA-256 of what was
 //! asked, and the bits of the features. A line that was cut is one that was never made.
 
+use super::digest::sha256;
 use super::simulator::{Applied, Candidate, Frame, Request, Simulator};
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -31,9 +31,10 @@ impl<'a> Remembered<'a> {
     /// With what a file knows of the same model and runs. The file and its folder are made if they are missing.
     pub fn new(simulator: &'a dyn Simulator, path: &Path) -> Remembered<'a> {
         let first = format!("{MARK} {}", fingerprint(simulator));
-        let known = read(path, &first).unwrap_or_default();
-        let file = begun(path, &first, &known).ok();
-        Remembered { simulator, path: path.to_owned(), book: Mutex::new(Book { known, file }) }
+        let known = read(path, &first);
+        let file = begun(path, &first, known.is_some()).ok();
+        let book = Book { known: known.unwrap_or_default(), file };
+        Remembered { simulator, path: path.to_owned(), book: Mutex::new(book) }
     }
 
     /// How many simulations are known.
@@ -90,34 +91,24 @@ impl Simulator for Remembered<'_> {
 
 /// Of the model's effects and the runs as they were fitted.
 fn fingerprint(simulator: &dyn Simulator) -> String {
-    let mut hash = Sha256::new();
-    hash.update(env!("CARGO_PKG_VERSION"));
-    hash.update(format!("{:?}", simulator.candidates()));
+    let mut all = format!("{} {:?}", env!("CARGO_PKG_VERSION"), simulator.candidates()).into_bytes();
     for frame in simulator.frames() {
-        hash.update(&frame.run);
+        all.extend(frame.run.bytes());
         let numbers = frame.measured.iter().chain(&frame.nominal).chain(&frame.variance).chain(frame.slopes.iter());
-        numbers.for_each(|x| hash.update(x.to_bits().to_le_bytes()));
+        all.extend(numbers.flat_map(|x| x.to_bits().to_le_bytes()));
     }
-    hex(&hash.finalize())
+    sha256(&all)
 }
 
 fn key(request: &Request) -> String {
-    let mut hash = Sha256::new();
-    hash.update((request.run as u64).to_le_bytes());
-    hash.update((request.step.len() as u64).to_le_bytes());
-    request.step.iter().for_each(|x| hash.update(x.to_bits().to_le_bytes()));
+    let mut all = [request.run as u64, request.step.len() as u64].map(u64::to_le_bytes).concat();
+    let bits = |x: &f64| x.to_bits().to_le_bytes();
+    all.extend(request.step.iter().flat_map(bits));
     for effect in &request.effects {
-        hash.update((effect.candidate as u64).to_le_bytes());
-        effect.strengths.iter().for_each(|x| hash.update(x.to_bits().to_le_bytes()));
+        all.extend((effect.candidate as u64).to_le_bytes());
+        all.extend(effect.strengths.iter().flat_map(bits));
     }
-    hex(&hash.finalize())
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, b| {
-        let _ = write!(text, "{b:02x}");
-        text
-    })
+    sha256(&all)
 }
 
 fn line(text: &mut String, key: &str, answer: Option<&[f64]>) {
@@ -144,15 +135,17 @@ fn read(path: &Path, first: &str) -> Option<BTreeMap<String, Option<Vec<f64>>>> 
     Some(lines.filter_map(one).collect())
 }
 
-/// The file with what is known already, open for more.
-fn begun(path: &Path, first: &str, known: &BTreeMap<String, Option<Vec<f64>>>) -> io::Result<File> {
+/// The file, open for more; begun anew unless it goes on.
+fn begun(path: &Path, first: &str, goes_on: bool) -> io::Result<File> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
     }
-    let mut text = format!("{first}\n");
-    known.iter().for_each(|(key, answer)| line(&mut text, key, answer.as_deref()));
-    let mut file = File::create(path)?;
-    file.write_all(text.as_bytes())?;
+    if !goes_on {
+        fs::write(path, first)?;
+    }
+    let mut file = File::options().append(true).open(path)?;
+    // Also after a line that was cut.
+    file.write_all(b"\n")?;
     Ok(file)
 }
 

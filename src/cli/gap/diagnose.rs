@@ -77,7 +77,7 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let known = Remembered::new(&chains, &self.output.join(PARTIAL));
+        let known = self.remembered(&chains);
         let mut found = bar.diagnose(&known);
         found.lost = chains.lost();
         let mut files = Files::default();
@@ -106,7 +106,7 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let known = Remembered::new(&model, &self.output.join(PARTIAL));
+        let known = self.remembered(&model);
         let mut found = bar.diagnose(&known);
         found.axis = "s".into();
         found.lost = model.lost().to_vec();
@@ -116,6 +116,16 @@ impl Diagnose {
             report::error(&error.to_string());
         }
         self.finish(&found, None, Files::default(), trouble.is_some(), known)
+    }
+
+    /// A model with what a stopped diagnosis left.
+    fn remembered<'a>(&self, model: &'a dyn Simulator) -> Remembered<'a> {
+        let known = Remembered::new(model, &self.output.join(PARTIAL));
+        match known.known() {
+            0 => {}
+            count => eprintln!("a diagnosis was stopped here: {count} of its simulations are used again"),
+        }
+        known
     }
 
     /// Writes and prints what was found.

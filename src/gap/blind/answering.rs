@@ -3,6 +3,7 @@
 use super::key::{Answer, Facts, Key};
 use super::score::{Score, score};
 use super::{CHALLENGE, KEY, seal};
+use crate::gap::digest::sha256;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -74,7 +75,7 @@ pub fn answer(
         all.extend_from_slice(case.as_bytes());
         all.extend(fs::read(folder.join(ANSWERS).join(case).join(ANSWER)).unwrap_or_default());
     }
-    Ok(seal::sha256(&all))
+    Ok(sha256(&all))
 }
 
 fn start(hash: &str) -> String {

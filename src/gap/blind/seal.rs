@@ -2,6 +2,7 @@
 //! effect's name, not by an editor that opens it. It is no secret from somebody who wants to know; what guards against a change is
 //! the salted SHA-256 (FIPS 180-4) that was published before anyone answered.
 
+use crate::gap::digest::{hex, sha256};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
@@ -46,11 +47,6 @@ impl fmt::Display for SealError {
 
 impl std::error::Error for SealError {}
 
-/// Hexadecimal digits of SHA-256.
-pub fn sha256(bytes: &[u8]) -> String {
-    hex(&Sha256::digest(bytes))
-}
-
 /// Seals a key. `secret` makes the salt, so that the same secret seals the same key alike.
 pub fn seal(key: &[u8], secret: u64) -> Sealed {
     let salt: [u8; 32] = Sha256::digest([b"salt".as_slice(), &secret.to_le_bytes()].concat()).into();
@@ -92,10 +88,6 @@ fn combined(bytes: &[u8], salt: &[u8]) -> Vec<u8> {
         chunk.iter().zip(stream).map(|(a, b)| a ^ b).collect::<Vec<u8>>()
     };
     blocks.flat_map(block).collect()
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 fn digits(text: &str) -> Option<Vec<u8>> {

@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m",
         about: "root mean square of each rail",
         trial: 1e-5,
-        usual: 1e-5,
+        usual: 1.2e-5,
         low: 0.0,
         high: 2e-3,
     }],

@@ -1,29 +1,28 @@
 //! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
 
+mod frame;
+
 use super::effects::sites::{self, Site};
-use super::effects::{Effect, LIBRARY, Sensed, built, rail_step, sense};
-use super::simulator::{Applied, Band, Candidate, Frame, Label, Request, Simulator, Strength};
+use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, rail_step, sense};
+use super::simulator::{Applied, Band, Candidate, Frame, Request, Simulator, Strength};
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
 use crate::geometry::trig;
 use crate::identify::fit::{Landing, land};
-use crate::identify::local::WITH_FLOOR;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;
 use crate::identify::summary::{Block, FORCES, Summary};
 use crate::identify::{Measured, Model, Parameter, Settings};
 use crate::signal::Channel;
-use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
 /// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
 const PASSES: f64 = 24.0;
 const SIGNATURE_PASSES: f64 = 14.0;
 
-/// Chains as built that are drawn, and how uneven their rails are, m.
+/// Chains as built that are drawn.
 const DRAWS: usize = 4;
-const UNEVEN: f64 = 1.2e-5;
 
 /// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
 const STEPS: usize = 3;
@@ -33,9 +32,6 @@ const LISTENERS: usize = 14;
 
 /// Samples of a run above what counts as its largest force, so that noise does not make it.
 const FEW: usize = 5;
-
-/// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
-const FLOOR_DEVIATION: f64 = 1.0;
 
 /// A campaign's runs on chains.
 pub struct Chains {
@@ -84,7 +80,7 @@ impl Chains {
         let mut runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
         set_tops(&mut runs);
         let mut out = Chains {
-            frames: subjects.iter().zip(&runs).map(|(s, run)| frame(&s.name, run)).collect(),
+            frames: subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect(),
             runs,
             candidates: Vec::new(),
             threads,
@@ -112,10 +108,12 @@ impl Chains {
         let asked: Vec<(usize, usize)> =
             (0..self.runs.len()).flat_map(|run| (0..DRAWS).map(move |k| (run, k))).collect();
         let answers = parallel::map(&asked, threads, |&(run, draw)| {
-            let strengths = [("amplitude", UNEVEN), ("draw", draw as f64 + 1.0)];
-            let strengths = strengths.map(|(name, x)| (name.to_owned(), x)).into();
-            let wavy = input::Effect { name: "rail_waviness".to_owned(), strengths };
-            self.simulated(run, &[], vec![wavy], false)
+            let effect = |effect: &Effect| {
+                let usual = effect.strengths.iter().map(|s| (s.name.to_owned(), s.usual));
+                let strengths = usual.chain([("draw".to_owned(), draw as f64 + 1.0)]).collect();
+                input::Effect { name: effect.name.to_owned(), strengths }
+            };
+            self.simulated(run, &[], BUILT.map(effect).to_vec(), false)
         });
         for ((run, _), features) in asked.into_iter().zip(answers) {
             let frame = &mut self.frames[run];
@@ -451,82 +449,4 @@ fn orders(simulation: &Simulation, speed: f64) -> Vec<f64> {
     let ripple = [0.5, 0.2, 0.1, 0.05].map(|share| speed / (share * simulation.motors.length_m));
     let all = [wheel(simulation.steering_wheel.radius_m), wheel(simulation.running_wheel.radius_m)].concat();
     all.into_iter().chain(ripple).filter(|hz| *hz < 0.4 * simulation.sensor.rate_hz).collect()
-}
-
-/// The run as the diagnosis sees it; the chain's speed is the last feature.
-fn frame(name: &str, run: &Fitted) -> Frame {
-    let landing = &run.landing;
-    let laps = run.laps.max(0.02);
-    let mut labels = labels(run);
-    labels.push(Label { channel: "speed".into(), band: Band::Drift, index: 0, from: 0, to: lap_mm(run) });
-    let (speed, deviation) = landing.speed.unwrap_or((0.0, f64::INFINITY));
-    let simulated = landing.centre.answer.speed;
-    let with = |list: &[f64], last: f64| list.iter().copied().chain([last]).collect::<Vec<f64>>();
-    let deviate = |lap: &Vec<f64>| {
-        let each = lap.iter().enumerate().map(|(k, x)| x / landing.blocks[k].laps(laps).sqrt());
-        each.chain([0.0]).collect::<Vec<f64>>()
-    };
-    let mut doubts: Vec<Vec<f64>> = landing.numerics.doubts.iter().map(|d| with(d, 0.0)).collect();
-    for force in 0..FORCES {
-        let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
-        doubts.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
-    }
-    let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::fit::FLOOR_SCALE, |p| p.reach());
-    let slopes = &landing.sensitivity.slopes;
-    Frame {
-        run: name.to_owned(),
-        labels,
-        measured: with(&landing.measured, simulated + speed),
-        nominal: with(&landing.nominal, simulated),
-        variance: with(&landing.variance, deviation * deviation),
-        scatter: landing.floor.scatter.iter().map(deviate).collect(),
-        doubts,
-        built: Vec::new(),
-        slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
-        prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
-        nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),
-    }
-}
-
-/// Of a nuisance's step from where the fit ended.
-fn prior(run: &Fitted, j: usize) -> (f64, f64) {
-    let Some(p) = Parameter::ALL.get(j) else {
-        return (0.0, FLOOR_DEVIATION / crate::identify::fit::FLOOR_SCALE);
-    };
-    let (mean, deviation) = p.prior(run.model.law, run.model.nominal[j]);
-    ((mean - run.landing.at[j]) / p.reach(), deviation / p.reach())
-}
-
-fn lap_mm(run: &Fitted) -> u64 {
-    (1e3 * run.model.recipe.places.lap).round() as u64
-}
-
-fn labels(run: &Fitted) -> Vec<Label> {
-    let places = &run.model.recipe.places;
-    let mut counted: BTreeMap<Block, usize> = BTreeMap::new();
-    let lap = lap_mm(run);
-    let mm = |x: f64| (1e3 * x).round() as u64;
-    let one = |block: &Block| {
-        let count = counted.entry(*block).or_default();
-        let index = *count;
-        *count += 1;
-        let (force, band, from, to) = match *block {
-            Block::Mean(f) | Block::Local(f) => {
-                let cell = places.lap / places.cells as f64;
-                let band = if matches!(block, Block::Mean(_)) { Band::Track } else { Band::Fluctuation };
-                (f, band, mm(cell * index as f64), mm(cell * (index + 1) as f64))
-            }
-            Block::Spread(f) => {
-                let zone = places.zones.get(index).map_or((0.0, places.lap), |z| (z.from, z.to));
-                (f, Band::Fluctuation, mm(zone.0), mm(zone.1))
-            }
-            Block::Share(f) => (f, Band::Distribution, 0, lap),
-            Block::Power(f) => (f, Band::Cart, 0, lap),
-            Block::Order(f) => (f, if index < 4 { Band::Wheel } else { Band::Motor }, 0, lap),
-            Block::SpeedPower => (FORCES, Band::Drift, 0, lap),
-        };
-        let channel = Channel::FORCES.get(force).map_or("speed", |c| c.name());
-        Label { channel: channel.to_owned(), band, index, from, to }
-    };
-    run.landing.blocks.iter().map(one).collect()
 }

@@ -1,0 +1,91 @@
+//! A fitted run as the diagnosis sees it: what its features are about, the floor, doubts, and slopes by the nuisances.
+
+use super::Fitted;
+use crate::gap::simulator::{Band, Frame, Label};
+use crate::identify::Parameter;
+use crate::identify::local::WITH_FLOOR;
+use crate::identify::summary::{Block, FORCES};
+use crate::signal::Channel;
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+
+/// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
+const FLOOR_DEVIATION: f64 = 1.0;
+
+/// The run as the diagnosis sees it; the chain's speed is the last feature.
+pub fn frame(name: &str, run: &Fitted) -> Frame {
+    let landing = &run.landing;
+    let laps = run.laps.max(0.02);
+    let mut labels = labels(run);
+    labels.push(Label { channel: "speed".into(), band: Band::Drift, index: 0, from: 0, to: lap_mm(run) });
+    let (speed, deviation) = landing.speed.unwrap_or((0.0, f64::INFINITY));
+    let simulated = landing.centre.answer.speed;
+    let with = |list: &[f64], last: f64| list.iter().copied().chain([last]).collect::<Vec<f64>>();
+    let deviate = |lap: &Vec<f64>| {
+        let each = lap.iter().enumerate().map(|(k, x)| x / landing.blocks[k].laps(laps).sqrt());
+        each.chain([0.0]).collect::<Vec<f64>>()
+    };
+    let mut doubts: Vec<Vec<f64>> = landing.numerics.doubts.iter().map(|d| with(d, 0.0)).collect();
+    for force in 0..FORCES {
+        let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
+        doubts.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
+    }
+    let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::fit::FLOOR_SCALE, |p| p.reach());
+    let slopes = &landing.sensitivity.slopes;
+    Frame {
+        run: name.to_owned(),
+        labels,
+        measured: with(&landing.measured, simulated + speed),
+        nominal: with(&landing.nominal, simulated),
+        variance: with(&landing.variance, deviation * deviation),
+        scatter: landing.floor.scatter.iter().map(deviate).collect(),
+        doubts,
+        built: Vec::new(),
+        slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
+        prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
+        nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),
+    }
+}
+
+/// Of a nuisance's step from where the fit ended.
+fn prior(run: &Fitted, j: usize) -> (f64, f64) {
+    let Some(p) = Parameter::ALL.get(j) else {
+        return (0.0, FLOOR_DEVIATION / crate::identify::fit::FLOOR_SCALE);
+    };
+    let (mean, deviation) = p.prior(run.model.law, run.model.nominal[j]);
+    ((mean - run.landing.at[j]) / p.reach(), deviation / p.reach())
+}
+
+fn lap_mm(run: &Fitted) -> u64 {
+    (1e3 * run.model.recipe.places.lap).round() as u64
+}
+
+fn labels(run: &Fitted) -> Vec<Label> {
+    let places = &run.model.recipe.places;
+    let mut counted: BTreeMap<Block, usize> = BTreeMap::new();
+    let lap = lap_mm(run);
+    let mm = |x: f64| (1e3 * x).round() as u64;
+    let one = |block: &Block| {
+        let count = counted.entry(*block).or_default();
+        let index = *count;
+        *count += 1;
+        let (force, band, from, to) = match *block {
+            Block::Mean(f) | Block::Local(f) => {
+                let cell = places.lap / places.cells as f64;
+                let band = if matches!(block, Block::Mean(_)) { Band::Track } else { Band::Fluctuation };
+                (f, band, mm(cell * index as f64), mm(cell * (index + 1) as f64))
+            }
+            Block::Spread(f) => {
+                let zone = places.zones.get(index).map_or((0.0, places.lap), |z| (z.from, z.to));
+                (f, Band::Fluctuation, mm(zone.0), mm(zone.1))
+            }
+            Block::Share(f) => (f, Band::Distribution, 0, lap),
+            Block::Power(f) => (f, Band::Cart, 0, lap),
+            Block::Order(f) => (f, if index < 4 { Band::Wheel } else { Band::Motor }, 0, lap),
+            Block::SpeedPower => (FORCES, Band::Drift, 0, lap),
+        };
+        let channel = Channel::FORCES.get(force).map_or("speed", |c| c.name());
+        Label { channel: channel.to_owned(), band, index, from, to }
+    };
+    run.landing.blocks.iter().map(one).collect()
+}
