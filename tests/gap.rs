@@ -66,6 +66,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             high: 50.0,
         }],
         sensor,
+        chance: false,
         beside: None,
     };
     let candidates = vec![

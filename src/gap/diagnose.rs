@@ -1,13 +1,16 @@
 //! The diagnosis: screen, re-fit, judge.
 
+use super::chance::by_chance;
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
+use super::floor::{Floor, floors};
 use super::judge::{self, MOST_FREEDOM};
 use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
 use super::screen::{self, Signature, Trial};
 use super::simulator::{Candidate, Simulator};
 use crate::geometry::trig;
+use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
@@ -21,6 +24,10 @@ const LOOKS: usize = 3;
 const LOOKED_AT: usize = 4;
 const WORTH: f64 = 0.02;
 
+/// Hypotheses that are held against a floor of their own at most, and what share of the gap they must explain.
+const FLOORS: usize = 5;
+const SOME: f64 = 0.05;
+
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
@@ -31,6 +38,8 @@ pub enum Stage {
 /// A hypothesis with its weight.
 pub struct Judged {
     pub fitted: Fitted,
+    /// Before the floor that it makes itself, where it makes one.
+    pub floor: Option<Floor>,
     /// Mean square residual of all runs over that of honest laps.
     pub excess: f64,
     /// Logarithm of its weight.
@@ -60,13 +69,14 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         let some = signatures.iter().filter(|s| strength(s) > 0.0);
         some.map(|s| s.change[run].iter().map(|x| x * strength(s)).collect()).collect()
     };
-    let evidence: Vec<Evidence> = frames.iter().enumerate().map(|(run, f)| Evidence::new(f, &usual(run))).collect();
+    let usual: Vec<Vec<Vec<f64>>> = (0..frames.len()).map(usual).collect();
+    let evidence: Vec<Evidence> = frames.iter().zip(&usual).map(|(f, usual)| Evidence::new(f, usual)).collect();
     for signature in &mut signatures {
         signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
     }
     let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
     let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new() };
-    court.excess = court.mean_excess(|run| court.evidence[run].residual.clone());
+    court.excess = mean_excess(&court.evidence, court.evidence.iter().map(|e| &e.residual));
 
     // Where there is no gap there is nothing to look at more closely, nor to fit.
     let gap = court.excess > 1.0;
@@ -96,11 +106,50 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let mut judged: Vec<Judged> = fitted.into_iter().map(|f| court.weigh(f)).collect();
+    let scattered = if gap { by_chance(simulator, &court.evidence, &usual, &court.signatures) } else { Vec::new() };
+    let asked = court.worth_a_floor(&fitted);
+    let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
+    let mut own = floors(simulator, &court.evidence, &usual, &court.signatures, &some).into_iter();
+    let mut judged: Vec<Judged> = Vec::new();
+    for (fitted, asked) in fitted.into_iter().zip(asked) {
+        let floor = if asked { own.next().flatten() } else { None };
+        judged.push(court.weigh(fitted, floor));
+    }
+    judged.extend(scattered.into_iter().map(|(fitted, floor)| court.weigh(fitted, floor)));
     judged.extend(rest);
     judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     court.judged = judged;
     report(&court)
+}
+
+/// Mean square residual over that of honest laps, over all runs, each for what it can tell.
+fn mean_excess<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
+    let mut sum = (0.0, 0.0);
+    for (evidence, residual) in evidence.iter().zip(residuals) {
+        sum = (sum.0 + evidence.freedom * evidence.excess(residual), sum.1 + evidence.freedom);
+    }
+    sum.0 / sum.1.max(1e-9)
+}
+
+impl Judged {
+    /// What it is judged by.
+    pub fn evidence<'a>(&'a self, court: &'a Court) -> &'a [Evidence] {
+        self.floor.as_ref().map_or(&court.evidence, |f| &f.evidence)
+    }
+
+    /// What is left of each run, projected.
+    pub fn residuals(&self) -> &[DVector<f64>] {
+        self.floor.as_ref().map_or(&self.fitted.residuals, |f| &f.residuals)
+    }
+
+    /// What one more of each strength changes.
+    pub fn columns(&self) -> &[Vec<DVector<f64>>] {
+        self.floor.as_ref().map_or(&self.fitted.columns, |f| &f.columns)
+    }
+
+    pub fn covariance(&self) -> &DMatrix<f64> {
+        self.floor.as_ref().map_or(&self.fitted.covariance, |f| &f.covariance)
+    }
 }
 
 impl Court<'_> {
@@ -156,22 +205,27 @@ impl Court<'_> {
         self.simulator.candidates()
     }
 
-    /// Over all runs, each for what it can tell.
-    pub fn mean_excess(&self, residual: impl Fn(usize) -> nalgebra::DVector<f64>) -> f64 {
-        let mut sum = (0.0, 0.0);
-        for (run, evidence) in self.evidence.iter().enumerate() {
-            sum = (sum.0 + evidence.freedom * evidence.excess(&residual(run)), sum.1 + evidence.freedom);
-        }
-        sum.0 / sum.1.max(1e-9)
+    /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.
+    fn worth_a_floor(&self, fitted: &[Fitted]) -> Vec<bool> {
+        let excess: Vec<f64> = fitted.iter().map(|f| mean_excess(&self.evidence, &f.residuals)).collect();
+        let mut order: Vec<usize> = (0..fitted.len()).collect();
+        order.sort_by(|a, b| excess[*a].total_cmp(&excess[*b]));
+        let worth =
+            |k: &usize| fitted[*k].simulated() && self.excess - excess[*k] > SOME * (self.excess - 1.0).max(0.0);
+        let best: BTreeSet<usize> = order.into_iter().filter(worth).take(FLOORS).collect();
+        (0..fitted.len()).map(|k| best.contains(&k)).collect()
     }
 
     fn screened(&self, hypothesis: Hypothesis) -> Judged {
-        self.weigh(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()))
+        self.weigh(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
     }
 
-    fn weigh(&self, fitted: Fitted) -> Judged {
+    fn weigh(&self, fitted: Fitted, floor: Option<Floor>) -> Judged {
         let candidates = self.candidates();
-        let excess = self.mean_excess(|run| fitted.residuals[run].clone());
+        let excess = match &floor {
+            Some(floor) => trig::exp(floor.raised) * mean_excess(&floor.evidence, &floor.residuals),
+            None => mean_excess(&self.evidence, &fitted.residuals),
+        };
         let effects = {
             let mut names: Vec<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();
             names.sort_unstable();
@@ -185,7 +239,7 @@ impl Court<'_> {
         let prior = trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared;
         let strengths = fitted.strengths.len() as f64;
         let weight = judge::likelihood(excess, self.freedom) - judge::cost(strengths, self.freedom) + prior;
-        Judged { fitted, excess, weight }
+        Judged { fitted, floor, excess, weight }
     }
 
     /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.

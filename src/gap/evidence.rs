@@ -5,6 +5,7 @@
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
 use super::simulator::Frame;
+use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Common deviations of honest laps that are told apart from each feature's own.
@@ -37,9 +38,14 @@ pub struct Evidence {
 impl Evidence {
     /// From a frame and what every built machine deviates by, each of unit variance.
     pub fn new(frame: &Frame, usual: &[Vec<f64>]) -> Evidence {
+        Evidence::with(frame, usual, &frame.variance)
+    }
+
+    /// With other variances of the difference of two honest laps.
+    pub fn with(frame: &Frame, usual: &[Vec<f64>], variance: &[f64]) -> Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
-        let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / frame.variance[k].sqrt()).collect();
+        let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / variance[k].sqrt()).collect();
         let weights = tolerant(frame, &rows, weights);
         let white = |x: &[f64]| {
             let each = rows.iter().zip(&weights).map(|(&k, w)| if x[k].is_finite() { x[k] * w } else { 0.0 });
@@ -136,6 +142,24 @@ impl Evidence {
     /// How many features are used.
     pub fn features(&self) -> usize {
         self.rows.len()
+    }
+
+    /// A projected column of the same run and features with other weights, in these.
+    pub fn carried(&self, from: &Evidence, column: &DVector<f64>) -> DVector<f64> {
+        let mut long = DVector::zeros(self.raw.len());
+        for (x, y) in long.iter_mut().zip(column.iter()) {
+            *x = *y;
+        }
+        for (x, (own, other)) in long.iter_mut().zip(self.weights.iter().zip(&from.weights)) {
+            *x *= own / other;
+        }
+        self.project(&long)
+    }
+
+    /// Mean logarithm of the variances over those of another.
+    pub fn raised(&self, from: &Evidence) -> f64 {
+        let each = self.weights.iter().zip(&from.weights).map(|(own, other)| 2.0 * trig::ln(other / own));
+        each.sum::<f64>() / self.weights.len().max(1) as f64
     }
 
     /// Mean square of a projected residual over that of honest laps.

@@ -5,11 +5,13 @@
 
 pub mod blind;
 pub mod chain;
+mod chance;
 mod diagnose;
 mod diagnosis;
 mod digest;
 pub mod effects;
 mod evidence;
+mod floor;
 mod judge;
 pub mod outside;
 mod refit;

@@ -51,7 +51,7 @@ impl Hypothesis {
     }
 
     /// The effects with strengths in the order of `signatures`.
-    fn applied(&self, candidates: &[Candidate], signatures: &[Signature], strengths: &[f64]) -> Vec<Applied> {
+    pub fn applied(&self, candidates: &[Candidate], signatures: &[Signature], strengths: &[f64]) -> Vec<Applied> {
         let one = |&candidate: &usize| {
             let mut own = vec![0.0; candidates[candidate].strengths.len()];
             for (k, x) in self.signatures.iter().zip(strengths) {
@@ -171,13 +171,7 @@ pub fn refit(
                 search.settled = true;
                 continue;
             };
-            // The effects' part of each change: nuisances are projected out as their slopes have it.
-            let change = |run: usize| -> Vec<f64> {
-                let frame = &frames[run];
-                let moved = &frame.slopes * DVector::from_vec(requests[rows.start + run].step.clone());
-                let features = answers[run].iter().zip(&frame.nominal).zip(moved.iter());
-                features.map(|((f, n), m)| f - n - m).collect()
-            };
+            let change = |run: usize| frames[run].moved(answers[run], &requests[rows.start + run].step);
             let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
             let found: Vec<DVector<f64>> = evidence.iter().zip(&changes).map(|(e, c)| e.column(c)).collect();
             let residuals: Vec<DVector<f64>> = evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect();
@@ -202,6 +196,11 @@ pub fn refit(
 }
 
 impl Fitted {
+    /// Whether it was simulated with something.
+    pub fn simulated(&self) -> bool {
+        self.features.is_some() && self.strengths.iter().any(|x| *x != 0.0)
+    }
+
     /// To where it fits best from the best that was simulated; whether that is hardly another place.
     fn step(&mut self, best: &Point, candidates: &[Candidate], signatures: &[Signature]) -> bool {
         let bounds = self.hypothesis.bounds(candidates, signatures);

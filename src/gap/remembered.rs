@@ -66,14 +66,31 @@ impl Simulator for Remembered<'_> {
         self.simulate_all(&[request]).pop().flatten()
     }
 
+    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        let keys = requests.iter().map(|r| format!("{}v", key(r))).collect();
+        self.remembered(keys, requests, &|asked| self.simulator.variances_all(asked))
+    }
+
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
-        let keys: Vec<String> = requests.iter().map(key).collect();
+        let keys = requests.iter().map(key).collect();
+        self.remembered(keys, requests, &|asked| self.simulator.simulate_all(asked))
+    }
+}
+
+impl Remembered<'_> {
+    /// Answers from the book, and to what is not in it from the simulator.
+    fn remembered(
+        &self,
+        keys: Vec<String>,
+        requests: &[Request],
+        ask: &dyn Fn(&[Request]) -> Vec<Option<Vec<f64>>>,
+    ) -> Vec<Option<Vec<f64>>> {
         let missing: Vec<usize> = {
             let book = self.book();
             (0..requests.len()).filter(|k| !book.known.contains_key(&keys[*k])).collect()
         };
         let asked: Vec<Request> = missing.iter().map(|k| requests[*k].clone()).collect();
-        let answers = self.simulator.simulate_all(&asked);
+        let answers = ask(&asked);
         let mut book = self.book();
         let mut text = String::new();
         for (k, answer) in missing.into_iter().zip(answers) {

@@ -2,6 +2,7 @@
 
 use super::diagnose::{Court, Judged};
 use super::diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
+use super::evidence::Evidence;
 use super::judge;
 use super::screen::explain;
 use super::simulator::{Band, Frame};
@@ -129,7 +130,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         }
         let strength = &candidate.strengths[signature.strength];
         let value = fitted.strengths[i];
-        let own = scale * fitted.covariance[(i, i)].max(0.0).sqrt();
+        let own = scale * judged.covariance()[(i, i)].max(0.0).sqrt();
         let half = NINETY * trig::hypot(own, missed * value);
         let amount = Amount {
             value: tidy(value),
@@ -151,12 +152,14 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
 fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
     let after = left_out(court, judged, placebo)?;
-    share(court, |run| court.evidence[run].excess(&after[run]))
+    let evidence = judged.evidence(court);
+    share(evidence, |run| evidence[run].excess(&after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
 fn left_out(court: &Court, judged: &Judged, placebo: bool) -> Option<Vec<DVector<f64>>> {
-    let runs = court.evidence.len();
+    let evidence = judged.evidence(court);
+    let runs = evidence.len();
     if runs < 2 {
         return None;
     }
@@ -166,16 +169,15 @@ fn left_out(court: &Court, judged: &Judged, placebo: bool) -> Option<Vec<DVector
     let (residuals, columns, bounds) = match placebo {
         false => {
             let moved = bounds.iter().zip(&fitted.strengths).map(|((low, high), x)| (low - x, high - x));
-            (fitted.residuals.clone(), fitted.columns.clone(), moved.collect::<Vec<(f64, f64)>>())
+            (judged.residuals().to_vec(), judged.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
         }
         true => {
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
                 let change = &court.signatures[*k].change;
-                let moved =
-                    |run: usize| court.evidence[run].column(&moved(&court.simulator.frames()[run], &change[run]));
+                let moved = |run: usize| evidence[run].column(&moved(&court.simulator.frames()[run], &change[run]));
                 (0..runs).map(moved).collect()
             });
-            let residuals: Vec<DVector<f64>> = court.evidence.iter().map(|e| e.residual.clone()).collect();
+            let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
             (residuals, columns.collect::<Vec<Vec<DVector<f64>>>>(), bounds)
         }
     };
@@ -184,13 +186,13 @@ fn left_out(court: &Court, judged: &Judged, placebo: bool) -> Option<Vec<DVector
 }
 
 /// 1 − (after − floor)/(before − floor), over all runs.
-fn share(court: &Court, after: impl Fn(usize) -> f64) -> Option<f64> {
+fn share(evidence: &[Evidence], after: impl Fn(usize) -> f64) -> Option<f64> {
     let (mut before_sum, mut after_sum) = (0.0, 0.0);
-    for (run, evidence) in court.evidence.iter().enumerate() {
+    for (run, evidence) in evidence.iter().enumerate() {
         before_sum += evidence.excess(&evidence.residual) - 1.0;
         after_sum += after(run) - 1.0;
     }
-    (before_sum > 0.05 * court.evidence.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
+    (before_sum > 0.05 * evidence.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
 }
 
 /// A change with each channel's and band's part moved along by half of it.
@@ -227,7 +229,7 @@ fn black_box(court: &Court) -> Option<f64> {
         let evidence = &court.evidence[run];
         evidence.excess(&(&evidence.residual - evidence.column(&mean)))
     };
-    share(court, after)
+    share(&court.evidence, after)
 }
 
 /// Excess of each channel before, and what the hypothesis closes of it on runs left out.
@@ -235,7 +237,7 @@ fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
     let Some(after) = left_out(court, judged, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
     for (run, frame) in court.simulator.frames().iter().enumerate() {
-        let evidence = &court.evidence[run];
+        let evidence = &judged.evidence(court)[run];
         for ((k, x), (_, y)) in evidence.each(&evidence.residual).zip(evidence.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
             *sum = [sum[0] + x * x / evidence.honest, sum[1] + y * y / evidence.honest, sum[2] + 1.0];
@@ -252,9 +254,9 @@ fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
     let mut excess: BTreeMap<(String, Band, u64, u64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in court.simulator.frames().iter().enumerate() {
-        let evidence = &court.evidence[run];
+        let evidence = &shown.map_or(&court.evidence[..], |j| j.evidence(court))[run];
         let residual = match shown {
-            Some(j) => &j.fitted.residuals[run] + evidence.long(&j.fitted.changes[run]),
+            Some(j) => &j.residuals()[run] + evidence.long(&j.fitted.changes[run]),
             None => evidence.residual.clone(),
         };
         for (k, x) in evidence.each(&residual) {
@@ -317,7 +319,7 @@ fn runs(court: &Court, shown: Option<&Judged>) -> Vec<RunGap> {
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| evidence.excess(&j.fitted.residuals[run]))),
+            after: tidy(shown.map_or(before, |j| j.evidence(court)[run].excess(&j.residuals()[run]))),
             honest: 1.0,
             honest_high: tidy(evidence.honest_high / evidence.honest),
         }

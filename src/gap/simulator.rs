@@ -1,7 +1,7 @@
 //! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts is one
 //! such model, any program outside is another.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
@@ -14,6 +14,12 @@ pub trait Simulator: Sync {
     /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels. `None` where
     /// nothing can be simulated.
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>>;
+
+    /// Of each request, the variances of the difference of two honest laps with its effects, in place of its frame's. `None` where the
+    /// frame's hold or nothing is known.
+    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        vec![None; requests.len()]
+    }
 
     /// Features of several requests, in order; the answer does not depend on how many threads are used.
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
@@ -51,6 +57,8 @@ pub struct Candidate {
     pub strengths: Vec<Strength>,
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
+    /// Whether it differs from cart to cart in a way that is not known, so that laps scatter by it.
+    pub chance: bool,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,
 }
@@ -141,6 +149,14 @@ impl Band {
 }
 
 impl Frame {
+    /// The effects' part of what features with nuisances moved by a step differ by from the nominal ones: nuisances as their slopes
+    /// have it.
+    pub fn moved(&self, features: &[f64], step: &[f64]) -> Vec<f64> {
+        let moved = &self.slopes * DVector::from_column_slice(step);
+        let rows = features.iter().zip(&self.nominal).zip(moved.iter());
+        rows.map(|((f, n), m)| f - n - m).collect()
+    }
+
     /// Residual of features, NaN where one is missing or tells nothing.
     pub fn residual(&self, features: &[f64]) -> Vec<f64> {
         let usable = |k: usize| self.variance[k].is_finite() && self.variance[k] > 0.0;

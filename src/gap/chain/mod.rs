@@ -2,6 +2,7 @@
 
 mod frame;
 
+use super::effects::load_distribution::Beside;
 use super::effects::sites::{self, Site};
 use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, rail_step, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Request, Simulator, Strength};
@@ -13,7 +14,7 @@ use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;
 use crate::identify::summary::{Block, FORCES, Summary};
-use crate::identify::{Measured, Model, Parameter, Settings};
+use crate::identify::{self, Measured, Model, Parameter, Settings};
 use crate::signal::Channel;
 use std::collections::BTreeMap;
 
@@ -136,12 +137,14 @@ impl Chains {
             low: s.low,
             high: s.high,
         };
+        let chance = sites::by_chance(effect, &site);
         self.candidates.push(Candidate {
             effect: effect.name.to_owned(),
             place: site.words,
             fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
             strengths: effect.strengths.iter().map(strength).collect(),
             sensor: effect.is_sensor(),
+            chance,
             beside,
         });
     }
@@ -199,9 +202,25 @@ impl Chains {
 
     /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
     fn simulated(&self, run: usize, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
+        let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
+        let (model, at, fleet) = self.survey(run, step, effects, passes)?;
+        let load = built(&model.simulation).ok()?.1.load;
+        let fitted = &self.runs[run];
+        let features = fitted.features(&model, &fleet, &load, sensor, at);
+        // Of what differs, chaos' share is taken out, block by block.
+        Some(fitted.calmed(&self.frames[run], &features, passes))
+    }
+
+    /// A run's chain with nuisances moved and effects added, as its carts pass each place so often.
+    fn survey(
+        &self,
+        run: usize,
+        step: &[f64],
+        effects: Vec<input::Effect>,
+        passes: f64,
+    ) -> Option<(Model, Coordinates, Fleet)> {
         let fitted = &self.runs[run];
         let mut at = fitted.landing.at;
-        let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
         let mut plan = Plan { passes, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
         for (k, moved) in step.iter().enumerate() {
             match Parameter::ALL.get(k) {
@@ -214,10 +233,33 @@ impl Chains {
         }
         let model = fitted.with(effects);
         let fleet = model.survey(&at, &plan)?;
+        Some((model, at, fleet))
+    }
+
+    /// Variances of a run's frame and what the machine's effects add to them: each cart of a simulation is a lap. `None` where no
+    /// effect is the machine's.
+    fn variances(&self, request: &Request) -> Option<Vec<f64>> {
+        let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
+        let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
+        if effects.is_empty() {
+            return None;
+        }
+        let (run, frame) = (&self.runs[request.run], &self.frames[request.run]);
+        let carts = run.model.simulation.chain.carts as f64;
+        let (model, _, mut fleet) = self.survey(request.run, &request.step, effects, carts)?;
         let load = built(&model.simulation).ok()?.1.load;
-        let features = fitted.features(&model, &fleet, &load, sensor, at);
-        // Of what differs, chaos' share is taken out, block by block.
-        Some(fitted.calmed(&self.frames[run], &features, passes))
+        let heard = heard(&model.simulation, &load, fleet.carts.len());
+        let mut each = heard.iter();
+        fleet.carts.retain(|_| each.next().is_none_or(|heard| *heard));
+        let floor = identify::floor::Floor::new(&model, &fleet, run.seed);
+        let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
+        let laps = run.laps.max(0.02);
+        let added = |(k, block): (usize, &Block)| {
+            let added = own[k] * own[k] - nominal[k] * nominal[k];
+            if added > 0.0 { added / block.laps(laps) } else { 0.0 }
+        };
+        let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
+        Some(frame.variance.iter().zip(added).map(|(v, more)| v + more).collect())
     }
 
     /// What the runs lack, and what it costs.
@@ -276,6 +318,10 @@ impl Simulator for Chains {
         self.simulated(run, step, effects, sensor)
     }
 
+    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        parallel::map(requests, self.threads, |r| self.variances(r))
+    }
+
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
         parallel::map(requests, self.threads, |r| self.simulate(r.run, &r.step, &r.effects))
     }
@@ -291,10 +337,9 @@ impl Fitted {
 
     /// Features of a fleet as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
     fn features(&self, model: &Model, fleet: &Fleet, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
-        let empty = |k: usize| load.get(k).is_none_or(|x| *x == 0.0);
-        let some = (0..fleet.carts.len()).any(empty);
+        let heard = heard(&model.simulation, load, fleet.carts.len());
         let mut summary = Summary::new(&self.model.recipe);
-        for (k, cart) in fleet.carts.iter().enumerate().filter(|(k, _)| !some || empty(*k)) {
+        for (k, cart) in fleet.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
             let noise = Some(self.seed.wrapping_add(k as u64));
             if sensor {
                 let heard = self.heard(model, cart, fleet.rate);
@@ -387,6 +432,15 @@ impl Fitted {
         };
         each.iter().enumerate().map(|(k, d)| frame.nominal[k] + keep(k) * d).collect()
     }
+}
+
+/// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside them.
+fn heard(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
+    let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
+    let Some(beside) = Beside::in_input(simulation) else { return vec![true; carts] };
+    let like = |k: usize| !loaded(k) && loaded(k + carts - 1) == beside.before && loaded(k + 1) == beside.after;
+    let heard: Vec<bool> = (0..carts).map(like).collect();
+    if heard.contains(&true) { heard } else { vec![true; carts] }
 }
 
 fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fitted, String> {

@@ -1,5 +1,6 @@
 //! Items on the carts: every second cart, in an irregular order, carries a mass, at its centre of mass (thesis, chapter 2: carts without items).
-//! The sensor cart is thought to be empty unless `on_sensor` is 1, where all carts carry it.
+//! The sensor cart is thought to be empty, and so are both carts beside it, unless `on_sensor` is 1, where all carts carry an item, 2 or 3,
+//! where the cart of the number before or after carries one, or 4, where both do.
 //!
 //! Signature: joint_xi along the track and, in curves, steering forces; with `on_sensor` the running wheels' forces.
 
@@ -26,16 +27,51 @@ pub const EFFECT: Effect = Effect {
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let share = strengths.of("mass") / simulation.cart.mass_kg.max(1e-9);
-    let all = strengths.of("on_sensor") > 0.5;
-    deviations.load.resize(simulation.chain.carts, 0.0);
+    let (carts, sensor) = (simulation.chain.carts, simulation.sensor.cart.saturating_sub(1));
+    let beside = Beside::of(strengths.of("on_sensor"));
+    deviations.load.resize(carts, 0.0);
     for (i, load) in deviations.load.iter_mut().enumerate() {
-        if all || (spread(i) > 0.0 && i + 1 != simulation.sensor.cart) {
-            *load += share;
+        let loaded = match beside {
+            None => true,
+            Some(_) if i == sensor => false,
+            Some(beside) if i + 1 == sensor => beside.before,
+            Some(beside) if i == sensor + 1 => beside.after,
+            Some(_) => spread(i) > 0.0,
+        };
+        *load += if loaded { share } else { 0.0 };
+    }
+}
+
+/// Which carts beside the empty one with the sensors carry an item: they lean on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Beside {
+    pub before: bool,
+    pub after: bool,
+}
+
+impl Beside {
+    /// `None` where all carts are loaded.
+    fn of(on_sensor: f64) -> Option<Beside> {
+        match on_sensor.round() as i64 {
+            1 => None,
+            which => Some(Beside { before: which == 2 || which == 4, after: which == 3 || which == 4 }),
         }
+    }
+
+    /// Of an input with items on its carts.
+    pub fn in_input(simulation: &Simulation) -> Option<Beside> {
+        let effect = simulation.effects.iter().find(|e| e.name == EFFECT.name)?;
+        Beside::of(effect.strengths.get("on_sensor").copied().unwrap_or(0.0))
     }
 }
 
 fn loads(_: &Simulation) -> Vec<Site> {
     let site = |on: f64, words: &str| Site { words: words.to_owned(), fixed: vec![("on_sensor", on)] };
-    vec![site(0.0, "on other carts"), site(1.0, "on all carts")]
+    vec![
+        site(0.0, "on other carts, none beside the sensors"),
+        site(1.0, "on all carts"),
+        site(2.0, "on other carts, the one before the sensors too"),
+        site(3.0, "on other carts, the one after the sensors too"),
+        site(4.0, "on other carts, both beside the sensors too"),
+    ]
 }

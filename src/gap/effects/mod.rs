@@ -9,7 +9,7 @@ mod curve_geometry;
 mod fork_swivel;
 mod joint_clearance;
 mod joint_friction;
-mod load_distribution;
+pub mod load_distribution;
 mod motor_imbalance;
 mod motor_ripple;
 mod pitch_wear;
@@ -30,6 +30,7 @@ mod wheel_sliding;
 
 use crate::dynamics::{Deviations, Unfit};
 use crate::emit::simulation::Simulation;
+use crate::identify::noise::uniform;
 use sites::Site;
 use std::collections::BTreeMap;
 
@@ -224,10 +225,10 @@ fn add_profile(table: &mut Vec<f64>, lap: f64, profile: impl Fn(f64) -> f64) {
     table.iter_mut().enumerate().for_each(|(k, x)| *x += profile(lap * k as f64 / n as f64));
 }
 
-/// A number in (−1, 1) for a cart, much like chance: the fractional part of its multiple of the golden ratio.
+/// A number in (−1, 1) for a cart, by chance but always the same. A sequence that is more even than chance would leave out the long waves
+/// along the chain, which pull most.
 fn spread(i: usize) -> f64 {
-    let x = (i as f64 + 0.5) * 0.618_033_988_749_894_9;
-    2.0 * (x - x.floor()) - 1.0
+    2.0 * uniform(&mut (i as u64 + 1)) - 1.0
 }
 
 #[cfg(test)]

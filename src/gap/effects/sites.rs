@@ -21,6 +21,11 @@ pub fn beside(effect: &Effect, site: &Site, cell: f64) -> Vec<(Site, Vec<Site>)>
     }
 }
 
+/// Whether an effect there differs from cart to cart in a way that nobody knows.
+pub fn by_chance(effect: &Effect, site: &Site) -> bool {
+    effect.name == "pitch_wear" || effect.name == "load_distribution" && site.of("on_sensor") == Some(0.0)
+}
+
 impl Site {
     /// A number that says the place.
     pub fn of(&self, name: &str) -> Option<f64> {

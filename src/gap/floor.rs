@@ -1,0 +1,75 @@
+//! The floor of laps with an effect. Two honest laps of a chain whose wheels are out of round or whose carts carry items by chance are
+//! farther apart than two of the nominal chain: what an effect makes of the floor belongs to its signature.
+//!
+//! With v the variance of each feature with the effect and v₀ without, −f/2 (ln s + mean ln v/v₀) is the log likelihood of a mean
+//! square s in units of v (the normal distribution with unknown scale, Seber and Wild 2003): a floor that is raised for nothing costs.
+
+use super::evidence::Evidence;
+use super::refit::Fitted;
+use super::screen::{Signature, explain};
+use super::simulator::{Candidate, Request, Simulator};
+use nalgebra::{DMatrix, DVector};
+
+/// A hypothesis before the floor that it makes itself.
+pub struct Floor {
+    pub evidence: Vec<Evidence>,
+    /// What is left of each run, projected.
+    pub residuals: Vec<DVector<f64>>,
+    /// What one more of each strength changes.
+    pub columns: Vec<Vec<DVector<f64>>>,
+    pub covariance: DMatrix<f64>,
+    /// Mean logarithm of the variances over those without the effect, of all runs.
+    pub raised: f64,
+}
+
+/// The floors of fitted hypotheses; `None` where the nominal chain's holds. `usual` is what every machine deviates by, of each run.
+pub fn floors(
+    simulator: &dyn Simulator,
+    nominal: &[Evidence],
+    usual: &[Vec<Vec<f64>>],
+    signatures: &[Signature],
+    fitted: &[&Fitted],
+) -> Vec<Option<Floor>> {
+    let (candidates, frames) = (simulator.candidates(), simulator.frames());
+    let mut requests = Vec::new();
+    for one in fitted {
+        let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
+        for (run, evidence) in nominal.iter().enumerate() {
+            let step = evidence.steps(one.changes.get(run).map_or(&[][..], |c| c));
+            requests.push(Request { run, step, effects: effects.clone() });
+        }
+    }
+    let answers = simulator.variances_all(&requests);
+    let of = |(one, variances): (&&Fitted, &[Option<Vec<f64>>])| {
+        let variances: Option<Vec<&Vec<f64>>> = variances.iter().map(Option::as_ref).collect();
+        let own = variances?.into_iter().enumerate().map(|(run, v)| Evidence::with(&frames[run], &usual[run], v));
+        Some(Floor::new(one, nominal, own.collect(), candidates, signatures))
+    };
+    fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()
+}
+
+impl Floor {
+    fn new(
+        fitted: &Fitted,
+        nominal: &[Evidence],
+        evidence: Vec<Evidence>,
+        candidates: &[Candidate],
+        signatures: &[Signature],
+    ) -> Floor {
+        let left = |(evidence, change): (&Evidence, &Vec<f64>)| &evidence.residual - evidence.column(change);
+        let residuals: Vec<DVector<f64>> = evidence.iter().zip(&fitted.changes).map(left).collect();
+        let carried = |column: &Vec<DVector<f64>>| {
+            let each = evidence.iter().zip(nominal).zip(column);
+            each.map(|((own, nominal), c)| own.carried(nominal, c)).collect::<Vec<_>>()
+        };
+        let columns: Vec<Vec<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
+        let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
+        let covariance = explain(&residuals, &by, &fitted.hypothesis.bounds(candidates, signatures), None).covariance;
+        let (mut raised, mut freedom) = (0.0, 0.0);
+        for (own, nominal) in evidence.iter().zip(nominal) {
+            raised += nominal.freedom * own.raised(nominal);
+            freedom += nominal.freedom;
+        }
+        Floor { evidence, residuals, columns, covariance, raised: raised / freedom.max(1e-9) }
+    }
+}
