@@ -19,6 +19,7 @@ use crate::geometry::{CentreLine, Form, trig};
 use crate::kinematics::polygon::{
     Action, Course, CurvePhasor, Objective, Phasor, Unsuited, action, curve_phasor, straight_behind, superposed,
 };
+use crate::solve::polygon::least_action;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -36,6 +37,8 @@ pub struct Report {
     pub objective: &'static str,
     /// Sum of the squares of what counts, mm².
     pub value: f64,
+    /// What no layout with these curves in this order is below, whatever its straights, mm².
+    pub lower_bound: f64,
     /// The value of each objective, mm².
     pub values: Values,
     /// The same of the first harmonics, mm².
@@ -120,6 +123,7 @@ impl Report {
         let n = course.len();
         let action = action(&course, pitch)?;
         let phasors: Vec<CurvePhasor> = (0..n).map(|k| curve_phasor(&course, k, pitch)).collect::<Result<_, _>>()?;
+        let alone: Vec<f64> = phasors.iter().map(|p| p.delta_p).collect();
         let parts = superposed(&course, &phasors, pitch);
         let curve_names = names.curves(line, &course);
         let straight_names = names.straights(&course, &curve_names);
@@ -152,6 +156,7 @@ impl Report {
             track_length_m: tidy(line.length),
             objective: objective.name(),
             value: square_mm(action.value(objective)),
+            lower_bound: square_mm(least_action(&alone, objective).unwrap_or(0.0)),
             values: Values::of(|o| action.value(o)),
             first_harmonic_values: Values::of(|o| action.smooth(o)),
             straights,

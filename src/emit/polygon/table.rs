@@ -29,6 +29,11 @@ pub fn text(report: &Report) -> String {
             fixed(report.first_harmonic_values.get(objective), 3)
         );
     }
+    out += &format!(
+        "  with these curves, whatever the straights: not below {} mm² ({})\n",
+        fixed(report.lower_bound, 3),
+        report.objective
+    );
     out += &if n <= WIDE { matrix(report) } else { straights(report) };
     out += &curves(report);
     out += "\nwhat cancels what\n";

@@ -11,9 +11,10 @@
 //! 3. The best of these are solved exactly by sequential quadratic programming, on all rows, and judged by ΔP itself.
 //! 4. Neighbouring turns on the grid are tried in the same way, until none of them helps ([`turns`]).
 //!
-//! The result is a good layout, not a proven best one.
+//! The result is a good layout, not a proven best one; [`least_action`] says how good any layout with its curves can be.
 
 mod base;
+mod bound;
 mod candidate;
 mod goal;
 mod polytope;
@@ -23,6 +24,7 @@ mod search;
 mod tests;
 mod turns;
 
+pub use bound::least_action;
 pub use goal::Smooth;
 pub use rival::{Rival, rival};
 

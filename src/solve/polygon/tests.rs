@@ -1,8 +1,9 @@
 //! Searches against what a layout had before, brute force, and the rows that must hold.
 
 use super::*;
-use crate::geometry::{Corner, Track};
-use crate::kinematics::polygon::{Course, Objective, action};
+use crate::geometry::{CentreLine, Corner, Form, Track};
+use crate::identify::noise::uniform;
+use crate::kinematics::polygon::{Course, Objective, action, curve_phasor};
 use crate::model::instances::thesis10;
 use crate::model::{Goal, fixture};
 use crate::problem::measures::to_variables;
@@ -162,4 +163,43 @@ fn impossible_layouts_say_so() {
     });
     let stages = solve(&layout, &Options::default(), &quiet);
     assert_eq!(stages.last().map(|s| s.status), Some(Status::Infeasible));
+}
+
+/// No straights between the same curves come below the bound, and it is not so low as to say nothing.
+#[test]
+fn the_bound_holds_whatever_the_straights() {
+    const PITCH: f64 = 1.25;
+    let turns = [1.6, 1.2, 2.0, 0.9, 1.3];
+    let mut state = 5;
+    let mut least = [f64::INFINITY; 3];
+    let mut bounds = [0.0; 3];
+    for _ in 0..300 {
+        let parts = turns.iter().flat_map(|&turn| {
+            let length = 8.0 + 1.5 * uniform(&mut state);
+            [Form::Straight { length, slope: 0.0 }, Form::Arc { radius: 4.0, turn }]
+        });
+        let forms: Vec<Form> = parts.collect();
+        let course = Course::new(&CentreLine::new([0.0; 4], &forms)).expect("a course");
+        let alone: Vec<f64> =
+            (0..turns.len()).map(|k| curve_phasor(&course, k, PITCH).expect("a chain").delta_p).collect();
+        let action = action(&course, PITCH).expect("a chain");
+        for (k, objective) in Objective::EACH.into_iter().enumerate() {
+            bounds[k] = least_action(&alone, objective).expect("a bound");
+            least[k] = least[k].min(action.value(objective));
+        }
+    }
+    for (least, bound) in least.into_iter().zip(bounds) {
+        assert!(least >= 0.99 * bound, "{least} {bound}");
+    }
+    // 300 draws come within a factor of four of the bound on all straights.
+    assert!(bounds[0] > 0.25 * least[0], "{bounds:?} {least:?}");
+}
+
+/// By hand: of two curves the second leaves at least what the first is larger by.
+#[test]
+fn the_bound_of_two_curves() {
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-5 * b, "{a} {b}");
+    near(least_action(&[3.0, 1.0], Objective::Last).expect("a bound"), 8.0);
+    near(least_action(&[3.0, 1.0], Objective::All).expect("a bound"), 9.0 + 1.0 + 8.0);
+    assert_eq!(least_action(&[0.0, 0.0], Objective::All), Some(0.0));
 }
