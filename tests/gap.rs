@@ -1,7 +1,7 @@
 //! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
 //! runs scatter by white noise.
 
-use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Simulator, Strength, Verdict, diagnose};
+use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Request, Simulator, Strength, Verdict, diagnose};
 use lss::geometry::trig;
 use lss::identify::noise::normal;
 use nalgebra::DMatrix;
@@ -9,11 +9,16 @@ use nalgebra::DMatrix;
 const FEATURES: usize = 120;
 const RUNS: usize = 3;
 
-/// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain, `twin` is nearly `wave`.
+/// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain, `twin` is nearly `wave`,
+/// `rough` lets laps scatter in channel a.
 struct Made {
     candidates: Vec<Candidate>,
     frames: Vec<Frame>,
+    /// Whether it tells how laps scatter with effects.
+    tells: bool,
 }
+
+const ROUGH: usize = 8;
 
 fn shape(candidate: usize, run: usize, k: usize) -> f64 {
     let x = (k % 60) as f64 / 60.0;
@@ -43,7 +48,14 @@ fn shape(candidate: usize, run: usize, k: usize) -> f64 {
                 1.0 + x
             }
         }
-        _ => wave(0.05),
+        7 => wave(0.05),
+        _ => {
+            if first {
+                0.1
+            } else {
+                0.0
+            }
+        }
     }
 }
 
@@ -69,7 +81,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         chance: false,
         beside: None,
     };
-    let candidates = vec![
+    let mut candidates = vec![
         one("slope", "", false),
         one("wave", "", false),
         one("step", "first", false),
@@ -79,6 +91,10 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         one("sensor", "b", true),
         one("twin", "", false),
     ];
+    // What only scatters explains a little of anything.
+    if truth.iter().any(|t| t.0 == ROUGH) {
+        candidates.push(Candidate { chance: true, ..one("rough", "", false) });
+    }
     let mut state = seed;
     let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
     let labels = |channel: &str, k: usize| Label {
@@ -96,10 +112,14 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
                 known + strange * ((k * k % 17) as f64 / 8.0 - 1.0)
             };
             let own = noise();
+            let rough: f64 = truth.iter().filter(|t| t.0 == ROUGH).map(|t| t.1).sum();
+            let chance = if rough == 0.0 { vec![0.0; FEATURES] } else { noise() };
             Frame {
                 run: format!("run-{}", run + 1),
                 labels: (0..FEATURES).map(|k| labels(if k < 60 { "a" } else { "b" }, k)).collect(),
-                measured: (0..FEATURES).map(|k| 5.0 + gap(k) + 0.7 * level(k) + own[k]).collect(),
+                measured: (0..FEATURES)
+                    .map(|k| 5.0 + gap(k) + 0.7 * level(k) + own[k] + rough * level(k) * chance[k])
+                    .collect(),
                 nominal: vec![5.0; FEATURES],
                 variance: vec![1.0; FEATURES],
                 scatter: (0..40).map(|_| noise()).collect(),
@@ -111,7 +131,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             }
         })
         .collect();
-    Made { candidates, frames }
+    Made { candidates, frames, tells: true }
 }
 
 impl Simulator for Made {
@@ -127,6 +147,14 @@ impl Simulator for Made {
         let moved = step.first().copied().unwrap_or(0.0);
         let all = |k: usize| effects.iter().map(|e| e.strengths[0] * shape(e.candidate, run, k)).sum::<f64>();
         Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + all(k)).collect())
+    }
+
+    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+        let of = |r: &Request| {
+            let rough: f64 = r.effects.iter().filter(|e| e.candidate == ROUGH).map(|e| e.strengths[0]).sum();
+            self.tells.then(|| (0..FEATURES).map(|k| 1.0 + rough * rough * level(k)).collect())
+        };
+        requests.iter().map(of).collect()
     }
 }
 
@@ -185,4 +213,19 @@ fn the_gap_lies_where_it_was_put() {
     assert!((worst.from_m - 30.0).abs() <= 2.0 && (worst.to_m - 45.0).abs() <= 2.0 && worst.share > 0.2, "{worst:?}");
     let shares: f64 = found.places.iter().map(|p| p.share).sum();
     assert!(shares <= 1.0 + 1e-9);
+}
+
+#[test]
+fn what_chance_does_is_found_by_how_laps_scatter() {
+    let mut made = made(&[(ROUGH, 4.0)], 0.0, 10);
+    let found = diagnose(&made, &mut |_| {});
+    let first = &found.effects[0];
+    assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "rough"), "{}", found.summary);
+    let amount = &first.strength["size"];
+    assert!(amount.low <= 4.0 && 4.0 <= amount.high && (amount.value / 4.0 - 1.0).abs() < 0.25, "{amount:?}");
+    // A floor that is raised fourfold counts as left: (8.5 − 4.1)/(8.5 − 1).
+    assert!((first.gap_closed.expect("runs left out") - 0.59).abs() < 0.15, "{first:?}");
+    // Whoever does not know how laps scatter cannot name it.
+    made.tells = false;
+    assert_eq!(diagnose(&made, &mut |_| {}).verdict, Verdict::Unknown);
 }

@@ -23,73 +23,79 @@ const WORTH: f64 = 0.05;
 /// Deviation of the logarithm of a strength that is found by scatter.
 const SURE: f64 = 0.3;
 
-/// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off. The strength is looked
-/// for on the run that is off most.
-pub fn by_chance(
-    simulator: &dyn Simulator,
-    nominal: &[Evidence],
-    usual: &[Vec<Vec<f64>>],
-    signatures: &[Signature],
-) -> Vec<(Fitted, Option<Floor>)> {
-    let candidates = simulator.candidates();
-    let off = |run: &usize| nominal[*run].freedom * nominal[*run].excess(&nominal[*run].residual);
-    let Some(run) = (0..nominal.len()).max_by(|a, b| off(a).total_cmp(&off(b))) else { return Vec::new() };
-    let nothing = |run: usize| vec![0.0; simulator.frames()[run].nominal.len()];
-    let own = (0..signatures.len()).filter(|k| candidates[signatures[*k].candidate].chance);
-    own.filter_map(|k| {
-        let signature = &signatures[k];
-        let strength = &candidates[signature.candidate].strengths[signature.strength];
-        let hypothesis = Hypothesis { members: vec![signature.candidate], signatures: vec![k] };
-        let variances = |size: f64| {
-            let effects = hypothesis.applied(candidates, signatures, &[size]);
-            let step = nominal[run].steps(&nothing(run));
-            simulator.variances_all(&[Request { run, step, effects }]).pop().flatten()
-        };
-        let misfit = |variances: &[f64], share: f64| {
-            let frame = &simulator.frames()[run];
-            let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
-            let variance: Vec<f64> = frame.variance.iter().zip(variances).map(added).collect();
-            let own = Evidence::with(frame, &usual[run], &variance);
-            trig::ln(own.excess(&own.residual).max(0.9)) + own.raised(&nominal[run])
-        };
-        let before = trig::ln(nominal[run].excess(&nominal[run].residual).max(0.9));
-        let (mut size, mut least) = (strength.trial, f64::INFINITY);
+/// Where such effects are looked for.
+pub struct Chance<'a> {
+    pub simulator: &'a dyn Simulator,
+    /// Before the nominal chain's floor.
+    pub nominal: &'a [Evidence],
+    /// What every machine deviates by, of each run.
+    pub usual: &'a [Vec<Vec<f64>>],
+    pub signatures: &'a [Signature],
+}
+
+impl Chance<'_> {
+    /// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off.
+    pub fn hypotheses(&self) -> Vec<(Fitted, Option<Floor>)> {
+        let candidates = self.simulator.candidates();
+        let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].chance);
+        let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
+        own.map(alone).filter_map(|hypothesis| self.fitted(&hypothesis, self.strength(&hypothesis)?)).collect()
+    }
+
+    /// The strength at which scatter explains most of the run that is off most; `None` where it explains nothing.
+    fn strength(&self, hypothesis: &Hypothesis) -> Option<f64> {
+        let signature = &self.signatures[*hypothesis.signatures.first()?];
+        let strength = &self.simulator.candidates()[signature.candidate].strengths[signature.strength];
+        let off = |run: &usize| self.nominal[*run].freedom * self.nominal[*run].excess(&self.nominal[*run].residual);
+        let run = (0..self.nominal.len()).max_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let before = self.misfit(run, &self.simulator.frames()[run].variance, 1.0);
+        let mut size = strength.trial;
         for span in SPANS {
             let tried = (0..SMALLER.0).map(|n| size * SMALLER.1.powi(n as i32));
-            let (at, found) = tried.into_iter().find_map(|at| Some((at, variances(at)?)))?;
-            let each = span.into_iter().map(|share| (misfit(&found, share), share));
-            let best = each.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            least = best.0;
-            size = (at * best.1).min(0.9 * strength.high);
+            let variances = |size: f64| self.simulator.variances_all(&[self.request(hypothesis, run, size)]).pop()?;
+            let (at, variances) = tried.into_iter().find_map(|at| Some((at, variances(at)?)))?;
+            let each = span.into_iter().map(|share| (self.misfit(run, &variances, share), share));
+            let (least, share) = each.min_by(|a, b| a.0.total_cmp(&b.0))?;
             if least > before - WORTH {
                 return None;
             }
+            size = (at * share).min(0.9 * strength.high);
         }
-        (least <= before - WORTH).then(|| fitted(simulator, nominal, usual, signatures, &hypothesis, size))?
-    })
-    .collect()
-}
+        Some(size)
+    }
 
-/// The hypothesis at a strength, simulated.
-fn fitted(
-    simulator: &dyn Simulator,
-    nominal: &[Evidence],
-    usual: &[Vec<Vec<f64>>],
-    signatures: &[Signature],
-    hypothesis: &Hypothesis,
-    size: f64,
-) -> Option<(Fitted, Option<Floor>)> {
-    let mut one = hypothesis.screened(nominal, signatures, simulator.candidates());
-    one.strengths = vec![size];
-    one.covariance = DMatrix::from_element(1, 1, (SURE * size) * (SURE * size));
-    let effects = hypothesis.applied(simulator.candidates(), signatures, &one.strengths);
-    let steps = nominal.iter().zip(simulator.frames()).map(|(e, frame)| e.steps(&vec![0.0; frame.nominal.len()]));
-    let asked = steps.enumerate().map(|(run, step)| Request { run, step, effects: effects.clone() });
-    let asked: Vec<Request> = asked.collect();
-    let features: Vec<Vec<f64>> = simulator.simulate_all(&asked).into_iter().collect::<Option<_>>()?;
-    one.changes = asked.iter().zip(&features).map(|(r, f)| simulator.frames()[r.run].moved(f, &r.step)).collect();
-    one.residuals = nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
-    one.features = Some(features);
-    let floor = floors(simulator, nominal, usual, signatures, &[&one]).pop()?;
-    Some((one, floor))
+    /// ln s + mean ln v/v₀ of a run, where laps scatter as at a share of the strength that has these variances.
+    fn misfit(&self, run: usize, variances: &[f64], share: f64) -> f64 {
+        let frame = &self.simulator.frames()[run];
+        let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
+        let variance: Vec<f64> = frame.variance.iter().zip(variances).map(added).collect();
+        let own = Evidence::with(frame, &self.usual[run], &variance);
+        trig::ln(own.excess(&own.residual).max(0.9)) + own.raised(&self.nominal[run])
+    }
+
+    /// A run with the hypothesis at a strength, nuisances where they are without it.
+    fn request(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Request {
+        let effects = hypothesis.applied(self.simulator.candidates(), self.signatures, &[size]);
+        let nothing = vec![0.0; self.simulator.frames()[run].nominal.len()];
+        Request { run, step: self.nominal[run].steps(&nothing), effects }
+    }
+
+    /// The hypothesis at a strength, simulated.
+    fn fitted(&self, hypothesis: &Hypothesis, size: f64) -> Option<(Fitted, Option<Floor>)> {
+        let mut one = hypothesis.screened(self.nominal, self.signatures, self.simulator.candidates());
+        one.strengths = vec![size];
+        one.covariance = DMatrix::from_element(1, 1, (SURE * size) * (SURE * size));
+        let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(hypothesis, run, size)).collect();
+        let features: Vec<Vec<f64>> = self.simulator.simulate_all(&asked).into_iter().collect::<Option<_>>()?;
+        let frames = self.simulator.frames();
+        one.changes = asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect();
+        one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
+        one.features = Some(features);
+        let mut floor = floors(self.simulator, self.nominal, self.usual, self.signatures, &[&one]).pop()?;
+        // Scatter says the strength, not the mean lap's slope.
+        if let Some(floor) = &mut floor {
+            floor.covariance.clone_from(&one.covariance);
+        }
+        Some((one, floor))
+    }
 }

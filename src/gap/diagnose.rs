@@ -1,6 +1,6 @@
 //! The diagnosis: screen, re-fit, judge.
 
-use super::chance::by_chance;
+use super::chance::Chance;
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
 use super::floor::{Floor, floors};
@@ -106,7 +106,8 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let scattered = if gap { by_chance(simulator, &court.evidence, &usual, &court.signatures) } else { Vec::new() };
+    let chance = Chance { simulator, nominal: &court.evidence, usual: &usual, signatures: &court.signatures };
+    let scattered = if gap { chance.hypotheses() } else { Vec::new() };
     let asked = court.worth_a_floor(&fitted);
     let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
     let mut own = floors(simulator, &court.evidence, &usual, &court.signatures, &some).into_iter();
@@ -135,6 +136,13 @@ impl Judged {
     /// What it is judged by.
     pub fn evidence<'a>(&'a self, court: &'a Court) -> &'a [Evidence] {
         self.floor.as_ref().map_or(&court.evidence, |f| &f.evidence)
+    }
+
+    /// Mean square of what is left of a run over that of honest laps; a floor that the hypothesis raises counts as left.
+    pub fn excess_of(&self, court: &Court, run: usize, residual: &DVector<f64>) -> f64 {
+        let (own, nominal) = (&self.evidence(court)[run], &court.evidence[run]);
+        let raised = if self.floor.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
+        raised * own.excess(residual)
     }
 
     /// What is left of each run, projected.

@@ -152,8 +152,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
 fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
     let after = left_out(court, judged, placebo)?;
-    let evidence = judged.evidence(court);
-    share(evidence, |run| evidence[run].excess(&after[run]))
+    share(&court.evidence, |run| judged.excess_of(court, run, &after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
@@ -319,7 +318,7 @@ fn runs(court: &Court, shown: Option<&Judged>) -> Vec<RunGap> {
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| j.evidence(court)[run].excess(&j.residuals()[run]))),
+            after: tidy(shown.map_or(before, |j| j.excess_of(court, run, &j.residuals()[run]))),
             honest: 1.0,
             honest_high: tidy(evidence.honest_high / evidence.honest),
         }

@@ -141,3 +141,22 @@ fn rails_are_as_wavy_as_they_say() {
     let (_, other) = built(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 4.0)])).expect("built");
     assert!(other.rails != deviations.rails && deviations.rails[0] != deviations.rails[1]);
 }
+
+#[test]
+fn a_track_sags_as_its_spans_are_held() {
+    let span = |shape: f64| {
+        let (plain, deviations) =
+            built(&with("track_flexibility", &[("compliance", 1e-6), ("span", 4.0), ("shape", shape)])).expect("built");
+        let rail = &deviations.rails[1];
+        let lap = plain.track.centre_line().length;
+        let length = lap / (lap / 4.0).round();
+        let at = |share: f64| rail[(share * length / lap * rail.len() as f64).round() as usize];
+        let most = 1e-6 * plain.cart.mass_kg * plain.gravity_m_s2;
+        [0.0, 0.25, 0.5].map(|share| -at(share) / most)
+    };
+    let near = |found: [f64; 3], wanted: [f64; 3]| {
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 0.02), "{found:?} {wanted:?}");
+    };
+    near(span(0.0), [0.0, 0.5, 1.0]);
+    near(span(1.0), [0.0, 0.5_f64.sqrt(), 1.0]);
+}
