@@ -14,8 +14,8 @@ use nalgebra::DMatrix;
 const SPANS: [[f64; 9]; 2] =
     [[0.1, 0.18, 0.32, 0.56, 1.0, 1.8, 3.2, 5.6, 10.0], [0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5]];
 
-/// How often a strength with which nothing can be simulated is made smaller, and how much.
-const SMALLER: (usize, f64) = (3, 0.3);
+/// Shares of a strength that are tried where nothing can be simulated with it.
+const SMALLER: [f64; 3] = [1.0, 0.3, 0.1];
 
 /// What scatter must explain at least, as a logarithm, for the effect to be fitted.
 const WORTH: f64 = 0.05;
@@ -51,7 +51,7 @@ impl Chance<'_> {
         let before = self.misfit(run, &self.simulator.frames()[run].variance, 1.0);
         let mut size = strength.trial;
         for span in SPANS {
-            let tried = (0..SMALLER.0).map(|n| size * SMALLER.1.powi(n as i32));
+            let tried = SMALLER.map(|share| size * share);
             let variances = |size: f64| self.simulator.variances_all(&[self.request(hypothesis, run, size)]).pop()?;
             let (at, variances) = tried.into_iter().find_map(|at| Some((at, variances(at)?)))?;
             let each = span.into_iter().map(|share| (self.misfit(run, &variances, share), share));

@@ -21,6 +21,9 @@ pub struct Remembered<'a> {
     book: Mutex<Book>,
 }
 
+/// An answer a request.
+type Answers = Vec<Option<Vec<f64>>>;
+
 struct Book {
     known: BTreeMap<String, Option<Vec<f64>>>,
     /// `None` where nothing can be written: nothing is kept then.
@@ -79,12 +82,7 @@ impl Simulator for Remembered<'_> {
 
 impl Remembered<'_> {
     /// Answers from the book, and to what is not in it from the simulator.
-    fn remembered(
-        &self,
-        keys: Vec<String>,
-        requests: &[Request],
-        ask: &dyn Fn(&[Request]) -> Vec<Option<Vec<f64>>>,
-    ) -> Vec<Option<Vec<f64>>> {
+    fn remembered(&self, keys: Vec<String>, requests: &[Request], ask: &dyn Fn(&[Request]) -> Answers) -> Answers {
         let missing: Vec<usize> = {
             let book = self.book();
             (0..requests.len()).filter(|k| !book.known.contains_key(&keys[*k])).collect()

@@ -13,7 +13,7 @@ pub const EFFECT: Effect = Effect {
             unit: "N",
             about: "from the beginning",
             trial: 10.0,
-            usual: 0.5,
+            usual: 0.0,
             low: -2e3,
             high: 2e3,
         },

@@ -12,7 +12,7 @@ pub const EFFECT: Effect = Effect {
         unit: "",
         about: "change of the gain, g − 1",
         trial: 0.05,
-        usual: 0.003,
+        usual: 0.0,
         low: -0.9,
         high: 3.0,
     }],
