@@ -1,6 +1,7 @@
 //! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
 
 mod frame;
+mod nominal;
 
 use super::effects::load_distribution::Beside;
 use super::effects::sites::{self, Site};
@@ -9,13 +10,13 @@ use super::simulator::{Applied, Band, Candidate, Frame, Request, Simulator, Stre
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
 use crate::geometry::trig;
-use crate::identify::fit::{Landing, land};
+use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
-use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;
 use crate::identify::summary::{Block, FORCES, Summary};
-use crate::identify::{self, Measured, Model, Parameter, Settings};
+use crate::identify::{self, Model, Parameter, Settings};
 use crate::signal::Channel;
+use nominal::{fitted, set_tops};
 use std::collections::BTreeMap;
 
 /// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
@@ -25,14 +26,8 @@ const SIGNATURE_PASSES: f64 = 14.0;
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
 
-/// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
-const STEPS: usize = 3;
-
 /// Carts that listen with a sensor's effect.
 const LISTENERS: usize = 14;
-
-/// Samples of a run above what counts as its largest force, so that noise does not make it.
-const FEW: usize = 5;
 
 /// A campaign's runs on chains.
 pub struct Chains {
@@ -71,7 +66,7 @@ impl Chains {
         width: Width,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Result<Chains, (String, String)> {
-        let settings = Settings { seed, steps: STEPS, threads: 1, ..Settings::default() };
+        let settings = Settings { seed, steps: nominal::STEPS, threads: 1, ..Settings::default() };
         // More runs than threads at a time, so that none is left to a single one in the end.
         let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
             let found = fitted(subject, &settings, width).map_err(|why| (subject.name.clone(), why));
@@ -441,66 +436,4 @@ fn heard(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
     let like = |k: usize| !loaded(k) && loaded(k + carts - 1) == beside.before && loaded(k + 1) == beside.after;
     let heard: Vec<bool> = (0..carts).map(like).collect();
     if heard.contains(&true) { heard } else { vec![true; carts] }
-}
-
-fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fitted, String> {
-    let lap = subject.simulation.track.centre_line().length;
-    let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
-    let mut simulation = subject.simulation.clone();
-    simulation.effects.clear();
-    let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
-    let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
-    model.recipe.set_orders(&orders(&simulation, speed));
-    model.recipe.local = true;
-    let (_, landing) = land(&mut model, &measured, None, settings)?;
-    let samples = measured.samples();
-    let trigger = landing.at[Parameter::TriggerPosition.index()];
-    let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
-    Ok(Fitted {
-        laps: measured.laps,
-        begin,
-        tops: [0.0; FORCES],
-        highs: highs(&landing, &samples),
-        measured: std::array::from_fn(|k| measured.has(k)),
-        seed: settings.seed.wrapping_add(77),
-        model,
-        landing,
-    })
-}
-
-/// Of each channel the force that a few samples of a run exceed, measured and simulated.
-fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
-    let high = |mut all: Vec<f32>, rank: usize| {
-        all.retain(|x| x.is_finite());
-        let rank = rank.min(all.len().saturating_sub(1));
-        if all.is_empty() { 0.0 } else { f64::from(*all.select_nth_unstable_by(rank, |a, b| b.total_cmp(a)).1) }
-    };
-    std::array::from_fn(|k| {
-        let run = measured.forces[k].to_vec();
-        let fleet: Vec<f32> = landing.centre.fleet.carts.iter().flat_map(|c| &c.forces[k]).copied().collect();
-        let rank = FEW * fleet.len() / run.len().max(1);
-        (high(run, FEW), high(fleet, rank))
-    })
-}
-
-/// The largest forces of channels that do not clip, so that at the loss which the runs have on average each ends where it was measured
-/// to: an amplifier's end is one force, whatever a run's largest.
-fn set_tops(runs: &mut [Fitted]) {
-    for k in 0..FORCES {
-        let known: Vec<(f64, f64)> = runs.iter().map(|r| r.highs[k]).filter(|(m, s)| *m > 0.0 && *s > 0.0).collect();
-        let mean = known.iter().map(|(m, s)| 1.0 - m / s).sum::<f64>() / known.len().max(1) as f64;
-        let loss = mean.clamp(0.0, 0.9);
-        for run in runs.iter_mut() {
-            let (measured, simulated) = run.highs[k];
-            run.tops[k] = if measured > 0.0 { measured / (1.0 - loss) } else { simulated };
-        }
-    }
-}
-
-/// Orders of wheels, once and twice a turn, and of motors' ripple, Hz.
-fn orders(simulation: &Simulation, speed: f64) -> Vec<f64> {
-    let wheel = |radius: f64| [1.0, 2.0].map(|n| n * speed / (trig::TAU * radius));
-    let ripple = [0.5, 0.2, 0.1, 0.05].map(|share| speed / (share * simulation.motors.length_m));
-    let all = [wheel(simulation.steering_wheel.radius_m), wheel(simulation.running_wheel.radius_m)].concat();
-    all.into_iter().chain(ripple).filter(|hz| *hz < 0.4 * simulation.sensor.rate_hz).collect()
 }

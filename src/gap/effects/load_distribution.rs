@@ -34,8 +34,8 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
         let loaded = match beside {
             None => true,
             Some(_) if i == sensor => false,
-            Some(beside) if i + 1 == sensor => beside.before,
-            Some(beside) if i == sensor + 1 => beside.after,
+            Some(beside) if (i + 1) % carts == sensor => beside.before,
+            Some(beside) if i == (sensor + 1) % carts => beside.after,
             Some(_) => spread(i) > 0.0,
         };
         *load += if loaded { share } else { 0.0 };

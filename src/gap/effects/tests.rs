@@ -160,3 +160,17 @@ fn a_track_sags_as_its_spans_are_held() {
     near(span(0.0), [0.0, 0.5, 1.0]);
     near(span(1.0), [0.0, 0.5_f64.sqrt(), 1.0]);
 }
+
+#[test]
+fn only_the_carts_beside_the_sensors_that_are_said_carry_items() {
+    for (on, before, after) in [(0.0, false, false), (2.0, true, false), (3.0, false, true), (4.0, true, true)] {
+        for sensor in [1, 2, nominal().chain.carts] {
+            let mut simulation = with("load_distribution", &[("mass", 1.0), ("on_sensor", on)]);
+            simulation.sensor.cart = sensor;
+            let load = built(&simulation).expect("built").1.load;
+            let (n, own) = (load.len(), sensor - 1);
+            let loaded = |k: usize| load[k % n] > 0.0;
+            assert_eq!((loaded(own + n - 1), loaded(own), loaded(own + 1)), (before, false, after), "{on} {sensor}");
+        }
+    }
+}
