@@ -190,6 +190,17 @@ fn sensors_pairs_and_nothing_have_verdicts_of_their_own() {
 }
 
 #[test]
+fn what_does_little_everywhere_is_seen_along_its_signature() {
+    // A tenth more than the floor as a mean square, six deviations along the signature.
+    let each: Vec<Diagnosis> = (0..10).map(|seed| found(&[(0, 1.3)], 0.0, 300 + seed)).collect();
+    let named = each.iter().filter(|d| d.verdict == Verdict::Effect && d.effects[0].name == "slope");
+    let amounts: Vec<_> = named.map(|d| &d.effects[0].strength["size"]).collect();
+    assert!(amounts.len() >= 8, "{} of 10", amounts.len());
+    let held = amounts.iter().filter(|a| a.low <= 1.3 && 1.3 <= a.high).count();
+    assert!(held + 2 >= amounts.len(), "{held} of {}", amounts.len());
+}
+
+#[test]
 fn what_no_effect_explains_is_unknown() {
     let found = found(&[], 3.0, 7);
     assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);

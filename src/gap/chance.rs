@@ -2,7 +2,7 @@
 //! known, so their signature is less a change of the mean lap than how far laps scatter, and their strength is where the
 //! scatter fits: at the least of ln s + mean ln v/v₀ (see [`super::floor`]) over the strength.
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
 use super::screen::Signature;
@@ -46,8 +46,7 @@ impl Chance<'_> {
     fn strength(&self, hypothesis: &Hypothesis) -> Option<f64> {
         let signature = &self.signatures[*hypothesis.signatures.first()?];
         let strength = &self.simulator.candidates()[signature.candidate].strengths[signature.strength];
-        let off = |run: &usize| self.nominal[*run].freedom * self.nominal[*run].excess(&self.nominal[*run].residual);
-        let run = (0..self.nominal.len()).max_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let run = most_off(self.nominal);
         let before = self.misfit(run, &self.simulator.frames()[run].variance, 1.0);
         let mut size = strength.trial;
         for span in SPANS {

@@ -7,7 +7,8 @@ use super::floor::{Floor, floors};
 use super::judge::{self, MOST_FREEDOM};
 use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
-use super::screen::{self, Signature, Trial};
+use super::screen::{self, Runs, Signature, Trial};
+use super::significance::{self, Score};
 use super::simulator::{Candidate, Simulator};
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector};
@@ -27,6 +28,12 @@ const WORTH: f64 = 0.02;
 /// Hypotheses that are held against a floor of their own at most, and what share of the gap they must explain.
 const FLOORS: usize = 5;
 const SOME: f64 = 0.05;
+
+/// Hypotheses that are held against what is seen beyond them.
+const SETTLED: usize = 40;
+
+/// A score from which on there is something to look at though the mean square is at the floor.
+const HEARD: f64 = 4.0;
 
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +62,8 @@ pub struct Court<'a> {
     /// Of the nominal model.
     pub excess: f64,
     pub judged: Vec<Judged>,
+    /// Logarithm of the weight of something unknown.
+    pub unknown: f64,
 }
 
 /// Diagnoses the gap between a model and its runs.
@@ -75,12 +84,13 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
     }
     let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
-    let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new() };
+    let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new(), unknown: 0.0 };
     court.excess = mean_excess(&court.evidence, court.evidence.iter().map(|e| &e.residual));
 
-    // Where there is no gap there is nothing to look at more closely, nor to fit.
+    // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
     let gap = court.excess > 1.0;
-    for _ in 0..if gap { LOOKS } else { 0 } {
+    let heard = gap || court.singles().iter().any(|j| court.score(&j.fitted).z() > HEARD);
+    for _ in 0..if heard { LOOKS } else { 0 } {
         court.look_closer(&mut |done, of| tell(Stage::Screening { done, of }));
     }
     let singles = court.singles();
@@ -118,7 +128,8 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     }
     judged.extend(scattered.into_iter().map(|(fitted, floor)| court.weigh(fitted, floor)));
     judged.extend(rest);
-    judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    court.settle(&mut judged);
+    court.unknown = court.unknown(judged.first());
     court.judged = judged;
     report(&court)
 }
@@ -190,11 +201,15 @@ impl Court<'_> {
             let ([own], [size]) = (&judged.fitted.hypothesis.signatures[..], &judged.fitted.strengths[..]) else {
                 continue;
             };
-            let Signature { strength, size: before, .. } = self.signatures[*own];
-            if *size != 0.0 && !(0.6..1.6).contains(&(size / before)) {
-                trials.push(Trial { candidate, strength, size: *size });
+            let signature = &self.signatures[*own];
+            let (strength, before) = (signature.strength, signature.size);
+            // A signature that is not clear tells of the simulation's own chance.
+            let clear = signature.clear() * size.signum();
+            let other = if size.abs() < clear.abs() { clear } else { *size };
+            if *size != 0.0 && !(0.6..1.6).contains(&(other / before)) {
+                trials.push(Trial { candidate, strength, size: other });
             }
-            let size = if *size == 0.0 { before } else { *size };
+            let size = if *size == 0.0 { before } else { other };
             let signed = candidates[candidate].strengths[strength].low < 0.0;
             for candidate in (0..candidates.len()).filter(|c| candidates[*c].beside == Some(candidate)) {
                 let trial = Trial { candidate, strength, size };
@@ -203,7 +218,7 @@ impl Court<'_> {
             }
         }
         let of = trials.len();
-        let taken = screen::take(self.simulator, &self.evidence, &trials, &mut |done| tell(done, of));
+        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |done| tell(done, of));
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
             screen::keep(&mut self.signatures, signature, &self.evidence);
         }
@@ -246,8 +261,89 @@ impl Court<'_> {
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
         let prior = trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared;
         let strengths = fitted.strengths.len() as f64;
-        let weight = judge::likelihood(excess, self.freedom) - judge::cost(strengths, self.freedom) + prior;
+        let nothing = judge::likelihood(self.excess, self.freedom);
+        let counts = judge::quiet(excess);
+        let scored = if counts > 0.0 {
+            nothing + counts * self.support(&fitted) - judge::SCORED * strengths
+        } else {
+            f64::NEG_INFINITY
+        };
+        let likelihood = judge::likelihood(excess, self.freedom).max(scored);
+        let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
         Judged { fitted, floor, excess, weight }
+    }
+
+    fn residuals(&self) -> Vec<DVector<f64>> {
+        self.evidence.iter().map(|e| e.residual.clone()).collect()
+    }
+
+    /// How surely what a hypothesis changes is in what is off.
+    pub fn score(&self, fitted: &Fitted) -> Score {
+        let direction = fitted.direction();
+        let along = |k: usize, column: &Vec<DVector<f64>>| {
+            self.usual(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
+        };
+        let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
+        Score::new(&self.evidence, &self.residuals(), &direction).beside(own)
+    }
+
+    /// How surely a signature is in what is off.
+    fn heard(&self, signature: usize, residuals: &[DVector<f64>]) -> Score {
+        let columns = &self.signatures[signature].columns;
+        let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
+        Score::new(&self.evidence, residuals, columns).beside([self.usual(signature) * square])
+    }
+
+    /// What every built machine has of a signature's strength.
+    fn usual(&self, signature: usize) -> f64 {
+        let Signature { candidate, strength, .. } = self.signatures[signature];
+        self.candidates()[candidate].strengths[strength].usual
+    }
+
+    /// What scores say for a hypothesis; of a pair for each of both.
+    fn support(&self, fitted: &Fitted) -> f64 {
+        let z = self.score(fitted).z().max(0.0);
+        let members = &fitted.hypothesis.members;
+        if members.len() < 2 {
+            return significance::support(z);
+        }
+        let residuals = self.residuals();
+        let each = fitted.hypothesis.signatures.iter().map(|k| self.heard(*k, &residuals).z().abs());
+        let first = each.fold(0.0, f64::max).min(z);
+        significance::support(first) + significance::support((z * z - first * first).sqrt())
+    }
+
+    /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.
+    fn settle(&self, judged: &mut [Judged]) {
+        judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let residuals = self.residuals();
+        let scores: Vec<Score> = (0..self.signatures.len()).map(|k| self.heard(k, &residuals)).collect();
+        for judged in judged.iter_mut().take(SETTLED).filter(|j| judge::quiet(j.excess) > 0.0) {
+            let change = judged.fitted.direction();
+            let rest = |(signature, score): (&Signature, &Score)| {
+                let explained: f64 = signature.columns.iter().zip(&change).map(|(c, d)| c.dot(d)).sum();
+                Score { along: score.along - explained, ..*score }.z().abs()
+            };
+            let rest = self.signatures.iter().zip(&scores).map(rest).fold(0.0, f64::max);
+            judged.weight -= judge::quiet(judged.excess) * self.beyond(rest);
+        }
+        judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    }
+
+    /// What a score says that is the largest of as many as there are signatures.
+    fn beyond(&self, z: f64) -> f64 {
+        (significance::support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
+    }
+
+    /// Logarithm of the weight of something unknown: it explains what the best effect of the library does.
+    fn unknown(&self, best: Option<&Judged>) -> f64 {
+        let known = judge::unknown(self.excess, self.freedom);
+        let counts = judge::quiet(self.excess);
+        let scored = best.filter(|_| counts > 0.0).map(|best| {
+            let gain = counts * self.beyond(self.score(&best.fitted).z());
+            judge::likelihood(self.excess, self.freedom) + gain - judge::cost(judge::UNKNOWN_STRENGTHS, self.freedom)
+        });
+        trig::ln(judge::UNKNOWN) + scored.map_or(known, |scored| known.max(scored))
     }
 
     /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.

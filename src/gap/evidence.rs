@@ -4,6 +4,7 @@
 //! common deviations of honest laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
+use super::judge::MOST_FREEDOM;
 use super::simulator::Frame;
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -31,6 +32,10 @@ pub struct Evidence {
     /// Mean square of honest laps' residuals, and the largest of 95 % of them.
     pub honest: f64,
     pub honest_high: f64,
+    /// Honest laps, chains as they are built, and what is usual, projected.
+    laps: Vec<DVector<f64>>,
+    built: Vec<DVector<f64>>,
+    usual: Vec<DVector<f64>>,
     /// As many independent features have mean squares that scatter as much as honest laps' do.
     pub freedom: f64,
 }
@@ -52,9 +57,17 @@ impl Evidence {
             DVector::from_iterator(rows.len(), each)
         };
         let honest: Vec<DVector<f64>> = frame.scatter.iter().map(|lap| white(lap)).collect();
-        let doubts = frame.doubts.iter().chain(usual).map(|doubt| white(doubt)).filter(|d| d.norm_squared() > 1e-12);
-        let unit: Vec<DVector<f64>> = doubts.chain(modes(&honest)).collect();
         let (n, p) = (rows.len(), frame.nuisances.len());
+        // Mean squares weigh features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
+        let strict = (n as f64 / MOST_FREEDOM).max(1.0).sqrt();
+        let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
+            of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
+        };
+        let doubts = visible(&frame.doubts);
+        // All of them, so that each is the same in every run.
+        let usual: Vec<DVector<f64>> = usual.iter().map(|d| white(d)).collect();
+        let known = doubts.into_iter().chain(modes(&honest)).map(|column| (column, 1.0));
+        let unit: Vec<(DVector<f64>, f64)> = known.chain(usual.iter().map(|d| (d.clone(), strict))).collect();
         let columns = p + unit.len();
         let mut reach = DMatrix::zeros(n + columns, columns);
         for j in 0..p {
@@ -62,9 +75,9 @@ impl Evidence {
             reach.view_mut((0, j), (n, 1)).copy_from(&white(&slope));
             reach[(n + j, j)] = 1.0 / frame.prior[j].1;
         }
-        for (j, column) in unit.iter().enumerate() {
+        for (j, (column, weight)) in unit.iter().enumerate() {
             reach.view_mut((0, p + j), (n, 1)).copy_from(column);
-            reach[(n + p + j, p + j)] = 1.0;
+            reach[(n + p + j, p + j)] = *weight;
         }
         let (reach, triangle) = reach.qr().unpack();
         let mut raw = DVector::zeros(n + columns);
@@ -82,23 +95,23 @@ impl Evidence {
             nuisances: p,
             honest: 1.0,
             honest_high: 1.0,
+            laps: Vec::new(),
+            built: Vec::new(),
+            usual: Vec::new(),
             freedom: n as f64,
         };
-        out.judge(&honest);
+        out.laps = honest.iter().map(|lap| out.projected(lap)).collect();
+        out.built = frame.built.iter().map(|change| out.column(change)).collect();
+        out.usual = usual.iter().map(|change| out.projected(change)).collect();
+        out.judge();
         out
     }
 
-    /// How honest laps' mean squares scatter.
-    fn judge(&mut self, laps: &[DVector<f64>]) {
+    /// How honest laps' mean squares scatter, with what is usual beside.
+    fn judge(&mut self) {
         let n = self.rows.len().max(1) as f64;
-        let mut squares: Vec<f64> = laps
-            .iter()
-            .map(|lap| {
-                let mut long = DVector::zeros(self.raw.len());
-                long.rows_mut(0, lap.len()).copy_from(lap);
-                self.project(&long).norm_squared() / n
-            })
-            .collect();
+        let mut squares: Vec<f64> = self.laps.iter().map(|lap| lap.norm_squared() / n).collect();
+        let built = self.usual.iter().map(|change| change.norm_squared() / n).sum::<f64>();
         if squares.len() < 4 {
             return;
         }
@@ -107,11 +120,18 @@ impl Evidence {
         let mean = squares.iter().sum::<f64>() / count;
         let variance = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (count - 1.0);
         // The variances hold doubts that honest laps of one simulation do not have.
-        self.honest = mean.max(1.0);
-        let scale = self.honest / mean.max(1e-9);
-        self.honest_high = scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
+        let scale = mean.max(1.0) / mean.max(1e-9);
+        self.honest = mean.max(1.0) + built;
+        self.honest_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
         // χ² of f degrees of freedom over f has the variance 2/f.
         self.freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
+    }
+
+    /// Whitened features, projected.
+    fn projected(&self, features: &DVector<f64>) -> DVector<f64> {
+        let mut long = DVector::zeros(self.raw.len());
+        long.rows_mut(0, features.len()).copy_from(features);
+        self.project(&long)
     }
 
     fn project(&self, long: &DVector<f64>) -> DVector<f64> {
@@ -121,6 +141,11 @@ impl Evidence {
     /// A change of the features as a column that effects are fitted with.
     pub fn column(&self, change: &[f64]) -> DVector<f64> {
         self.project(&self.long(change))
+    }
+
+    /// How far honest laps lie along a direction, what chains as they are built, and each usual deviation.
+    pub fn along(&self, direction: &DVector<f64>) -> [Vec<f64>; 3] {
+        [&self.laps, &self.built, &self.usual].map(|list| list.iter().map(|x| direction.dot(x)).collect())
     }
 
     /// A change of the features as it is, whitened.
@@ -171,6 +196,12 @@ impl Evidence {
     pub fn each<'a>(&'a self, residual: &'a DVector<f64>) -> impl Iterator<Item = (usize, f64)> + 'a {
         self.rows.iter().copied().zip(residual.iter().copied())
     }
+}
+
+/// The run that is off most, for what it can tell.
+pub fn most_off(evidence: &[Evidence]) -> usize {
+    let off = |run: &usize| evidence[*run].freedom * evidence[*run].excess(&evidence[*run].residual);
+    (0..evidence.len()).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
 }
 
 /// Weights that expect of each feature what chains as they are built deviate by, once nuisances are at their best.

@@ -3,7 +3,8 @@
 //! With s the mean square residual of a hypothesis over that of honest laps and f their degrees of freedom, −f/2 ln s is the log
 //! likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's equation is never that of the
 //! machine. So f is bounded, the more so far above the floor, where only the equations differ and no chance; and each strength costs
-//! ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior.
+//! ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior. Where a hypothesis leaves no more than the floor, its
+//! signature's score (`significance.rs`) counts if it says more than the mean square does.
 
 use crate::geometry::trig;
 
@@ -11,6 +12,12 @@ use crate::geometry::trig;
 pub const MOST_FREEDOM: f64 = 60.0;
 const COARSE: f64 = 2.0;
 const COARSE_FREEDOM: f64 = 24.0;
+
+/// Mean square over that of honest laps from which scores do not count.
+const QUIET: f64 = 1.25;
+
+/// What it costs beside that a score is the best of a strength's whole range, which is some hundred deviations wide.
+pub const SCORED: f64 = 2.0;
 
 /// Prior weights: no gap; one effect of the library, shared among its effects; two; something else.
 pub const NONE: f64 = 0.2;
@@ -22,13 +29,18 @@ pub const UNKNOWN: f64 = 0.15;
 const UNKNOWN_LEAVES: f64 = 0.5;
 
 /// Strengths that something unknown is charged for.
-const UNKNOWN_STRENGTHS: f64 = 2.0;
+pub const UNKNOWN_STRENGTHS: f64 = 2.0;
 
 /// Log likelihood of a mean square over that of honest laps.
 pub fn likelihood(excess: f64, freedom: f64) -> f64 {
     // Less than honest laps have speaks for nothing.
     let near = freedom * trig::ln(excess.clamp(0.9, COARSE));
     -0.5 * (near + freedom.min(COARSE_FREEDOM) * trig::ln((excess / COARSE).max(1.0)))
+}
+
+/// How far scores count where a mean square is left: fully at the floor, not at all where so much is left that the equation misses much.
+pub fn quiet(excess: f64) -> f64 {
+    ((QUIET - excess) / (QUIET - 1.0)).clamp(0.0, 1.0)
 }
 
 /// What a strength costs.

@@ -18,6 +18,7 @@ mod refit;
 mod remembered;
 mod report;
 mod screen;
+mod significance;
 mod simulator;
 mod words;
 

@@ -196,6 +196,17 @@ pub fn refit(
 }
 
 impl Fitted {
+    /// What its strengths change in each run, projected.
+    pub fn direction(&self) -> Vec<DVector<f64>> {
+        let runs = self.residuals.iter().enumerate();
+        runs.map(|(run, residual)| {
+            let mut sum = DVector::zeros(residual.len());
+            self.columns.iter().zip(&self.strengths).for_each(|(column, x)| sum += &column[run] * *x);
+            sum
+        })
+        .collect()
+    }
+
     /// Whether it was simulated with something.
     pub fn simulated(&self) -> bool {
         self.features.is_some() && self.strengths.iter().any(|x| *x != 0.0)

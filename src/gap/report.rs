@@ -5,6 +5,7 @@ use super::diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap
 use super::evidence::Evidence;
 use super::judge;
 use super::screen::explain;
+use super::significance::Score;
 use super::simulator::{Band, Frame};
 use super::words;
 use crate::emit::number::tidy;
@@ -22,13 +23,14 @@ const APART: f64 = 3.0;
 /// Share of what is left of the gap, as an amplitude, that is believed to be the effect's own.
 const MISSED: f64 = 0.5;
 
+/// A score from which on the closure along a signature is told.
+const CLEAR: f64 = 3.0;
+
 /// Places that are told.
 const PLACES: usize = 24;
 
 pub fn report(court: &Court) -> Diagnosis {
-    let logs = [trig::ln(judge::NONE) + judge::likelihood(court.excess, court.freedom), {
-        trig::ln(judge::UNKNOWN) + judge::unknown(court.excess, court.freedom)
-    }];
+    let logs = [trig::ln(judge::NONE) + judge::likelihood(court.excess, court.freedom), court.unknown];
     let weights: Vec<f64> = logs.into_iter().chain(court.judged.iter().map(|j| j.weight)).collect();
     let probability = judge::normalised(&weights);
     let (none, unknown) = (probability[0], probability[1]);
@@ -131,6 +133,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         let strength = &candidate.strengths[signature.strength];
         let value = fitted.strengths[i];
         let own = scale * judged.covariance()[(i, i)].max(0.0).sqrt();
+        let own = own.max(scattered(court, &fitted.columns[i]));
         let half = NINETY * trig::hypot(own, missed * value);
         let amount = Amount {
             value: tidy(value),
@@ -142,7 +145,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    if fitted.features.is_some() {
+    if fitted.features.is_some() || court.excess <= 1.0 && court.score(fitted).z() > CLEAR {
         out.gap_closed = closed(court, judged, false).map(tidy);
         out.gap_closed_placebo = closed(court, judged, true).map(tidy);
     }
@@ -152,7 +155,33 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
 fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
     let after = left_out(court, judged, placebo)?;
+    if judged.fitted.features.is_none() {
+        return along(court, judged, &after);
+    }
     share(&court.evidence, |run| judged.excess_of(court, run, &after[run]))
+}
+
+/// The same of a gap that is seen only along the hypothesis' signature: squares of scores along it, of which chance makes 1.
+fn along(court: &Court, judged: &Judged, after: &[DVector<f64>]) -> Option<f64> {
+    let direction = judged.fitted.direction();
+    let (mut before_sum, mut after_sum) = (0.0, 0.0);
+    for (run, evidence) in court.evidence.iter().enumerate() {
+        let score = |residual: &DVector<f64>| {
+            let one = |x: &DVector<f64>| [x.clone()];
+            Score::new(std::slice::from_ref(evidence), &one(residual), &one(&direction[run])).z()
+        };
+        let (before, after) = (score(&evidence.residual), score(&after[run]));
+        before_sum += before * before - 1.0;
+        after_sum += after * after - 1.0;
+    }
+    (before_sum > 0.0).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
+}
+
+/// How far a strength is off by what scatters along its signature.
+fn scattered(court: &Court, column: &[DVector<f64>]) -> f64 {
+    let square: f64 = column.iter().map(DVector::norm_squared).sum();
+    let residuals: Vec<DVector<f64>> = court.evidence.iter().map(|e| e.residual.clone()).collect();
+    Score::new(&court.evidence, &residuals, column).deviation / square.max(1e-300)
 }
 
 /// What is left of each run by strengths fitted to the others.

@@ -1,16 +1,30 @@
 //! The fast screen: what each effect's signature explains, alone and in pairs, with the nuisances projected out.
 
-use super::evidence::Evidence;
-use super::simulator::{Applied, Candidate, Frame, Request, Simulator};
+use super::evidence::{Evidence, most_off};
+use super::simulator::{Applied, Candidate, Request, Simulator};
+use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeMap;
 
 /// A signature is taken where it is at least so many times the floor in the feature that it changes most.
-const CLEAR: f64 = 4.0;
+const CLEAR: f64 = 10.0;
 
-/// Sizes at which a signature is taken at most, each at most so many times the one before, or as small a part of it.
-const ROUNDS: usize = 3;
+/// What changes no feature by so much of its deviation changes nothing but for rounding.
+const NOTHING: f64 = 1e-3;
+
+/// How often another size is asked for at most, each at most so many times the one before, or as small a part of it.
+const SIZES: usize = 2;
 const MOST_MORE: f64 = 12.0;
+
+/// Places of an effect that is tried at several strengths, at most, and how many of them.
+const FEW: usize = 6;
+const RUNGS: usize = 6;
+
+/// Share of the squares that may be left where such a strength is taken, and where no larger one is tried.
+const WORTH: f64 = 0.98;
+const OVERSHOT: f64 = 3.0;
+
+/// Simulations that are asked for at once: progress is told between them.
+const PART: usize = 24;
 
 /// What a strength of a candidate changes, over all runs.
 #[derive(Clone)]
@@ -41,44 +55,102 @@ pub fn signatures(
 ) -> Vec<Signature> {
     let candidates = simulator.candidates();
     let alone = (0..candidates.len()).filter(|c| candidates[*c].beside.is_none());
-    let mut trials: Vec<Trial> = alone
+    let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
             let strengths = candidates[candidate].strengths.iter().enumerate();
             strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
         })
         .collect();
-    let all = trials.len();
     let gap = evidence.iter().any(|e| e.excess(&e.residual) > 1.0);
-    let mut found: BTreeMap<(usize, usize), Signature> = BTreeMap::new();
-    for round in 0..ROUNDS {
-        let mut again = Vec::new();
-        let before = all - trials.len();
-        let taken = take(simulator, evidence, &trials, &mut |done| tell(before + done, all));
-        for (trial, (signature, whole)) in trials.iter().zip(taken) {
-            let strength = &candidates[trial.candidate].strengths[trial.strength];
-            let asked = asked(&signature, evidence, (strength.low, strength.high));
-            if gap && round + 1 < ROUNDS && whole && !(0.5..2.0).contains(&(asked / trial.size)) {
-                again.push(Trial { size: asked, ..*trial });
-            }
-            if whole || round == 0 {
-                found.insert((trial.candidate, trial.strength), signature);
-            }
+    let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
+    let trials = if gap { sized(simulator, evidence, &firsts, &mut |done| tell(done, all)) } else { firsts.clone() };
+    let mut found = Vec::with_capacity(trials.len());
+    let mut small = Vec::new();
+    let taken = take(simulator, evidence, &trials, Runs::All, &mut |done| tell(before + done, all));
+    for ((signature, whole), first) in taken.into_iter().zip(firsts) {
+        if whole || signature.size == first.size {
+            found.push(signature);
+        } else {
+            small.push(first);
         }
-        trials = again;
     }
+    found.extend(take(simulator, evidence, &small, Runs::All, &mut |_| tell(all, all)).into_iter().map(|(s, _)| s));
+    found.sort_by_key(|s| (s.candidate, s.strength));
     // A blow at a place has no sign as long as the place is not known.
     let signed = |s: &&Signature| {
         let placed = candidates.iter().any(|c| c.beside == Some(s.candidate));
         gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
     };
-    let mut found: Vec<Signature> = found.into_values().collect();
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
-    for (signature, whole) in take(simulator, evidence, &others, &mut |_| tell(all, all)) {
+    for (signature, whole) in take(simulator, evidence, &others, Runs::All, &mut |_| tell(all, all)) {
         if whole {
             keep(&mut found, signature, evidence);
         }
     }
     found
+}
+
+/// Trials at the sizes that the gap asks for, found with the run that is off most.
+fn sized(
+    simulator: &dyn Simulator,
+    evidence: &[Evidence],
+    firsts: &[Trial],
+    tell: &mut dyn FnMut(usize),
+) -> Vec<Trial> {
+    let candidates = simulator.candidates();
+    let run = most_off(evidence);
+    let mut trials = firsts.to_vec();
+    let mut open: Vec<usize> = (0..trials.len()).collect();
+    for _ in 0..SIZES {
+        let now: Vec<Trial> = open.iter().map(|k| trials[*k]).collect();
+        let before = trials.len() - open.len();
+        let taken = take(simulator, evidence, &now, Runs::One(run), &mut |done| tell(before + done));
+        let mut again = Vec::new();
+        for (k, (signature, whole)) in open.into_iter().zip(taken) {
+            let trial = &mut trials[k];
+            let strength = &candidates[trial.candidate].strengths[trial.strength];
+            if whole {
+                let size = asked(&signature, run, &evidence[run], (strength.low, strength.high));
+                if !(0.5..2.0).contains(&(size / trial.size)) {
+                    trial.size = size;
+                    again.push(k);
+                }
+            } else {
+                // As large as could be simulated.
+                trial.size = firsts[k].size;
+            }
+        }
+        open = again;
+    }
+    // What has few places is tried at strengths a factor apart, until it does far more than there is to explain: what it does is seldom
+    // in proportion, and a fit that begins far off ends far off.
+    let residual = &evidence[run].residual;
+    let gap = residual.norm_squared();
+    let mut least = vec![WORTH * gap; trials.len()];
+    let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k])).collect();
+    for rung in 0..RUNGS {
+        let tried: Vec<Trial> = open.iter().map(|k| firsts[*k].rung(candidates, rung)).collect();
+        let taken = take(simulator, evidence, &tried, Runs::One(run), &mut |_| tell(trials.len()));
+        let mut again = Vec::new();
+        for ((k, trial), (signature, whole)) in open.into_iter().zip(tried).zip(taken) {
+            let left = (residual - &signature.columns[run] * trial.size).norm_squared();
+            if whole && left < least[k] {
+                (least[k], trials[k]) = (left, trial);
+            }
+            if whole && left < OVERSHOT * gap {
+                again.push(k);
+            }
+        }
+        open = again;
+    }
+    trials
+}
+
+/// Whether an effect has few places.
+fn few(candidates: &[Candidate], trial: Trial) -> bool {
+    let own = &candidates[trial.candidate];
+    let alike = candidates.iter().filter(|c| c.beside.is_none() && c.effect == own.effect);
+    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= FEW
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more.
@@ -100,6 +172,11 @@ impl Signature {
         Trial { candidate: self.candidate, strength: self.strength, size: self.size }
     }
 
+    /// The least strength at which it is clear.
+    pub fn clear(&self) -> f64 {
+        CLEAR / self.columns.iter().map(DVector::amax).fold(1e-300, f64::max)
+    }
+
     /// How much of the squares of what is left it explains, with its own sign.
     fn explains(&self, evidence: &[Evidence]) -> f64 {
         let (mut own, mut along) = (0.0, 0.0);
@@ -113,53 +190,72 @@ impl Signature {
 }
 
 impl Trial {
+    /// At one of the strengths between half its own and half of what may be.
+    fn rung(self, candidates: &[Candidate], rung: usize) -> Trial {
+        let (low, high) = (0.5 * self.size, 0.5 * candidates[self.candidate].strengths[self.strength].high);
+        let share = rung as f64 / (RUNGS - 1) as f64;
+        Trial { size: low * trig::exp(share * trig::ln(high / low)), ..self }
+    }
+
     /// With the other sign.
     pub fn other(self) -> Trial {
         Trial { size: -self.size, ..self }
     }
 }
 
-/// The strength at which an effect does as much as there is to explain, and is clear: few effects are linear, and power grows
+/// The strength at which an effect does as much in a run as there is to explain, and is clear: few effects are linear, and power grows
 /// with the square at first.
-fn asked(signature: &Signature, evidence: &[Evidence], (low, high): (f64, f64)) -> f64 {
-    let (mut own, mut gap, mut along) = (0.0, 0.0, 0.0);
-    let mut largest: f64 = 0.0;
-    for (column, evidence) in signature.columns.iter().zip(evidence) {
-        own += column.norm_squared();
-        gap += evidence.residual.norm_squared() - evidence.honest * evidence.features() as f64;
-        along += column.dot(&evidence.residual);
-        largest = largest.max(column.amax());
-    }
-    let size = (gap.max(0.0) / own.max(1e-300)).sqrt().max(1.5 * CLEAR / largest.max(1e-300));
+fn asked(signature: &Signature, run: usize, evidence: &Evidence, (low, high): (f64, f64)) -> f64 {
+    let column = &signature.columns[run];
+    let own = column.norm_squared().max(1e-300);
+    let gap = evidence.residual.norm_squared() - evidence.honest * evidence.features() as f64;
+    let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
     let now = signature.size.abs();
     let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
-    if along < 0.0 && low < 0.0 { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
+    let against = column.dot(&evidence.residual) < 0.0;
+    if against && low < 0.0 { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
 }
 
-/// The signature of each trial, and whether every run could be simulated with it.
+/// Which runs a signature is taken of.
+#[derive(Clone, Copy, Debug)]
+pub enum Runs {
+    All,
+    One(usize),
+}
+
+/// The signature of each trial, 0 in runs of which it is not taken, and whether every run could be simulated with it.
 pub fn take(
     simulator: &dyn Simulator,
     evidence: &[Evidence],
     trials: &[Trial],
+    runs: Runs,
     tell: &mut dyn FnMut(usize),
 ) -> Vec<(Signature, bool)> {
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
+    let runs: Vec<usize> = match runs {
+        Runs::All => (0..evidence.len()).collect(),
+        Runs::One(run) => vec![run],
+    };
     let mut found = Vec::with_capacity(trials.len());
-    for part in trials.chunks(8) {
+    for part in trials.chunks(PART.div_ceil(runs.len().max(1))) {
         tell(found.len() + part.len());
         let with = |trial: &Trial| {
             let effects = vec![applied(candidates, trial)];
-            (0..evidence.len()).map(move |run| Request { run, step: Vec::new(), effects: effects.clone() })
+            runs.iter().map(move |run| Request { run: *run, step: Vec::new(), effects: effects.clone() })
         };
         let requests: Vec<Request> = part.iter().flat_map(with).collect();
         let answers = simulator.simulate_all(&requests);
-        for (trial, answers) in part.iter().zip(answers.chunks(evidence.len().max(1))) {
-            let one = |(answer, frame): (&Option<Vec<f64>>, &Frame)| match answer {
-                Some(answer) => answer.iter().zip(&frame.nominal).map(|(a, b)| (a - b) / trial.size).collect(),
-                None => vec![0.0; frame.nominal.len()],
-            };
-            let change: Vec<Vec<f64>> = answers.iter().zip(frames).map(one).collect();
-            let columns = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
+        for (trial, answers) in part.iter().zip(answers.chunks(runs.len().max(1))) {
+            let mut change: Vec<Vec<f64>> = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
+            for (run, answer) in runs.iter().zip(answers) {
+                let rows = answer.iter().flatten().zip(&frames[*run].nominal);
+                change[*run].iter_mut().zip(rows).for_each(|(x, (a, b))| *x = (a - b) / trial.size);
+            }
+            let mut columns: Vec<DVector<f64>> = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
+            if columns.iter().all(|column| column.amax() * trial.size.abs() < NOTHING) {
+                change.iter_mut().for_each(|c| c.fill(0.0));
+                columns.iter_mut().for_each(|c| c.fill(0.0));
+            }
             let Trial { candidate, strength, size } = *trial;
             let whole = answers.iter().all(Option::is_some);
             found.push((Signature { candidate, strength, size, change, columns }, whole));

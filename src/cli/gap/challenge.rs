@@ -1,6 +1,6 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
-use crate::cli::{Outcome, OutputFormat, could_not, report};
+use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
 use crate::emit::json::to_json;
 use crate::gap::blind::answering::{Step, answer, child, facts, judged};
 use crate::gap::blind::generate::{Order, generate};
@@ -39,6 +39,9 @@ struct New {
     /// Make all cases of one kind instead of the mix.
     #[arg(long, value_enum, value_name = "KIND")]
     only: Option<Only>,
+    /// Drive all cases on this layout, .lss or simulation.json, instead of the five of the library: what would be seen on your track?
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
     /// Folder of the challenge; created if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -85,9 +88,13 @@ impl New {
             Only::Sensor => Kind::Sensor,
         });
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let order = Order { cases: self.cases as usize, seed: self.seed, only, threads };
+        let layout = match self.layout.as_ref().map(|file| read::simulation(file, None, MessageFormat::Text)) {
+            Some(Err(outcome)) => return outcome,
+            given => given.and_then(Result::ok),
+        };
+        let order = Order { cases: self.cases as usize, seed: self.seed, only, layout, threads };
         let bar = progress(order.cases);
-        let made = generate(order, &self.output, &|done| {
+        let made = generate(&order, &self.output, &|done| {
             if let Some(bar) = &bar {
                 bar.set_position(done as u64);
             }

@@ -6,6 +6,7 @@ use super::sources::{MACHINE, SENSORS, Source, UNKNOWN, machine, sensor, unknown
 use super::tracks::{self, Planned};
 use super::{CHALLENGE, KEY, seal};
 use crate::dynamics::{Method, parallel};
+use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
 use crate::identify::noise::mix;
 use crate::signal::{Campaign, Channel, Run, csv};
@@ -41,12 +42,14 @@ const ATTEMPTS: u64 = 5;
 const RUNS: usize = 3;
 
 /// What to make.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Order {
     pub cases: usize,
     pub seed: u64,
     /// All cases of one kind, rather than the mix.
     pub only: Option<Kind>,
+    /// All cases on this layout, rather than on those of the library.
+    pub layout: Option<Simulation>,
     pub threads: usize,
 }
 
@@ -67,17 +70,20 @@ struct Wish {
 /// # Errors
 ///
 /// In words, when files cannot be written or a case cannot be simulated.
-pub fn generate(order: Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) -> Result<Facts, String> {
+pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) -> Result<Facts, String> {
     let written = |path: &Path, bytes: &[u8]| fs::write(path, bytes).map_err(|why| said(path, &why));
     if folder.join(CHALLENGE).exists() {
         return Err(format!("{} has a challenge already", folder.display()));
     }
     fs::create_dir_all(folder).map_err(|why| said(folder, &why))?;
-    let tracks = tracks::all()?;
+    let tracks = match &order.layout {
+        Some(given) => vec![Planned::given(given.clone())],
+        None => tracks::all()?,
+    };
     let wishes = wishes(order);
     let done = AtomicUsize::new(0);
     let made = parallel::map(&wishes, order.threads, |wish| {
-        let track = &tracks[wish.track];
+        let track = &tracks[wish.track % tracks.len()];
         let case = (0..ATTEMPTS).find_map(|attempt| make(wish, track, attempt));
         let case = case.ok_or_else(|| format!("{} cannot be simulated", wish.name))?;
         let (case, runs) = case;
@@ -108,7 +114,7 @@ fn said(path: &Path, why: &io::Error) -> String {
 }
 
 /// The cases: kinds, effects and levels in their shares, in an order by chance.
-fn wishes(order: Order) -> Vec<Wish> {
+fn wishes(order: &Order) -> Vec<Wish> {
     let mut state = order.seed ^ 0x6c73_7362_6c69_6e64;
     let mut kinds = Vec::new();
     for (kind, share) in MIX {
@@ -331,7 +337,7 @@ fn oracle(measured: &Run, without: &Run, with: &Run, floor: &BTreeMap<Channel, f
 
 fn write_case(folder: &Path, track: &Planned, runs: &[Recorded]) -> io::Result<()> {
     fs::create_dir_all(folder)?;
-    fs::write(folder.join(track.file), track.text)?;
+    fs::write(folder.join(track.file), &track.text)?;
     let mut list = format!("layout = \"{}\"\n", track.file);
     for Recorded { name, run, tension } in runs {
         fs::write(folder.join(format!("{name}.csv")), csv::write(run))?;
@@ -347,12 +353,12 @@ mod tests {
     use super::*;
 
     fn order(cases: usize) -> Order {
-        Order { cases, seed: 4, only: None, threads: 2 }
+        Order { cases, seed: 4, only: None, layout: None, threads: 2 }
     }
 
     #[test]
     fn the_mix_is_kept_and_every_effect_comes() {
-        let found = wishes(order(120));
+        let found = wishes(&order(120));
         let count = |kind: Kind| found.iter().filter(|w| w.kind == kind).count();
         assert_eq!(MIX.map(|(kind, _)| count(kind)), [48, 18, 18, 18, 18]);
         let machine: Vec<usize> = found
@@ -364,9 +370,9 @@ mod tests {
         let ones: Vec<Level> = found.iter().filter(|w| w.kind == Kind::One).map(|w| w.sources[0].1).collect();
         assert!(ones.iter().filter(|l| **l == Level::Weak).count().abs_diff(9) <= 1);
         assert!(found.iter().filter(|w| w.kind == Kind::Pair).all(|w| w.sources[0].0 != w.sources[1].0));
-        assert_eq!(wishes(order(120)), found);
-        assert_ne!(wishes(Order { seed: 5, ..order(120) }), found);
-        let none = wishes(Order { only: Some(Kind::None), ..order(60) });
+        assert_eq!(wishes(&order(120)), found);
+        assert_ne!(wishes(&Order { seed: 5, ..order(120) }), found);
+        let none = wishes(&Order { only: Some(Kind::None), ..order(60) });
         assert!(none.len() == 60 && none.iter().all(|w| w.kind == Kind::None));
     }
 

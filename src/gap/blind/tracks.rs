@@ -1,6 +1,7 @@
 //! Layouts that campaigns are driven on.
 
 use crate::emit::Compiled;
+use crate::emit::json::to_json;
 use crate::emit::simulation::Simulation;
 use crate::semantics::analyse;
 use crate::solve::{self, Options};
@@ -18,9 +19,18 @@ const LAYOUTS: [(&str, &str); 5] = [
 /// A layout as it is planned.
 #[derive(Clone, Debug)]
 pub struct Planned {
+    /// The file that cases hold, and its text.
     pub file: &'static str,
-    pub text: &'static str,
+    pub text: Vec<u8>,
     pub simulation: Simulation,
+}
+
+impl Planned {
+    /// One that is given, without the effects it may have.
+    pub fn given(mut simulation: Simulation) -> Planned {
+        simulation.effects.clear();
+        Planned { file: "simulation.json", text: to_json(&simulation), simulation }
+    }
 }
 
 /// All of them.
@@ -39,5 +49,5 @@ fn planned(file: &'static str, text: &'static str) -> Result<Planned, String> {
     let analysis = analyse(&mut sources, &mut loader, main, None);
     let layout = analysis.chosen().ok().flatten().ok_or_else(mistaken)?.clone();
     let solution = solve::solve(&layout, &Options::default(), &|_| {});
-    Ok(Planned { file, text, simulation: Simulation::new(&Compiled::new(layout, solution)) })
+    Ok(Planned { file, text: text.into(), simulation: Simulation::new(&Compiled::new(layout, solution)) })
 }

@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 /// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
 const FLOOR_DEVIATION: f64 = 1.0;
 
+/// Deviation of a feature, in newtons, shares or logarithms, that is no more than rounding.
+const LEAST: f64 = 1e-9;
+
 /// The run as the diagnosis sees it; the chain's speed is the last feature.
 pub fn frame(name: &str, run: &Fitted) -> Frame {
     let landing = &run.landing;
@@ -37,7 +40,7 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
         labels,
         measured: with(&landing.measured, simulated + speed),
         nominal: with(&landing.nominal, simulated),
-        variance: with(&landing.variance, deviation * deviation),
+        variance: with(&landing.variance, deviation * deviation).into_iter().map(telling).collect(),
         scatter: landing.floor.scatter.iter().map(deviate).collect(),
         doubts,
         built: Vec::new(),
@@ -45,6 +48,11 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
         prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
         nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),
     }
+}
+
+/// A variance; infinite of what no lap changes but for rounding, as the share of time above a force that is never reached.
+fn telling(variance: f64) -> f64 {
+    if variance < LEAST * LEAST { f64::INFINITY } else { variance }
 }
 
 /// Of a nuisance's step from where the fit ended.

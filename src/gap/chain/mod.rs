@@ -5,7 +5,7 @@ mod nominal;
 
 use super::effects::load_distribution::Beside;
 use super::effects::sites::{self, Site};
-use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, rail_step, sense};
+use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, rail_step, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Request, Simulator, Strength};
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
@@ -22,6 +22,9 @@ use std::collections::BTreeMap;
 /// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
 const PASSES: f64 = 24.0;
 const SIGNATURE_PASSES: f64 = 14.0;
+
+/// Time that one for a signature settles before it is recorded, s.
+const SIGNATURE_SETTLE: f64 = 8.0;
 
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
@@ -216,7 +219,8 @@ impl Chains {
     ) -> Option<(Model, Coordinates, Fleet)> {
         let fitted = &self.runs[run];
         let mut at = fitted.landing.at;
-        let mut plan = Plan { passes, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
+        let settle = step.is_empty().then_some(SIGNATURE_SETTLE);
+        let mut plan = Plan { passes, settle, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
         for (k, moved) in step.iter().enumerate() {
             match Parameter::ALL.get(k) {
                 Some(p) => {
@@ -224,6 +228,12 @@ impl Chains {
                     at[p.index()] = (at[p.index()] + moved * p.reach()).clamp(low, high);
                 }
                 None => plan.floor = moved * crate::identify::fit::FLOOR_SCALE,
+            }
+        }
+        if effects.iter().any(|e| e.name == control_delay::EFFECT.name) {
+            for p in control_delay::BENT {
+                let planned = fitted.model.coordinate(p, fitted.model.nominal[p.index()]);
+                at[p.index()] += planned - fitted.landing.at[p.index()];
             }
         }
         let model = fitted.with(effects);

@@ -5,6 +5,7 @@
 use super::{Act, Effect, Strength, Strengths, sites};
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
+use crate::identify::Parameter;
 
 pub const EFFECT: Effect = Effect {
     name: "control_delay",
@@ -22,6 +23,9 @@ pub const EFFECT: Effect = Effect {
     sites: sites::everywhere,
     act: Act::Chain(act),
 };
+
+/// Nuisances that a fit without the delay bends to imitate its swings: with it they begin as they are planned.
+pub const BENT: [Parameter; 2] = [Parameter::KP, Parameter::KI];
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {
     deviations.delay += strengths.of("delay");

@@ -4,7 +4,7 @@
 //! `effect joint_clearance(gap: 0.05 mm)` in a layout runs in `lss simulate` as it does in a diagnosis.
 
 mod cart_bending;
-mod control_delay;
+pub mod control_delay;
 mod curve_geometry;
 mod fork_swivel;
 mod joint_clearance;

@@ -14,7 +14,7 @@ pub const EFFECT: Effect = Effect {
         unit: "",
         about: "of its thrust",
         trial: 0.3,
-        usual: 0.015,
+        usual: 0.01,
         low: -1.0,
         high: 1.0,
     }],

@@ -38,8 +38,10 @@ fn site(wavelength: f64) -> Site {
     Site { words: format!("every {:.0} mm", 1e3 * wavelength), fixed: vec![("wavelength", wavelength)] }
 }
 
-/// Wavelengths between this one and the next.
+/// Wavelengths between this one and the next, and beside each of them such as hardly differ.
 pub fn beside(ripple: &Site) -> Vec<(Site, Vec<Site>)> {
     let Some(wavelength) = ripple.of("wavelength") else { return Vec::new() };
-    [0.7, 0.85, 1.18, 1.43].map(|share| (site(share * wavelength), Vec::new())).to_vec()
+    let of = |share: f64| site(share * wavelength);
+    let near = |share: f64| [0.96, 1.04].map(|other| of(share * other)).to_vec();
+    [0.7, 0.78, 0.85, 0.92, 1.08, 1.18, 1.3, 1.43].map(|share| (of(share), near(share))).to_vec()
 }

@@ -17,7 +17,7 @@ pub const EFFECT: Effect = Effect {
         unit: "m",
         about: "of the step",
         trial: 1e-4,
-        usual: 0.0,
+        usual: 3e-5,
         low: -5e-3,
         high: 5e-3,
     }],
