@@ -10,7 +10,7 @@ const FEATURES: usize = 120;
 const RUNS: usize = 3;
 
 /// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain, `twin` is nearly `wave`,
-/// `rough` lets laps scatter in channel a.
+/// `rough` lets laps scatter in channel a, `far` is not in proportion to its strength.
 struct Made {
     candidates: Vec<Candidate>,
     frames: Vec<Frame>,
@@ -19,6 +19,16 @@ struct Made {
 }
 
 const ROUGH: usize = 8;
+const FAR: usize = 9;
+
+/// What a strength of an effect does; all are in proportion but `far`, which does one thing at once and another only when it is large.
+fn done(candidate: usize, strength: f64, run: usize, k: usize) -> f64 {
+    if candidate != FAR {
+        return strength * shape(candidate, run, k);
+    }
+    let (at_once, late) = (shape(1, run, k), shape(2, run, k) - shape(3, run, k));
+    3.0 * (1.0 - trig::exp(-strength / 0.1)) * at_once + 6.0 * (strength / 10.0) * (strength / 10.0) * late
+}
 
 fn shape(candidate: usize, run: usize, k: usize) -> f64 {
     let x = (k % 60) as f64 / 60.0;
@@ -95,6 +105,12 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     if truth.iter().any(|t| t.0 == ROUGH) {
         candidates.push(Candidate { chance: true, ..one("rough", "", false) });
     }
+    if truth.iter().any(|t| t.0 == FAR) {
+        let mut far = one("far", "", false);
+        far.strengths[0].low = 0.0;
+        candidates.push(one("rough", "", false));
+        candidates.push(far);
+    }
     let mut state = seed;
     let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
     let labels = |channel: &str, k: usize| Label {
@@ -107,7 +123,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     let frames = (0..RUNS)
         .map(|run| {
             let gap = |k: usize| -> f64 {
-                let known: f64 = truth.iter().map(|(c, x)| x * shape(*c, run, k)).sum();
+                let known: f64 = truth.iter().map(|(c, x)| done(*c, *x, run, k)).sum();
                 // Nothing that the library has.
                 known + strange * ((k * k % 17) as f64 / 8.0 - 1.0)
             };
@@ -145,7 +161,7 @@ impl Simulator for Made {
 
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let moved = step.first().copied().unwrap_or(0.0);
-        let all = |k: usize| effects.iter().map(|e| e.strengths[0] * shape(e.candidate, run, k)).sum::<f64>();
+        let all = |k: usize| effects.iter().map(|e| done(e.candidate, e.strengths[0], run, k)).sum::<f64>();
         Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + all(k)).collect())
     }
 
@@ -198,6 +214,14 @@ fn what_does_little_everywhere_is_seen_along_its_signature() {
     assert!(amounts.len() >= 8, "{} of 10", amounts.len());
     let held = amounts.iter().filter(|a| a.low <= 1.3 && 1.3 <= a.high).count();
     assert!(held + 2 >= amounts.len(), "{held} of {}", amounts.len());
+}
+
+#[test]
+fn a_strength_far_from_its_trial_is_found() {
+    let found = found(&[(FAR, 12.0)], 0.0, 12);
+    let first = &found.effects[0];
+    assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "far"), "{}", found.summary);
+    assert!((first.strength["size"].value / 12.0 - 1.0).abs() < 0.1, "{first:?}");
 }
 
 #[test]

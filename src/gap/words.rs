@@ -18,9 +18,17 @@ pub fn summary(found: &Diagnosis) -> String {
             percent(b)
         ),
         (Some(x), None) => format!("Adding {it} closes {} of the gap on runs left out.", percent(x)),
-        (None, _) => {
+        (None, _) if found.runs.len() < 2 => {
             "With a single run nothing could be left out, so how far the gap closes elsewhere is not known.".into()
         }
+        (None, _) => "The gap is too small to tell how far it closes on runs left out.".into(),
+    };
+    let small = !found.runs.is_empty() && found.runs.iter().all(|run| run.before <= 1.0);
+    let closes = if small {
+        closes
+            + " It is small: no feature is farther off than in honest laps, but together they lie along its signature."
+    } else {
+        closes
     };
     match found.verdict {
         Verdict::None => {

@@ -124,3 +124,14 @@ fn a_table_shows_every_case() {
     assert!(markdown.lines().filter(|l| l.starts_with('|')).all(|l| l.ends_with('|')));
     assert!(cases.iter().all(|c| markdown.contains(&format!("| {} |", c.name))));
 }
+
+#[test]
+fn cases_on_a_given_layout_hold_it_without_its_effects() {
+    let mut given = super::tracks::all().unwrap().remove(0).simulation;
+    let strengths = [("gap".to_owned(), 1e-4)].into();
+    given.effects = vec![crate::emit::simulation::Effect { name: "joint_clearance".into(), strengths }];
+    let planned = super::tracks::Planned::given(given.clone());
+    given.effects.clear();
+    let read: crate::emit::simulation::Simulation = serde_json::from_slice(&planned.text).unwrap();
+    assert_eq!((planned.file, &read, &planned.simulation), ("simulation.json", &given, &given));
+}
