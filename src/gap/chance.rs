@@ -1,21 +1,21 @@
-//! Effects that differ from cart to cart by chance: items on some of the carts, links of unequal pitch. Which cart has how much is not
-//! known, so their signature is less a change of the mean lap than how far laps scatter, and their strength is where the
+//! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from lap to lap, as the swings
+//! of a late drive. Which cart has how much is not known, nor where a swing begins, so their signature is less a change of the mean lap than how far laps scatter, and their strength is where the
 //! scatter fits: at the least of ln s + mean ln v/v₀ (see [`super::floor`]) over the strength.
 
 use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
 use super::screen::Signature;
-use super::simulator::{Request, Simulator};
+use super::simulator::{Request, Simulator, Strength};
 use crate::geometry::trig;
 use nalgebra::DMatrix;
 
-/// Strengths over the simulated one at which the scatter is thought of, by its square, in two rounds.
-const SPANS: [[f64; 9]; 2] =
-    [[0.1, 0.18, 0.32, 0.56, 1.0, 1.8, 3.2, 5.6, 10.0], [0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5]];
+/// Strengths that are simulated at first, from the trial on, each so many times the one before.
+const LADDER: usize = 4;
+const RUNG: f64 = 3.0;
 
-/// Shares of a strength that are tried where nothing can be simulated with it.
-const SMALLER: [f64; 3] = [1.0, 0.3, 0.1];
+/// Strengths over a simulated one at which the scatter is thought of, by its square.
+const SPAN: [f64; 9] = [0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5];
 
 /// What scatter must explain at least, as a logarithm, for the effect to be fitted.
 const WORTH: f64 = 0.05;
@@ -39,28 +39,51 @@ impl Chance<'_> {
         let candidates = self.simulator.candidates();
         let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].chance);
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
-        own.map(alone).filter_map(|hypothesis| self.fitted(&hypothesis, self.strength(&hypothesis)?)).collect()
+        let all: Vec<Hypothesis> = own.map(alone).collect();
+        let rungs = all.iter().map(|hypothesis| {
+            let strength = self.bounds(hypothesis);
+            let rungs = (0..LADDER).scan(strength.trial, |size, _| {
+                let own = *size;
+                *size *= RUNG;
+                Some(own)
+            });
+            (hypothesis, rungs.filter(|size| *size < strength.high).collect::<Vec<f64>>())
+        });
+        let first = self.where_it_fits(&rungs.collect::<Vec<_>>());
+        let again: Vec<(&Hypothesis, Vec<f64>)> =
+            all.iter().zip(first).filter_map(|(h, x)| Some((h, vec![x?]))).collect();
+        let found = self.where_it_fits(&again);
+        let fitted = again.iter().zip(found).filter_map(|((h, _), x)| self.fitted(h, x?));
+        fitted.collect()
     }
 
-    /// The strength at which scatter explains most of the run that is off most; `None` where it explains nothing.
-    fn strength(&self, hypothesis: &Hypothesis) -> Option<f64> {
-        let signature = &self.signatures[*hypothesis.signatures.first()?];
-        let strength = &self.simulator.candidates()[signature.candidate].strengths[signature.strength];
+    fn bounds(&self, hypothesis: &Hypothesis) -> &Strength {
+        let signature = &self.signatures[hypothesis.signatures[0]];
+        &self.simulator.candidates()[signature.candidate].strengths[signature.strength]
+    }
+
+    /// Of each hypothesis the strength at which scatter explains most of the run that is off most, from simulations at some; `None`
+    /// where it explains nothing.
+    fn where_it_fits(&self, tried: &[(&Hypothesis, Vec<f64>)]) -> Vec<Option<f64>> {
         let run = most_off(self.nominal);
         let before = self.misfit(run, &self.simulator.frames()[run].variance, 1.0);
-        let mut size = strength.trial;
-        for span in SPANS {
-            let tried = SMALLER.map(|share| size * share);
-            let variances = |size: f64| self.simulator.variances_all(&[self.request(hypothesis, run, size)]).pop()?;
-            let (at, variances) = tried.into_iter().find_map(|at| Some((at, variances(at)?)))?;
-            let each = span.into_iter().map(|share| (self.misfit(run, &variances, share), share));
-            let (least, share) = each.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            if least > before - WORTH {
-                return None;
+        let requests = tried.iter().flat_map(|(h, sizes)| sizes.iter().map(|size| self.request(h, run, *size)));
+        let mut answers = self.simulator.variances_all(&requests.collect::<Vec<_>>()).into_iter();
+        let of = |(hypothesis, sizes): &(&Hypothesis, Vec<f64>)| {
+            let mut best: Option<(f64, f64)> = None;
+            for size in sizes {
+                let Some(variances) = answers.next().flatten() else { continue };
+                for share in SPAN {
+                    let misfit = self.misfit(run, &variances, share);
+                    if best.is_none_or(|(least, _)| misfit < least) {
+                        best = Some((misfit, size * share));
+                    }
+                }
             }
-            size = (at * share).min(0.9 * strength.high);
-        }
-        Some(size)
+            let (least, size) = best?;
+            (least < before - WORTH).then(|| size.min(0.9 * self.bounds(hypothesis).high))
+        };
+        tried.iter().map(of).collect()
     }
 
     /// ln s + mean ln v/v₀ of a run, where laps scatter as at a share of the strength that has these variances.

@@ -143,6 +143,11 @@ fn mean_excess<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'
     sum.0 / sum.1.max(1e-9)
 }
 
+/// Of what changes all runs.
+fn norm(each: &[DVector<f64>]) -> f64 {
+    each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
+}
+
 impl Judged {
     /// What it is judged by.
     pub fn evidence<'a>(&'a self, court: &'a Court) -> &'a [Evidence] {
@@ -181,7 +186,14 @@ impl Court<'_> {
     /// All candidates with signatures, the likeliest first.
     fn singles(&self) -> Vec<Judged> {
         let known: BTreeSet<usize> = self.signatures.iter().map(|s| s.candidate).collect();
-        let mut singles: Vec<Judged> = known.into_iter().map(|c| self.screened(self.single(c))).collect();
+        let ways = known.into_iter().flat_map(|c| {
+            let whole = self.single(c);
+            // Of an effect with several strengths each may be there without the others.
+            let some = if whole.signatures.len() > 1 { whole.signatures.clone() } else { Vec::new() };
+            let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
+            some.chain([whole]).collect::<Vec<_>>()
+        });
+        let mut singles: Vec<Judged> = ways.map(|h| self.screened(h)).collect();
         singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         singles
     }
@@ -261,13 +273,8 @@ impl Court<'_> {
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
         let prior = trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared;
         let strengths = fitted.strengths.len() as f64;
-        let nothing = judge::likelihood(self.excess, self.freedom);
         let counts = judge::quiet(excess);
-        let scored = if counts > 0.0 {
-            nothing + counts * self.support(&fitted) - judge::SCORED * strengths
-        } else {
-            f64::NEG_INFINITY
-        };
+        let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
         let likelihood = judge::likelihood(excess, self.freedom).max(scored);
         let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
         Judged { fitted, floor, excess, weight }
@@ -294,40 +301,87 @@ impl Court<'_> {
         Score::new(&self.evidence, residuals, columns).beside([self.usual(signature) * square])
     }
 
-    /// What every built machine has of a signature's strength.
+    /// What every built machine has of a signature's strength, and what sensors are accurate to.
     fn usual(&self, signature: usize) -> f64 {
         let Signature { candidate, strength, .. } = self.signatures[signature];
-        self.candidates()[candidate].strengths[strength].usual
+        let candidate = &self.candidates()[candidate];
+        let strength = &candidate.strengths[strength];
+        let ratio = candidate.sensor && strength.unit.is_empty();
+        strength.usual.max(if ratio { significance::ACCURATE } else { 0.0 })
     }
 
-    /// What scores say for a hypothesis; of a pair for each of both.
-    fn support(&self, fitted: &Fitted) -> f64 {
+    /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever says it of the first.
+    fn scored(&self, fitted: &Fitted, counts: f64) -> f64 {
+        let hypothesis = &fitted.hypothesis;
         let z = self.score(fitted).z().max(0.0);
-        let members = &fitted.hypothesis.members;
-        if members.len() < 2 {
-            return significance::support(z);
+        let nothing = judge::likelihood(self.excess, self.freedom);
+        let heard = |z: f64, strengths: usize| counts * significance::support(z) - judge::SCORED * strengths as f64;
+        if hypothesis.members.len() < 2 {
+            return nothing + heard(z, hypothesis.signatures.len());
         }
         let residuals = self.residuals();
-        let each = fitted.hypothesis.signatures.iter().map(|k| self.heard(*k, &residuals).z().abs());
-        let first = each.fold(0.0, f64::max).min(z);
-        significance::support(first) + significance::support((z * z - first * first).sqrt())
+        let each = hypothesis.signatures.iter().map(|k| (self.heard(*k, &residuals), *k));
+        let Some((first, signature)) = each.max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs())) else {
+            return nothing;
+        };
+        let alone = self.single(self.signatures[signature].candidate);
+        let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
+        let told = judge::likelihood(mean_excess(&self.evidence, &left.residuals), self.freedom);
+        let others: Vec<usize> =
+            hypothesis.signatures.iter().copied().filter(|k| !alone.signatures.contains(k)).collect();
+        let scores: Vec<(usize, Score)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
+        let second = self.seen_beyond(&left, &scores);
+        told.max(nothing + heard(first.z().abs().min(z), alone.signatures.len())) + heard(second, others.len())
+    }
+
+    /// What the equations of a hypothesis miss along other signatures, as a share of what they do. A sensor's is exact.
+    fn misses(&self, hypothesis: &Hypothesis) -> f64 {
+        if hypothesis.members.iter().all(|c| self.candidates()[*c].sensor) { 0.0 } else { significance::MISSED }
     }
 
     /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.
     fn settle(&self, judged: &mut [Judged]) {
         judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         let residuals = self.residuals();
-        let scores: Vec<Score> = (0..self.signatures.len()).map(|k| self.heard(k, &residuals)).collect();
+        let scores: Vec<(usize, Score)> = (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
         for judged in judged.iter_mut().take(SETTLED).filter(|j| judge::quiet(j.excess) > 0.0) {
-            let change = judged.fitted.direction();
-            let rest = |(signature, score): (&Signature, &Score)| {
-                let explained: f64 = signature.columns.iter().zip(&change).map(|(c, d)| c.dot(d)).sum();
-                Score { along: score.along - explained, ..*score }.z().abs()
+            let chance = |c: &usize| self.candidates()[*c].chance;
+            let rest = match &judged.floor {
+                // What has its pattern by chance lies along other signatures, too, and all the more where laps go together.
+                Some(_) if judged.fitted.hypothesis.members.iter().all(chance) => 0.0,
+                Some(floor) => self.seen_before(floor),
+                None => self.seen_beyond(&judged.fitted, &scores),
             };
-            let rest = self.signatures.iter().zip(&scores).map(rest).fold(0.0, f64::max);
             judged.weight -= judge::quiet(judged.excess) * self.beyond(rest);
         }
         judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    }
+
+    /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
+    fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, Score)]) -> f64 {
+        let change = fitted.direction();
+        let missed = self.misses(&fitted.hypothesis) * norm(&change);
+        let rest = |(signature, score): &(usize, Score)| {
+            let columns = &self.signatures[*signature].columns;
+            let explained: f64 = columns.iter().zip(&change).map(|(c, d)| c.dot(d)).sum();
+            let left = Score { along: score.along - explained, ..*score };
+            left.beside([missed * norm(columns)]).z().abs()
+        };
+        scores.iter().map(rest).fold(0.0, f64::max)
+    }
+
+    /// The same before a floor that the hypothesis makes itself: of how its laps go together only each feature's variance is known.
+    fn seen_before(&self, floor: &Floor) -> f64 {
+        let rest = |k: usize| {
+            let signature = &self.signatures[k];
+            let own = floor.evidence.iter().zip(&self.evidence).zip(&signature.columns);
+            let columns: Vec<DVector<f64>> = own.map(|((own, nominal), c)| own.carried(nominal, c)).collect();
+            let score = Score::new(&floor.evidence, &floor.residuals, &columns);
+            let square = norm(&columns) * norm(&columns);
+            let score = Score { deviation: score.deviation.max(square.sqrt()), ..score };
+            score.beside([self.usual(k) * square]).z().abs()
+        };
+        (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
     }
 
     /// What a score says that is the largest of as many as there are signatures.

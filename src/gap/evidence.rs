@@ -232,26 +232,73 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
 }
 
 /// The strongest common deviations of honest laps beyond what each feature has of its own, each of unit variance.
+///
+/// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of noise (Marchenko and
+/// Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
 fn modes(laps: &[DVector<f64>]) -> Vec<DVector<f64>> {
     let count = laps.len();
     if count < 8 {
         return Vec::new();
     }
+    let features = laps[0].len().max(1) as f64;
+    let ratio = features / (count - 1) as f64;
     // Eigenvectors of the features' covariance from those of the laps' products.
     let products = DMatrix::from_fn(count, count, |i, j| laps[i].dot(&laps[j]) / (count - 1) as f64);
     let eigen = SymmetricEigen::new(products);
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-    let strong = order.into_iter().take(MODES).filter(|k| eigen.eigenvalues[*k] > STRONG);
-    strong
-        .map(|k| {
-            let variance = eigen.eigenvalues[k];
-            let mut mode = DVector::zeros(laps[0].len());
-            for (lap, share) in laps.iter().zip(eigen.eigenvectors.column(k).iter()) {
-                mode += lap * *share;
-            }
-            let norm = mode.norm().max(1e-300);
-            mode * ((variance - 1.0).sqrt() / norm)
-        })
-        .collect()
+    let mut rest = eigen.eigenvalues.sum();
+    let mut found = Vec::new();
+    for k in order.into_iter().take(MODES) {
+        let seen = eigen.eigenvalues[k];
+        rest -= seen;
+        let own = (rest / features).max(1e-12);
+        let variance = own * spike(seen / own, ratio);
+        if variance < STRONG {
+            break;
+        }
+        let mut mode = DVector::zeros(laps[0].len());
+        for (lap, share) in laps.iter().zip(eigen.eigenvectors.column(k).iter()) {
+            mode += lap * *share;
+        }
+        let norm = mode.norm().max(1e-300);
+        found.push(mode * ((variance - own).sqrt() / norm));
+    }
+    found
+}
+
+/// Variance along a direction, over that of noise, whose sample's eigenvalue is so many times the noise's, with so many features for each
+/// lap; 1 of what noise has.
+fn spike(seen: f64, ratio: f64) -> f64 {
+    let edge = (1.0 + ratio.sqrt()) * (1.0 + ratio.sqrt());
+    if seen <= edge {
+        return 1.0;
+    }
+    let sum = seen + 1.0 - ratio;
+    0.5 * (sum + (sum * sum - 4.0 * seen).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::noise::normal;
+
+    #[test]
+    fn a_common_deviation_is_told_from_what_few_laps_have_by_chance() {
+        let (laps, features) = (64, 600);
+        let mut state = 3;
+        let mut random = |n: usize| DVector::from_iterator(n, (0..n).map(|_| normal(&mut state)));
+        let noise: Vec<DVector<f64>> = (0..laps).map(|_| random(features)).collect();
+        assert!(modes(&noise).is_empty());
+        // One direction in which laps differ with a variance of 40.
+        let common = random(features).normalize();
+        let shares = random(laps);
+        let with = noise.iter().zip(shares.iter()).map(|(lap, share)| lap + &common * (*share * 40.0_f64.sqrt()));
+        let found = modes(&with.collect::<Vec<_>>());
+        assert_eq!(found.len(), 1);
+        let variance = found[0].norm_squared();
+        assert!((variance / 40.0 - 1.0).abs() < 0.4, "{variance}");
+        let cosine = found[0].normalize().dot(&common).abs();
+        assert!(cosine > 0.85, "{cosine}");
+    }
 }

@@ -26,6 +26,9 @@ const MISSED: f64 = 0.5;
 /// A score from which on the closure along a signature is told.
 const CLEAR: f64 = 3.0;
 
+/// Logarithm of how much less likely an effect with all its strengths may be that they are told together.
+const NOT_MUCH: f64 = 3.0;
+
 /// Places that are told.
 const PLACES: usize = 24;
 
@@ -119,11 +122,13 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
     };
     let Some(judged) = best else { return out };
     let candidates = court.candidates();
-    let fitted = &judged.fitted;
+    // Strengths are told with those beside them that may be there, too.
+    let told = whole(court, judged);
+    let fitted = &told.fitted;
     // A gap that is left makes every strength less sure.
-    let scale = judged.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
+    let scale = told.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
     // What the effect's equation misses of its own pattern may be as much of its strength.
-    let missed = MISSED * ((judged.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
+    let missed = MISSED * ((told.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
     for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
         let signature = &court.signatures[*k];
         let candidate = &candidates[signature.candidate];
@@ -132,7 +137,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         }
         let strength = &candidate.strengths[signature.strength];
         let value = fitted.strengths[i];
-        let own = scale * judged.covariance()[(i, i)].max(0.0).sqrt();
+        let own = scale * told.covariance()[(i, i)].max(0.0).sqrt();
         let own = own.max(scattered(court, &fitted.columns[i]));
         let half = NINETY * trig::hypot(own, missed * value);
         let amount = Amount {
@@ -145,11 +150,21 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    if fitted.features.is_some() || court.excess <= 1.0 && court.score(fitted).z() > CLEAR {
+    if judged.fitted.features.is_some() || court.excess <= 1.0 && court.score(&judged.fitted).z() > CLEAR {
         out.gap_closed = closed(court, judged, false).map(tidy);
         out.gap_closed_placebo = closed(court, judged, true).map(tidy);
     }
     out
+}
+
+/// The same effects with more of their strengths, where that is not much less likely.
+fn whole<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
+    let one = &judged.fitted.hypothesis;
+    let more = |j: &&Judged| {
+        let other = &j.fitted.hypothesis;
+        other.members == one.members && other.signatures.len() > one.signatures.len()
+    };
+    court.judged.iter().find(more).filter(|j| judged.weight - j.weight < NOT_MUCH).unwrap_or(judged)
 }
 
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.

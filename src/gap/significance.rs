@@ -2,8 +2,7 @@
 //! effect that does little everywhere may be seen beyond any doubt while the mean square is that of honest laps.
 //!
 //! The score z = Σ cᵀr / √(Σ cᵀ S c) of a direction c over all runs (Rao 1948), with the scatter S of honest laps and of chains as they are
-//! built, drawn rather than derived (White 1982), so that whatever correlation they have is in it. Modes are found in the same laps whose
-//! scatter is taken beside them, so that a score is some tenths too large where laps are few for the features (14 % with 100 laps of 400).
+//! built, drawn rather than derived (White 1982), so that whatever correlation they have is in it.
 
 use super::evidence::Evidence;
 use crate::geometry::trig;
@@ -14,6 +13,16 @@ const FREEDOM: f64 = 8.0;
 
 /// Scatter of laps along a direction, as a share of what independent features would have, at least.
 const LEAST: f64 = 0.1;
+
+/// Ratios that a sensor is accurate to, of its gain or of another channel's share: class 0.05 (OIML R 60, 2021, of load cells).
+pub const ACCURATE: f64 = 5e-4;
+
+/// What an effect's equation misses along another signature, as a share of what it does: beside a strong effect a weak one may be made by
+/// the strong one's equation.
+pub const MISSED: f64 = 0.02;
+
+/// How far strengths of runs at other speeds and tensions may be apart where the equation is not that of the machine, as a share.
+const DIFFERS: f64 = 0.2;
 
 /// What a direction finds in residuals of all runs: how far they lie along it, and what scatters along it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,12 +36,18 @@ impl Score {
         let (mut along, mut variance) = (0.0, 0.0);
         // A chain is built once for all runs.
         let mut built: [Vec<f64>; 2] = Default::default();
+        let mut runs = Vec::new();
         for ((evidence, residual), direction) in evidence.iter().zip(residuals).zip(direction) {
             let [laps, own @ ..] = evidence.along(direction);
-            along += direction.dot(residual);
             let independent = direction.norm_squared();
             let scatter = squares(&laps) / laps.len().max(1) as f64;
-            variance += if laps.is_empty() { independent } else { scatter.max(LEAST * independent) };
+            let run = Run {
+                along: direction.dot(residual),
+                square: independent,
+                variance: if laps.is_empty() { independent } else { scatter.max(LEAST * independent) },
+            };
+            (along, variance) = (along + run.along, variance + run.variance);
+            runs.push(run);
             for (sum, own) in built.iter_mut().zip(own) {
                 sum.resize(own.len().max(sum.len()), 0.0);
                 sum.iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
@@ -40,7 +55,7 @@ impl Score {
         }
         let [drawn, usual] = &built;
         variance += squares(drawn) / drawn.len().max(1) as f64 + squares(usual);
-        Score { along, deviation: variance.sqrt() }
+        Score { along, deviation: (variance * disagreement(&runs)).sqrt() }
     }
 
     /// With more that scatters along it.
@@ -53,6 +68,29 @@ impl Score {
     pub fn z(&self) -> f64 {
         if self.deviation > 0.0 { self.along / self.deviation } else { 0.0 }
     }
+}
+
+/// What a direction finds in one run.
+struct Run {
+    along: f64,
+    square: f64,
+    variance: f64,
+}
+
+/// By how much more the strengths that runs ask for scatter than laps explain, as a variance, 1 at least (Birge 1932): what is seen in one run
+/// only is not what the direction does.
+fn disagreement(runs: &[Run]) -> f64 {
+    let telling: Vec<&Run> = runs.iter().filter(|run| run.square > 0.0 && run.variance > 0.0).collect();
+    if telling.len() < 2 {
+        return 1.0;
+    }
+    let information: f64 = telling.iter().map(|run| run.square * run.square / run.variance).sum();
+    let strength = telling.iter().map(|run| run.along * run.square / run.variance).sum::<f64>() / information;
+    let apart = telling.iter().map(|run| {
+        let (left, tolerated) = (run.along - strength * run.square, DIFFERS * strength * run.square);
+        left * left / (run.variance + tolerated * tolerated)
+    });
+    (apart.sum::<f64>() / (telling.len() - 1) as f64).max(1.0)
 }
 
 fn squares(each: &[f64]) -> f64 {
@@ -71,9 +109,9 @@ mod tests {
     use crate::identify::noise::normal;
     use nalgebra::DMatrix;
 
-    const FEATURES: usize = 100;
-    /// So many that no mode is seen in white noise.
-    const LAPS: usize = 250;
+    /// As few laps for the features as a fleet has.
+    const FEATURES: usize = 400;
+    const LAPS: usize = 100;
 
     /// White noise of unit variance, with `size` of a ramp in it.
     fn frame(size: f64, seed: u64) -> Frame {
@@ -118,8 +156,8 @@ mod tests {
 
     #[test]
     fn a_score_tells_how_many_deviations_there_are() {
-        // ‖ramp‖ = √(100/3).
-        let expected = (100.0_f64 / 3.0).sqrt();
+        // ‖ramp‖ = √(400/3).
+        let expected = (FEATURES as f64 / 3.0).sqrt();
         let mean = (0..40).map(|seed| score_of(1.0, 2000 + seed, &[])).sum::<f64>() / 40.0;
         assert!((mean / expected - 1.0).abs() < 0.1, "{mean} for {expected}");
         // Where so much of it is usual, it is one deviation and no more.

@@ -57,7 +57,7 @@ pub struct Candidate {
     pub strengths: Vec<Strength>,
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
-    /// Whether it differs from cart to cart in a way that is not known, so that laps scatter by it.
+    /// Whether it differs from cart to cart or from lap to lap in a way that is not known, so that laps scatter by it.
     pub chance: bool,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,

@@ -21,9 +21,13 @@ pub fn beside(effect: &Effect, site: &Site, cell: f64) -> Vec<(Site, Vec<Site>)>
     }
 }
 
-/// Whether an effect there differs from cart to cart in a way that nobody knows.
+/// Whether an effect there differs from cart to cart, or from lap to lap, in a way that nobody knows: swings of a late drive have any phase.
 pub fn by_chance(effect: &Effect, site: &Site) -> bool {
-    effect.name == "pitch_wear" || effect.name == "load_distribution" && site.of("on_sensor") == Some(0.0)
+    match effect.name {
+        "pitch_wear" | "control_delay" => true,
+        "load_distribution" => site.of("on_sensor") == Some(0.0),
+        _ => false,
+    }
 }
 
 impl Site {
