@@ -165,4 +165,17 @@ mod tests {
         let mean = (0..40).map(|seed| score_of(1.0, 2000 + seed, std::slice::from_ref(&usual))).sum::<f64>() / 40.0;
         assert!((0.7..1.1).contains(&mean), "{mean}");
     }
+
+    #[test]
+    fn what_is_seen_in_one_run_only_counts_less() {
+        let score = |sizes: [f64; 3]| {
+            let runs = sizes.iter().zip(5000..);
+            let evidence: Vec<Evidence> = runs.map(|(size, seed)| Evidence::new(&frame(*size, seed), &[])).collect();
+            let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
+            let direction: Vec<DVector<f64>> = evidence.iter().map(|e| e.column(&ramp())).collect();
+            Score::new(&evidence, &residuals, &direction).z()
+        };
+        let (agreed, alone) = (score([1.0; 3]), score([3.0, 0.0, 0.0]));
+        assert!(agreed > 15.0 && alone < 0.3 * agreed, "{agreed} and {alone}");
+    }
 }
