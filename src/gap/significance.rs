@@ -14,7 +14,8 @@ const FREEDOM: f64 = 8.0;
 /// Scatter of laps along a direction, as a share of what independent features would have, at least.
 const LEAST: f64 = 0.1;
 
-/// Ratios that a sensor is accurate to, of its gain or of another channel's share: class 0.05 (OIML R 60, 2021, of load cells).
+/// Ratios that a sensor is accurate to, of its gain or of another channel's share: somewhat more than the 0.035 % of its range that a load cell
+/// of class C3 may be off by (OIML R 60: 0.7 · 1.5 of 3000 intervals).
 pub const ACCURATE: f64 = 5e-4;
 
 /// What an effect's equation misses along another signature, as a share of what it does: beside a strong effect a weak one may be made by
