@@ -1,6 +1,7 @@
-//! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from lap to lap, as the swings
-//! of a late drive. Which cart has how much is not known, nor where a swing begins, so their signature is less a change of the mean lap than how far laps scatter, and their strength is where the
-//! scatter fits: at the least of ln s + mean ln v/v₀ (see [`super::floor`]) over the strength.
+//! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from lap to lap, as the
+//! swings of a late drive. Which cart has how much is not known, nor where a swing begins, so their signature is less a change of the mean
+//! lap than how far laps scatter, and their strength is where the scatter fits: at the least of ln s + mean ln v/v₀ (see [`super::floor`])
+//! over the strength.
 
 use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
@@ -41,7 +42,7 @@ impl Chance<'_> {
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
         let all: Vec<Hypothesis> = own.map(alone).collect();
         let rungs = all.iter().map(|hypothesis| {
-            let strength = self.bounds(hypothesis);
+            let strength = self.strength(hypothesis);
             let rungs = (0..LADDER).scan(strength.trial, |size, _| {
                 let own = *size;
                 *size *= RUNG;
@@ -57,7 +58,8 @@ impl Chance<'_> {
         fitted.collect()
     }
 
-    fn bounds(&self, hypothesis: &Hypothesis) -> &Strength {
+    /// What of a hypothesis is fitted.
+    fn strength(&self, hypothesis: &Hypothesis) -> &Strength {
         let signature = &self.signatures[hypothesis.signatures[0]];
         &self.simulator.candidates()[signature.candidate].strengths[signature.strength]
     }
@@ -81,7 +83,7 @@ impl Chance<'_> {
                 }
             }
             let (least, size) = best?;
-            (least < before - WORTH).then(|| size.min(0.9 * self.bounds(hypothesis).high))
+            (least < before - WORTH).then(|| size.min(0.9 * self.strength(hypothesis).high))
         };
         tried.iter().map(of).collect()
     }

@@ -97,8 +97,11 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let single = |c: usize| court.single(c);
     let first = |judged: &Judged| judged.fitted.hypothesis.members[0];
     let mut pairs: Vec<Judged> = Vec::new();
-    for (rank, a) in singles.iter().enumerate().take(PAIRED) {
-        for b in &singles[rank + 1..] {
+    // Each candidate once, in whichever way it is likeliest: a pair has all strengths of both.
+    let mut met = BTreeSet::new();
+    let leading: Vec<&Judged> = singles.iter().filter(|j| met.insert(first(j))).collect();
+    for (rank, a) in leading.iter().enumerate().take(PAIRED) {
+        for b in &leading[rank + 1..] {
             let (x, y) = (first(a), first(b));
             if candidates[x].effect != candidates[y].effect {
                 let (one, two) = (single(x), single(y));
