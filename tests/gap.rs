@@ -1,7 +1,7 @@
 //! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
 //! runs scatter by white noise.
 
-use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Request, Simulator, Strength, Verdict, diagnose};
+use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose};
 use lss::geometry::trig;
 use lss::identify::noise::normal;
 use nalgebra::DMatrix;
@@ -137,8 +137,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
                     .map(|k| 5.0 + gap(k) + 0.7 * level(k) + own[k] + rough * level(k) * chance[k])
                     .collect(),
                 nominal: vec![5.0; FEATURES],
-                variance: vec![1.0; FEATURES],
-                scatter: (0..40).map(|_| noise()).collect(),
+                laps: Laps { variance: vec![1.0; FEATURES], scatter: (0..40).map(|_| noise()).collect() },
                 doubts: Vec::new(),
                 built: Vec::new(),
                 slopes: DMatrix::from_fn(FEATURES, 1, |k, _| level(k)),
@@ -165,10 +164,11 @@ impl Simulator for Made {
         Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + all(k)).collect())
     }
 
-    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+    fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         let of = |r: &Request| {
             let rough: f64 = r.effects.iter().filter(|e| e.candidate == ROUGH).map(|e| e.strengths[0]).sum();
-            self.tells.then(|| (0..FEATURES).map(|k| 1.0 + rough * rough * level(k)).collect())
+            let variance = (0..FEATURES).map(|k| 1.0 + rough * rough * level(k)).collect();
+            self.tells.then(|| self.frames[r.run].laps.scaled(variance))
         };
         requests.iter().map(of).collect()
     }

@@ -7,7 +7,7 @@ use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
 use super::screen::Signature;
-use super::simulator::{Request, Simulator, Strength};
+use super::simulator::{Laps, Request, Simulator, Strength};
 use crate::geometry::trig;
 use nalgebra::DMatrix;
 
@@ -68,15 +68,15 @@ impl Chance<'_> {
     /// where it explains nothing.
     fn where_it_fits(&self, tried: &[(&Hypothesis, Vec<f64>)]) -> Vec<Option<f64>> {
         let run = most_off(self.nominal);
-        let before = self.misfit(run, &self.simulator.frames()[run].variance, 1.0);
+        let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0);
         let requests = tried.iter().flat_map(|(h, sizes)| sizes.iter().map(|size| self.request(h, run, *size)));
-        let mut answers = self.simulator.variances_all(&requests.collect::<Vec<_>>()).into_iter();
+        let mut answers = self.simulator.laps_all(&requests.collect::<Vec<_>>()).into_iter();
         let of = |(hypothesis, sizes): &(&Hypothesis, Vec<f64>)| {
             let mut best: Option<(f64, f64)> = None;
             for size in sizes {
-                let Some(variances) = answers.next().flatten() else { continue };
+                let Some(laps) = answers.next().flatten() else { continue };
                 for share in SPAN {
-                    let misfit = self.misfit(run, &variances, share);
+                    let misfit = self.misfit(run, &laps, share);
                     if best.is_none_or(|(least, _)| misfit < least) {
                         best = Some((misfit, size * share));
                     }
@@ -88,12 +88,12 @@ impl Chance<'_> {
         tried.iter().map(of).collect()
     }
 
-    /// ln s + mean ln v/v₀ of a run, where laps scatter as at a share of the strength that has these variances.
-    fn misfit(&self, run: usize, variances: &[f64], share: f64) -> f64 {
+    /// ln s + the mean logarithm of what its floor is raised by, of a run, where laps scatter as at a share of the strength that has these.
+    fn misfit(&self, run: usize, laps: &Laps, share: f64) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
-        let variance: Vec<f64> = frame.variance.iter().zip(variances).map(added).collect();
-        let own = Evidence::with(frame, &self.usual[run], &variance);
+        let variance = frame.laps.variance.iter().zip(&laps.variance).map(added).collect();
+        let own = Evidence::with(frame, &self.usual[run], &laps.scaled(variance));
         trig::ln(own.excess(&own.residual).max(0.9)) + own.raised(&self.nominal[run])
     }
 

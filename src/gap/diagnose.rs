@@ -348,11 +348,8 @@ impl Court<'_> {
         let residuals = self.residuals();
         let scores: Vec<(usize, Score)> = (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
         for judged in judged.iter_mut().take(SETTLED).filter(|j| judge::quiet(j.excess) > 0.0) {
-            let chance = |c: &usize| self.candidates()[*c].chance;
             let rest = match &judged.floor {
-                // What has its pattern by chance lies along other signatures, too, and all the more where laps go together.
-                Some(_) if judged.fitted.hypothesis.members.iter().all(chance) => 0.0,
-                Some(floor) => self.seen_before(floor),
+                Some(floor) => self.seen_before(floor, &judged.fitted),
                 None => self.seen_beyond(&judged.fitted, &scores),
             };
             judged.weight -= judge::quiet(judged.excess) * self.beyond(rest);
@@ -373,16 +370,16 @@ impl Court<'_> {
         scores.iter().map(rest).fold(0.0, f64::max)
     }
 
-    /// The same before a floor that the hypothesis makes itself: of how its laps go together only each feature's variance is known.
-    fn seen_before(&self, floor: &Floor) -> f64 {
+    /// The same before the floor that the hypothesis makes itself.
+    fn seen_before(&self, floor: &Floor, fitted: &Fitted) -> f64 {
+        let missed = self.misses(&fitted.hypothesis) * norm(&fitted.along(&floor.columns));
         let rest = |k: usize| {
             let signature = &self.signatures[k];
             let own = floor.evidence.iter().zip(&self.evidence).zip(&signature.columns);
             let columns: Vec<DVector<f64>> = own.map(|((own, nominal), c)| own.carried(nominal, c)).collect();
             let score = Score::new(&floor.evidence, &floor.residuals, &columns);
-            let square = norm(&columns) * norm(&columns);
-            let score = Score { deviation: score.deviation.max(square.sqrt()), ..score };
-            score.beside([self.usual(k) * square]).z().abs()
+            let size = norm(&columns);
+            score.beside([self.usual(k) * size * size, missed * size]).z().abs()
         };
         (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
     }

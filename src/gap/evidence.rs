@@ -5,7 +5,7 @@
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
 use super::judge::MOST_FREEDOM;
-use super::simulator::Frame;
+use super::simulator::{Frame, Laps};
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -25,6 +25,8 @@ pub struct Evidence {
     /// From projections to steps: the triangle of J = Q R.
     triangle: DMatrix<f64>,
     nuisances: usize,
+    /// Logarithm of the determinant of the residual's covariance by nuisances, doubts, modes and what is usual, over that of noise alone.
+    learnt: f64,
     /// Residual of the nominal model that nothing of this reaches.
     pub residual: DVector<f64>,
     /// The same before projection.
@@ -43,20 +45,20 @@ pub struct Evidence {
 impl Evidence {
     /// From a frame and what every built machine deviates by, each of unit variance.
     pub fn new(frame: &Frame, usual: &[Vec<f64>]) -> Evidence {
-        Evidence::with(frame, usual, &frame.variance)
+        Evidence::with(frame, usual, &frame.laps)
     }
 
-    /// With other variances of the difference of two honest laps.
-    pub fn with(frame: &Frame, usual: &[Vec<f64>], variance: &[f64]) -> Evidence {
+    /// Before other laps than the frame's.
+    pub fn with(frame: &Frame, usual: &[Vec<f64>], laps: &Laps) -> Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
-        let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / variance[k].sqrt()).collect();
+        let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / laps.variance[k].sqrt()).collect();
         let weights = tolerant(frame, &rows, weights);
         let white = |x: &[f64]| {
             let each = rows.iter().zip(&weights).map(|(&k, w)| if x[k].is_finite() { x[k] * w } else { 0.0 });
             DVector::from_iterator(rows.len(), each)
         };
-        let honest: Vec<DVector<f64>> = frame.scatter.iter().map(|lap| white(lap)).collect();
+        let honest: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| white(lap)).collect();
         let (n, p) = (rows.len(), frame.nuisances.len());
         // Mean squares weigh features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
         let strict = (n as f64 / MOST_FREEDOM).max(1.0).sqrt();
@@ -79,7 +81,11 @@ impl Evidence {
             reach.view_mut((0, p + j), (n, 1)).copy_from(column);
             reach[(n + p + j, p + j)] = *weight;
         }
+        let priors: f64 = frame.prior.iter().map(|(_, own)| -trig::ln(*own)).sum::<f64>()
+            + unit.iter().map(|(_, weight)| trig::ln(*weight)).sum::<f64>();
         let (reach, triangle) = reach.qr().unpack();
+        let diagonal = triangle.diagonal();
+        let learnt = 2.0 * (diagonal.iter().map(|x| trig::ln(x.abs().max(1e-300))).sum::<f64>() - priors);
         let mut raw = DVector::zeros(n + columns);
         raw.rows_mut(0, n).copy_from(&white(&residual));
         for j in 0..p {
@@ -93,6 +99,7 @@ impl Evidence {
             reach,
             triangle,
             nuisances: p,
+            learnt,
             honest: 1.0,
             honest_high: 1.0,
             laps: Vec::new(),
@@ -181,10 +188,10 @@ impl Evidence {
         self.project(&long)
     }
 
-    /// Mean logarithm of the variances over those of another.
+    /// Logarithm of the determinant of the residual's covariance over that of another, for each feature.
     pub fn raised(&self, from: &Evidence) -> f64 {
         let each = self.weights.iter().zip(&from.weights).map(|(own, other)| 2.0 * trig::ln(other / own));
-        each.sum::<f64>() / self.weights.len().max(1) as f64
+        (each.sum::<f64>() + self.learnt - from.learnt) / self.weights.len().max(1) as f64
     }
 
     /// Mean square of a projected residual over that of honest laps.

@@ -7,7 +7,7 @@
 use super::evidence::Evidence;
 use super::refit::Fitted;
 use super::screen::{Signature, explain};
-use super::simulator::{Candidate, Request, Simulator};
+use super::simulator::{Candidate, Laps, Request, Simulator};
 use nalgebra::{DMatrix, DVector};
 
 /// A hypothesis before the floor that it makes itself.
@@ -39,10 +39,10 @@ pub fn floors(
             requests.push(Request { run, step, effects: effects.clone() });
         }
     }
-    let answers = simulator.variances_all(&requests);
-    let of = |(one, variances): (&&Fitted, &[Option<Vec<f64>>])| {
-        let variances: Option<Vec<&Vec<f64>>> = variances.iter().map(Option::as_ref).collect();
-        let own = variances?.into_iter().enumerate().map(|(run, v)| Evidence::with(&frames[run], &usual[run], v));
+    let answers = simulator.laps_all(&requests);
+    let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
+        let laps: Option<Vec<&Laps>> = laps.iter().map(Option::as_ref).collect();
+        let own = laps?.into_iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &usual[run], laps));
         Some(Floor::new(one, nominal, own.collect(), candidates, signatures))
     };
     fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()

@@ -198,10 +198,15 @@ pub fn refit(
 impl Fitted {
     /// What its strengths change in each run, projected.
     pub fn direction(&self) -> Vec<DVector<f64>> {
+        self.along(&self.columns)
+    }
+
+    /// The same by other columns of its strengths.
+    pub fn along(&self, columns: &[Vec<DVector<f64>>]) -> Vec<DVector<f64>> {
         let runs = self.residuals.iter().enumerate();
         runs.map(|(run, residual)| {
             let mut sum = DVector::zeros(residual.len());
-            self.columns.iter().zip(&self.strengths).for_each(|(column, x)| sum += &column[run] * *x);
+            columns.iter().zip(&self.strengths).for_each(|(column, x)| sum += &column[run] * *x);
             sum
         })
         .collect()

@@ -1,10 +1,10 @@
 //! Simulations that were made before: kept in a file while a diagnosis runs, so that one which was stopped goes on where it was.
 //!
 //! The file's first line tells of what model and runs it is; another's is begun anew. Then a line a simulation: the SHA-256 of what was
-//! asked, and the bits of the features. A line that was cut is one that was never made.
+//! asked, and the bits of the features, or of laps' variances and deviations. A line that was cut is one that was never made.
 
 use super::digest::sha256;
-use super::simulator::{Applied, Candidate, Frame, Request, Simulator};
+use super::simulator::{Applied, Candidate, Frame, Laps, Request, Simulator};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -69,9 +69,11 @@ impl Simulator for Remembered<'_> {
         self.simulate_all(&[request]).pop().flatten()
     }
 
-    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
-        let keys = requests.iter().map(|r| format!("{}v", key(r))).collect();
-        self.remembered(keys, requests, &|asked| self.simulator.variances_all(asked))
+    fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
+        let keys = requests.iter().map(|r| format!("{}l", key(r))).collect();
+        let flat = |asked: &[Request]| self.simulator.laps_all(asked).iter().map(|l| l.as_ref().map(Laps::flat)).collect();
+        let answers = self.remembered(keys, requests, &flat).into_iter().zip(requests);
+        answers.map(|(flat, r)| Some(Laps::of_flat(&flat?, self.frames()[r.run].labels.len()))).collect()
     }
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
@@ -104,12 +106,25 @@ impl Remembered<'_> {
     }
 }
 
+impl Laps {
+    /// As one list.
+    fn flat(&self) -> Vec<f64> {
+        [&self.variance].into_iter().chain(&self.scatter).flatten().copied().collect()
+    }
+
+    /// From one list, of so many features.
+    fn of_flat(flat: &[f64], features: usize) -> Laps {
+        let mut each = flat.chunks(features.max(1)).map(<[f64]>::to_vec);
+        Laps { variance: each.next().unwrap_or_default(), scatter: each.collect() }
+    }
+}
+
 /// Of the model's effects and the runs as they were fitted.
 fn fingerprint(simulator: &dyn Simulator) -> String {
     let mut all = format!("{} {:?}", env!("CARGO_PKG_VERSION"), simulator.candidates()).into_bytes();
     for frame in simulator.frames() {
         all.extend(frame.run.bytes());
-        let numbers = frame.measured.iter().chain(&frame.nominal).chain(&frame.variance).chain(frame.slopes.iter());
+        let numbers = frame.measured.iter().chain(&frame.nominal).chain(&frame.laps.variance).chain(frame.slopes.iter());
         all.extend(numbers.flat_map(|x| x.to_bits().to_le_bytes()));
     }
     sha256(&all)

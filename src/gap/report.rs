@@ -345,7 +345,7 @@ fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
 fn floor(frames: &[Frame]) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     for frame in frames {
-        for (label, variance) in frame.labels.iter().zip(&frame.variance) {
+        for (label, variance) in frame.labels.iter().zip(&frame.laps.variance) {
             if label.band == Band::Track && variance.is_finite() && *variance > 0.0 {
                 let sum = sums.entry(label.channel.clone()).or_default();
                 *sum = (sum.0 + variance, sum.1 + 1.0);
@@ -444,7 +444,7 @@ fn overlays(court: &Court, shown: Option<&Judged>) -> Vec<Overlay> {
             measured: pick(&|k| frame.measured[k]),
             before: pick(&|k| frame.nominal[k] + shift[k]),
             after: pick(&|k| after.map_or(frame.nominal[k] + shift[k], |f| f[k])),
-            floor: pick(&|k| frame.variance[k].sqrt()),
+            floor: pick(&|k| frame.laps.variance[k].sqrt()),
             channel,
         }
     };

@@ -106,7 +106,7 @@ pub fn support(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::simulator::{Band, Frame, Label};
+    use crate::gap::simulator::{Band, Frame, Label, Laps};
     use crate::identify::noise::normal;
     use nalgebra::DMatrix;
 
@@ -126,8 +126,7 @@ mod tests {
             labels: (0..FEATURES).map(label).collect(),
             measured,
             nominal: vec![0.0; FEATURES],
-            variance: vec![1.0; FEATURES],
-            scatter: (0..LAPS).map(|_| noise()).collect(),
+            laps: Laps { variance: vec![1.0; FEATURES], scatter: (0..LAPS).map(|_| noise()).collect() },
             doubts: Vec::new(),
             built: Vec::new(),
             slopes: DMatrix::zeros(FEATURES, 0),

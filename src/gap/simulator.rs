@@ -15,9 +15,8 @@ pub trait Simulator: Sync {
     /// nothing can be simulated.
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>>;
 
-    /// Of each request, the variances of the difference of two honest laps with its effects, in place of its frame's. `None` where the
-    /// frame's hold or nothing is known.
-    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
+    /// Of each request, honest laps with its effects, in place of its frame's. `None` where the frame's hold or nothing is known.
+    fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         vec![None; requests.len()]
     }
 
@@ -87,10 +86,7 @@ pub struct Frame {
     pub measured: Vec<f64>,
     /// Of the nominal model at its fit.
     pub nominal: Vec<f64>,
-    /// Variance of the difference of two honest laps; infinite for what tells nothing.
-    pub variance: Vec<f64>,
-    /// Whole deviations of honest laps from their mean, each a sample of the floor with all its correlations.
-    pub scatter: Vec<Vec<f64>>,
+    pub laps: Laps,
     /// By how much features may be off together.
     pub doubts: Vec<Vec<f64>>,
     /// Features less the nominal ones of chains as they are built: draws of what no built chain lacks and no model has.
@@ -101,6 +97,15 @@ pub struct Frame {
     pub prior: Vec<(f64, f64)>,
     /// Names of the nuisances.
     pub nuisances: Vec<String>,
+}
+
+/// How honest laps differ.
+#[derive(Clone, Debug)]
+pub struct Laps {
+    /// Of each feature, variance of the difference of two; infinite for what tells nothing.
+    pub variance: Vec<f64>,
+    /// Whole deviations from their mean, each a sample of the floor with all its correlations.
+    pub scatter: Vec<Vec<f64>>,
 }
 
 /// What a feature is about.
@@ -148,6 +153,16 @@ impl Band {
     }
 }
 
+impl Laps {
+    /// As they are with other variances, each feature's deviations in proportion.
+    pub fn scaled(&self, variance: Vec<f64>) -> Laps {
+        let ratio = |(own, other): (&f64, &f64)| if *own > 0.0 && own.is_finite() { (other / own).sqrt() } else { 1.0 };
+        let ratios: Vec<f64> = self.variance.iter().zip(&variance).map(ratio).collect();
+        let lap = |lap: &Vec<f64>| lap.iter().zip(&ratios).map(|(x, ratio)| x * ratio).collect();
+        Laps { scatter: self.scatter.iter().map(lap).collect(), variance }
+    }
+}
+
 impl Frame {
     /// The effects' part of what features with nuisances moved by a step differ by from the nominal ones: nuisances as their slopes
     /// have it.
@@ -159,7 +174,7 @@ impl Frame {
 
     /// Residual of features, NaN where one is missing or tells nothing.
     pub fn residual(&self, features: &[f64]) -> Vec<f64> {
-        let usable = |k: usize| self.variance[k].is_finite() && self.variance[k] > 0.0;
+        let usable = |k: usize| self.laps.variance[k].is_finite() && self.laps.variance[k] > 0.0;
         let rows = self.measured.iter().zip(features).enumerate();
         rows.map(|(k, (a, b))| if usable(k) && (a - b).is_finite() { a - b } else { f64::NAN }).collect()
     }

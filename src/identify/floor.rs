@@ -48,7 +48,7 @@ const MEANS_AGREE: f64 = 5e-4;
 const LOGARITHMS_AGREE: f64 = 3e-3;
 
 /// Time that a measured chain ran before, at least, s.
-const RAN_BEFORE: f64 = 30.0;
+pub const RAN_BEFORE: f64 = 30.0;
 
 impl Numerics {
     /// Of a computation without doubts, for so many features.

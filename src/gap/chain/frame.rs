@@ -1,7 +1,7 @@
 //! A fitted run as the diagnosis sees it: what its features are about, the floor, doubts, and slopes by the nuisances.
 
 use super::Fitted;
-use crate::gap::simulator::{Band, Frame, Label};
+use crate::gap::simulator::{Band, Frame, Label, Laps};
 use crate::identify::Parameter;
 use crate::identify::local::WITH_FLOOR;
 use crate::identify::summary::{Block, FORCES};
@@ -12,22 +12,20 @@ use std::collections::BTreeMap;
 /// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
 const FLOOR_DEVIATION: f64 = 1.0;
 
+/// A run counts as so much of a lap at least.
+pub const LEAST_LAPS: f64 = 0.02;
+
 /// Deviation of a feature, in newtons, shares or logarithms, that is no more than rounding.
 const LEAST: f64 = 1e-9;
 
 /// The run as the diagnosis sees it; the chain's speed is the last feature.
 pub fn frame(name: &str, run: &Fitted) -> Frame {
     let landing = &run.landing;
-    let laps = run.laps.max(0.02);
     let mut labels = labels(run);
     labels.push(Label { channel: "speed".into(), band: Band::Drift, index: 0, from: 0, to: lap_mm(run) });
     let (speed, deviation) = landing.speed.unwrap_or((0.0, f64::INFINITY));
     let simulated = landing.centre.answer.speed;
     let with = |list: &[f64], last: f64| list.iter().copied().chain([last]).collect::<Vec<f64>>();
-    let deviate = |lap: &Vec<f64>| {
-        let each = lap.iter().enumerate().map(|(k, x)| x / landing.blocks[k].laps(laps).sqrt());
-        each.chain([0.0]).collect::<Vec<f64>>()
-    };
     let mut doubts: Vec<Vec<f64>> = landing.numerics.doubts.iter().map(|d| with(d, 0.0)).collect();
     for force in 0..FORCES {
         let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
@@ -40,14 +38,24 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
         labels,
         measured: with(&landing.measured, simulated + speed),
         nominal: with(&landing.nominal, simulated),
-        variance: with(&landing.variance, deviation * deviation).into_iter().map(telling).collect(),
-        scatter: landing.floor.scatter.iter().map(deviate).collect(),
+        laps: Laps {
+            variance: with(&landing.variance, deviation * deviation).into_iter().map(telling).collect(),
+            scatter: scatter(run, &landing.floor.scatter),
+        },
         doubts,
         built: Vec::new(),
         slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
         prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
         nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),
     }
+}
+
+/// Deviations of single laps as those of as many laps as were run.
+pub fn scatter(run: &Fitted, single: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let laps = run.laps.max(LEAST_LAPS);
+    let roots: Vec<f64> = run.landing.blocks.iter().map(|block| block.laps(laps).sqrt()).collect();
+    let each = |lap: &Vec<f64>| lap.iter().zip(&roots).map(|(x, root)| x / root).chain([0.0]).collect();
+    single.iter().map(each).collect()
 }
 
 /// A variance; infinite of what no lap changes but for rounding, as the share of time above a force that is never reached.

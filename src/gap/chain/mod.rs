@@ -6,11 +6,12 @@ mod nominal;
 use super::effects::load_distribution::Beside;
 use super::effects::sites::{self, Site};
 use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, rail_step, sense};
-use super::simulator::{Applied, Band, Candidate, Frame, Request, Simulator, Strength};
+use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
 use crate::geometry::trig;
 use crate::identify::fit::Landing;
+use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::study::Subject;
 use crate::identify::summary::{Block, FORCES, Summary};
@@ -28,6 +29,10 @@ const SIGNATURE_SETTLE: f64 = 8.0;
 
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
+
+/// Fewer laps do not tell how they go together; more are not kept.
+const FEW_LAPS: usize = 16;
+const MANY_LAPS: usize = 128;
 
 /// Carts that listen with a sensor's effect.
 const LISTENERS: usize = 14;
@@ -174,7 +179,7 @@ impl Chains {
                         && forces.contains(force)
                     {
                         let own = cells.entry(frame.labels[k].from).or_default();
-                        *own += residual[k] * residual[k] / frame.variance[k];
+                        *own += residual[k] * residual[k] / frame.laps.variance[k];
                     }
                 }
             }
@@ -231,6 +236,8 @@ impl Chains {
             }
         }
         if effects.iter().any(|e| e.name == control_delay::EFFECT.name) {
+            // Swings are what is left of a start, which a chain that has settled without the delay does not have.
+            (plan.from, plan.settle) = (None, Some(RAN_BEFORE));
             for p in control_delay::BENT {
                 let planned = fitted.model.coordinate(p, fitted.model.nominal[p.index()]);
                 at[p.index()] += planned - fitted.landing.at[p.index()];
@@ -241,9 +248,9 @@ impl Chains {
         Some((model, at, fleet))
     }
 
-    /// Variances of a run's frame and what the machine's effects add to them: each cart of a simulation is a lap. `None` where no
-    /// effect is the machine's.
-    fn variances(&self, request: &Request) -> Option<Vec<f64>> {
+    /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them: each cart of a
+    /// simulation is a lap. `None` where no effect is the machine's.
+    fn laps(&self, request: &Request) -> Option<Laps> {
         let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
         let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
         if effects.is_empty() {
@@ -258,13 +265,19 @@ impl Chains {
         fleet.carts.retain(|_| each.next().is_none_or(|heard| *heard));
         let floor = identify::floor::Floor::new(&model, &fleet, run.seed);
         let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
-        let laps = run.laps.max(0.02);
+        let laps = run.laps.max(frame::LEAST_LAPS);
         let added = |(k, block): (usize, &Block)| {
             let added = own[k] * own[k] - nominal[k] * nominal[k];
             if added > 0.0 { added / block.laps(laps) } else { 0.0 }
         };
         let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
-        Some(frame.variance.iter().zip(added).map(|(v, more)| v + more).collect())
+        let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
+        if floor.scatter.len() < FEW_LAPS {
+            return Some(frame.laps.scaled(variance));
+        }
+        let every = floor.scatter.len().div_ceil(MANY_LAPS);
+        let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
+        Some(Laps { variance, scatter: frame::scatter(run, &some) })
     }
 
     /// What the runs lack, and what it costs.
@@ -323,8 +336,8 @@ impl Simulator for Chains {
         self.simulated(run, step, effects, sensor)
     }
 
-    fn variances_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
-        parallel::map(requests, self.threads, |r| self.variances(r))
+    fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
+        parallel::map(requests, self.threads, |r| self.laps(r))
     }
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
@@ -356,7 +369,7 @@ impl Fitted {
         let mut features = summary.features(1.0);
         let landing = &self.landing;
         for (k, x) in features.iter_mut().enumerate() {
-            *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(0.02));
+            *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(frame::LEAST_LAPS));
         }
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - landing.at[trigger];

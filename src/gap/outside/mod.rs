@@ -14,7 +14,7 @@ mod windows;
 
 pub use error::Error;
 
-use super::{Applied, Candidate, Frame, Request, Simulator};
+use super::{Applied, Candidate, Frame, Laps, Request, Simulator};
 use data::Part;
 use fit::{Fitted, Fitter, Rows};
 use process::{Pool, Program};
@@ -152,8 +152,10 @@ impl Outside {
             labels: windows.labels(self.names.iter()),
             measured,
             nominal,
-            variance: floor.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
-            scatter: floor.scatter,
+            laps: Laps {
+                variance: floor.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
+                scatter: floor.scatter,
+            },
             doubts: floor.doubts,
             built: Vec::new(),
             slopes,
