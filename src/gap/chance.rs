@@ -11,12 +11,15 @@ use super::simulator::{Laps, Request, Simulator, Strength};
 use crate::geometry::trig;
 use nalgebra::DMatrix;
 
-/// Strengths that are simulated at first, from the trial on, each so many times the one before.
+/// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.
 const LADDER: usize = 4;
 const RUNG: f64 = 3.0;
+const FURTHER: usize = 3;
 
-/// Strengths over a simulated one at which the scatter is thought of, by its square.
-const SPAN: [f64; 9] = [0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5];
+/// Strengths over a simulated one at which the scatter is thought of, by its square. Where it fits best at one of the near ones, no other is
+/// simulated, and only these are believed: swings of a late drive are far from growing in proportion.
+const SPAN: [f64; 7] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75];
+const NEAR: (f64, f64) = (0.8, 1.25);
 
 /// What scatter must explain at least, as a logarithm, for the effect to be fitted.
 const WORTH: f64 = 0.05;
@@ -38,24 +41,23 @@ impl Chance<'_> {
     /// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off.
     pub fn hypotheses(&self) -> Vec<(Fitted, Option<Floor>)> {
         let candidates = self.simulator.candidates();
+        let run = most_off(self.nominal);
+        let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0);
         let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].chance);
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
-        let all: Vec<Hypothesis> = own.map(alone).collect();
-        let rungs = all.iter().map(|hypothesis| {
-            let strength = self.strength(hypothesis);
-            let rungs = (0..LADDER).scan(strength.trial, |size, _| {
-                let own = *size;
-                *size *= RUNG;
-                Some(own)
-            });
-            (hypothesis, rungs.filter(|size| *size < strength.high).collect::<Vec<f64>>())
-        });
-        let first = self.where_it_fits(&rungs.collect::<Vec<_>>());
-        let again: Vec<(&Hypothesis, Vec<f64>)> =
-            all.iter().zip(first).filter_map(|(h, x)| Some((h, vec![x?]))).collect();
-        let found = self.where_it_fits(&again);
-        let fitted = again.iter().zip(found).filter_map(|((h, _), x)| self.fitted(h, x?));
-        fitted.collect()
+        let mut all: Vec<Tried> = own.map(|k| Tried { hypothesis: alone(k), points: Vec::new() }).collect();
+        let ladder = |tried: &Tried| {
+            let strength = self.strength(&tried.hypothesis);
+            let rungs = std::iter::successors(Some(strength.trial), |size| Some(size * RUNG));
+            rungs.take(LADDER).filter(|size| *size < strength.high).collect::<Vec<f64>>()
+        };
+        let mut asked: Vec<Vec<f64>> = all.iter().map(ladder).collect();
+        for _ in 0..=FURTHER {
+            self.simulate(run, &mut all, &asked);
+            let further = |tried: &Tried| tried.further(before).filter(|x| *x < self.strength(&tried.hypothesis).high);
+            asked = all.iter().map(|tried| further(tried).into_iter().collect()).collect();
+        }
+        all.iter().filter_map(|tried| self.fitted(&tried.hypothesis, tried.size(before)?)).collect()
     }
 
     /// What of a hypothesis is fitted.
@@ -64,28 +66,20 @@ impl Chance<'_> {
         &self.simulator.candidates()[signature.candidate].strengths[signature.strength]
     }
 
-    /// Of each hypothesis the strength at which scatter explains most of the run that is off most, from simulations at some; `None`
-    /// where it explains nothing.
-    fn where_it_fits(&self, tried: &[(&Hypothesis, Vec<f64>)]) -> Vec<Option<f64>> {
-        let run = most_off(self.nominal);
-        let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0);
-        let requests = tried.iter().flat_map(|(h, sizes)| sizes.iter().map(|size| self.request(h, run, *size)));
-        let mut answers = self.simulator.laps_all(&requests.collect::<Vec<_>>()).into_iter();
-        let of = |(hypothesis, sizes): &(&Hypothesis, Vec<f64>)| {
-            let mut best: Option<(f64, f64)> = None;
+    /// Laps of a run with each hypothesis at strengths.
+    fn simulate(&self, run: usize, all: &mut [Tried], asked: &[Vec<f64>]) {
+        let each = all.iter().zip(asked);
+        let requests: Vec<Request> =
+            each.flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(&tried.hypothesis, run, *size))).collect();
+        let mut answers = self.simulator.laps_all(&requests).into_iter();
+        for (tried, sizes) in all.iter_mut().zip(asked) {
             for size in sizes {
                 let Some(laps) = answers.next().flatten() else { continue };
-                for share in SPAN {
-                    let misfit = self.misfit(run, &laps, share);
-                    if best.is_none_or(|(least, _)| misfit < least) {
-                        best = Some((misfit, size * share));
-                    }
-                }
+                let misfits = SPAN.map(|share| self.misfit(run, &laps, share));
+                tried.points.push(Point { size: *size, misfits });
             }
-            let (least, size) = best?;
-            (least < before - WORTH).then(|| size.min(0.9 * self.strength(hypothesis).high))
-        };
-        tried.iter().map(of).collect()
+            tried.points.sort_by(|a, b| a.size.total_cmp(&b.size));
+        }
     }
 
     /// ln s + the mean logarithm of what its floor is raised by, of a run, where laps scatter as at a share of the strength that has these.
@@ -121,5 +115,75 @@ impl Chance<'_> {
             floor.covariance.clone_from(&one.covariance);
         }
         Some((one, floor))
+    }
+}
+
+/// A hypothesis at strengths that were simulated, by size.
+struct Tried {
+    hypothesis: Hypothesis,
+    points: Vec<Point>,
+}
+
+/// How far laps are from scattering as much as the run is off, at each share of a strength in [`SPAN`].
+struct Point {
+    size: f64,
+    misfits: [f64; SPAN.len()],
+}
+
+impl Tried {
+    /// The least misfit: the point, the share of its strength, and how much it is.
+    fn best(&self, shares: impl Fn(f64) -> bool) -> Option<(usize, f64, f64)> {
+        let of = |(k, point): (usize, &Point)| {
+            let each = SPAN.into_iter().zip(point.misfits).filter(|(share, _)| shares(*share));
+            each.map(|(share, misfit)| (k, share, misfit)).collect::<Vec<_>>()
+        };
+        let all = self.points.iter().enumerate().flat_map(of);
+        all.min_by(|a, b| a.2.total_cmp(&b.2))
+    }
+
+    /// Another strength to be simulated: half way to the next one on the side where it fits better.
+    fn further(&self, before: f64) -> Option<f64> {
+        let (k, share, misfit) = self.best(|_| true)?;
+        if misfit > before - WORTH || (NEAR.0..=NEAR.1).contains(&share) {
+            return None;
+        }
+        let size = self.points[k].size;
+        let next = if share > 1.0 { self.points.get(k + 1) } else { k.checked_sub(1).map(|k| &self.points[k]) };
+        let beyond = if share > 1.0 { size * RUNG } else { size / RUNG };
+        Some((size * next.map_or(beyond, |point| point.size)).sqrt())
+    }
+
+    /// The strength that fits best, where scatter explains something.
+    fn size(&self, before: f64) -> Option<f64> {
+        let (k, share, misfit) = self.best(|share| (NEAR.0..=NEAR.1).contains(&share))?;
+        (misfit < before - WORTH).then(|| self.points[k].size * share)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quadratic in the logarithm of the strength, as it is where scatter grows in proportion.
+    fn tried(sizes: &[f64], fits: f64) -> Tried {
+        let point = |size: &f64| {
+            let misfit = |share: f64| trig::ln(share * size / fits) * trig::ln(share * size / fits);
+            Point { size: *size, misfits: SPAN.map(misfit) }
+        };
+        let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
+        Tried { hypothesis, points: sizes.iter().map(point).collect() }
+    }
+
+    #[test]
+    fn a_strength_is_looked_for_between_simulated_ones() {
+        let found = tried(&[1.0, 3.0, 9.0], 5.0).further(9.0).unwrap();
+        assert!((found - 27.0_f64.sqrt()).abs() < 1e-9, "{found}");
+        let below = tried(&[1.0, 3.0, 9.0], 0.6).further(9.0).unwrap();
+        assert!((below - (1.0_f64 / 3.0).sqrt()).abs() < 1e-9, "{below}");
+        let there = tried(&[1.0, 3.0, 9.0], 3.3);
+        assert!(there.further(9.0).is_none());
+        assert_eq!(there.size(9.0), Some(3.0));
+        // What explains nothing is not followed.
+        assert!(there.further(-1.0).is_none() && there.size(-1.0).is_none());
     }
 }
