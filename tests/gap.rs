@@ -1,7 +1,7 @@
 //! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
 //! runs scatter by white noise.
 
-use lss::gap::{Applied, Band, Candidate, Diagnosis, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose};
+use lss::gap::{Applied, Band, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose};
 use lss::geometry::trig;
 use lss::identify::noise::normal;
 use nalgebra::DMatrix;
@@ -88,7 +88,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             high: 50.0,
         }],
         sensor,
-        chance: false,
+        differs: None,
         beside: None,
     };
     let mut candidates = vec![
@@ -103,7 +103,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     ];
     // What only scatters explains a little of anything.
     if truth.iter().any(|t| t.0 == ROUGH) {
-        candidates.push(Candidate { chance: true, ..one("rough", "", false) });
+        candidates.push(Candidate { differs: Some(Differs::ByLap), ..one("rough", "", false) });
     }
     if truth.iter().any(|t| t.0 == FAR) {
         let mut far = one("far", "", false);

@@ -152,7 +152,7 @@ fn ovens() -> tempfile::TempDir {
 
 /// Usable residuals over their deviations.
 fn whitened(frame: &Frame, features: &[f64]) -> Vec<f64> {
-    let pairs = frame.residual(features).into_iter().zip(&frame.variance);
+    let pairs = frame.residual(features).into_iter().zip(&frame.laps.variance);
     pairs.map(|(r, v)| if r.is_finite() { r / v.sqrt() } else { 0.0 }).collect()
 }
 
@@ -175,8 +175,8 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
         assert!((found["loss"] / 4.3 - 1.0).abs() < 0.02, "{found:?}");
         let left = mean_square(&whitened(frame, &frame.nominal));
         assert!((0.75..1.3).contains(&left), "{left}");
-        let of = |s: &Vec<f64>| s.iter().zip(&frame.variance).map(|(s, v)| s * s / v).sum::<f64>() / s.len() as f64;
-        let floor = frame.scatter.iter().map(of).sum::<f64>() / frame.scatter.len() as f64;
+        let of = |s: &Vec<f64>| s.iter().zip(&frame.laps.variance).map(|(s, v)| s * s / v).sum::<f64>() / s.len() as f64;
+        let floor = frame.laps.scatter.iter().map(of).sum::<f64>() / frame.laps.scatter.len() as f64;
         assert!((0.9..1.1).contains(&floor), "{floor}");
         assert!((60..=150).contains(&frame.labels.len()) && frame.labels.is_sorted());
         let stays = outside.simulate(run, &[0.0, 0.0], &[]).expect("features");
@@ -194,7 +194,7 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
     let alone = Settings { threads: 1, ..Settings::default() };
     let other = Outside::open(&command("examples/outside/model.py"), at.path(), &alone).expect("a model");
     for (a, b) in outside.frames().iter().zip(other.frames()) {
-        assert_eq!((&a.nominal, &a.variance, &a.slopes, &a.scatter), (&b.nominal, &b.variance, &b.slopes, &b.scatter));
+        assert_eq!((&a.nominal, &a.laps, &a.slopes), (&b.nominal, &b.laps, &b.slopes));
     }
     let requests: Vec<Request> = (0..7)
         .map(|k| Request {

@@ -16,8 +16,8 @@ const LADDER: usize = 4;
 const RUNG: f64 = 3.0;
 const FURTHER: usize = 3;
 
-/// Strengths over a simulated one at which the scatter is thought of, by its square. Where it fits best at one of the near ones, no other is
-/// simulated, and only these are believed: swings of a late drive are far from growing in proportion.
+/// Strengths over a simulated one at which the scatter is thought of, by its square. They say where to simulate next, until it is one of the
+/// near ones; what is believed was simulated, as swings of a late drive are far from growing in proportion.
 const SPAN: [f64; 7] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75];
 const NEAR: (f64, f64) = (0.8, 1.25);
 
@@ -43,7 +43,7 @@ impl Chance<'_> {
         let candidates = self.simulator.candidates();
         let run = most_off(self.nominal);
         let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0);
-        let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].chance);
+        let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].differs.is_some());
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
         let mut all: Vec<Tried> = own.map(|k| Tried { hypothesis: alone(k), points: Vec::new() }).collect();
         let ladder = |tried: &Tried| {
@@ -153,10 +153,10 @@ impl Tried {
         Some((size * next.map_or(beyond, |point| point.size)).sqrt())
     }
 
-    /// The strength that fits best, where scatter explains something.
+    /// The simulated strength that fits best, where scatter explains something.
     fn size(&self, before: f64) -> Option<f64> {
-        let (k, share, misfit) = self.best(|share| (NEAR.0..=NEAR.1).contains(&share))?;
-        (misfit < before - WORTH).then(|| self.points[k].size * share)
+        let (k, _, misfit) = self.best(|share| share == 1.0)?;
+        (misfit < before - WORTH).then(|| self.points[k].size)
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::chance::Chance;
 use super::diagnosis::Diagnosis;
-use super::evidence::Evidence;
+use super::evidence::{self, Evidence};
 use super::floor::{Floor, floors};
 use super::judge::{self, MOST_FREEDOM};
 use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
 use super::screen::{self, Runs, Signature, Trial};
 use super::significance::{self, Score};
-use super::simulator::{Candidate, Simulator};
+use super::simulator::{Candidate, Differs, Simulator};
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
@@ -278,9 +278,17 @@ impl Court<'_> {
         let strengths = fitted.strengths.len() as f64;
         let counts = judge::quiet(excess);
         let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
-        let likelihood = judge::likelihood(excess, self.freedom).max(scored);
+        let by_lap = |c: &usize| candidates[*c].differs == Some(Differs::ByLap);
+        let common = if floor.is_some() && members.iter().any(by_lap) { self.in_common(&fitted) } else { 0.0 };
+        let likelihood = (judge::likelihood(excess, self.freedom) - common).max(scored);
         let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
         Judged { fitted, floor, excess, weight }
+    }
+
+    /// What runs have in common speaks against what differs from lap to lap.
+    fn in_common(&self, fitted: &Fitted) -> f64 {
+        let correlation = evidence::in_common(self.simulator.frames(), &self.evidence, &fitted.residuals);
+        judge::in_common(correlation, self.evidence.len(), self.freedom)
     }
 
     fn residuals(&self) -> Vec<DVector<f64>> {

@@ -43,6 +43,14 @@ pub fn quiet(excess: f64) -> f64 {
     ((QUIET - excess) / (QUIET - 1.0)).clamp(0.0, 1.0)
 }
 
+/// What residuals of runs that have so much in common lose where each should be by chance: −½ ln det C for each degree of freedom, with the
+/// correlation's matrix C (Anderson 2003, test of independence).
+pub fn in_common(correlation: f64, runs: usize, freedom: f64) -> f64 {
+    let (c, n) = (correlation.clamp(0.0, 0.98), runs as f64);
+    let determinant = (n - 1.0) * trig::ln(1.0 - c) + trig::ln(1.0 + (n - 1.0) * c);
+    -0.5 * determinant * freedom.min(COARSE_FREEDOM) / n.max(1.0)
+}
+
 /// What a strength costs.
 pub fn cost(strengths: f64, freedom: f64) -> f64 {
     0.5 * strengths * trig::ln(freedom.max(2.0))

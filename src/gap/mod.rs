@@ -25,4 +25,4 @@ mod words;
 pub use diagnose::{Stage, diagnose};
 pub use diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
 pub use remembered::Remembered;
-pub use simulator::{Applied, Band, Candidate, Frame, Label, Laps, Request, Simulator, Strength};
+pub use simulator::{Applied, Band, Candidate, Differs, Frame, Label, Laps, Request, Simulator, Strength};

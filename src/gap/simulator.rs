@@ -56,10 +56,19 @@ pub struct Candidate {
     pub strengths: Vec<Strength>,
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
-    /// Whether it differs from cart to cart or from lap to lap in a way that is not known, so that laps scatter by it.
-    pub chance: bool,
+    /// In what it differs by chance, so that laps scatter by it.
+    pub differs: Option<Differs>,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,
+}
+
+/// In what an effect differs in a way that is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Differs {
+    /// From cart to cart: the carts are the same in all runs.
+    ByCart,
+    /// From lap to lap.
+    ByLap,
 }
 
 /// A strength of an effect.
@@ -100,7 +109,7 @@ pub struct Frame {
 }
 
 /// How honest laps differ.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Laps {
     /// Of each feature, variance of the difference of two; infinite for what tells nothing.
     pub variance: Vec<f64>,

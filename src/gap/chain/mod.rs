@@ -140,14 +140,14 @@ impl Chains {
             low: s.low,
             high: s.high,
         };
-        let chance = sites::by_chance(effect, &site);
+        let differs = sites::differs(effect, &site);
         self.candidates.push(Candidate {
             effect: effect.name.to_owned(),
             place: site.words,
             fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
             strengths: effect.strengths.iter().map(strength).collect(),
             sensor: effect.is_sensor(),
-            chance,
+            differs,
             beside,
         });
     }

@@ -2,6 +2,7 @@
 
 use super::{Effect, motor_ripple, rail_step};
 use crate::emit::simulation::{Piece, Simulation};
+use crate::gap::simulator::Differs;
 use crate::signal::Channel;
 
 /// A place of an effect: what says it, in words and in numbers.
@@ -21,12 +22,13 @@ pub fn beside(effect: &Effect, site: &Site, cell: f64) -> Vec<(Site, Vec<Site>)>
     }
 }
 
-/// Whether an effect there differs from cart to cart, or from lap to lap, in a way that nobody knows: swings of a late drive have any phase.
-pub fn by_chance(effect: &Effect, site: &Site) -> bool {
+/// In what an effect there differs in a way that nobody knows: swings of a late drive have any phase.
+pub fn differs(effect: &Effect, site: &Site) -> Option<Differs> {
     match effect.name {
-        "pitch_wear" | "control_delay" => true,
-        "load_distribution" => site.of("on_sensor") == Some(0.0),
-        _ => false,
+        "pitch_wear" => Some(Differs::ByCart),
+        "load_distribution" => (site.of("on_sensor") == Some(0.0)).then_some(Differs::ByCart),
+        "control_delay" => Some(Differs::ByLap),
+        _ => None,
     }
 }
 

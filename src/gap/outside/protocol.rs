@@ -188,7 +188,7 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         fixed: Vec::new(),
         strengths: e.strengths.into_iter().map(strength).collect(),
         sensor: e.sensor,
-        chance: false,
+        differs: None,
         beside: None,
     };
     Ok(Description { nuisances, effects: effects.into_iter().map(candidate).collect(), accuracy })
