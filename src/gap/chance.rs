@@ -7,7 +7,7 @@ use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
 use super::screen::Signature;
-use super::simulator::{Laps, Request, Simulator, Strength};
+use super::simulator::{Differs, Laps, Request, Simulator, Strength};
 use crate::geometry::trig;
 use nalgebra::DMatrix;
 
@@ -100,12 +100,18 @@ impl Chance<'_> {
 
     /// The hypothesis at a strength, simulated.
     fn fitted(&self, hypothesis: &Hypothesis, size: f64) -> Option<(Fitted, Option<Floor>)> {
-        let mut one = hypothesis.screened(self.nominal, self.signatures, self.simulator.candidates());
+        let (candidates, frames) = (self.simulator.candidates(), self.simulator.frames());
+        let mut one = hypothesis.screened(self.nominal, self.signatures, candidates);
         one.strengths = vec![size];
         one.covariance = DMatrix::from_element(1, 1, (SURE * size) * (SURE * size));
         let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(hypothesis, run, size)).collect();
-        let features: Vec<Vec<f64>> = self.simulator.simulate_all(&asked).into_iter().collect::<Option<_>>()?;
-        let frames = self.simulator.frames();
+        let features: Vec<Vec<f64>> = if candidates[hypothesis.members[0]].differs == Some(Differs::ByLap) {
+            // Another lap has another pattern: nothing of the simulated one is in the measured one's mean.
+            one.columns.iter_mut().flatten().for_each(|column| column.fill(0.0));
+            asked.iter().map(|r| frames[r.run].at(&r.step)).collect()
+        } else {
+            self.simulator.simulate_all(&asked).into_iter().collect::<Option<_>>()?
+        };
         one.changes = asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect();
         one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
         one.features = Some(features);

@@ -173,12 +173,16 @@ impl Laps {
 }
 
 impl Frame {
+    /// Features of the nominal model with nuisances moved by a step, as their slopes have it.
+    pub fn at(&self, step: &[f64]) -> Vec<f64> {
+        let moved = &self.slopes * DVector::from_column_slice(step);
+        self.nominal.iter().zip(moved.iter()).map(|(n, m)| n + m).collect()
+    }
+
     /// The effects' part of what features with nuisances moved by a step differ by from the nominal ones: nuisances as their slopes
     /// have it.
     pub fn moved(&self, features: &[f64], step: &[f64]) -> Vec<f64> {
-        let moved = &self.slopes * DVector::from_column_slice(step);
-        let rows = features.iter().zip(&self.nominal).zip(moved.iter());
-        rows.map(|((f, n), m)| f - n - m).collect()
+        features.iter().zip(self.at(step)).map(|(f, n)| f - n).collect()
     }
 
     /// Residual of features, NaN where one is missing or tells nothing.
