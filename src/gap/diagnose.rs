@@ -278,17 +278,22 @@ impl Court<'_> {
         let strengths = fitted.strengths.len() as f64;
         let counts = judge::quiet(excess);
         let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
-        let by_lap = |c: &usize| candidates[*c].differs == Some(Differs::ByLap);
-        let common = if floor.is_some() && members.iter().any(by_lap) { self.in_common(&fitted) } else { 0.0 };
+        let common = floor.as_ref().map_or(0.0, |floor| self.in_common(&fitted, floor));
         let likelihood = (judge::likelihood(excess, self.freedom) - common).max(scored);
         let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
         Judged { fitted, floor, excess, weight }
     }
 
-    /// What runs have in common speaks against what differs from lap to lap.
-    fn in_common(&self, fitted: &Fitted) -> f64 {
-        let correlation = evidence::in_common(self.simulator.frames(), &self.evidence, &fitted.residuals);
-        judge::in_common(correlation, self.evidence.len(), self.freedom)
+    /// What runs have in common speaks against what differs from lap to lap, and what they have not against what differs from cart to cart.
+    fn in_common(&self, fitted: &Fitted, floor: &Floor) -> f64 {
+        let mut differs = fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].differs).peekable();
+        if differs.peek().is_none() {
+            return 0.0;
+        }
+        let expected = if differs.all(|d| d == Differs::ByCart) { floor.common } else { 0.0 };
+        let left = std::slice::from_ref(&fitted.residuals);
+        let seen = evidence::in_common(self.simulator.frames(), &self.evidence, left);
+        judge::in_common(seen, expected, self.evidence.len(), self.freedom)
     }
 
     fn residuals(&self) -> Vec<DVector<f64>> {

@@ -212,16 +212,19 @@ pub fn most_off(evidence: &[Evidence]) -> usize {
     (0..evidence.len()).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
 }
 
-/// How much residuals of runs have in common: their mean correlation, feature by feature; 0 where features are not the same.
-pub fn in_common(frames: &[Frame], evidence: &[Evidence], residuals: &[DVector<f64>]) -> f64 {
-    let each: Vec<BTreeMap<usize, f64>> = evidence.iter().zip(residuals).map(|(e, r)| e.each(r).collect()).collect();
+/// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0 where features are not the
+/// same.
+pub fn in_common(frames: &[Frame], evidence: &[Evidence], laps: &[Vec<DVector<f64>>]) -> f64 {
     let (mut along, mut size) = (0.0, 0.0);
-    for b in 1..each.len() {
-        for a in (0..b).filter(|a| frames[*a].labels == frames[b].labels) {
-            let both = || each[a].iter().filter_map(|(k, x)| Some((*x, *each[b].get(k)?)));
-            let sum = |of: fn((f64, f64)) -> f64| both().map(of).sum::<f64>();
-            along += sum(|(x, y)| x * y);
-            size += (sum(|(x, _)| x * x) * sum(|(_, y)| y * y)).sqrt();
+    for lap in laps {
+        let each: Vec<BTreeMap<usize, f64>> = evidence.iter().zip(lap).map(|(e, r)| e.each(r).collect()).collect();
+        for b in 1..each.len() {
+            for a in (0..b).filter(|a| frames[*a].labels == frames[b].labels) {
+                let both = || each[a].iter().filter_map(|(k, x)| Some((*x, *each[b].get(k)?)));
+                let sum = |of: fn((f64, f64)) -> f64| both().map(of).sum::<f64>();
+                along += sum(|(x, y)| x * y);
+                size += (sum(|(x, _)| x * x) * sum(|(_, y)| y * y)).sqrt();
+            }
         }
     }
     if size > 0.0 { along / size } else { 0.0 }

@@ -4,11 +4,14 @@
 //! With v the variance of each feature with the effect and v₀ without, −f/2 (ln s + mean ln v/v₀) is the log likelihood of a mean
 //! square s in units of v (the normal distribution with unknown scale, Seber and Wild 2003): a floor that is raised for nothing costs.
 
-use super::evidence::Evidence;
+use super::evidence::{self, Evidence};
 use super::refit::Fitted;
 use super::screen::{Signature, explain};
 use super::simulator::{Candidate, Laps, Request, Simulator};
 use nalgebra::{DMatrix, DVector};
+
+/// Carts whose laps are held beside each other over the runs.
+const CARTS: usize = 16;
 
 /// A hypothesis before the floor that it makes itself.
 pub struct Floor {
@@ -20,6 +23,8 @@ pub struct Floor {
     pub covariance: DMatrix<f64>,
     /// Mean logarithm of the variances over those without the effect, of all runs.
     pub raised: f64,
+    /// How much a cart's laps have in common over the runs.
+    pub common: f64,
 }
 
 /// The floors of fitted hypotheses; `None` where the nominal chain's holds. `usual` is what every machine deviates by, of each run.
@@ -41,9 +46,14 @@ pub fn floors(
     }
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
-        let laps: Option<Vec<&Laps>> = laps.iter().map(Option::as_ref).collect();
-        let own = laps?.into_iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &usual[run], laps));
-        Some(Floor::new(one, nominal, own.collect(), candidates, signatures))
+        let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
+        let own = laps.iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &usual[run], laps));
+        let mut floor = Floor::new(one, nominal, own.collect(), candidates, signatures);
+        let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
+        let cart = |k: usize| nominal.iter().zip(&laps).map(|(e, laps)| e.column(&laps.scatter[k])).collect();
+        let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();
+        floor.common = evidence::in_common(frames, nominal, &some);
+        Some(floor)
     };
     fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()
 }
@@ -70,6 +80,6 @@ impl Floor {
             raised += nominal.freedom * own.raised(nominal);
             freedom += nominal.freedom;
         }
-        Floor { evidence, residuals, columns, covariance, raised: raised / freedom.max(1e-9) }
+        Floor { evidence, residuals, columns, covariance, raised: raised / freedom.max(1e-9), common: 0.0 }
     }
 }

@@ -13,6 +13,9 @@ pub const MOST_FREEDOM: f64 = 60.0;
 const COARSE: f64 = 2.0;
 const COARSE_FREEDOM: f64 = 24.0;
 
+/// How much runs have in common at most, as they differ in speed and tension.
+const ALIKE: f64 = 0.9;
+
 /// Mean square over that of honest laps from which scores do not count.
 const QUIET: f64 = 1.25;
 
@@ -43,12 +46,20 @@ pub fn quiet(excess: f64) -> f64 {
     ((QUIET - excess) / (QUIET - 1.0)).clamp(0.0, 1.0)
 }
 
-/// What residuals of runs that have so much in common lose where each should be by chance: −½ ln det C for each degree of freedom, with the
-/// correlation's matrix C (Anderson 2003, test of independence).
-pub fn in_common(correlation: f64, runs: usize, freedom: f64) -> f64 {
-    let (c, n) = (correlation.clamp(0.0, 0.98), runs as f64);
-    let determinant = (n - 1.0) * trig::ln(1.0 - c) + trig::ln(1.0 + (n - 1.0) * c);
-    -0.5 * determinant * freedom.min(COARSE_FREEDOM) / n.max(1.0)
+/// What is lost where residuals of runs have so much in common and should have so much: half the divergence of normal distributions with
+/// these correlations for each degree of freedom of a run (Kullback 1959).
+pub fn in_common(seen: f64, expected: f64, runs: usize, freedom: f64) -> f64 {
+    let n = runs as f64;
+    // All runs together, and what is left of each of the others.
+    let own = |c: f64| {
+        let c = c.clamp(0.0, ALIKE);
+        [(1.0, 1.0 + (n - 1.0) * c), (n - 1.0, 1.0 - c)]
+    };
+    let each = own(seen).into_iter().zip(own(expected)).map(|((count, seen), (_, expected))| {
+        let ratio = seen / expected;
+        count * (ratio - 1.0 - trig::ln(ratio))
+    });
+    0.5 * each.sum::<f64>() * freedom.min(COARSE_FREEDOM) / n.max(1.0)
 }
 
 /// What a strength costs.
@@ -67,4 +78,20 @@ pub fn normalised(logs: &[f64]) -> Vec<f64> {
     let each: Vec<f64> = logs.iter().map(|x| trig::exp(x - most)).collect();
     let sum: f64 = each.iter().sum();
     each.into_iter().map(|x| x / sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_runs_should_have_in_common_is_held_against_what_they_have() {
+        let lost = |seen: f64, expected: f64| in_common(seen, expected, 3, 60.0);
+        assert!(lost(0.0, 0.0).abs() < 1e-12 && lost(0.7, 0.7).abs() < 1e-12);
+        // −½ ln det of the correlation's matrix, where nothing should be in common: det = (1 − c)² (1 + 2 c).
+        let determinant = 0.2_f64 * 0.2 * 2.6;
+        assert!((lost(0.8, 0.0) + 0.5 * trig::ln(determinant) * COARSE_FREEDOM / 3.0).abs() < 1e-9);
+        assert!(lost(0.0, 0.7) > lost(0.4, 0.7) && lost(0.4, 0.7) > 0.0);
+        assert_eq!(in_common(0.5, 0.0, 1, 60.0), 0.0);
+    }
 }

@@ -30,8 +30,8 @@ const SIGNATURE_SETTLE: f64 = 8.0;
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
 
-/// Fewer laps do not tell how they go together; more are not kept.
-const FEW_LAPS: usize = 16;
+/// Fewer laps tell nothing of how they differ; more are not kept.
+const FEW_LAPS: usize = 6;
 const MANY_LAPS: usize = 128;
 
 /// Carts that listen with a sensor's effect.
@@ -249,7 +249,7 @@ impl Chains {
     }
 
     /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them: each cart of a
-    /// simulation is a lap. `None` where no effect is the machine's.
+    /// simulation is a lap. `None` where no effect is the machine's, and where few carts are like the one with the sensors.
     fn laps(&self, request: &Request) -> Option<Laps> {
         let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
         let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
@@ -273,7 +273,7 @@ impl Chains {
         let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
         let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
         if floor.scatter.len() < FEW_LAPS {
-            return Some(frame.laps.scaled(variance));
+            return None;
         }
         let every = floor.scatter.len().div_ceil(MANY_LAPS);
         let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
