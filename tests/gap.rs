@@ -264,3 +264,19 @@ fn what_chance_does_is_found_by_how_laps_scatter() {
     made.tells = false;
     assert_eq!(diagnose(&made, &mut |_| {}).verdict, Verdict::Unknown);
 }
+
+#[test]
+fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
+    let rough = |same: bool| {
+        // Offered, but not there; in its place a pattern of its size in its channel.
+        let mut made = made(&[(ROUGH, 0.0)], 0.0, 10);
+        for (run, frame) in made.frames.iter_mut().enumerate() {
+            let mut state = if same { 77 } else { 77 + run as u64 };
+            frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
+        }
+        let found = diagnose(&made, &mut |_| {});
+        found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability)
+    };
+    assert!(rough(false) > 0.9, "{}", rough(false));
+    assert!(rough(true) < 0.1, "{}", rough(true));
+}

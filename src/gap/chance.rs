@@ -14,10 +14,10 @@ use nalgebra::DMatrix;
 /// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.
 const LADDER: usize = 4;
 const RUNG: f64 = 3.0;
-const FURTHER: usize = 3;
+const FURTHER: usize = 4;
 
-/// Strengths over a simulated one at which the scatter is thought of, by its square. They say where to simulate next, until it is one of the
-/// near ones; what is believed was simulated, as swings of a late drive are far from growing in proportion.
+/// Strengths over a simulated one at which the scatter is thought of, by its square. They say where to simulate next: there where it is one of
+/// the near ones. What is believed was simulated, as swings of a late drive are far from growing in proportion.
 const SPAN: [f64; 7] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75];
 const NEAR: (f64, f64) = (0.8, 1.25);
 
@@ -147,13 +147,16 @@ impl Tried {
         all.min_by(|a, b| a.2.total_cmp(&b.2))
     }
 
-    /// Another strength to be simulated: half way to the next one on the side where it fits better.
+    /// Another strength to be simulated: where it fits better when that is near, else half way to the next one on that side.
     fn further(&self, before: f64) -> Option<f64> {
         let (k, share, misfit) = self.best(|_| true)?;
-        if misfit > before - WORTH || (NEAR.0..=NEAR.1).contains(&share) {
+        if misfit > before - WORTH || share == 1.0 {
             return None;
         }
         let size = self.points[k].size;
+        if (NEAR.0..=NEAR.1).contains(&share) {
+            return Some(size * share);
+        }
         let next = if share > 1.0 { self.points.get(k + 1) } else { k.checked_sub(1).map(|k| &self.points[k]) };
         let beyond = if share > 1.0 { size * RUNG } else { size / RUNG };
         Some((size * next.map_or(beyond, |point| point.size)).sqrt())
@@ -186,7 +189,9 @@ mod tests {
         assert!((found - 27.0_f64.sqrt()).abs() < 1e-9, "{found}");
         let below = tried(&[1.0, 3.0, 9.0], 0.6).further(9.0).unwrap();
         assert!((below - (1.0_f64 / 3.0).sqrt()).abs() < 1e-9, "{below}");
-        let there = tried(&[1.0, 3.0, 9.0], 3.3);
+        let near = tried(&[1.0, 3.0, 9.0], 3.6).further(9.0).unwrap();
+        assert!((near - 3.75).abs() < 1e-9, "{near}");
+        let there = tried(&[1.0, 3.0, 9.0], 3.1);
         assert!(there.further(9.0).is_none());
         assert_eq!(there.size(9.0), Some(3.0));
         // What explains nothing is not followed.

@@ -212,6 +212,18 @@ impl Fitted {
         .collect()
     }
 
+    /// With the other sign.
+    pub fn turned(&self) -> Fitted {
+        let mut other = self.clone();
+        other.strengths.iter_mut().chain(other.changes.iter_mut().flatten()).for_each(|x| *x = -*x);
+        other
+    }
+
+    /// Sum of the squares that are left.
+    pub fn left(&self) -> f64 {
+        norm_squared(&self.residuals)
+    }
+
     /// Whether it was simulated with something.
     pub fn simulated(&self) -> bool {
         self.features.is_some() && self.strengths.iter().any(|x| *x != 0.0)
