@@ -27,6 +27,9 @@ const SIGNATURE_PASSES: f64 = 14.0;
 /// Time that one for a signature settles before it is recorded, s.
 const SIGNATURE_SETTLE: f64 = 8.0;
 
+/// How often a simulation that does not come to its end is made again with half the step.
+const SHORTER: usize = 2;
+
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
 
@@ -244,8 +247,15 @@ impl Chains {
             }
         }
         let model = fitted.with(effects);
-        let fleet = model.survey(&at, &plan)?;
-        Some((model, at, fleet))
+        let mut fleet = model.survey(&at, &plan);
+        // A blow may ask for shorter steps than the chain does.
+        for _ in 0..SHORTER {
+            if fleet.is_none() {
+                plan.step = Some(0.5 * plan.step.or_else(|| model.step(&at))?);
+                fleet = model.survey(&at, &plan);
+            }
+        }
+        Some((model, at, fleet?))
     }
 
     /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them: each cart of a
