@@ -142,6 +142,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
                 built: Vec::new(),
                 slopes: DMatrix::from_fn(FEATURES, 1, |k, _| level(k)),
                 prior: vec![(0.0, 10.0)],
+                bounds: vec![(-10.0, 10.0)],
                 nuisances: vec!["level".into()],
             }
         })

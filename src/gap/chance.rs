@@ -95,7 +95,7 @@ impl Chance<'_> {
     fn request(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Request {
         let effects = hypothesis.applied(self.simulator.candidates(), self.signatures, &[size]);
         let nothing = vec![0.0; self.simulator.frames()[run].nominal.len()];
-        Request { run, step: self.nominal[run].steps(&nothing), effects }
+        Request { run, step: self.nominal[run].moves(&nothing), effects }
     }
 
     /// The hypothesis at a strength, simulated.

@@ -408,9 +408,8 @@ impl Court<'_> {
     fn seen_before(&self, floor: &Floor, fitted: &Fitted) -> f64 {
         let missed = self.misses(&fitted.hypothesis) * norm(&fitted.along(&floor.columns));
         let rest = |k: usize| {
-            let signature = &self.signatures[k];
-            let own = floor.evidence.iter().zip(&self.evidence).zip(&signature.columns);
-            let columns: Vec<DVector<f64>> = own.map(|((own, nominal), c)| own.carried(nominal, c)).collect();
+            let own = floor.evidence.iter().zip(&self.signatures[k].change);
+            let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
             let score = Score::new(&floor.evidence, &floor.residuals, &columns);
             let size = norm(&columns);
             score.beside([self.usual(k) * size * size, missed * size]).z().abs()

@@ -26,6 +26,10 @@ pub struct Evidence {
     /// From projections to steps: the triangle of J = Q R.
     triangle: DMatrix<f64>,
     nuisances: usize,
+    /// Of their steps.
+    bounds: Vec<(f64, f64)>,
+    /// How many rows of priors are those of nuisances and doubts, and how many of what is usual.
+    shared: (usize, usize),
     /// Logarithm of the determinant of the residual's covariance by nuisances, doubts, modes and what is usual, over that of noise alone.
     learnt: f64,
     /// Residual of the nominal model that nothing of this reaches.
@@ -69,6 +73,7 @@ impl Evidence {
         let doubts = visible(&frame.doubts);
         // All of them, so that each is the same in every run.
         let usual: Vec<DVector<f64>> = usual.iter().map(|d| white(d)).collect();
+        let shared = (p + doubts.len(), usual.len());
         let known = doubts.into_iter().chain(modes(&honest)).map(|column| (column, 1.0));
         let unit: Vec<(DVector<f64>, f64)> = known.chain(usual.iter().map(|d| (d.clone(), strict))).collect();
         let columns = p + unit.len();
@@ -100,6 +105,8 @@ impl Evidence {
             reach,
             triangle,
             nuisances: p,
+            bounds: frame.bounds.clone(),
+            shared,
             learnt,
             honest: 1.0,
             honest_high: 1.0,
@@ -165,6 +172,11 @@ impl Evidence {
         long
     }
 
+    /// The same steps as far as they can be simulated.
+    pub fn moves(&self, change: &[f64]) -> Vec<f64> {
+        self.steps(change).iter().zip(&self.bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
+    }
+
     /// Steps of the nuisances that fit best, once effects have changed the features.
     pub fn steps(&self, change: &[f64]) -> Vec<f64> {
         let left = self.reach.transpose() * (&self.raw - self.long(change));
@@ -177,15 +189,19 @@ impl Evidence {
         self.rows.len()
     }
 
-    /// A projected column of the same run and features with other weights, in these.
+    /// A projected column of the same run and features with other weights and modes, in these.
     pub fn carried(&self, from: &Evidence, column: &DVector<f64>) -> DVector<f64> {
         let mut long = DVector::zeros(self.raw.len());
-        for (x, y) in long.iter_mut().zip(column.iter()) {
-            *x = *y;
+        let features = self.rows.len();
+        for (k, (own, other)) in self.weights.iter().zip(&from.weights).enumerate() {
+            long[k] = column[k] * own / other;
         }
-        for (x, (own, other)) in long.iter_mut().zip(self.weights.iter().zip(&from.weights)) {
-            *x *= own / other;
-        }
+        // Of the priors' rows, modes are each one's own.
+        let first = self.shared.0.min(from.shared.0);
+        long.rows_mut(features, first).copy_from(&column.rows(features, first));
+        let last = self.shared.1.min(from.shared.1);
+        let (own, other) = (long.len() - last, column.len() - last);
+        long.rows_mut(own, last).copy_from(&column.rows(other, last));
         self.project(&long)
     }
 

@@ -40,7 +40,7 @@ pub fn floors(
     for one in fitted {
         let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
         for (run, evidence) in nominal.iter().enumerate() {
-            let step = evidence.steps(one.changes.get(run).map_or(&[][..], |c| c));
+            let step = evidence.moves(one.changes.get(run).map_or(&[][..], |c| c));
             requests.push(Request { run, step, effects: effects.clone() });
         }
     }

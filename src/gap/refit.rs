@@ -158,7 +158,7 @@ pub fn refit(
             let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
             for (run, evidence) in evidence.iter().enumerate() {
                 let change = one.changes.get(run).map_or(&[][..], |c| c);
-                requests.push(Request { run, step: evidence.steps(change), effects: effects.clone() });
+                requests.push(Request { run, step: evidence.moves(change), effects: effects.clone() });
             }
         }
         let answers = simulator.simulate_all(&requests);
@@ -203,20 +203,16 @@ impl Fitted {
 
     /// The same by other columns of its strengths.
     pub fn along(&self, columns: &[Vec<DVector<f64>>]) -> Vec<DVector<f64>> {
-        let runs = self.residuals.iter().enumerate();
-        runs.map(|(run, residual)| {
-            let mut sum = DVector::zeros(residual.len());
-            columns.iter().zip(&self.strengths).for_each(|(column, x)| sum += &column[run] * *x);
-            sum
-        })
-        .collect()
+        let in_run = |run: usize| {
+            let each = columns.iter().zip(&self.strengths).map(|(column, x)| &column[run] * *x);
+            each.reduce(|sum, more| sum + more)
+        };
+        (0..self.residuals.len()).filter_map(in_run).collect()
     }
 
-    /// With the other sign.
+    /// With the other sign, though it is thought to do the same.
     pub fn turned(&self) -> Fitted {
-        let mut other = self.clone();
-        other.strengths.iter_mut().chain(other.changes.iter_mut().flatten()).for_each(|x| *x = -*x);
-        other
+        Fitted { strengths: self.strengths.iter().map(|x| -x).collect(), ..self.clone() }
     }
 
     /// Sum of the squares that are left.

@@ -131,6 +131,7 @@ mod tests {
             built: Vec::new(),
             slopes: DMatrix::zeros(FEATURES, 0),
             prior: Vec::new(),
+            bounds: Vec::new(),
             nuisances: Vec::new(),
         }
     }

@@ -104,6 +104,8 @@ pub struct Frame {
     pub slopes: DMatrix<f64>,
     /// Of each nuisance's step, mean and deviation before the run.
     pub prior: Vec<(f64, f64)>,
+    /// As far as each nuisance's step can be simulated and is nearly linear.
+    pub bounds: Vec<(f64, f64)>,
     /// Names of the nuisances.
     pub nuisances: Vec<String>,
 }

@@ -46,6 +46,7 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
         built: Vec::new(),
         slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
         prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),
+        bounds: (0..WITH_FLOOR).map(|j| bounds(run, j)).collect(),
         nuisances: Parameter::ALL.iter().map(|p| p.name().to_owned()).chain(["approach_floor".to_owned()]).collect(),
     }
 }
@@ -70,6 +71,14 @@ fn prior(run: &Fitted, j: usize) -> (f64, f64) {
     };
     let (mean, deviation) = p.prior(run.model.law, run.model.nominal[j]);
     ((mean - run.landing.at[j]) / p.reach(), deviation / p.reach())
+}
+
+/// Of a nuisance's step: within its range, and no farther than slopes were taken.
+fn bounds(run: &Fitted, j: usize) -> (f64, f64) {
+    let Some(p) = Parameter::ALL.get(j) else { return (-1.0, 1.0) };
+    let (low, high) = run.model.range(*p);
+    let share = |x: f64| ((x - run.landing.at[j]) / p.reach()).clamp(-1.0, 1.0);
+    (share(low), share(high))
 }
 
 fn lap_mm(run: &Fitted) -> u64 {

@@ -160,6 +160,8 @@ impl Outside {
             built: Vec::new(),
             slopes,
             prior,
+            // A nuisance stands between 0 and 1.
+            bounds: at.iter().map(|at| (-at, 1.0 - at)).collect(),
             nuisances: nuisances.iter().map(|n| n.name.clone()).collect(),
         });
         self.windows.push(windows);
