@@ -1,7 +1,9 @@
 //! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
 //! runs scatter by white noise.
 
-use lss::gap::{Applied, Band, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose};
+use lss::gap::{
+    Applied, Band, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose,
+};
 use lss::geometry::trig;
 use lss::identify::noise::normal;
 use nalgebra::DMatrix;

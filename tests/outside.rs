@@ -175,7 +175,8 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
         assert!((found["loss"] / 4.3 - 1.0).abs() < 0.02, "{found:?}");
         let left = mean_square(&whitened(frame, &frame.nominal));
         assert!((0.75..1.3).contains(&left), "{left}");
-        let of = |s: &Vec<f64>| s.iter().zip(&frame.laps.variance).map(|(s, v)| s * s / v).sum::<f64>() / s.len() as f64;
+        let of =
+            |s: &Vec<f64>| s.iter().zip(&frame.laps.variance).map(|(s, v)| s * s / v).sum::<f64>() / s.len() as f64;
         let floor = frame.laps.scatter.iter().map(of).sum::<f64>() / frame.laps.scatter.len() as f64;
         assert!((0.9..1.1).contains(&floor), "{floor}");
         assert!((60..=150).contains(&frame.labels.len()) && frame.labels.is_sorted());

@@ -69,8 +69,9 @@ impl Chance<'_> {
     /// Laps of a run with each hypothesis at strengths.
     fn simulate(&self, run: usize, all: &mut [Tried], asked: &[Vec<f64>]) {
         let each = all.iter().zip(asked);
-        let requests: Vec<Request> =
-            each.flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(&tried.hypothesis, run, *size))).collect();
+        let requests: Vec<Request> = each
+            .flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(&tried.hypothesis, run, *size)))
+            .collect();
         let mut answers = self.simulator.laps_all(&requests).into_iter();
         for (tried, sizes) in all.iter_mut().zip(asked) {
             for size in sizes {
@@ -114,6 +115,7 @@ impl Chance<'_> {
         };
         one.changes = asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect();
         one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
+        one.moves = asked.into_iter().map(|r| r.step).collect();
         one.features = Some(features);
         let mut floor = floors(self.simulator, self.nominal, self.usual, self.signatures, &[&one]).pop()?;
         // Scatter says the strength, not the mean lap's slope.

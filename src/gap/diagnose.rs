@@ -116,7 +116,9 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         rest.append(&mut chosen);
     }
     let chosen = chosen.into_iter().map(|j| j.fitted).collect();
-    let fitted = court.refitted(chosen, &mut |done, of| tell(Stage::Fitting { done, of }));
+    let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
+        tell(Stage::Fitting { done, of });
+    });
     let chance = Chance { simulator, nominal: &court.evidence, usual: &usual, signatures: &court.signatures };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
     let asked = court.worth_a_floor(&fitted);
@@ -235,29 +237,6 @@ impl Court<'_> {
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
             screen::keep(&mut self.signatures, signature, &self.evidence);
         }
-    }
-
-    /// Really fitted, a blow at a place from both signs: what it does has none as long as its place and size are not known.
-    fn refitted(&self, mut chosen: Vec<Fitted>, tell: &mut dyn FnMut(usize, usize)) -> Vec<Fitted> {
-        let blows: Vec<usize> = (0..chosen.len()).filter(|k| self.is_blow(&chosen[*k].hypothesis)).collect();
-        let count = chosen.len();
-        chosen.extend(blows.iter().map(|k| chosen[*k].turned()).collect::<Vec<_>>());
-        let mut fitted = refit(self.simulator, &self.evidence, &self.signatures, chosen, tell);
-        let turned = fitted.split_off(count);
-        for (k, other) in blows.into_iter().zip(turned) {
-            if other.simulated() && other.left() < fitted[k].left() {
-                fitted[k] = other;
-            }
-        }
-        fitted
-    }
-
-    /// Whether it is one effect at a place beside others, of either sign.
-    fn is_blow(&self, hypothesis: &Hypothesis) -> bool {
-        let candidates = self.candidates();
-        let [candidate] = hypothesis.members[..] else { return false };
-        let placed = candidates[candidate].beside.is_some() || candidates.iter().any(|c| c.beside == Some(candidate));
-        placed && candidates[candidate].strengths.iter().any(|s| s.low < 0.0)
     }
 
     pub fn candidates(&self) -> &[Candidate] {

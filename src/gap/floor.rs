@@ -39,10 +39,8 @@ pub fn floors(
     let mut requests = Vec::new();
     for one in fitted {
         let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-        for (run, evidence) in nominal.iter().enumerate() {
-            let step = evidence.moves(one.changes.get(run).map_or(&[][..], |c| c));
-            requests.push(Request { run, step, effects: effects.clone() });
-        }
+        let each = one.moves.iter().enumerate();
+        requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
     }
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {

@@ -12,6 +12,9 @@ const ENOUGH: f64 = 0.02;
 /// What leaves so many times the squares that another hypothesis does is not followed.
 const HOPELESS: f64 = 4.0;
 
+/// What leaves so many times the mean square that was foretold has nuisances that are not linear so far.
+const ASTRAY: f64 = 3.0;
+
 /// A step that changes less than this share of what the effects do tells nothing of their slopes.
 const SHORT: f64 = 0.1;
 
@@ -36,6 +39,8 @@ pub struct Fitted {
     pub columns: Vec<Vec<DVector<f64>>>,
     /// What the effects change in each run's features, nuisances held.
     pub changes: Vec<Vec<f64>>,
+    /// Steps of each run's nuisances at which it is simulated.
+    pub moves: Vec<Vec<f64>>,
     /// Features of each run, nuisances at their best; of the nominal model where only the screen was asked.
     pub features: Option<Vec<Vec<f64>>>,
 }
@@ -71,8 +76,9 @@ impl Hypothesis {
         let Explained { strengths, covariance, residuals } =
             explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
         let columns = columns.iter().map(|c| c.to_vec()).collect();
-        let changes = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
-        Fitted { hypothesis: self.clone(), strengths, covariance, residuals, columns, changes, features: None }
+        let changes: Vec<Vec<f64>> = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
+        let moves = evidence.iter().zip(&changes).map(|(e, change)| e.moves(change)).collect();
+        Fitted { hypothesis: self.clone(), strengths, covariance, residuals, columns, changes, moves, features: None }
     }
 
     /// What strengths change in a run's features, by the signatures.
@@ -93,6 +99,8 @@ struct Search {
     at: Vec<f64>,
     found: Vec<DVector<f64>>,
     best: Option<Point>,
+    /// Of each run, whether nuisances are moved along.
+    moved: Vec<bool>,
     settled: bool,
 }
 
@@ -108,7 +116,20 @@ struct Point {
 impl Search {
     fn new(strengths: usize, evidence: &[Evidence]) -> Search {
         let found = evidence.iter().map(|e| DVector::zeros(e.residual.len())).collect();
-        Search { at: vec![0.0; strengths], found, best: None, settled: false }
+        Search { at: vec![0.0; strengths], found, best: None, moved: vec![true; evidence.len()], settled: false }
+    }
+
+    /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was foretold. What the
+    /// effects do is then simulated where the nominal model is, and nuisances are thought of by their slopes.
+    fn astray(&mut self, evidence: &[Evidence], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
+        let mut astray = false;
+        for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
+            let expected = evidence[run].excess(foretold).max(1.0);
+            if self.moved[run] && evidence[run].excess(left) > ASTRAY * expected {
+                (self.moved[run], astray) = (false, true);
+            }
+        }
+        astray
     }
 
     /// Corrects what one more of each strength changes by what all of them together were found to since the last simulation: the
@@ -156,10 +177,8 @@ pub fn refit(
         let mut requests = Vec::new();
         for one in going.iter().map(|k| &fitted[*k]) {
             let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-            for (run, evidence) in evidence.iter().enumerate() {
-                let change = one.changes.get(run).map_or(&[][..], |c| c);
-                requests.push(Request { run, step: evidence.moves(change), effects: effects.clone() });
-            }
+            let each = one.moves.iter().enumerate();
+            requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
         }
         let answers = simulator.simulate_all(&requests);
         for (n, k) in going.into_iter().enumerate() {
@@ -175,6 +194,10 @@ pub fn refit(
             let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
             let found: Vec<DVector<f64>> = evidence.iter().zip(&changes).map(|(e, c)| e.column(c)).collect();
             let residuals: Vec<DVector<f64>> = evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect();
+            if search.astray(evidence, &one.residuals, &residuals) {
+                one.move_along(evidence, &search.moved);
+                continue;
+            }
             search.learn(&mut one.columns, &one.strengths, found);
             let square = norm_squared(&residuals);
             if search.best.as_ref().is_none_or(|best| square < best.square) {
@@ -184,6 +207,7 @@ pub fn refit(
             }
             if let Some(best) = &search.best {
                 search.settled = one.step(best, candidates, signatures);
+                one.move_along(evidence, &search.moved);
             }
         }
         // What leaves several times as much as another one will not come up with it.
@@ -196,6 +220,16 @@ pub fn refit(
 }
 
 impl Fitted {
+    /// Nuisances of some runs as they fit best with what the effects change.
+    fn move_along(&mut self, evidence: &[Evidence], moved: &[bool]) {
+        for (run, step) in self.moves.iter_mut().enumerate() {
+            *step = evidence[run].moves(&self.changes[run]);
+            if !moved[run] {
+                step.fill(0.0);
+            }
+        }
+    }
+
     /// What its strengths change in each run, projected.
     pub fn direction(&self) -> Vec<DVector<f64>> {
         self.along(&self.columns)
@@ -208,16 +242,6 @@ impl Fitted {
             each.reduce(|sum, more| sum + more)
         };
         (0..self.residuals.len()).filter_map(in_run).collect()
-    }
-
-    /// With the other sign, though it is thought to do the same.
-    pub fn turned(&self) -> Fitted {
-        Fitted { strengths: self.strengths.iter().map(|x| -x).collect(), ..self.clone() }
-    }
-
-    /// Sum of the squares that are left.
-    pub fn left(&self) -> f64 {
-        norm_squared(&self.residuals)
     }
 
     /// Whether it was simulated with something.

@@ -71,7 +71,8 @@ impl Simulator for Remembered<'_> {
 
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         let keys = requests.iter().map(|r| format!("{}l", key(r))).collect();
-        let flat = |asked: &[Request]| self.simulator.laps_all(asked).iter().map(|l| l.as_ref().map(Laps::flat)).collect();
+        let flat =
+            |asked: &[Request]| self.simulator.laps_all(asked).iter().map(|l| l.as_ref().map(Laps::flat)).collect();
         let answers = self.remembered(keys, requests, &flat).into_iter().zip(requests);
         answers.map(|(flat, r)| Some(Laps::of_flat(&flat?, self.frames()[r.run].labels.len()))).collect()
     }
@@ -124,7 +125,8 @@ fn fingerprint(simulator: &dyn Simulator) -> String {
     let mut all = format!("{} {:?}", env!("CARGO_PKG_VERSION"), simulator.candidates()).into_bytes();
     for frame in simulator.frames() {
         all.extend(frame.run.bytes());
-        let numbers = frame.measured.iter().chain(&frame.nominal).chain(&frame.laps.variance).chain(frame.slopes.iter());
+        let numbers =
+            frame.measured.iter().chain(&frame.nominal).chain(&frame.laps.variance).chain(frame.slopes.iter());
         all.extend(numbers.flat_map(|x| x.to_bits().to_le_bytes()));
     }
     sha256(&all)

@@ -379,7 +379,8 @@ impl Fitted {
         let mut features = summary.features(1.0);
         let landing = &self.landing;
         for (k, x) in features.iter_mut().enumerate() {
-            *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(frame::LEAST_LAPS));
+            *x += landing.numerics.correction[k]
+                + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(frame::LEAST_LAPS));
         }
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - landing.at[trigger];
