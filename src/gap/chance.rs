@@ -54,7 +54,7 @@ impl Chance<'_> {
         let mut asked: Vec<Vec<f64>> = all.iter().map(ladder).collect();
         for _ in 0..=FURTHER {
             self.simulate(run, &mut all, &asked);
-            let further = |tried: &Tried| tried.further(before).filter(|x| *x < self.strength(&tried.hypothesis).high);
+            let further = |tried: &Tried| tried.further().filter(|x| *x < self.strength(&tried.hypothesis).high);
             asked = all.iter().map(|tried| further(tried).into_iter().collect()).collect();
         }
         all.iter().filter_map(|tried| self.fitted(&tried.hypothesis, tried.size(before)?)).collect()
@@ -139,35 +139,39 @@ struct Point {
 }
 
 impl Tried {
-    /// The least misfit: the point, the share of its strength, and how much it is.
-    fn best(&self, shares: impl Fn(f64) -> bool) -> Option<(usize, f64, f64)> {
-        let of = |(k, point): (usize, &Point)| {
-            let each = SPAN.into_iter().zip(point.misfits).filter(|(share, _)| shares(*share));
-            each.map(|(share, misfit)| (k, share, misfit)).collect::<Vec<_>>()
-        };
-        let all = self.points.iter().enumerate().flat_map(of);
-        all.min_by(|a, b| a.2.total_cmp(&b.2))
-    }
-
-    /// Another strength to be simulated: where it fits better when that is near, else half way to the next one on that side.
-    fn further(&self, before: f64) -> Option<f64> {
-        let (k, share, misfit) = self.best(|_| true)?;
-        if misfit > before - WORTH || share == 1.0 {
+    /// Another strength to be simulated: where it fits better when that is near; else half way between strengths with which laps scatter too
+    /// little and too much, as scatter grows with the strength, though it may do so all at once.
+    fn further(&self) -> Option<f64> {
+        let each: Vec<(f64, f64)> = self.points.iter().map(|point| (point.size, point.share())).collect();
+        if each.iter().any(|(_, share)| *share == 1.0) {
             return None;
         }
-        let size = self.points[k].size;
-        if (NEAR.0..=NEAR.1).contains(&share) {
-            return Some(size * share);
+        if let Some((size, share)) = each.iter().rfind(|(_, share)| (NEAR.0..=NEAR.1).contains(share)) {
+            let next = size * share;
+            return each.iter().all(|(size, _)| *size != next).then_some(next);
         }
-        let next = if share > 1.0 { self.points.get(k + 1) } else { k.checked_sub(1).map(|k| &self.points[k]) };
-        let beyond = if share > 1.0 { size * RUNG } else { size / RUNG };
-        Some((size * next.map_or(beyond, |point| point.size)).sqrt())
+        let much = each.iter().position(|(_, share)| *share < 1.0)?;
+        let little = much.checked_sub(1).map_or(each[much].0 / (RUNG * RUNG), |k| each[k].0);
+        Some((little * each[much].0).sqrt())
     }
 
     /// The simulated strength that fits best, where scatter explains something.
     fn size(&self, before: f64) -> Option<f64> {
-        let (k, _, misfit) = self.best(|share| share == 1.0)?;
-        (misfit < before - WORTH).then(|| self.points[k].size)
+        let best = self.points.iter().min_by(|a, b| a.misfit().total_cmp(&b.misfit()))?;
+        (best.misfit() < before - WORTH).then_some(best.size)
+    }
+}
+
+impl Point {
+    /// At the strength itself.
+    fn misfit(&self) -> f64 {
+        SPAN.iter().zip(self.misfits).find(|(share, _)| **share == 1.0).map_or(f64::INFINITY, |(_, misfit)| misfit)
+    }
+
+    /// The share of the strength at which it is least.
+    fn share(&self) -> f64 {
+        let least = SPAN.iter().zip(self.misfits).min_by(|a, b| a.1.total_cmp(&b.1));
+        least.map_or(1.0, |(share, _)| *share)
     }
 }
 
@@ -187,16 +191,15 @@ mod tests {
 
     #[test]
     fn a_strength_is_looked_for_between_simulated_ones() {
-        let found = tried(&[1.0, 3.0, 9.0], 5.0).further(9.0).unwrap();
-        assert!((found - 27.0_f64.sqrt()).abs() < 1e-9, "{found}");
-        let below = tried(&[1.0, 3.0, 9.0], 0.6).further(9.0).unwrap();
-        assert!((below - (1.0_f64 / 3.0).sqrt()).abs() < 1e-9, "{below}");
-        let near = tried(&[1.0, 3.0, 9.0], 3.6).further(9.0).unwrap();
-        assert!((near - 3.75).abs() < 1e-9, "{near}");
+        let next = |fits: f64| tried(&[1.0, 3.0, 9.0], fits).further();
+        // 5 is too much for 3 and too little for 9.
+        assert!((next(5.0).unwrap() - 27.0_f64.sqrt()).abs() < 1e-9);
+        assert!((next(0.5).unwrap() - 1.0 / 3.0).abs() < 1e-9);
+        assert!((next(3.6).unwrap() - 3.75).abs() < 1e-9);
+        assert_eq!((next(3.1), next(90.0)), (None, None));
         let there = tried(&[1.0, 3.0, 9.0], 3.1);
-        assert!(there.further(9.0).is_none());
         assert_eq!(there.size(9.0), Some(3.0));
-        // What explains nothing is not followed.
-        assert!(there.further(-1.0).is_none() && there.size(-1.0).is_none());
+        // What explains nothing is not believed.
+        assert_eq!(there.size(-1.0), None);
     }
 }

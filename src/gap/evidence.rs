@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
 
 /// Common deviations of honest laps that are told apart from each feature's own.
-const MODES: usize = 24;
+const MODES: usize = 10;
 
 /// Their variance over a feature's own, at least.
 const STRONG: f64 = 3.0;
