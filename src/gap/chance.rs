@@ -21,8 +21,8 @@ const FURTHER: usize = 4;
 const SPAN: [f64; 7] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75];
 const NEAR: (f64, f64) = (0.8, 1.25);
 
-/// What scatter must explain at least, as a logarithm, for the effect to be fitted.
-const WORTH: f64 = 0.05;
+/// What scatter must explain at least, as a logarithm, for the effect to be fitted; what changes less does nothing.
+const WORTH: f64 = 0.1;
 
 /// Deviation of the logarithm of a strength that is found by scatter.
 const SURE: f64 = 0.3;
@@ -150,7 +150,7 @@ impl Tried {
             let next = size * share;
             return each.iter().all(|(size, _)| *size != next).then_some(next);
         }
-        let much = each.iter().position(|(_, share)| *share < 1.0)?;
+        let much = self.points.iter().position(|point| point.share() < 1.0 && point.counts())?;
         let little = much.checked_sub(1).map_or(each[much].0 / (RUNG * RUNG), |k| each[k].0);
         Some((little * each[much].0).sqrt())
     }
@@ -166,6 +166,12 @@ impl Point {
     /// At the strength itself.
     fn misfit(&self) -> f64 {
         SPAN.iter().zip(self.misfits).find(|(share, _)| **share == 1.0).map_or(f64::INFINITY, |(_, misfit)| misfit)
+    }
+
+    /// Whether laps scatter by it at all.
+    fn counts(&self) -> bool {
+        let most = self.misfits.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        most - self.misfits.into_iter().fold(f64::INFINITY, f64::min) > WORTH
     }
 
     /// The share of the strength at which it is least.
