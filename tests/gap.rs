@@ -18,6 +18,8 @@ struct Made {
     frames: Vec<Frame>,
     /// Whether it tells how laps scatter with effects.
     tells: bool,
+    /// What the first run's nuisance does beside its slope, by its square.
+    bent: f64,
 }
 
 const ROUGH: usize = 8;
@@ -149,7 +151,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             }
         })
         .collect();
-    Made { candidates, frames, tells: true }
+    Made { candidates, frames, tells: true, bent: 0.0 }
 }
 
 impl Simulator for Made {
@@ -164,7 +166,8 @@ impl Simulator for Made {
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let moved = step.first().copied().unwrap_or(0.0);
         let all = |k: usize| effects.iter().map(|e| done(e.candidate, e.strengths[0], run, k)).sum::<f64>();
-        Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + all(k)).collect())
+        let bent = if run == 0 { self.bent * moved * moved } else { 0.0 };
+        Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + bent * trig::sin(k as f64) + all(k)).collect())
     }
 
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
@@ -282,4 +285,16 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
     };
     assert!(rough(false) > 0.9, "{}", rough(false));
     assert!(rough(true) < 0.1, "{}", rough(true));
+}
+
+#[test]
+fn a_nuisance_that_is_not_linear_does_not_bend_strengths() {
+    let mut made = made(&[(1, 4.0)], 0.0, 12);
+    made.bent = 60.0;
+    let found = diagnose(&made, &mut |_| {});
+    let first = &found.effects[0];
+    let amount = &first.strength["size"];
+    assert!(["wave", "twin"].contains(&first.name.as_str()) && first.probability > 0.4, "{}", found.summary);
+    assert!((amount.value / 4.0 - 1.0).abs() < 0.15, "{amount:?}");
+    assert!(first.gap_closed.expect("runs left out") > 0.9, "{first:?}");
 }

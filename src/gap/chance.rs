@@ -1,6 +1,6 @@
 //! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from lap to lap, as the
 //! swings of a late drive. Which cart has how much is not known, nor where a swing begins, so their signature is less a change of the mean
-//! lap than how far laps scatter, and their strength is where the scatter fits: at the least of ln s + mean ln v/v₀ (see [`super::floor`])
+//! lap than how far laps scatter, and their strength is where the scatter fits: at the least of ln s + ln(det C/det C₀)/n (see [`super::floor`])
 //! over the strength.
 
 use super::evidence::{Evidence, most_off};
@@ -83,7 +83,7 @@ impl Chance<'_> {
         }
     }
 
-    /// ln s + the mean logarithm of what its floor is raised by, of a run, where laps scatter as at a share of the strength that has these.
+    /// ln s + ln(det C/det C₀)/n of a run, where laps scatter as at a share of the strength that has these.
     fn misfit(&self, run: usize, laps: &Laps, share: f64) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };

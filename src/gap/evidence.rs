@@ -30,8 +30,8 @@ pub struct Evidence {
     bounds: Vec<(f64, f64)>,
     /// How many rows of priors are those of nuisances and doubts, and how many of what is usual.
     shared: (usize, usize),
-    /// Logarithm of the determinant of the residual's covariance by nuisances, doubts, modes and what is usual, over that of noise alone.
-    learnt: f64,
+    /// Of the residual's covariance by nuisances, doubts, modes and what is usual, over that of noise alone.
+    log_determinant: f64,
     /// Residual of the nominal model that nothing of this reaches.
     pub residual: DVector<f64>,
     /// The same before projection.
@@ -91,7 +91,7 @@ impl Evidence {
             + unit.iter().map(|(_, weight)| trig::ln(*weight)).sum::<f64>();
         let (reach, triangle) = reach.qr().unpack();
         let diagonal = triangle.diagonal();
-        let learnt = 2.0 * (diagonal.iter().map(|x| trig::ln(x.abs().max(1e-300))).sum::<f64>() - priors);
+        let log_determinant = 2.0 * (diagonal.iter().map(|x| trig::ln(x.abs().max(1e-300))).sum::<f64>() - priors);
         let mut raw = DVector::zeros(n + columns);
         raw.rows_mut(0, n).copy_from(&white(&residual));
         for j in 0..p {
@@ -107,7 +107,7 @@ impl Evidence {
             nuisances: p,
             bounds: frame.bounds.clone(),
             shared,
-            learnt,
+            log_determinant,
             honest: 1.0,
             honest_high: 1.0,
             laps: Vec::new(),
@@ -208,7 +208,7 @@ impl Evidence {
     /// Logarithm of the determinant of the residual's covariance over that of another, for each feature.
     pub fn raised(&self, from: &Evidence) -> f64 {
         let each = self.weights.iter().zip(&from.weights).map(|(own, other)| 2.0 * trig::ln(other / own));
-        (each.sum::<f64>() + self.learnt - from.learnt) / self.weights.len().max(1) as f64
+        (each.sum::<f64>() + self.log_determinant - from.log_determinant) / self.weights.len().max(1) as f64
     }
 
     /// Mean square of a projected residual over that of honest laps.

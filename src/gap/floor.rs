@@ -1,8 +1,9 @@
 //! The floor of laps with an effect. Two honest laps of a chain whose wheels are out of round or whose carts carry items by chance are
 //! farther apart than two of the nominal chain: what an effect makes of the floor belongs to its signature.
 //!
-//! With v the variance of each feature with the effect and v₀ without, −f/2 (ln s + mean ln v/v₀) is the log likelihood of a mean
-//! square s in units of v (the normal distribution with unknown scale, Seber and Wild 2003): a floor that is raised for nothing costs.
+//! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, doubts and modes, −f/2 (ln s + ln(det C/det C₀)/n)
+//! is the log likelihood of a mean square s in units of C (the normal distribution with unknown scale, Seber and Wild 2003): a floor that
+//! is raised for nothing costs.
 
 use super::evidence::{self, Evidence};
 use super::refit::Fitted;
@@ -21,7 +22,7 @@ pub struct Floor {
     /// What one more of each strength changes.
     pub columns: Vec<Vec<DVector<f64>>>,
     pub covariance: DMatrix<f64>,
-    /// Mean logarithm of the variances over those without the effect, of all runs.
+    /// Logarithm of the covariance's determinant over that without the effect, for each feature of all runs.
     pub raised: f64,
     /// How much a cart's laps have in common over the runs.
     pub common: f64,
@@ -46,12 +47,11 @@ pub fn floors(
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
         let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
         let own = laps.iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &usual[run], laps));
-        let mut floor = Floor::new(one, nominal, own.collect(), candidates, signatures);
         let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
         let cart = |k: usize| nominal.iter().zip(&laps).map(|(e, laps)| e.column(&laps.scatter[k])).collect();
         let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();
-        floor.common = evidence::in_common(frames, nominal, &some);
-        Some(floor)
+        let common = evidence::in_common(frames, nominal, &some);
+        Some(Floor { common, ..Floor::new(one, nominal, own.collect(), candidates, signatures) })
     };
     fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()
 }

@@ -66,6 +66,9 @@ pub fn next_experiment(found: &Diagnosis) -> String {
             },
         ),
         _ if found.runs.len() < 2 => "A second run at another speed and tension, to confirm the cause on data left out.".into(),
+        _ if found.effects.first().is_some_and(|e| ["load_distribution", "pitch_wear"].contains(&&*e.name)) => {
+            "A run with the sensors on another cart: what carts differ by goes along with them, what the track does stays at its place.".into()
+        }
         _ => "Mend the cause, or add the effect to the model, and measure one more run to confirm.".into(),
     }
 }
