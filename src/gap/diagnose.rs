@@ -347,7 +347,11 @@ impl Court<'_> {
             hypothesis.signatures.iter().copied().filter(|k| !alone.signatures.contains(k)).collect();
         let scores: Vec<(usize, Score)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
-        told.max(nothing + heard(first.z().abs().min(z), alone.signatures.len())) + heard(second, others.len())
+        let first = first.z().abs().min(z);
+        let both = told.max(nothing + heard(first, alone.signatures.len())) + heard(second, others.len());
+        // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be heard.
+        let together = nothing + heard(trig::hypot(first, second), hypothesis.signatures.len());
+        both.min(together.max(judge::likelihood(0.0, self.freedom)))
     }
 
     /// What the equations of a hypothesis miss along other signatures, as a share of what they do. A sensor's is exact.
