@@ -57,7 +57,17 @@ impl Chance<'_> {
             let further = |tried: &Tried| tried.further().filter(|x| *x < self.strength(&tried.hypothesis).high);
             asked = all.iter().map(|tried| further(tried).into_iter().collect()).collect();
         }
-        all.iter().filter_map(|tried| self.fitted(&tried.hypothesis, tried.size(before)?)).collect()
+        let found: Vec<Fitted> =
+            all.iter().filter_map(|tried| self.fitted(&tried.hypothesis, tried.size(before)?)).collect();
+        let each: Vec<&Fitted> = found.iter().collect();
+        let mut own = floors(self.simulator, self.nominal, self.usual, self.signatures, &each);
+        // Scatter says the strength, not the mean lap's slope.
+        for (floor, one) in own.iter_mut().zip(&found) {
+            if let Some(floor) = floor {
+                floor.covariance.clone_from(&one.covariance);
+            }
+        }
+        found.into_iter().zip(own).collect()
     }
 
     /// What of a hypothesis is fitted.
@@ -100,7 +110,7 @@ impl Chance<'_> {
     }
 
     /// The hypothesis at a strength, simulated.
-    fn fitted(&self, hypothesis: &Hypothesis, size: f64) -> Option<(Fitted, Option<Floor>)> {
+    fn fitted(&self, hypothesis: &Hypothesis, size: f64) -> Option<Fitted> {
         let (candidates, frames) = (self.simulator.candidates(), self.simulator.frames());
         let mut one = hypothesis.screened(self.nominal, self.signatures, candidates);
         one.strengths = vec![size];
@@ -117,12 +127,7 @@ impl Chance<'_> {
         one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
         one.moves = asked.into_iter().map(|r| r.step).collect();
         one.features = Some(features);
-        let mut floor = floors(self.simulator, self.nominal, self.usual, self.signatures, &[&one]).pop()?;
-        // Scatter says the strength, not the mean lap's slope.
-        if let Some(floor) = &mut floor {
-            floor.covariance.clone_from(&one.covariance);
-        }
-        Some((one, floor))
+        Some(one)
     }
 }
 
@@ -150,7 +155,7 @@ impl Tried {
             let next = size * share;
             return each.iter().all(|(size, _)| *size != next).then_some(next);
         }
-        let much = self.points.iter().position(|point| point.share() < 1.0 && point.counts())?;
+        let much = each.iter().position(|(_, share)| *share < 1.0)?;
         let little = much.checked_sub(1).map_or(each[much].0 / (RUNG * RUNG), |k| each[k].0);
         Some((little * each[much].0).sqrt())
     }
@@ -168,16 +173,12 @@ impl Point {
         SPAN.iter().zip(self.misfits).find(|(share, _)| **share == 1.0).map_or(f64::INFINITY, |(_, misfit)| misfit)
     }
 
-    /// Whether laps scatter by it at all.
-    fn counts(&self) -> bool {
-        let most = self.misfits.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        most - self.misfits.into_iter().fold(f64::INFINITY, f64::min) > WORTH
-    }
-
-    /// The share of the strength at which it is least.
+    /// The share of the strength at which it is least; infinite where laps do not scatter by it, whatever the share.
     fn share(&self) -> f64 {
-        let least = SPAN.iter().zip(self.misfits).min_by(|a, b| a.1.total_cmp(&b.1));
-        least.map_or(1.0, |(share, _)| *share)
+        let each = SPAN.iter().zip(self.misfits);
+        let most = self.misfits.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let least = each.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, least)| most - least > WORTH);
+        least.map_or(f64::INFINITY, |(share, _)| *share)
     }
 }
 
@@ -205,6 +206,11 @@ mod tests {
         assert_eq!((next(3.1), next(90.0)), (None, None));
         let there = tried(&[1.0, 3.0, 9.0], 3.1);
         assert_eq!(there.size(9.0), Some(3.0));
+        // What does nothing is too little, whichever share is least by a hair.
+        let flat = Point { size: 0.1, misfits: SPAN.map(|share| 9.0 + 1e-3 * (share - 1.0).abs()) };
+        let mut beside = tried(&[9.0], 3.0);
+        beside.points.insert(0, flat);
+        assert!((beside.further().unwrap() - 0.9_f64.sqrt()).abs() < 1e-9);
         // What explains nothing is not believed.
         assert_eq!(there.size(-1.0), None);
     }

@@ -172,16 +172,16 @@ impl Evidence {
         long
     }
 
-    /// The same steps as far as they can be simulated.
-    pub fn moves(&self, change: &[f64]) -> Vec<f64> {
-        self.steps(change).iter().zip(&self.bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
-    }
-
     /// Steps of the nuisances that fit best, once effects have changed the features.
     pub fn steps(&self, change: &[f64]) -> Vec<f64> {
         let left = self.reach.transpose() * (&self.raw - self.long(change));
         let found = self.triangle.solve_upper_triangular(&left);
         found.map_or_else(|| vec![0.0; self.nuisances], |x| x.rows(0, self.nuisances).iter().copied().collect())
+    }
+
+    /// The same steps as far as they can be simulated.
+    pub fn moves(&self, change: &[f64]) -> Vec<f64> {
+        self.steps(change).iter().zip(&self.bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
     }
 
     /// How many features are used.

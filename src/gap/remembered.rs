@@ -205,6 +205,12 @@ mod tests {
     }
 
     #[test]
+    fn laps_come_back_from_one_list() {
+        let laps = Laps { variance: vec![1.0, f64::INFINITY], scatter: vec![vec![0.1, 0.0], vec![-0.1, 0.2]] };
+        assert_eq!(Laps::of_flat(&laps.flat(), 2), laps);
+    }
+
+    #[test]
     fn a_stopped_diagnosis_goes_on() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deep/gap.partial");

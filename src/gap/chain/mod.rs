@@ -273,6 +273,9 @@ impl Chains {
         let heard = heard(&model.simulation, &load, fleet.carts.len());
         let mut each = heard.iter();
         fleet.carts.retain(|_| each.next().is_none_or(|heard| *heard));
+        if fleet.carts.len() < FEW_LAPS {
+            return None;
+        }
         let floor = identify::floor::Floor::new(&model, &fleet, run.seed);
         let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
         let laps = run.laps.max(frame::LEAST_LAPS);
@@ -282,9 +285,6 @@ impl Chains {
         };
         let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
         let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
-        if floor.scatter.len() < FEW_LAPS {
-            return None;
-        }
         let every = floor.scatter.len().div_ceil(MANY_LAPS);
         let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
         Some(Laps { variance, scatter: frame::scatter(run, &some) })
