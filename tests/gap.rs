@@ -281,10 +281,28 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
             frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
         }
         let found = diagnose(&made, &mut |_| {});
-        found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability)
+        let named = found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability);
+        (named, found.unknown_probability)
     };
-    assert!(rough(false) > 0.9, "{}", rough(false));
-    assert!(rough(true) < 0.1, "{}", rough(true));
+    assert!(rough(false).0 > 0.9, "{:?}", rough(false));
+    // Something unknown at its place has such a pattern.
+    assert!(rough(true).0 < 0.1 && rough(true).1 > 0.8, "{:?}", rough(true));
+}
+
+#[test]
+fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
+    let mut made = made(&[(ROUGH, 0.0)], 0.0, 10);
+    made.candidates[ROUGH].differs = Some(Differs::ByCart);
+    for frame in &mut made.frames {
+        let mut state = 77;
+        frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
+        // Carts are the same in all runs.
+        let mut state = 78;
+        frame.laps.scatter = (0..40).map(|_| (0..FEATURES).map(|_| normal(&mut state)).collect()).collect();
+    }
+    let found = diagnose(&made, &mut |_| {});
+    let rough = found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability);
+    assert!(rough > 0.2 && found.unknown_probability > 0.2, "{rough} and {}", found.unknown_probability);
 }
 
 #[test]

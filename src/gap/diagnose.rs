@@ -132,7 +132,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     judged.extend(scattered.into_iter().map(|(fitted, floor)| court.weigh(fitted, floor)));
     judged.extend(rest);
     court.settle(&mut judged);
-    court.unknown = court.unknown(judged.first());
+    court.unknown = court.unknown(&judged);
     court.judged = judged;
     report(&court)
 }
@@ -259,22 +259,11 @@ impl Court<'_> {
     }
 
     fn weigh(&self, fitted: Fitted, floor: Option<Floor>) -> Judged {
-        let candidates = self.candidates();
         let excess = match &floor {
             Some(floor) => trig::exp(floor.raised) * mean_excess(&floor.evidence, &floor.residuals),
             None => mean_excess(&self.evidence, &fitted.residuals),
         };
-        let effects = {
-            let mut names: Vec<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();
-            names.sort_unstable();
-            names.dedup();
-            names.len().max(1) as f64
-        };
-        let members = &fitted.hypothesis.members;
-        let alike = |c: usize, o: &Candidate| o.beside.is_none() && o.effect == candidates[c].effect;
-        let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
-        let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
-        let prior = trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared;
+        let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
         let counts = judge::quiet(excess);
         let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
@@ -284,16 +273,41 @@ impl Court<'_> {
         Judged { fitted, floor, excess, weight }
     }
 
+    /// Logarithm of what a hypothesis weighs before the runs: effects share their weight, and places of an effect.
+    fn prior(&self, hypothesis: &Hypothesis) -> f64 {
+        let candidates = self.candidates();
+        let effects = {
+            let mut names: Vec<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();
+            names.sort_unstable();
+            names.dedup();
+            names.len().max(1) as f64
+        };
+        let members = &hypothesis.members;
+        let alike = |c: usize, o: &Candidate| o.beside.is_none() && o.effect == candidates[c].effect;
+        let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
+        let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
+        trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared
+    }
+
+    /// In what the members of a hypothesis differ by chance.
+    fn differs(&self, fitted: &Fitted) -> Vec<Differs> {
+        fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].differs).collect()
+    }
+
     /// What runs have in common speaks against what differs from lap to lap, and what they have not against what differs from cart to cart.
     fn in_common(&self, fitted: &Fitted, floor: &Floor) -> f64 {
-        let mut differs = fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].differs).peekable();
-        if differs.peek().is_none() {
+        let differs = self.differs(fitted);
+        if differs.is_empty() {
             return 0.0;
         }
-        let expected = if differs.all(|d| d == Differs::ByCart) { floor.common } else { 0.0 };
+        let expected = if differs.iter().all(|d| *d == Differs::ByCart) { floor.common } else { 0.0 };
+        judge::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.freedom)
+    }
+
+    /// How much runs have in common of what a hypothesis leaves.
+    fn seen_in_common(&self, fitted: &Fitted) -> f64 {
         let left = std::slice::from_ref(&fitted.residuals);
-        let seen = evidence::in_common(self.simulator.frames(), &self.evidence, left);
-        judge::in_common(seen, expected, self.evidence.len(), self.freedom)
+        evidence::in_common(self.simulator.frames(), &self.evidence, left)
     }
 
     fn residuals(&self) -> Vec<DVector<f64>> {
@@ -406,14 +420,27 @@ impl Court<'_> {
     }
 
     /// Logarithm of the weight of something unknown: it explains what the best effect of the library does.
-    fn unknown(&self, best: Option<&Judged>) -> f64 {
+    fn unknown(&self, judged: &[Judged]) -> f64 {
+        let best = judged.first();
         let known = judge::unknown(self.excess, self.freedom);
         let counts = judge::quiet(self.excess);
         let scored = best.filter(|_| counts > 0.0).map(|best| {
             let gain = counts * self.beyond(self.score(&best.fitted).z());
             judge::likelihood(self.excess, self.freedom) + gain - judge::cost(judge::UNKNOWN_STRENGTHS, self.freedom)
         });
-        trig::ln(judge::UNKNOWN) + scored.map_or(known, |scored| known.max(scored))
+        let alike = judged.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
+        trig::ln(judge::UNKNOWN) + scored.map_or(known, |scored| known.max(scored)).max(alike)
+    }
+
+    /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at places may have the same ones,
+    /// but in all runs: what these say for it where a hypothesis is of that kind.
+    fn alike(&self, judged: &Judged) -> Option<f64> {
+        let fitted = &judged.fitted;
+        let floor = judged.floor.as_ref().filter(|_| !self.differs(fitted).is_empty())?;
+        let said = judged.weight - self.prior(&fitted.hypothesis) + self.in_common(fitted, floor);
+        let seen = self.seen_in_common(fitted);
+        let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);
+        Some(trig::ln(judge::PATTERNED) + said - placed)
     }
 
     /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.

@@ -16,6 +16,9 @@ const MODES: usize = 10;
 /// Their variance over a feature's own, at least.
 const STRONG: f64 = 3.0;
 
+/// How often what laps have in common and what each feature has of its own are found from each other.
+const TURNS: usize = 3;
+
 /// A run made ready.
 pub struct Evidence {
     /// Features that are used.
@@ -57,13 +60,8 @@ impl Evidence {
     pub fn with(frame: &Frame, usual: &[Vec<f64>], laps: &Laps) -> Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
-        let weights: Vec<f64> = rows.iter().map(|&k| 1.0 / laps.variance[k].sqrt()).collect();
-        let weights = tolerant(frame, &rows, weights);
-        let white = |x: &[f64]| {
-            let each = rows.iter().zip(&weights).map(|(&k, w)| if x[k].is_finite() { x[k] * w } else { 0.0 });
-            DVector::from_iterator(rows.len(), each)
-        };
-        let honest: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| white(lap)).collect();
+        let (weights, honest, common) = factors(frame, &rows, laps);
+        let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
         // Mean squares weigh features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
         let strict = (n as f64 / MOST_FREEDOM).max(1.0).sqrt();
@@ -74,7 +72,7 @@ impl Evidence {
         // All of them, so that each is the same in every run.
         let usual: Vec<DVector<f64>> = usual.iter().map(|d| white(d)).collect();
         let shared = (p + doubts.len(), usual.len());
-        let known = doubts.into_iter().chain(modes(&honest)).map(|column| (column, 1.0));
+        let known = doubts.into_iter().chain(common).map(|column| (column, 1.0));
         let unit: Vec<(DVector<f64>, f64)> = known.chain(usual.iter().map(|d| (d.clone(), strict))).collect();
         let columns = p + unit.len();
         let mut reach = DMatrix::zeros(n + columns, columns);
@@ -246,6 +244,34 @@ pub fn in_common(frames: &[Frame], evidence: &[Evidence], laps: &[Vec<DVector<f6
     if size > 0.0 { along / size } else { 0.0 }
 }
 
+/// Features over their deviations.
+fn whitened(rows: &[usize], weights: &[f64], features: &[f64]) -> DVector<f64> {
+    let each = rows.iter().zip(weights).map(|(&k, w)| if features[k].is_finite() { features[k] * w } else { 0.0 });
+    DVector::from_iterator(rows.len(), each)
+}
+
+/// Weights of features by what laps scatter of their own, the laps with these weights, and what they have in common: modes and a variance of
+/// each feature that is none of theirs, in turns (principal factors, Harman 1976), and no less than the frame's. An effect by which laps scatter
+/// in a few ways only explains nothing in others.
+fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
+    let mut own: Vec<f64> = rows.iter().map(|&k| laps.variance[k]).collect();
+    let mut turns = 0;
+    loop {
+        let weights = tolerant(frame, rows, own.iter().map(|variance| 1.0 / variance.sqrt()).collect());
+        let honest: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
+        let common = modes(&honest);
+        let raised = rows.iter().any(|&k| laps.variance[k] > frame.laps.variance[k]);
+        if turns == TURNS || !raised {
+            return (weights, honest, common);
+        }
+        turns += 1;
+        for (i, (&k, weight)) in rows.iter().zip(&weights).enumerate() {
+            let shared = common.iter().map(|mode| mode[i] * mode[i]).sum::<f64>() / (weight * weight);
+            own[i] = (laps.variance[k] - shared).max(frame.laps.variance[k]);
+        }
+    }
+}
+
 /// Weights that expect of each feature what chains as they are built deviate by, once nuisances are at their best.
 fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
     let (n, p) = (rows.len(), frame.nuisances.len());
@@ -323,7 +349,49 @@ fn spike(seen: f64, ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::simulator::{Band, Label};
     use crate::identify::noise::normal;
+
+    #[test]
+    fn what_scatters_one_way_explains_nothing_across_it() {
+        let (features, laps) = (200, 80);
+        let mut state = 5;
+        let mut noise = |n: usize| (0..n).map(|_| normal(&mut state)).collect::<Vec<f64>>();
+        // Twenty features go up and down together, with a variance of 5 each.
+        let way = |k: usize| if k < 20 { 5.0_f64.sqrt() } else { 0.0 };
+        let label =
+            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as u64, to: k as u64 + 1 };
+        let frame = Frame {
+            run: "run".into(),
+            labels: (0..features).map(label).collect(),
+            measured: noise(features),
+            nominal: vec![0.0; features],
+            laps: Laps { variance: vec![1.0; features], scatter: (0..laps).map(|_| noise(features)).collect() },
+            doubts: Vec::new(),
+            built: Vec::new(),
+            slopes: DMatrix::zeros(features, 0),
+            prior: Vec::new(),
+            bounds: Vec::new(),
+            nuisances: Vec::new(),
+        };
+        let lap = |lap: &Vec<f64>, share: f64| lap.iter().enumerate().map(|(k, x)| x + share * way(k)).collect();
+        let shares = noise(laps);
+        let own = shares.iter().map(|share| share * share).sum::<f64>() / laps as f64;
+        let scatter = frame.laps.scatter.iter().zip(shares).map(|(one, share)| lap(one, share)).collect();
+        let with = Laps { variance: (0..features).map(|k| 1.0 + own * way(k) * way(k)).collect(), scatter };
+        let own = Evidence::with(&frame, &[], &with);
+        let along: Vec<f64> = (0..features).map(way).collect();
+        let across: Vec<f64> = (0..features).map(|k| if k % 2 == 0 { way(k) } else { -way(k) }).collect();
+        let seen = own.column(&across).norm_squared() / 100.0;
+        // A sixth of it, were each feature's variance its own.
+        assert!((seen - 1.0).abs() < 0.15, "{seen}");
+        // 100 over its variance of 1 + 100, and 2.5 as so few laps tell a direction within sin² = 200/80/100 (Paul 2007).
+        let seen = own.column(&along).norm_squared();
+        assert!((1.0..6.0).contains(&seen), "{seen}");
+        // ln det of what noise has with one direction of a variance of 100; 36 more, were each feature's variance its own.
+        let more = own.raised(&Evidence::new(&frame, &[])) * features as f64 - trig::ln(101.0);
+        assert!((-1.0..4.0).contains(&more), "{more}");
+    }
 
     #[test]
     fn a_common_deviation_is_told_from_what_few_laps_have_by_chance() {

@@ -31,6 +31,10 @@ pub const UNKNOWN: f64 = 0.15;
 /// What the best effect of the library is thought to leave of a gap that is none of it.
 const UNKNOWN_LEAVES: f64 = 0.5;
 
+/// How much runs have in common at least of what sits at places, and what share of what is unknown does, with a pattern along the track.
+pub const PLACED: f64 = 0.5;
+pub const PATTERNED: f64 = 0.5;
+
 /// Strengths that something unknown is charged for.
 pub const UNKNOWN_STRENGTHS: f64 = 2.0;
 
