@@ -1,17 +1,15 @@
 //! The diagnosis: screen, re-fit, judge.
 
 use super::chance::Chance;
+use super::court::{Court, Judged, mean_excess};
 use super::diagnosis::Diagnosis;
-use super::evidence::{self, Evidence};
-use super::floor::{Floor, floors};
-use super::judge::{self, MOST_FREEDOM};
+use super::evidence::Evidence;
+use super::floor::floors;
+use super::judge::MOST_FREEDOM;
 use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
 use super::screen::{self, Runs, Signature, Trial};
-use super::significance::{self, Score};
-use super::simulator::{Candidate, Differs, Simulator};
-use crate::geometry::trig;
-use nalgebra::{DMatrix, DVector};
+use super::simulator::Simulator;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
@@ -29,9 +27,6 @@ const WORTH: f64 = 0.02;
 const FLOORS: usize = 5;
 const SOME: f64 = 0.05;
 
-/// Hypotheses that are held against what is seen beyond them.
-const SETTLED: usize = 40;
-
 /// A score from which on there is something to look at though the mean square is at the floor.
 const HEARD: f64 = 4.0;
 
@@ -40,30 +35,6 @@ const HEARD: f64 = 4.0;
 pub enum Stage {
     Screening { done: usize, of: usize },
     Fitting { done: usize, of: usize },
-}
-
-/// A hypothesis with its weight.
-pub struct Judged {
-    pub fitted: Fitted,
-    /// Before the floor that it makes itself, where it makes one.
-    pub floor: Option<Floor>,
-    /// Mean square residual of all runs over that of honest laps.
-    pub excess: f64,
-    /// Logarithm of its weight.
-    pub weight: f64,
-}
-
-/// What all hypotheses are judged by.
-pub struct Court<'a> {
-    pub simulator: &'a dyn Simulator,
-    pub evidence: Vec<Evidence>,
-    pub signatures: Vec<Signature>,
-    pub freedom: f64,
-    /// Of the nominal model.
-    pub excess: f64,
-    pub judged: Vec<Judged>,
-    /// Logarithm of the weight of something unknown.
-    pub unknown: f64,
 }
 
 /// Diagnoses the gap between a model and its runs.
@@ -137,70 +108,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     report(&court)
 }
 
-/// Mean square residual over that of honest laps, over all runs, each for what it can tell.
-fn mean_excess<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
-    let mut sum = (0.0, 0.0);
-    for (evidence, residual) in evidence.iter().zip(residuals) {
-        sum = (sum.0 + evidence.freedom * evidence.excess(residual), sum.1 + evidence.freedom);
-    }
-    sum.0 / sum.1.max(1e-9)
-}
-
-/// Of what changes all runs.
-fn norm(each: &[DVector<f64>]) -> f64 {
-    each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
-}
-
-impl Judged {
-    /// What it is judged by.
-    pub fn evidence<'a>(&'a self, court: &'a Court) -> &'a [Evidence] {
-        self.floor.as_ref().map_or(&court.evidence, |f| &f.evidence)
-    }
-
-    /// Mean square of what is left of a run over that of honest laps; a floor that the hypothesis raises counts as left.
-    pub fn excess_of(&self, court: &Court, run: usize, residual: &DVector<f64>) -> f64 {
-        let (own, nominal) = (&self.evidence(court)[run], &court.evidence[run]);
-        let raised = if self.floor.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
-        raised * own.excess(residual)
-    }
-
-    /// What is left of each run, projected.
-    pub fn residuals(&self) -> &[DVector<f64>] {
-        self.floor.as_ref().map_or(&self.fitted.residuals, |f| &f.residuals)
-    }
-
-    /// What one more of each strength changes.
-    pub fn columns(&self) -> &[Vec<DVector<f64>>] {
-        self.floor.as_ref().map_or(&self.fitted.columns, |f| &f.columns)
-    }
-
-    pub fn covariance(&self) -> &DMatrix<f64> {
-        self.floor.as_ref().map_or(&self.fitted.covariance, |f| &f.covariance)
-    }
-}
-
 impl Court<'_> {
-    /// A candidate alone.
-    fn single(&self, candidate: usize) -> Hypothesis {
-        let own = (0..self.signatures.len()).filter(|k| self.signatures[*k].candidate == candidate);
-        Hypothesis { members: vec![candidate], signatures: own.collect() }
-    }
-
-    /// All candidates with signatures, the likeliest first.
-    fn singles(&self) -> Vec<Judged> {
-        let known: BTreeSet<usize> = self.signatures.iter().map(|s| s.candidate).collect();
-        let ways = known.into_iter().flat_map(|c| {
-            let whole = self.single(c);
-            // Of an effect with several strengths each may be there without the others.
-            let some = if whole.signatures.len() > 1 { whole.signatures.clone() } else { Vec::new() };
-            let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
-            some.chain([whole]).collect::<Vec<_>>()
-        });
-        let mut singles: Vec<Judged> = ways.map(|h| self.screened(h)).collect();
-        singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        singles
-    }
-
     /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and at the places
     /// beside.
     fn look_closer(&mut self, tell: &mut dyn FnMut(usize, usize)) {
@@ -239,10 +147,6 @@ impl Court<'_> {
         }
     }
 
-    pub fn candidates(&self) -> &[Candidate] {
-        self.simulator.candidates()
-    }
-
     /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.
     fn worth_a_floor(&self, fitted: &[Fitted]) -> Vec<bool> {
         let excess: Vec<f64> = fitted.iter().map(|f| mean_excess(&self.evidence, &f.residuals)).collect();
@@ -252,195 +156,6 @@ impl Court<'_> {
             |k: &usize| fitted[*k].simulated() && self.excess - excess[*k] > SOME * (self.excess - 1.0).max(0.0);
         let best: BTreeSet<usize> = order.into_iter().filter(worth).take(FLOORS).collect();
         (0..fitted.len()).map(|k| best.contains(&k)).collect()
-    }
-
-    fn screened(&self, hypothesis: Hypothesis) -> Judged {
-        self.weigh(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
-    }
-
-    fn weigh(&self, fitted: Fitted, floor: Option<Floor>) -> Judged {
-        let excess = match &floor {
-            Some(floor) => trig::exp(floor.raised) * mean_excess(&floor.evidence, &floor.residuals),
-            None => mean_excess(&self.evidence, &fitted.residuals),
-        };
-        let prior = self.prior(&fitted.hypothesis);
-        let strengths = fitted.strengths.len() as f64;
-        let counts = judge::quiet(excess);
-        let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
-        let common = floor.as_ref().map_or(0.0, |floor| self.in_common(&fitted, floor));
-        let likelihood = (judge::likelihood(excess, self.freedom) - common).max(scored);
-        let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
-        Judged { fitted, floor, excess, weight }
-    }
-
-    /// Logarithm of what a hypothesis weighs before the runs: effects share their weight, and places of an effect.
-    fn prior(&self, hypothesis: &Hypothesis) -> f64 {
-        let candidates = self.candidates();
-        let effects = {
-            let mut names: Vec<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();
-            names.sort_unstable();
-            names.dedup();
-            names.len().max(1) as f64
-        };
-        let members = &hypothesis.members;
-        let alike = |c: usize, o: &Candidate| o.beside.is_none() && o.effect == candidates[c].effect;
-        let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
-        let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
-        trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared
-    }
-
-    /// In what the members of a hypothesis differ by chance.
-    fn differs(&self, fitted: &Fitted) -> Vec<Differs> {
-        fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].differs).collect()
-    }
-
-    /// What runs have in common speaks against what differs from lap to lap, and what they have not against what differs from cart to cart.
-    fn in_common(&self, fitted: &Fitted, floor: &Floor) -> f64 {
-        let differs = self.differs(fitted);
-        if differs.is_empty() {
-            return 0.0;
-        }
-        let expected = if differs.iter().all(|d| *d == Differs::ByCart) { floor.common } else { 0.0 };
-        judge::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.freedom)
-    }
-
-    /// How much runs have in common of what a hypothesis leaves.
-    fn seen_in_common(&self, fitted: &Fitted) -> f64 {
-        let left = std::slice::from_ref(&fitted.residuals);
-        evidence::in_common(self.simulator.frames(), &self.evidence, left)
-    }
-
-    fn residuals(&self) -> Vec<DVector<f64>> {
-        self.evidence.iter().map(|e| e.residual.clone()).collect()
-    }
-
-    /// How surely what a hypothesis changes is in what is off.
-    pub fn score(&self, fitted: &Fitted) -> Score {
-        let direction = fitted.direction();
-        let along = |k: usize, column: &Vec<DVector<f64>>| {
-            self.usual(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
-        };
-        let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
-        Score::new(&self.evidence, &self.residuals(), &direction).beside(own)
-    }
-
-    /// How surely a signature is in what is off.
-    fn heard(&self, signature: usize, residuals: &[DVector<f64>]) -> Score {
-        let columns = &self.signatures[signature].columns;
-        let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        Score::new(&self.evidence, residuals, columns).beside([self.usual(signature) * square])
-    }
-
-    /// What every built machine has of a signature's strength, and what sensors are accurate to.
-    fn usual(&self, signature: usize) -> f64 {
-        let Signature { candidate, strength, .. } = self.signatures[signature];
-        let candidate = &self.candidates()[candidate];
-        let strength = &candidate.strengths[strength];
-        let ratio = candidate.sensor && strength.unit.is_empty();
-        strength.usual.max(if ratio { significance::ACCURATE } else { 0.0 })
-    }
-
-    /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever says it of the first.
-    fn scored(&self, fitted: &Fitted, counts: f64) -> f64 {
-        let hypothesis = &fitted.hypothesis;
-        let z = self.score(fitted).z().max(0.0);
-        let nothing = judge::likelihood(self.excess, self.freedom);
-        let heard = |z: f64, strengths: usize| counts * significance::support(z) - judge::SCORED * strengths as f64;
-        if hypothesis.members.len() < 2 {
-            return nothing + heard(z, hypothesis.signatures.len());
-        }
-        let residuals = self.residuals();
-        let each = hypothesis.signatures.iter().map(|k| (self.heard(*k, &residuals), *k));
-        let Some((first, signature)) = each.max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs())) else {
-            return nothing;
-        };
-        let alone = self.single(self.signatures[signature].candidate);
-        let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
-        let told = judge::likelihood(mean_excess(&self.evidence, &left.residuals), self.freedom);
-        let others: Vec<usize> =
-            hypothesis.signatures.iter().copied().filter(|k| !alone.signatures.contains(k)).collect();
-        let scores: Vec<(usize, Score)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
-        let second = self.seen_beyond(&left, &scores);
-        let first = first.z().abs().min(z);
-        let both = told.max(nothing + heard(first, alone.signatures.len())) + heard(second, others.len());
-        // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be heard.
-        let together = nothing + heard(trig::hypot(first, second), hypothesis.signatures.len());
-        both.min(together.max(judge::likelihood(0.0, self.freedom)))
-    }
-
-    /// What the equations of a hypothesis miss along other signatures, as a share of what they do. A sensor's is exact.
-    fn misses(&self, hypothesis: &Hypothesis) -> f64 {
-        if hypothesis.members.iter().all(|c| self.candidates()[*c].sensor) { 0.0 } else { significance::MISSED }
-    }
-
-    /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.
-    fn settle(&self, judged: &mut [Judged]) {
-        judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        let residuals = self.residuals();
-        let scores: Vec<(usize, Score)> = (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
-        for judged in judged.iter_mut().take(SETTLED).filter(|j| judge::quiet(j.excess) > 0.0) {
-            let rest = match &judged.floor {
-                Some(floor) => self.seen_before(floor, &judged.fitted),
-                None => self.seen_beyond(&judged.fitted, &scores),
-            };
-            judged.weight -= judge::quiet(judged.excess) * self.beyond(rest);
-        }
-        judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    }
-
-    /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
-    fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, Score)]) -> f64 {
-        let change = fitted.direction();
-        let missed = self.misses(&fitted.hypothesis) * norm(&change);
-        let rest = |(signature, score): &(usize, Score)| {
-            let columns = &self.signatures[*signature].columns;
-            let explained: f64 = columns.iter().zip(&change).map(|(c, d)| c.dot(d)).sum();
-            let left = Score { along: score.along - explained, ..*score };
-            left.beside([missed * norm(columns)]).z().abs()
-        };
-        scores.iter().map(rest).fold(0.0, f64::max)
-    }
-
-    /// The same before the floor that the hypothesis makes itself.
-    fn seen_before(&self, floor: &Floor, fitted: &Fitted) -> f64 {
-        let missed = self.misses(&fitted.hypothesis) * norm(&fitted.along(&floor.columns));
-        let rest = |k: usize| {
-            let own = floor.evidence.iter().zip(&self.signatures[k].change);
-            let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
-            let score = Score::new(&floor.evidence, &floor.residuals, &columns);
-            let size = norm(&columns);
-            score.beside([self.usual(k) * size * size, missed * size]).z().abs()
-        };
-        (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
-    }
-
-    /// What a score says that is the largest of as many as there are signatures.
-    fn beyond(&self, z: f64) -> f64 {
-        (significance::support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
-    }
-
-    /// Logarithm of the weight of something unknown: it explains what the best effect of the library does.
-    fn unknown(&self, judged: &[Judged]) -> f64 {
-        let best = judged.first();
-        let known = judge::unknown(self.excess, self.freedom);
-        let counts = judge::quiet(self.excess);
-        let scored = best.filter(|_| counts > 0.0).map(|best| {
-            let gain = counts * self.beyond(self.score(&best.fitted).z());
-            judge::likelihood(self.excess, self.freedom) + gain - judge::cost(judge::UNKNOWN_STRENGTHS, self.freedom)
-        });
-        let alike = judged.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
-        trig::ln(judge::UNKNOWN) + scored.map_or(known, |scored| known.max(scored)).max(alike)
-    }
-
-    /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at places may have the same ones,
-    /// but in all runs: what these say for it where a hypothesis is of that kind.
-    fn alike(&self, judged: &Judged) -> Option<f64> {
-        let fitted = &judged.fitted;
-        let floor = judged.floor.as_ref().filter(|_| !self.differs(fitted).is_empty())?;
-        let said = judged.weight - self.prior(&fitted.hypothesis) + self.in_common(fitted, floor);
-        let seen = self.seen_in_common(fitted);
-        let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);
-        Some(trig::ln(judge::PATTERNED) + said - placed)
     }
 
     /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.

@@ -6,6 +6,7 @@
 pub mod blind;
 pub mod chain;
 mod chance;
+mod court;
 mod diagnose;
 mod diagnosis;
 mod digest;

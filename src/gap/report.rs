@@ -1,6 +1,6 @@
 //! The judged hypotheses as a diagnosis: probabilities, closures on runs left out, places, words.
 
-use super::diagnose::{Court, Judged};
+use super::court::{Court, Judged};
 use super::diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
 use super::evidence::Evidence;
 use super::judge;
