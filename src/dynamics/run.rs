@@ -73,6 +73,8 @@ pub struct Progress {
     pub laps: f64,
     /// Share of the whole that is done, 0 to 1.
     pub done: f64,
+    /// Steps taken.
+    pub steps: u64,
 }
 
 /// How a simulation ended.
@@ -123,7 +125,7 @@ pub fn simulate(
     run(simulation, Model::new(simulation)?, plan, width, watch)
 }
 
-/// The same of a chain that deviates from its input as it is told.
+/// The same of a chain that deviates from its input as it is told; `watch` says whether to go on.
 ///
 /// # Errors
 ///
@@ -133,8 +135,9 @@ pub fn simulate_deviating(
     deviations: Deviations,
     plan: &Plan,
     width: Width,
+    watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Outcome, Unfit> {
-    run(simulation, Model::deviating(simulation, deviations)?, plan, width, &mut |_| true)
+    run(simulation, Model::deviating(simulation, deviations)?, plan, width, watch)
 }
 
 fn run(
@@ -201,7 +204,8 @@ fn run(
             let left = plan.laps as f64 * lap - travelled;
             let time = tick as f64 / clock.ticks_a_second;
             let to_go = (plan.settle - time).max(0.0) + left / model.speed;
-            if !watch(Progress { time, laps, done: time / (time + to_go).max(1e-9) }) {
+            let done = time / (time + to_go).max(1e-9);
+            if !watch(Progress { time, laps, done, steps: integrator.steps() }) {
                 end = End::Interrupted;
                 break;
             }

@@ -285,10 +285,11 @@ impl Court<'_> {
     }
 
     /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at places may have the same ones,
-    /// but in all runs: what these say for it where a hypothesis is of that kind.
+    /// but in all runs: what these say for it where a hypothesis is of that kind, and nothing else.
     fn alike(&self, judged: &Judged) -> Option<f64> {
         let fitted = &judged.fitted;
-        let floor = judged.floor.as_ref().filter(|_| !self.differs(fitted).is_empty())?;
+        let only = fitted.hypothesis.members.iter().all(|c| self.candidates()[*c].differs.is_some());
+        let floor = judged.floor.as_ref().filter(|_| only)?;
         let said = judged.weight - self.prior(&fitted.hypothesis) + self.in_common(fitted, floor);
         let seen = self.seen_in_common(fitted);
         let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);

@@ -2,7 +2,7 @@
 //! the model's, finer steps or another integrator, and a measuring chain with noise, a jittering trigger and quantisation.
 
 use super::sources::Change;
-use crate::dynamics::{Deviations, End, Method, Plan, Width, simulate_deviating};
+use crate::dynamics::{Deviations, End, Method, Plan, Progress, Width, simulate_deviating};
 use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
 use crate::identify::noise::{mix, normal, uniform};
@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 
 /// Time before a run, s: what the start leaves has died away.
 const SETTLE: f64 = 20.0;
+
+/// Steps a second that an adaptive integrator may need: joints with much damping ask it for steps of microseconds, for which nobody waits.
+const MOST_STEPS: f64 = 40_000.0;
 
 /// Points of a profile a metre of track.
 const POINTS_A_METRE: f64 = 40.0;
@@ -133,7 +136,10 @@ impl Reality {
             }
         }
         for _ in 0..4 {
-            let outcome = simulate_deviating(&real, deviations.clone(), &plan, Width::widest()).ok()?;
+            let mut bearable = |p: Progress| p.steps as f64 <= MOST_STEPS * (p.time + 1.0);
+            let watch: &mut dyn FnMut(Progress) -> bool =
+                if plan.method == Method::CashKarp { &mut bearable } else { &mut |_| true };
+            let outcome = simulate_deviating(&real, deviations.clone(), &plan, Width::widest(), watch).ok()?;
             if outcome.end == End::Complete {
                 let mut run = outcome.run;
                 for (change, strength) in changes.into_iter().flatten() {
@@ -143,8 +149,12 @@ impl Reality {
                 }
                 return Some(run);
             }
-            // Damping at the joints may ask for shorter steps.
-            plan.step = Some(0.5 * plan.step.unwrap_or(outcome.step));
+            // Damping at the joints may ask for shorter steps, and for such that are none of an adaptive integrator's.
+            if plan.method == Method::CashKarp {
+                plan.method = Method::Verlet;
+            } else {
+                plan.step = Some(0.5 * plan.step.unwrap_or(outcome.step));
+            }
         }
         None
     }
