@@ -23,6 +23,8 @@ pub struct Judged {
     pub excess: f64,
     /// Logarithm of its weight.
     pub weight: f64,
+    /// What the weight has lost by what runs have in common.
+    lost: f64,
 }
 
 /// What all hypotheses are judged by.
@@ -120,9 +122,11 @@ impl Court<'_> {
         let counts = judge::quiet(excess);
         let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
         let common = floor.as_ref().map_or(0.0, |floor| self.in_common(&fitted, floor));
-        let likelihood = (judge::likelihood(excess, self.freedom) - common).max(scored);
+        let whole = judge::likelihood(excess, self.freedom);
+        let likelihood = (whole - common).max(scored);
+        let lost = whole.max(scored) - likelihood;
         let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
-        Judged { fitted, floor, excess, weight }
+        Judged { fitted, floor, excess, weight, lost }
     }
 
     /// Logarithm of what a hypothesis weighs before the runs: effects share their weight, and places of an effect.
@@ -288,9 +292,10 @@ impl Court<'_> {
     /// but in all runs: what these say for it where a hypothesis is of that kind, and nothing else.
     fn alike(&self, judged: &Judged) -> Option<f64> {
         let fitted = &judged.fitted;
-        let only = fitted.hypothesis.members.iter().all(|c| self.candidates()[*c].differs.is_some());
-        let floor = judged.floor.as_ref().filter(|_| only)?;
-        let said = judged.weight - self.prior(&fitted.hypothesis) + self.in_common(fitted, floor);
+        if judged.floor.is_none() || self.differs(fitted).len() < fitted.hypothesis.members.len() {
+            return None;
+        }
+        let said = judged.weight - self.prior(&fitted.hypothesis) + judged.lost;
         let seen = self.seen_in_common(fitted);
         let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);
         Some(trig::ln(judge::PATTERNED) + said - placed)

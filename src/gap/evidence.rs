@@ -77,8 +77,7 @@ impl Evidence {
         let columns = p + unit.len();
         let mut reach = DMatrix::zeros(n + columns, columns);
         for j in 0..p {
-            let slope: Vec<f64> = frame.slopes.column(j).iter().copied().collect();
-            reach.view_mut((0, j), (n, 1)).copy_from(&white(&slope));
+            reach.view_mut((0, j), (n, 1)).copy_from(&white(&slope(frame, j)));
             reach[(n + j, j)] = 1.0 / frame.prior[j].1;
         }
         for (j, (column, weight)) in unit.iter().enumerate() {
@@ -164,9 +163,7 @@ impl Evidence {
     /// A change of the features as it is, whitened.
     pub fn long(&self, change: &[f64]) -> DVector<f64> {
         let mut long = DVector::zeros(self.raw.len());
-        for (i, (&k, w)) in self.rows.iter().zip(&self.weights).enumerate() {
-            long[i] = if change[k].is_finite() { change[k] * w } else { 0.0 };
-        }
+        long.rows_mut(0, self.rows.len()).copy_from(&whitened(&self.rows, &self.weights, change));
         long
     }
 
@@ -244,7 +241,12 @@ pub fn in_common(frames: &[Frame], evidence: &[Evidence], laps: &[Vec<DVector<f6
     if size > 0.0 { along / size } else { 0.0 }
 }
 
-/// Features over their deviations.
+/// What a nuisance changes of each feature.
+fn slope(frame: &Frame, nuisance: usize) -> Vec<f64> {
+    frame.slopes.column(nuisance).iter().copied().collect()
+}
+
+/// Features over their deviations; 0 of what is not known.
 fn whitened(rows: &[usize], weights: &[f64], features: &[f64]) -> DVector<f64> {
     let each = rows.iter().zip(weights).map(|(&k, w)| if features[k].is_finite() { features[k] * w } else { 0.0 });
     DVector::from_iterator(rows.len(), each)
@@ -255,16 +257,16 @@ fn whitened(rows: &[usize], weights: &[f64], features: &[f64]) -> DVector<f64> {
 /// in a few ways only explains nothing in others.
 fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
     let mut own: Vec<f64> = rows.iter().map(|&k| laps.variance[k]).collect();
-    let mut turns = 0;
+    let raised = rows.iter().any(|&k| laps.variance[k] > frame.laps.variance[k]);
+    let mut turns = if raised { TURNS } else { 0 };
     loop {
         let weights = tolerant(frame, rows, own.iter().map(|variance| 1.0 / variance.sqrt()).collect());
         let honest: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
         let common = modes(&honest);
-        let raised = rows.iter().any(|&k| laps.variance[k] > frame.laps.variance[k]);
-        if turns == TURNS || !raised {
+        if turns == 0 {
             return (weights, honest, common);
         }
-        turns += 1;
+        turns -= 1;
         for (i, (&k, weight)) in rows.iter().zip(&weights).enumerate() {
             let shared = common.iter().map(|mode| mode[i] * mode[i]).sum::<f64>() / (weight * weight);
             own[i] = (laps.variance[k] - shared).max(frame.laps.variance[k]);
@@ -280,19 +282,14 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
     }
     let mut reach = DMatrix::zeros(n + p, p);
     for j in 0..p {
-        for (i, (&k, w)) in rows.iter().zip(&weights).enumerate() {
-            let slope = frame.slopes[(k, j)];
-            reach[(i, j)] = if slope.is_finite() { slope * w } else { 0.0 };
-        }
+        reach.view_mut((0, j), (n, 1)).copy_from(&whitened(rows, &weights, &slope(frame, j)));
         reach[(n + j, j)] = 1.0 / frame.prior[j].1;
     }
     let reach = reach.qr().q();
     let mut squares = vec![0.0; n];
     for change in &frame.built {
         let mut long = DVector::zeros(n + p);
-        for (i, (&k, w)) in rows.iter().zip(&weights).enumerate() {
-            long[i] = if change[k].is_finite() { change[k] * w } else { 0.0 };
-        }
+        long.rows_mut(0, n).copy_from(&whitened(rows, &weights, change));
         let left = &long - &reach * (reach.transpose() * &long);
         squares.iter_mut().zip(left.iter()).for_each(|(sum, x)| *sum += x * x / frame.built.len() as f64);
     }

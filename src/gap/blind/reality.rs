@@ -136,9 +136,8 @@ impl Reality {
             }
         }
         for _ in 0..4 {
-            let mut bearable = |p: Progress| p.steps as f64 <= MOST_STEPS * (p.time + 1.0);
-            let watch: &mut dyn FnMut(Progress) -> bool =
-                if plan.method == Method::CashKarp { &mut bearable } else { &mut |_| true };
+            let adaptive = plan.method == Method::CashKarp;
+            let watch = &mut |p: Progress| !adaptive || p.steps as f64 <= MOST_STEPS * (p.time + 1.0);
             let outcome = simulate_deviating(&real, deviations.clone(), &plan, Width::widest(), watch).ok()?;
             if outcome.end == End::Complete {
                 let mut run = outcome.run;
@@ -150,7 +149,7 @@ impl Reality {
                 return Some(run);
             }
             // Damping at the joints may ask for shorter steps, and for such that are none of an adaptive integrator's.
-            if plan.method == Method::CashKarp {
+            if adaptive {
                 plan.method = Method::Verlet;
             } else {
                 plan.step = Some(0.5 * plan.step.unwrap_or(outcome.step));
