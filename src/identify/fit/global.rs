@@ -9,6 +9,9 @@ use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::Parameter;
 use crate::identify::summary::{FORCES, Summary};
 
+/// The channel whose mean is in proportion to the tension: joint_xi.
+const TELLS_TENSION: usize = 4;
+
 impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
     pub(super) fn listen(&self, model: &mut Model, fleet: &Fleet) {
@@ -22,29 +25,22 @@ impl Fitter<'_> {
         }
     }
 
-    /// The global stage for the trigger: where the means along the track fit best, whatever their level.
+    /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel misses is of
+    /// unknown size, so that one that is far off has no more to say than the others.
     pub(super) fn place(&self, model: &Model, at: &mut Coordinates, centre: &Centre, floor: &Floor) {
         let k = Parameter::TriggerPosition.index();
         if !self.settings.free[k] {
             return;
         }
-        let places = &model.recipe.places;
-        let samples = self.measured.samples();
         let apart = |trigger: f64| {
-            let mut summary = Summary::new(&model.recipe);
-            summary.add_places(&model.recipe, &samples, trigger);
-            let features = summary.features(1.0);
-            let mut sum = 0.0;
-            for force in 0..FORCES {
-                let rows = force * places.cells..(force + 1) * places.cells;
-                let difference: Vec<f64> = rows
-                    .map(|i| (features[i] - centre.answer.features[i]) / floor.deviation[i])
-                    .filter(|x| x.is_finite())
-                    .collect();
-                let mean = difference.iter().sum::<f64>() / difference.len().max(1) as f64;
-                sum += difference.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
-            }
-            sum
+            let off = self.off_places(model, trigger, centre, floor);
+            let scatter = |off: &Vec<f64>| {
+                let n = off.len() as f64;
+                let mean = off.iter().sum::<f64>() / n;
+                let square = off.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
+                n * trig::ln(square.max(1.0))
+            };
+            off.iter().filter(|off| !off.is_empty()).map(scatter).sum::<f64>()
         };
         let (low, high) = model.range(Parameter::TriggerPosition);
         let mut best = (at[k], apart(at[k]));
@@ -61,12 +57,47 @@ impl Fitter<'_> {
         at[k] = best.0;
     }
 
+    /// Of each channel how far its means along the track are off, over the deviation of a lap's; of those that are known.
+    fn off_places(&self, model: &Model, trigger: f64, centre: &Centre, floor: &Floor) -> [Vec<f64>; FORCES] {
+        let mut summary = Summary::new(&model.recipe);
+        summary.add_places(&model.recipe, &self.measured.samples(), trigger);
+        let features = summary.features(1.0);
+        let off = |i: usize| (features[i] - centre.answer.features[i]) / floor.deviation[i];
+        let cells = model.recipe.places.cells;
+        std::array::from_fn(|k| (k * cells..(k + 1) * cells).map(off).filter(|x| x.is_finite()).collect())
+    }
+
+    /// Whether the other channels bear out a tension that joint_xi asks for. One farther off than slopes hold may be its sensor's fault.
+    pub(super) fn agree(
+        &self,
+        model: &Model,
+        before: (&Coordinates, &Centre),
+        after: (&Coordinates, &Centre),
+        floor: &Floor,
+    ) -> bool {
+        let tension = Parameter::Tension;
+        if (after.0[tension.index()] - before.0[tension.index()]).abs() < tension.reach() {
+            return true;
+        }
+        let off = |(at, centre): (&Coordinates, &Centre)| {
+            let each = self.off_places(model, at[Parameter::TriggerPosition.index()], centre, floor);
+            each.map(|off| off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64)
+        };
+        let each = off(before).into_iter().zip(off(after)).enumerate();
+        // Of channels that were not measured nothing is known.
+        let others = each.filter(|(k, (before, after))| *k != TELLS_TENSION && before.is_finite() && after.is_finite());
+        others.map(|(_, (before, after))| trig::ln(after.max(1.0) / before.max(1.0))).sum::<f64>() <= 0.0
+    }
+
     /// The global stage for the tension: in proportion to the joint's mean force. Whether it moved much.
     pub(super) fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
         let mut measured = Summary::new(&model.recipe);
         measured.add_places(&model.recipe, &self.measured.samples(), 0.0);
-        let (Some(found), Some(simulated)) = (measured.mean(4), centre.answer.summary.mean(4)) else { return false };
+        let (Some(found), Some(simulated)) = (measured.mean(TELLS_TENSION), centre.answer.summary.mean(TELLS_TENSION))
+        else {
+            return false;
+        };
         if !self.settings.free[k] || found <= 0.0 || simulated <= 0.0 {
             return false;
         }

@@ -125,10 +125,16 @@ pub fn land(
     if global {
         fitter.place(model, &mut at, &centre, &floor);
         for _ in 0..2 {
+            let slack = at;
             if !fitter.tighten(model, &mut at, &centre) {
                 break;
             }
-            centre = fitter.centre(model, &at, &centre).ok_or(lost)?;
+            let tight = fitter.centre(model, &at, &centre).ok_or(lost)?;
+            if !fitter.agree(model, (&slack, &centre), (&at, &tight), &floor) {
+                at = slack;
+                break;
+            }
+            centre = tight;
         }
         fitter.set_thresholds(model, &at);
         let fleet = Floor::fleet(model, &at, Some(&centre.fleet.settled)).ok_or(lost)?;
