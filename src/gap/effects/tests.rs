@@ -96,6 +96,17 @@ fn sensors_say_what_their_equations_say() {
     assert!((heard[1][7] - plain[1][7] - 0.1 * plain[3][7]).abs() < 1e-12);
     let late = sensed(&with("sensor_lag", &[("delay", 0.055), ("channel", 3.0)]));
     assert!((late[2][150] - 200.0 - trig::sin(1.5 - 0.055)).abs() < 2e-5, "{}", late[2][150]);
+    // Lags in a row: n times the phase and the attenuation of one.
+    for order in [1, 2, 4] {
+        let given = [("delay", 0.15), ("channel", 3.0), ("order", f64::from(order))];
+        let smoothed = sensed(&with("sensor_lag", &given));
+        let one = 0.15 / f64::from(order);
+        let phase = f64::from(order) * trig::atan2(one, 1.0);
+        let size = (0..order).map(|_| 1.0 / (1.0 + one * one).sqrt()).product::<f64>();
+        let off = smoothed[2][190] - 200.0 - size * trig::sin(1.9 - phase);
+        // Each takes the force as straight between samples, which is h²/12 less of a sine.
+        assert!(off.abs() < 1e-5 * f64::from(order), "{order}: {off}");
+    }
     let clipped = sensed(&with("sensor_clipping", &[("loss", 0.5), ("channel", 2.0)]));
     assert!(clipped[1].iter().all(|x| (x - 50.5).abs() < 1e-12));
     let swapped = sensed(&with("sensor_swapped", &[("share", 1.0), ("first", 1.0), ("second", 6.0)]));
