@@ -93,6 +93,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         }],
         sensor,
         differs: None,
+        doubt: 0.0,
         beside: None,
     };
     let mut candidates = vec![

@@ -139,7 +139,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         let value = fitted.strengths[i];
         let own = scale * told.covariance()[(i, i)].max(0.0).sqrt();
         let own = own.max(scattered(court, &fitted.columns[i]));
-        let half = NINETY * trig::hypot(own, missed * value);
+        let half = NINETY * trig::hypot(own, trig::hypot(missed, candidate.doubt) * value);
         let amount = Amount {
             value: tidy(value),
             low: tidy((value - half).max(strength.low)),

@@ -58,6 +58,8 @@ pub struct Candidate {
     pub sensor: bool,
     /// In what it differs by chance, so that laps scatter by it.
     pub differs: Option<Differs>,
+    /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard deviation.
+    pub doubt: f64,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,
 }
