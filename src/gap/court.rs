@@ -224,9 +224,15 @@ impl Court<'_> {
         both.min(together.max(judge::likelihood(0.0, self.freedom)))
     }
 
-    /// What the equations of a hypothesis miss along other signatures, as a share of what they do. A sensor's is exact.
-    fn misses(&self, hypothesis: &Hypothesis) -> f64 {
-        if hypothesis.members.iter().all(|c| self.candidates()[*c].sensor) { 0.0 } else { significance::MISSED }
+    /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of sensors are exact.
+    fn missed(&self, fitted: &Fitted, columns: &[Vec<DVector<f64>>]) -> f64 {
+        let mut own = fitted.clone();
+        for (k, x) in fitted.hypothesis.signatures.iter().zip(&mut own.strengths) {
+            if self.candidates()[self.signatures[*k].candidate].sensor {
+                *x = 0.0;
+            }
+        }
+        significance::MISSED * norm(&own.along(columns))
     }
 
     /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.
@@ -246,12 +252,15 @@ impl Court<'_> {
 
     /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
     fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, Score)]) -> f64 {
-        let change = fitted.direction();
-        let missed = self.misses(&fitted.hypothesis) * norm(&change);
+        let missed = self.missed(fitted, &fitted.columns);
         let rest = |(signature, score): &(usize, Score)| {
             let columns = &self.signatures[*signature].columns;
-            let explained: f64 = columns.iter().zip(&change).map(|(c, d)| c.dot(d)).sum();
-            let left = Score { along: score.along - explained, ..*score };
+            let left = if fitted.features.is_some() {
+                self.heard(*signature, &fitted.residuals)
+            } else {
+                let along = columns.iter().zip(&fitted.residuals).map(|(c, r)| c.dot(r)).sum();
+                Score { along, ..*score }
+            };
             left.beside([missed * norm(columns)]).z().abs()
         };
         scores.iter().map(rest).fold(0.0, f64::max)
@@ -259,7 +268,7 @@ impl Court<'_> {
 
     /// The same before the floor that the hypothesis makes itself.
     fn seen_before(&self, floor: &Floor, fitted: &Fitted) -> f64 {
-        let missed = self.misses(&fitted.hypothesis) * norm(&fitted.along(&floor.columns));
+        let missed = self.missed(fitted, &floor.columns);
         let rest = |k: usize| {
             let own = floor.evidence.iter().zip(&self.signatures[k].change);
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();

@@ -249,6 +249,15 @@ impl Fitted {
         self.features.is_some() && self.strengths.iter().any(|x| *x != 0.0)
     }
 
+    /// Whether a pair's members both do something.
+    pub fn all_there(&self, signatures: &[Signature]) -> bool {
+        let Hypothesis { members, signatures: own } = &self.hypothesis;
+        let does = |member: &usize| {
+            own.iter().zip(&self.strengths).any(|(k, x)| signatures[*k].candidate == *member && *x != 0.0)
+        };
+        members.len() < 2 || members.iter().all(does)
+    }
+
     /// To where it fits best from the best that was simulated; whether that is hardly another place.
     fn step(&mut self, best: &Point, candidates: &[Candidate], signatures: &[Signature]) -> bool {
         let bounds = self.hypothesis.bounds(candidates, signatures);
