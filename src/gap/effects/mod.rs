@@ -64,7 +64,7 @@ pub const LIBRARY: [&Effect; 22] = [
 pub const BUILT: [&Effect; 1] = [&rail_waviness::EFFECT];
 
 /// How far a strength is off, as a share, where another equation made it: of the ones that challenges had and a diagnosis named, half were
-/// within 5 %, three quarters within 25 % (docs/gap.md).
+/// within 5 %, three quarters within 25 % (docs/gap-challenges.md).
 const DOUBT: f64 = 0.15;
 
 /// An effect.
