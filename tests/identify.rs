@@ -5,7 +5,7 @@ use lss::dynamics::{Plan, Width, simulate};
 use lss::emit::simulation::Simulation;
 use lss::identify::Parameter;
 use lss::identify::noise::normal;
-use lss::signal::{Run, csv};
+use lss::signal::{Channel, Run, csv};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -190,6 +190,29 @@ fn what_is_not_free_keeps_its_value_and_what_is_shared_is_one_for_all() {
     let (code, said) = told(&["--free", "speed", "--share", "tension"], two.path(), out.path());
     assert_eq!(code, Some(2));
     assert!(said.contains("tension cannot be shared, as it is not fitted"), "{said}");
+}
+
+#[test]
+fn exchanged_sensors_do_not_lead_the_fit_astray() {
+    let (folder, nominal) = campaign();
+    let other = tempfile::tempdir().expect("a folder");
+    fs::copy(folder.path().join("small.lss"), other.path().join("small.lss")).expect("copied");
+    let mut run = measured(nominal, 5);
+    let [one, two] = [Channel::RunRight, Channel::JointXi].map(|c| run.channels.remove(&c).expect("samples"));
+    run.channels.extend([(Channel::JointXi, one), (Channel::RunRight, two)]);
+    keep(&run, other.path(), "run-01");
+    let out = tempfile::tempdir().expect("a folder");
+    let mut command = lss();
+    command.args(["identify", "--free", "speed,tension,rolling_resistance,trigger_position", "--format", "json", "-o"]);
+    let stdout = command.arg(out.path()).arg(other.path()).assert().success().get_output().stdout.clone();
+    let parameters = &json(&stdout)[0]["runs"]["run-01"]["parameters"];
+    // What joint_xi said of the tension is in another channel: the wheels tell it still.
+    for (name, truth, near) in
+        [("tension", 620.0, 30.0), ("trigger_position", nominal.sensor.photocell_s_m + 0.17, 0.05)]
+    {
+        let found = parameters[name]["value"].as_f64().expect("a number");
+        assert!((found - truth).abs() < near, "{name}: {}", parameters[name]);
+    }
 }
 
 /// Exit code and standard error.

@@ -12,6 +12,9 @@ use crate::identify::summary::{FORCES, Summary};
 /// The channel whose mean is in proportion to the tension: joint_xi.
 const TELLS_TENSION: usize = 4;
 
+/// Logarithm of how much worse the other channels may fit, each, where they hardly tell the tension.
+const HARDLY_WORSE: f64 = 0.1;
+
 impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
     pub(super) fn listen(&self, model: &mut Model, fleet: &Fleet) {
@@ -86,7 +89,7 @@ impl Fitter<'_> {
         let each = off(before).into_iter().zip(off(after)).enumerate();
         // Of channels that were not measured nothing is known.
         let others = each.filter(|(k, (before, after))| *k != TELLS_TENSION && before.is_finite() && after.is_finite());
-        others.map(|(_, (before, after))| trig::ln(after.max(1.0) / before.max(1.0))).sum::<f64>() <= 0.0
+        others.map(|(_, (before, after))| trig::ln(after.max(1.0) / before.max(1.0)) - HARDLY_WORSE).sum::<f64>() <= 0.0
     }
 
     /// The global stage for the tension: in proportion to the joint's mean force. Whether it moved much.
