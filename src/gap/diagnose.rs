@@ -147,9 +147,15 @@ impl Court<'_> {
             // A signature that is not clear tells of the simulation's own chance.
             let clear = signature.clear() * size.signum();
             let other = if size.abs() < clear.abs() { clear } else { *size };
-            let near = if sensor { NEAR_SENSOR } else { NEAR };
-            if *size != 0.0 && !near.contains(&(other / before)) {
-                trials.push(Trial { candidate, strength, size: other });
+            let (near, again) = match sensor {
+                // Between both, as a signature of too much asks for too little, and the other way round.
+                true if other * before > 0.0 => (NEAR_SENSOR, other.signum() * (other * before).sqrt()),
+                true => (NEAR_SENSOR, other),
+                false => (NEAR, other),
+            };
+            let whole = candidates[candidate].strengths[strength].whole();
+            if *size != 0.0 && !whole && !near.contains(&(other / before)) {
+                trials.push(Trial { candidate, strength, size: again });
             }
             let size = if *size == 0.0 { before } else { other };
             let signed = candidates[candidate].strengths[strength].low < 0.0;

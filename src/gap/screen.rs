@@ -111,7 +111,7 @@ fn sized(
             let strength = &candidates[trial.candidate].strengths[trial.strength];
             if whole {
                 let size = asked(&signature, run, &evidence[run], (strength.low, strength.high));
-                if !(0.5..2.0).contains(&(size / trial.size)) {
+                if !strength.whole() && !(0.5..2.0).contains(&(size / trial.size)) {
                     trial.size = size;
                     again.push(k);
                 }

@@ -88,6 +88,13 @@ pub struct Strength {
     pub high: f64,
 }
 
+impl Strength {
+    /// Whether the effect is there as a whole or not at all.
+    pub fn whole(&self) -> bool {
+        self.low > 0.0
+    }
+}
+
 /// A run as the diagnosis sees it: features, how far two honest laps' are apart, and how they answer the nuisances.
 #[derive(Clone, Debug)]
 pub struct Frame {
