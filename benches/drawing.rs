@@ -1,10 +1,12 @@
 //! Drawings of thesis10 and of the hub: `cargo bench --bench drawing`.
 
+#[path = "common/layout.rs"]
+mod layout;
+
 use divan::Bencher;
+use layout::layout;
 use lss::emit::{self, Compiled, svg};
-use lss::semantics::analyse;
 use lss::solve::{Options, solve};
-use lss::source::{Loader, SourceMap};
 
 fn main() {
     divan::main();
@@ -17,10 +19,7 @@ fn compiled(name: &str) -> Compiled {
         "hub" => include_str!("../examples/hub.lss"),
         _ => include_str!("../examples/thesis10.lss"),
     };
-    let mut sources = SourceMap::default();
-    let (mut loader, main) = Loader::memory(&mut sources, &[("bench.lss", text.as_bytes())]).expect("text");
-    let analysis = analyse(&mut sources, &mut loader, main, None);
-    let layout = analysis.chosen().ok().flatten().expect("an example without mistakes").clone();
+    let layout = layout(text);
     let stages = solve(&layout, &Options::default(), &|_| {});
     Compiled::new(layout, stages)
 }

@@ -4,21 +4,20 @@
 //! nominal fits alone, which identification needs anyway; and a real re-fit of every candidate in place of the fast screen, reckoned from what
 //! simulations of re-fits take here.
 
+#[path = "common/track.rs"]
+mod track;
+
 use lss::dynamics::{End, Plan, Width, simulate};
-use lss::emit::Compiled;
 use lss::emit::simulation::{Effect, Simulation};
 use lss::gap::chain::Chains;
 use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Simulator, diagnose};
 use lss::identify::Parameter;
 use lss::identify::noise::normal;
 use lss::identify::study::Subject;
-use lss::semantics::analyse;
 use lss::signal::Run;
-use lss::solve::{self, Options};
-use lss::source::{Loader, SourceMap};
-use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
+use track::track;
 
 /// Speed and tension of the runs over the planned ones.
 const RUNS: [(f64, f64); 3] = [(1.0, 1.0), (0.8, 1.2), (1.0, 0.8)];
@@ -29,7 +28,7 @@ const ROUNDS: f64 = 4.0;
 fn main() {
     let file = std::env::args().skip(1).find(|a| a != "--bench");
     let file = file.unwrap_or_else(|| "benches/identify/layouts/oval.lss".to_owned());
-    let nominal = layout(&Path::new(env!("CARGO_MANIFEST_DIR")).join(&file));
+    let nominal = track(&file);
     let subjects: Vec<Subject> = RUNS.iter().enumerate().map(|(k, over)| measured(&nominal, k, *over)).collect();
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
 
@@ -62,15 +61,6 @@ fn main() {
         format!("re-fits of all {candidates} candidates over it"),
         (fits + rival) / (fits + rest)
     );
-}
-
-fn layout(path: &Path) -> Simulation {
-    let text = std::fs::read(path).expect("a layout");
-    let mut sources = SourceMap::default();
-    let (mut loader, main) = Loader::memory(&mut sources, &[("track.lss", &text)]).expect("text");
-    let analysis = analyse(&mut sources, &mut loader, main, None);
-    let layout = analysis.chosen().expect("one layout").expect("no mistakes").clone();
-    Simulation::new(&Compiled::new(layout.clone(), solve::solve(&layout, &Options::default(), &|_| {})))
 }
 
 /// A lap with a step of the right rail by 2 mm, measured with half the usual step and noise of 1 N.

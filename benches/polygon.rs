@@ -3,6 +3,10 @@
 //! How well the kinematic measure predicts the dynamic model over random layouts (rank correlation), and the search beside
 //! Box's complex method on the same problem.
 
+#[path = "common/layout.rs"]
+mod layout;
+
+use layout::layout;
 use lss::dynamics::{Plan, Width, simulate_all};
 use lss::emit::Compiled;
 use lss::emit::simulation::Simulation;
@@ -10,13 +14,11 @@ use lss::geometry::{Point, Track};
 use lss::kinematics::polygon::{Course, Objective, action};
 use lss::model::{Goal, Layout};
 use lss::problem::{Problem, Scope};
-use lss::semantics::analyse;
 use lss::signal::Channel;
 use lss::signal::measures::statistics;
 use lss::signal::spectrum::welch;
 use lss::solve::polygon::{Smooth, rival, run};
 use lss::solve::{Options, discretise, perturbed, solve};
-use lss::source::{Loader, SourceMap};
 use std::time::Instant;
 
 /// Random layouts, and repetitions of the complex method (the thesis' ten).
@@ -38,13 +40,6 @@ fn main() {
 
 /// The reference track as a layout that may be optimised.
 const REFERENCE: &str = include_str!("../examples/reference.lss");
-
-fn layout(text: &str) -> Layout {
-    let mut sources = SourceMap::default();
-    let (mut loader, main) = Loader::memory(&mut sources, &[("bench.lss", text.as_bytes())]).expect("text");
-    let analysis = analyse(&mut sources, &mut loader, main, None);
-    analysis.chosen().ok().flatten().unwrap_or_else(|| panic!("{:?}", analysis.diagnostics)).clone()
-}
 
 /// The reference track with every section shifted sideways at random, which keeps its ten turns of 90° and the length within a
 /// few metres: 40 tracks that differ in their phases alone.

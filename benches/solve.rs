@@ -1,11 +1,13 @@
 //! Stages of the optimisation, and the SQP beside Box's complex method: `cargo bench --bench solve`.
 
+#[path = "common/layout.rs"]
+mod layout;
+
 use divan::Bencher;
+use layout::layout;
 use lss::model::Layout;
 use lss::problem::{Problem, Scope};
-use lss::semantics::analyse;
 use lss::solve::{Options, Solver, perturbed, solve, solve_with, sqp};
-use lss::source::{Loader, SourceMap};
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -15,13 +17,6 @@ fn main() {
     by_size();
     proofs();
     divan::main();
-}
-
-fn layout(text: &str) -> Layout {
-    let mut sources = SourceMap::default();
-    let (mut loader, main) = Loader::memory(&mut sources, &[("bench.lss", text.as_bytes())]).expect("text");
-    let analysis = analyse(&mut sources, &mut loader, main, None);
-    analysis.chosen().ok().flatten().unwrap_or_else(|| panic!("{:?}", analysis.diagnostics)).clone()
 }
 
 fn thesis10() -> Layout {

@@ -4,18 +4,18 @@
 //! often the 90 % intervals hold them, and the bias. `... -- campaign DIR`: a campaign of 22 runs on seven layouts to fit with
 //! `lss identify DIR`, with the truths beside it. `... -- one`: a fit's time on one core.
 
+#[path = "../common/track.rs"]
+mod track;
+
 use lss::dynamics::{End, Method, Plan, Width, parallel, simulate};
-use lss::emit::Compiled;
 use lss::emit::simulation::{ContactLaw, Simulation};
 use lss::identify::noise::{normal, uniform};
 use lss::identify::study::{Fitted, Subject, fit_run};
 use lss::identify::{COUNT, Parameter, Settings};
-use lss::semantics::analyse;
 use lss::signal::{Run, csv};
-use lss::solve::{self, Options};
-use lss::source::{Loader, SourceMap};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use track::track;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -35,16 +35,6 @@ const LAYOUTS: [&str; 7] = [
     "benches/identify/layouts/slant.lss",
     "benches/identify/layouts/comb.lss",
 ];
-
-fn layout(file: &str) -> Simulation {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-    let text = std::fs::read(path).expect("a layout");
-    let mut sources = SourceMap::default();
-    let (mut loader, main) = Loader::memory(&mut sources, &[("track.lss", &text)]).expect("text");
-    let analysis = analyse(&mut sources, &mut loader, main, None);
-    let layout = analysis.chosen().expect("one layout").expect("no mistakes").clone();
-    Simulation::new(&Compiled::new(layout.clone(), solve::solve(&layout, &Options::default(), &|_| {})))
-}
 
 /// A truth about nominal values: restitutions of `restitution`, the others within 2 to 60 %.
 fn truth(nominal: &Simulation, restitution: (f64, f64), state: &mut u64) -> [f64; COUNT] {
@@ -97,7 +87,7 @@ fn fitted(subject: &Subject, seed: u64) -> Fitted {
 }
 
 fn recovery(cases: u64) {
-    let layouts: Vec<Simulation> = [0, 1, 4, 5].iter().map(|k| layout(LAYOUTS[*k])).collect();
+    let layouts: Vec<Simulation> = [0, 1, 4, 5].iter().map(|k| track(LAYOUTS[*k])).collect();
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
     let numbers: Vec<u64> = (0..cases).collect();
     let clock = Instant::now();
@@ -154,7 +144,7 @@ fn campaign(folder: &Path) {
     let runs = parallel::map(&numbers, threads, |&k| {
         let file = LAYOUTS[k as usize % LAYOUTS.len()];
         let (speed, tension) = SETTINGS[k as usize / LAYOUTS.len()];
-        let mut nominal = layout(file);
+        let mut nominal = track(file);
         nominal.chain.speed_m_s *= speed;
         nominal.chain.tension_n *= tension;
         let mut state = 77_000 + k;
@@ -184,7 +174,7 @@ fn campaign(folder: &Path) {
 }
 
 fn one() {
-    let nominal = layout(LAYOUTS[0]);
+    let nominal = track(LAYOUTS[0]);
     let mut state = 1;
     let truth = truth(&nominal, (0.35, 0.85), &mut state);
     let run = measure(&nominal, &truth, 0, &mut state);
