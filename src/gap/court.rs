@@ -3,7 +3,7 @@
 use super::evidence::{self, Evidence};
 use super::floor::Floor;
 use super::judge;
-use super::refit::{Fitted, Hypothesis};
+use super::refit::{Fitted, Hypothesis, along};
 use super::screen::Signature;
 use super::significance::{self, Score};
 use super::simulator::{Candidate, Differs, Simulator};
@@ -226,13 +226,10 @@ impl Court<'_> {
 
     /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of sensors are exact.
     fn missed(&self, fitted: &Fitted, columns: &[Vec<DVector<f64>>]) -> f64 {
-        let mut own = fitted.clone();
-        for (k, x) in fitted.hypothesis.signatures.iter().zip(&mut own.strengths) {
-            if self.candidates()[self.signatures[*k].candidate].sensor {
-                *x = 0.0;
-            }
-        }
-        significance::MISSED * norm(&own.along(columns))
+        let sensor = |k: &usize| self.candidates()[self.signatures[*k].candidate].sensor;
+        let own = fitted.hypothesis.signatures.iter().zip(&fitted.strengths);
+        let inexact: Vec<f64> = own.map(|(k, x)| if sensor(k) { 0.0 } else { *x }).collect();
+        significance::MISSED * norm(&along(columns, &inexact))
     }
 
     /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.

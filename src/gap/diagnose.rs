@@ -9,7 +9,7 @@ use super::judge::MOST_FREEDOM;
 use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
 use super::screen::{self, Runs, Signature, Trial};
-use super::simulator::Simulator;
+use super::simulator::{Candidate, Simulator};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
@@ -129,40 +129,19 @@ impl Court<'_> {
         let candidates = self.simulator.candidates();
         let worth = WORTH * (self.excess - 1.0).max(0.0);
         for judged in self.singles().iter().filter(|j| self.excess - j.excess > worth) {
-            let candidate = judged.fitted.hypothesis.members[0];
             let ([own], [size]) = (&judged.fitted.hypothesis.signatures[..], &judged.fitted.strengths[..]) else {
                 continue;
             };
-            let sensor = candidates[candidate].sensor;
-            sensors += usize::from(sensor);
-            let room = match sensor {
-                true => sensors <= SENSORS,
-                false => seen.len() < LOOKED_AT && seen.insert(&candidates[candidate].effect),
-            };
-            if !room {
-                continue;
-            }
             let signature = &self.signatures[*own];
-            let (strength, before) = (signature.strength, signature.size);
-            // A signature that is not clear tells of the simulation's own chance.
-            let clear = signature.clear() * size.signum();
-            let other = if size.abs() < clear.abs() { clear } else { *size };
-            let (near, again) = match sensor {
-                // Between both, as a signature of too much asks for too little, and the other way round.
-                true if other * before > 0.0 => (NEAR_SENSOR, other.signum() * (other * before).sqrt()),
-                true => (NEAR_SENSOR, other),
-                false => (NEAR, other),
+            let candidate = &candidates[signature.candidate];
+            sensors += usize::from(candidate.sensor);
+            let room = match candidate.sensor {
+                true => sensors <= SENSORS,
+                false => seen.len() < LOOKED_AT && seen.insert(&candidate.effect),
             };
-            let whole = candidates[candidate].strengths[strength].whole();
-            if *size != 0.0 && !whole && !near.contains(&(other / before)) {
-                trials.push(Trial { candidate, strength, size: again });
-            }
-            let size = if *size == 0.0 { before } else { other };
-            let signed = candidates[candidate].strengths[strength].low < 0.0;
-            for candidate in (0..candidates.len()).filter(|c| candidates[*c].beside == Some(candidate)) {
-                let trial = Trial { candidate, strength, size };
-                trials.push(trial);
-                trials.extend(signed.then(|| trial.other()));
+            if room {
+                trials.extend(again(signature, candidate, *size));
+                trials.extend(beside(signature, candidates, *size));
             }
         }
         let of = trials.len();
@@ -211,4 +190,35 @@ impl Court<'_> {
         }
         (chosen, rest)
     }
+}
+
+/// The strength that fits, no smaller than a signature is clear at: one that is not tells of the simulation's own chance.
+fn fitting(signature: &Signature, size: f64) -> f64 {
+    let clear = signature.clear() * size.signum();
+    if size.abs() < clear.abs() { clear } else { size }
+}
+
+/// A signature at the strength that fits, where that is another than it was taken at.
+fn again(signature: &Signature, candidate: &Candidate, size: f64) -> Option<Trial> {
+    let (fits, before) = (fitting(signature, size), signature.size);
+    let (near, again) = match candidate.sensor {
+        // Between both, as a signature of too much asks for too little, and the other way round.
+        true if fits * before > 0.0 => (NEAR_SENSOR, fits.signum() * (fits * before).sqrt()),
+        true => (NEAR_SENSOR, fits),
+        false => (NEAR, fits),
+    };
+    let there = size != 0.0 && !candidate.strengths[signature.strength].whole();
+    (there && !near.contains(&(fits / before))).then_some(Trial { size: again, ..signature.trial() })
+}
+
+/// The same strength at the places beside, of either sign where it has one.
+fn beside(signature: &Signature, candidates: &[Candidate], size: f64) -> Vec<Trial> {
+    let size = if size == 0.0 { signature.size } else { fitting(signature, size) };
+    let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;
+    let places = (0..candidates.len()).filter(|c| candidates[*c].beside == Some(signature.candidate));
+    let at = |candidate: usize| {
+        let trial = Trial { candidate, size, ..signature.trial() };
+        [Some(trial), signed.then(|| trial.other())].into_iter().flatten()
+    };
+    places.flat_map(at).collect()
 }

@@ -219,6 +219,15 @@ pub fn refit(
     fitted
 }
 
+/// What strengths change in each run, by columns of one more of each.
+pub fn along(columns: &[Vec<DVector<f64>>], strengths: &[f64]) -> Vec<DVector<f64>> {
+    let in_run = |run: usize| {
+        let each = columns.iter().zip(strengths).map(|(column, x)| &column[run] * *x);
+        each.reduce(|sum, more| sum + more)
+    };
+    (0..columns.first().map_or(0, Vec::len)).filter_map(in_run).collect()
+}
+
 impl Fitted {
     /// Nuisances of some runs as they fit best with what the effects change.
     fn move_along(&mut self, evidence: &[Evidence], moved: &[bool]) {
@@ -232,16 +241,7 @@ impl Fitted {
 
     /// What its strengths change in each run, projected.
     pub fn direction(&self) -> Vec<DVector<f64>> {
-        self.along(&self.columns)
-    }
-
-    /// The same by other columns of its strengths.
-    pub fn along(&self, columns: &[Vec<DVector<f64>>]) -> Vec<DVector<f64>> {
-        let in_run = |run: usize| {
-            let each = columns.iter().zip(&self.strengths).map(|(column, x)| &column[run] * *x);
-            each.reduce(|sum, more| sum + more)
-        };
-        (0..self.residuals.len()).filter_map(in_run).collect()
+        along(&self.columns, &self.strengths)
     }
 
     /// Whether it was simulated with something.

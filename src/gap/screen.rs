@@ -168,7 +168,8 @@ pub fn keep(found: &mut Vec<Signature>, signature: Signature, evidence: &[Eviden
 }
 
 impl Signature {
-    fn trial(&self) -> Trial {
+    /// As it was taken.
+    pub fn trial(&self) -> Trial {
         Trial { candidate: self.candidate, strength: self.strength, size: self.size }
     }
 

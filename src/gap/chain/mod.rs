@@ -151,7 +151,7 @@ impl Chains {
             strengths: effect.strengths.iter().map(strength).collect(),
             sensor: effect.is_sensor(),
             differs,
-            doubt: effect.doubt(),
+            doubt: effect.doubt,
             beside,
         });
     }

@@ -11,6 +11,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "cart_bending",
     about: "carts that bend",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "compliance",
         unit: "m/N",

@@ -11,6 +11,7 @@ use crate::identify::Parameter;
 pub const EFFECT: Effect = Effect {
     name: "control_delay",
     about: "a drive that answers late",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "delay",
         unit: "s",

@@ -11,6 +11,7 @@ use crate::geometry::trig;
 pub const EFFECT: Effect = Effect {
     name: "curve_geometry",
     about: "a curve that was built otherwise",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "offset",
         unit: "m",

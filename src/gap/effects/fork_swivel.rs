@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "fork_swivel",
     about: "a fork that swivels against friction",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "moment",
         unit: "N m",

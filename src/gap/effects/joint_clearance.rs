@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "joint_clearance",
     about: "play in every joint",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "gap",
         unit: "m",

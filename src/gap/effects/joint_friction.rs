@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "joint_friction",
     about: "friction in every joint",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "moment",
         unit: "N m",

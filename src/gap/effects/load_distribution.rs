@@ -11,6 +11,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "load_distribution",
     about: "items on the carts",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "mass",
         unit: "kg",

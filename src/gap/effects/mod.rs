@@ -65,13 +65,18 @@ pub const BUILT: [&Effect; 1] = [&rail_waviness::EFFECT];
 
 /// How far a strength is off, as a share, where another equation made it: of the ones that challenges had and a diagnosis named, half were
 /// within 5 %, three quarters within 25 % (docs/gap-challenges.md).
-const DOUBT: f64 = 0.15;
+const ASSUMED: f64 = 0.15;
+
+/// Of a ratio or a level that a sensor is off by, which has no other equation.
+const EXACT: f64 = 0.0;
 
 /// An effect.
 pub struct Effect {
     pub name: &'static str,
     /// What is unlike the nominal model, in a few words.
     pub about: &'static str,
+    /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard deviation.
+    pub doubt: f64,
     /// What is fitted.
     pub strengths: &'static [Strength],
     /// What says where it sits, with the value that an `effect` without it has.
@@ -207,13 +212,6 @@ impl Effect {
     /// SI unit of a strength or of what says its place, as a layout writes it; empty for a ratio.
     pub fn unit(&self, name: &str) -> Option<&'static str> {
         self.strengths.iter().find(|s| s.name == name).map(|s| s.unit).or_else(|| self.place_unit(name))
-    }
-
-    /// By what share of itself a strength may be another in the machine, whose equation is not the library's: a standard deviation. What
-    /// ratios and levels sensors are off by has no other equation.
-    pub fn doubt(&self) -> f64 {
-        let exact = ["sensor_gain", "sensor_bias_drift", "sensor_crosstalk", "sensor_swapped"];
-        if exact.contains(&self.name) { 0.0 } else { DOUBT }
     }
 
     /// Whether it is one of the sensors.

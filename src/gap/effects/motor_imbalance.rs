@@ -9,6 +9,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "motor_imbalance",
     about: "a weak or dead motor",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "loss",
         unit: "",

@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "motor_ripple",
     about: "thrust that ripples with the pole pitch",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "ratio",
         unit: "",

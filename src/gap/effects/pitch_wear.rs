@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "pitch_wear",
     about: "carts of unequal length",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "deviation",
         unit: "m",

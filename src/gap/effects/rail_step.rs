@@ -12,6 +12,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "rail_step",
     about: "a step at a joint of the track",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "height",
         unit: "m",

@@ -12,6 +12,7 @@ use crate::identify::noise::uniform;
 pub const EFFECT: Effect = Effect {
     name: "rail_waviness",
     about: "rails that are not quite even",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "amplitude",
         unit: "m",

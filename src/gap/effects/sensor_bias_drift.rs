@@ -7,6 +7,7 @@ use super::{Act, Effect, Sensed, Strength, Strengths, sites};
 pub const EFFECT: Effect = Effect {
     name: "sensor_bias_drift",
     about: "an offset that drifts",
+    doubt: super::EXACT,
     strengths: &[
         Strength {
             name: "offset",

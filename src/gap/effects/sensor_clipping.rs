@@ -7,6 +7,7 @@ use super::{Act, Effect, Sensed, Strength, Strengths, sites};
 pub const EFFECT: Effect = Effect {
     name: "sensor_clipping",
     about: "a channel that clips",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "loss",
         unit: "",

@@ -7,6 +7,7 @@ use super::{Act, Effect, Sensed, Strength, Strengths, sites};
 pub const EFFECT: Effect = Effect {
     name: "sensor_crosstalk",
     about: "a channel that hears another",
+    doubt: super::EXACT,
     strengths: &[Strength {
         name: "ratio",
         unit: "",

@@ -7,6 +7,7 @@ use super::{Act, Effect, Sensed, Strength, Strengths, sites};
 pub const EFFECT: Effect = Effect {
     name: "sensor_gain",
     about: "a gain that is off",
+    doubt: super::EXACT,
     strengths: &[Strength {
         name: "gain",
         unit: "",

@@ -11,6 +11,7 @@ use crate::geometry::trig;
 pub const EFFECT: Effect = Effect {
     name: "sensor_lag",
     about: "a channel that comes late",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "delay",
         unit: "s",

@@ -7,6 +7,7 @@ use super::{Act, Effect, Sensed, Strength, Strengths, sites};
 pub const EFFECT: Effect = Effect {
     name: "sensor_swapped",
     about: "two channels exchanged",
+    doubt: super::EXACT,
     strengths: &[Strength {
         name: "share",
         unit: "",

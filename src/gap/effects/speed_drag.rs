@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "speed_drag",
     about: "drag that grows with speed",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "drag",
         unit: "N s²/m²",

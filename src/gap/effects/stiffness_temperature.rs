@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "stiffness_temperature",
     about: "stiffness that went with temperature",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "change",
         unit: "",

@@ -12,6 +12,7 @@ use crate::geometry::trig;
 pub const EFFECT: Effect = Effect {
     name: "track_flexibility",
     about: "a track that bends between supports",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "compliance",
         unit: "m/N",

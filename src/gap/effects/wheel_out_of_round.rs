@@ -11,6 +11,7 @@ use crate::geometry::trig;
 pub const EFFECT: Effect = Effect {
     name: "wheel_out_of_round",
     about: "a wheel out of round or with a flat spot",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "amplitude",
         unit: "m",

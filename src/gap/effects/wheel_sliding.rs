@@ -10,6 +10,7 @@ use crate::emit::simulation::Simulation;
 pub const EFFECT: Effect = Effect {
     name: "wheel_sliding",
     about: "running wheels that slide sideways",
+    doubt: super::ASSUMED,
     strengths: &[Strength {
         name: "friction",
         unit: "",
