@@ -17,7 +17,8 @@ pub struct Summary {
     zones: Vec<[[f64; 3]; FORCES]>,
     below: [[[f64; THRESHOLDS + 1]; FORCES]; KINDS],
     power: [[f64; BANDS]; FORCES],
-    high: [f64; FORCES],
+    /// Power above the low-pass, of each segment.
+    high: [Vec<f64>; FORCES],
     segments: [f64; FORCES],
     speed_power: [f64; SPEED_BANDS],
     speed_segments: f64,
@@ -158,7 +159,7 @@ impl Summary {
                 for (sum, (from, to)) in self.orders.iter_mut().zip(&recipe.orders) {
                     sum[force] += power[*from..*to].iter().sum::<f64>();
                 }
-                self.high[force] += power[recipe.high.0..recipe.high.1].iter().sum::<f64>();
+                self.high[force].push(power[recipe.high.0..recipe.high.1].iter().sum());
                 self.segments[force] += 1.0;
             }
         }
@@ -187,7 +188,7 @@ impl Summary {
         for (a, b) in self.power.iter_mut().zip(&other.power) {
             pairs(a, b);
         }
-        pairs(&mut self.high, &other.high);
+        self.high.iter_mut().zip(&other.high).for_each(|(a, b)| a.extend(b));
         pairs(&mut self.segments, &other.segments);
         pairs(&mut self.speed_power, &other.speed_power);
         self.speed_segments += other.speed_segments;
@@ -197,10 +198,16 @@ impl Summary {
         }
     }
 
-    /// Variance of what lies above the low-pass, and the share of white noise that does.
+    /// Variance of what lies above the low-pass in the middle one of the segments, so that a blow at one place is no noise, and the share
+    /// of white noise that does.
     pub fn high_power(&self, recipe: &Recipe) -> ([f64; FORCES], f64) {
         let share = 2.0 * (recipe.high.1 - recipe.high.0) as f64 / recipe.segment as f64;
-        (std::array::from_fn(|k| self.high[k] / self.segments[k].max(1.0)), share)
+        let middle = |of: &Vec<f64>| {
+            let mut sorted = of.clone();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+        };
+        (std::array::from_fn(|k| middle(&self.high[k])), share)
     }
 
     /// Mean speed, m/s.
@@ -368,5 +375,22 @@ mod tests {
         let ((clean, share), (loud, _)) = (summary.high_power(&recipe), noisy.high_power(&recipe));
         let found = ((loud[4] - clean[4]) / share).sqrt();
         assert!((found - 3.0).abs() < 0.15, "{found}");
+    }
+
+    #[test]
+    fn a_blow_is_no_noise() {
+        let mut recipe = recipe();
+        recipe.noise[4] = 3.0;
+        let (station, mut force) = lap();
+        let heard = |force: &[f32]| {
+            let mut summary = Summary::new(&recipe);
+            summary.add(&recipe, &of_joint(&station, force), 0.0, Some(5));
+            summary.high_power(&recipe).0[4]
+        };
+        let before = heard(&force);
+        let at = force.len() / 7;
+        force[at] += 500.0;
+        let after = heard(&force);
+        assert!((after / before - 1.0).abs() < 0.2, "{before} {after}");
     }
 }
