@@ -83,10 +83,12 @@ impl Judged {
 }
 
 impl Court<'_> {
-    /// A candidate alone.
+    /// A candidate alone, each of its strengths by the first of its signatures.
     pub fn single(&self, candidate: usize) -> Hypothesis {
-        let own = (0..self.signatures.len()).filter(|k| self.signatures[*k].candidate == candidate);
-        Hypothesis { members: vec![candidate], signatures: own.collect() }
+        let mut met = BTreeSet::new();
+        let own =
+            self.signatures.iter().enumerate().filter(|(_, s)| s.candidate == candidate && met.insert(s.strength));
+        Hypothesis { members: vec![candidate], signatures: own.map(|(k, _)| k).collect() }
     }
 
     /// All candidates with signatures, the likeliest first.

@@ -94,7 +94,8 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     if !gap {
         rest.append(&mut chosen);
     }
-    let chosen = chosen.into_iter().map(|j| j.fitted).collect();
+    let turned = court.turned(&chosen);
+    let chosen = chosen.into_iter().map(|j| j.fitted).chain(turned).collect();
     let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
@@ -149,6 +150,36 @@ impl Court<'_> {
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
             screen::keep(&mut self.signatures, signature, &self.evidence);
         }
+    }
+
+    /// The same effects with the other sign, where they strike at a place: up and down look nearly alike until they are simulated.
+    fn turned(&mut self, chosen: &[Judged]) -> Vec<Fitted> {
+        let candidates = self.simulator.candidates();
+        let strikes = |signature: &Signature| {
+            let places = candidates.iter().any(|c| c.beside == Some(signature.candidate));
+            let placed = places || candidates[signature.candidate].beside.is_some();
+            placed && candidates[signature.candidate].strengths[signature.strength].low < 0.0
+        };
+        let trials: Vec<Trial> = chosen
+            .iter()
+            .filter_map(|j| match (&j.fitted.hypothesis.signatures[..], &j.fitted.strengths[..]) {
+                ([own], [size]) if strikes(&self.signatures[*own]) => {
+                    let signature = &self.signatures[*own];
+                    Some(Trial { size: -fitting(signature, *size), ..signature.trial() })
+                }
+                _ => None,
+            })
+            .collect();
+        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |_| {});
+        let whole = taken.into_iter().filter(|(_, whole)| *whole);
+        whole
+            .map(|(signature, _)| {
+                let hypothesis =
+                    Hypothesis { members: vec![signature.candidate], signatures: vec![self.signatures.len()] };
+                self.signatures.push(signature);
+                hypothesis.screened(&self.evidence, &self.signatures, candidates)
+            })
+            .collect()
     }
 
     /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.

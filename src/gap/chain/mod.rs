@@ -1,11 +1,12 @@
 //! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
 
+mod blows;
 mod frame;
 mod nominal;
 
 use super::effects::load_distribution::Beside;
 use super::effects::sites::{self, Site};
-use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, rail_step, sense};
+use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
@@ -59,6 +60,8 @@ struct Fitted {
     tops: [f64; FORCES],
     /// High forces of each channel, measured and simulated, N.
     highs: [(f64, f64); FORCES],
+    /// How much louder than simulated parts of the lap are, of each channel.
+    loudness: Vec<Vec<f64>>,
     /// Which channels were measured.
     measured: [bool; FORCES],
     seed: u64,
@@ -160,7 +163,7 @@ impl Chains {
     fn sites(&self, effect: &Effect) -> Vec<Site> {
         let Some(first) = self.runs.first() else { return Vec::new() };
         if effect.name == "rail_step" {
-            return self.steps();
+            return blows::steps(&self.frames, &self.runs);
         }
         let channel = |name: &str| ["channel", "first", "second"].contains(&name);
         let measured = |site: &Site| {
@@ -168,33 +171,6 @@ impl Chains {
             site.fixed.iter().all(|(name, x)| !channel(name) || known(*x))
         };
         (effect.sites)(&first.model.simulation).into_iter().filter(measured).collect()
-    }
-
-    /// Cells in which each rail's channels are worst.
-    fn steps(&self) -> Vec<Site> {
-        let mut worst: Vec<(f64, usize, u64)> = Vec::new();
-        let rails: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
-        for (rail, forces) in rails.into_iter().enumerate() {
-            let mut cells: BTreeMap<u64, f64> = BTreeMap::new();
-            for (frame, run) in self.frames.iter().zip(&self.runs) {
-                let residual = frame.residual(&frame.nominal);
-                for (k, block) in run.landing.blocks.iter().enumerate().filter(|(k, _)| residual[*k].is_finite()) {
-                    if let Block::Mean(force) | Block::Local(force) = block
-                        && forces.contains(force)
-                    {
-                        let own = cells.entry(frame.labels[k].from).or_default();
-                        *own += residual[k] * residual[k] / frame.laps.variance[k];
-                    }
-                }
-            }
-            let mut cells: Vec<(f64, usize, u64)> = cells.into_iter().map(|(at, x)| (x, rail, at)).collect();
-            cells.sort_by(|a, b| b.0.total_cmp(&a.0));
-            worst.extend(cells.into_iter().take(2));
-        }
-        worst
-            .into_iter()
-            .map(|(_, rail, at)| rail_step::site(at as f64 / 1e3, rail, rail_step::RISE, rail_step::BACK))
-            .collect()
     }
 
     /// The effect of a candidate, as a simulation input has it.

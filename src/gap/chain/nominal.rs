@@ -1,6 +1,7 @@
 //! The nominal chain fitted to a run, and what its sensors reach.
 
 use super::Fitted;
+use super::blows::loudness;
 use crate::dynamics::Width;
 use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
@@ -35,6 +36,7 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
         begin,
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples),
+        loudness: loudness(&landing, lap, &samples, trigger, model.recipe.noise),
         measured: std::array::from_fn(|k| measured.has(k)),
         seed: settings.seed.wrapping_add(77),
         model,

@@ -1,0 +1,107 @@
+//! Where something strikes a rail: the places at which a step is looked for.
+
+use super::Fitted;
+use crate::gap::effects::rail_step;
+use crate::gap::effects::sites::Site;
+use crate::gap::simulator::Frame;
+use crate::geometry::trig;
+use crate::identify::fit::Landing;
+use crate::identify::model::samples;
+use crate::identify::recipe::Samples;
+use crate::identify::summary::{Block, FORCES};
+use std::collections::BTreeMap;
+
+/// Cells of each rail in which steps are looked for.
+const CELLS: usize = 2;
+
+/// Length of a part of the lap, about how far a blow rings, m.
+const PART: f64 = 0.1;
+
+/// A blow is where changes are so many times as strong as simulated.
+const LOUD: f64 = 3.0;
+
+/// A blow begins where changes are this share of the loudest ones: it rings longer.
+const RINGS: f64 = 30.0;
+
+/// The channels that each rail's wheels strike.
+const RAILS: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
+
+/// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those simulated; NaN where nothing was
+/// measured. `measured` begins with its trigger at `trigger`, m, and has white noise of the deviation `noise`, N.
+pub fn loudness(landing: &Landing, lap: f64, measured: &Samples, trigger: f64, noise: [f32; FORCES]) -> Vec<Vec<f64>> {
+    let parts = (lap / PART).ceil().max(1.0) as usize;
+    let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
+        for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
+            let change = f64::from(two[1]) - f64::from(two[0]);
+            let part = ((f64::from(*station) + offset) / lap).rem_euclid(1.0) * parts as f64;
+            if change.is_finite() {
+                let sum = &mut sums[(part as usize).min(parts - 1)];
+                *sum = (sum.0 + 1.0, sum.1 + change * change);
+            }
+        }
+    };
+    let of = |force: usize| {
+        let (mut real, mut simulated) = (vec![(0.0, 0.0); parts], vec![(0.0, 0.0); parts]);
+        add(&mut real, measured, force, trigger);
+        landing.centre.fleet.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
+        let white = 2.0 * f64::from(noise[force]) * f64::from(noise[force]);
+        let louder = |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / (y / m + white));
+        real.iter().zip(&simulated).map(louder).collect()
+    };
+    (0..FORCES).map(of).collect()
+}
+
+/// Where steps of the rails may be: in the cells in which each rail's channels are worst, where they are struck.
+pub fn steps(frames: &[Frame], runs: &[Fitted]) -> Vec<Site> {
+    let Some(first) = runs.first() else { return Vec::new() };
+    let places = &first.model.recipe.places;
+    let cell = places.lap / places.cells as f64;
+    let mut sites = Vec::new();
+    for (rail, forces) in RAILS.into_iter().enumerate() {
+        let mut found: Vec<f64> = Vec::new();
+        for from in worst(frames, runs, forces) {
+            let at = struck(runs, forces, from, cell).unwrap_or(from);
+            if found.len() < CELLS && found.iter().all(|other| (at - other).abs() > 0.25 * cell) {
+                found.push(at);
+                sites.push(rail_step::site(at, rail, rail_step::RISE, rail_step::BACK));
+            }
+        }
+    }
+    sites
+}
+
+/// Where cells begin, those in which channels are worst first, m.
+fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
+    let mut cells: BTreeMap<u64, f64> = BTreeMap::new();
+    for (frame, run) in frames.iter().zip(runs) {
+        let residual = frame.residual(&frame.nominal);
+        for (k, block) in run.landing.blocks.iter().enumerate().filter(|(k, _)| residual[*k].is_finite()) {
+            if let Block::Mean(force) | Block::Local(force) = block
+                && forces.contains(force)
+            {
+                let own = cells.entry(frame.labels[k].from).or_default();
+                *own += residual[k] * residual[k] / frame.laps.variance[k];
+            }
+        }
+    }
+    let mut cells: Vec<(u64, f64)> = cells.into_iter().collect();
+    cells.sort_by(|a, b| b.1.total_cmp(&a.1));
+    cells.into_iter().map(|(at, _)| at as f64 / 1e3).collect()
+}
+
+/// Where a blow begins that is loudest in a cell in all runs, m; none where nothing strikes.
+fn struck(runs: &[Fitted], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
+    let parts = runs.first()?.loudness.first()?.len();
+    let length = runs.first()?.model.recipe.places.lap / parts as f64;
+    let at = |part: usize| (part as f64 + 0.5) * length;
+    let loud = |part: usize, force: usize| {
+        let each: Vec<f64> = runs.iter().map(|r| r.loudness[force][part]).filter(|x| x.is_finite()).collect();
+        each.iter().sum::<f64>() / each.len().max(1) as f64
+    };
+    let loudest = |part: usize| forces.iter().map(|force| loud(part, *force)).fold(f64::MIN, f64::max);
+    let inside = (0..parts).filter(|part| (from..from + cell).contains(&at(*part)));
+    let (peak, part) = inside.map(|part| (loudest(part), part)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let heard = |part: &usize| loudest(*part) > trig::ln(LOUD).max(peak - trig::ln(RINGS));
+    let before = (0..parts / 2).map(|k| (part + parts - k) % parts);
+    before.take_while(heard).last().map(at)
+}
