@@ -93,15 +93,40 @@ fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
 fn struck(runs: &[Fitted], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
     let parts = runs.first()?.loudness.first()?.len();
     let length = runs.first()?.model.recipe.places.lap / parts as f64;
-    let at = |part: usize| (part as f64 + 0.5) * length;
-    let loud = |part: usize, force: usize| {
+    let of = |part: usize, force: usize| {
         let each: Vec<f64> = runs.iter().map(|r| r.loudness[force][part]).filter(|x| x.is_finite()).collect();
         each.iter().sum::<f64>() / each.len().max(1) as f64
     };
-    let loudest = |part: usize| forces.iter().map(|force| loud(part, *force)).fold(f64::MIN, f64::max);
-    let inside = (0..parts).filter(|part| (from..from + cell).contains(&at(*part)));
-    let (peak, part) = inside.map(|part| (loudest(part), part)).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let heard = |part: &usize| loudest(*part) > trig::ln(LOUD).max(peak - trig::ln(RINGS));
-    let before = (0..parts / 2).map(|k| (part + parts - k) % parts);
-    before.take_while(heard).last().map(at)
+    let loudest = |part: usize| forces.iter().map(|force| of(part, *force)).fold(f64::MIN, f64::max);
+    let loud: Vec<f64> = (0..parts).map(loudest).collect();
+    let at = |part: usize| (part as f64 + 0.5) * length;
+    begins(&loud, |part| (from..from + cell).contains(&at(part))).map(at)
+}
+
+/// The part of the lap in which the loudest blow inside begins, by the logarithm of how loud each is.
+fn begins(loud: &[f64], inside: impl Fn(usize) -> bool) -> Option<usize> {
+    let parts = loud.len();
+    let peak = (0..parts).filter(|part| inside(*part)).max_by(|a, b| loud[*a].total_cmp(&loud[*b]))?;
+    let heard = |part: &usize| loud[*part] > trig::ln(LOUD).max(loud[peak] - trig::ln(RINGS));
+    (0..parts / 2).map(|k| (peak + parts - k) % parts).take_while(heard).last()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blow_begins_before_it_is_loudest_and_rings_after() {
+        let mut loud = vec![0.3; 100];
+        // A wheel that is thrown up lands later, and harder.
+        loud[98..].fill(3.0);
+        loud[..5].copy_from_slice(&[3.5, 5.0, 3.0, 2.0, 1.0]);
+        // A weaker one, far off, that the first drowns.
+        loud[50] = 1.5;
+        assert_eq!(begins(&loud, |part| part < 10), Some(98));
+        assert_eq!(begins(&loud, |part| (45..55).contains(&part)), Some(50));
+        assert_eq!(begins(&loud, |part| (20..40).contains(&part)), None);
+        loud[97] = 1.2;
+        assert_eq!(begins(&loud, |part| part < 10), Some(98), "what is a thirtieth as loud is another blow");
+    }
 }
