@@ -1,6 +1,7 @@
 //! How a built chain may deviate from the nominal one: what effects set and forces read.
 
-use crate::geometry::trig;
+use crate::geometry::{CentreLine, trig};
+use nalgebra::Vector3;
 
 /// Deviations of a built chain. The default has none.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +81,9 @@ impl Default for Deviations {
 /// Turns of a wheel from one cart to the next, beside whole ones: the golden ratio spreads any number of them evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
+/// Steps to a station between rails that are off.
+const SPACED: usize = 8;
+
 impl Deviations {
     /// Whether carts feel anything that the nominal forces lack.
     pub fn on_carts(&self) -> bool {
@@ -102,6 +106,47 @@ impl Deviations {
         let share = self.thrust.get(motor).copied().unwrap_or(1.0);
         let Ripple { ratio, wavelength, phase } = self.ripple;
         if ratio == 0.0 { share } else { share * (1.0 + ratio * trig::sin(trig::TAU * ahead / wavelength + phase)) }
+    }
+
+    /// Where the rails of a line lead at a station, m.
+    pub fn way(&self, line: &CentreLine, station: f64) -> Vector3<f64> {
+        let frame = line.at(station);
+        let [across, left, right] = [0, 1, 2].map(|rail| closed(&self.rails[rail], station / line.length).0);
+        frame.position + frame.normal * across + frame.up * (0.5 * (left + right))
+    }
+
+    /// How much longer than a line the way between its rails is, m, up to each of the tables' points and to the end: the difference of
+    /// two polygons through the points, as the rails are off by little beside their distance. Empty where no rail is off.
+    pub fn longer(&self, line: &CentreLine) -> Vec<f64> {
+        let n = self.rails.iter().map(Vec::len).max().unwrap_or(0);
+        let planned = Deviations::default();
+        let points = |which: &Deviations| -> Vec<Vector3<f64>> {
+            (0..n).map(|k| which.way(line, line.length * k as f64 / n as f64)).collect()
+        };
+        let (built, planned) = (points(self), points(&planned));
+        let mut longer = vec![0.0; n.min(1)];
+        for k in 0..n {
+            let side = |points: &[Vector3<f64>]| (points[(k + 1) % n] - points[k]).norm();
+            longer.push(longer[k] + side(&built) - side(&planned));
+        }
+        longer
+    }
+
+    /// The station, m, up to which the way between the rails is the same part of the whole as a station of the line is of the lap.
+    pub fn spaced(&self, line: &CentreLine, longer: &[f64], station: f64) -> f64 {
+        let Some(whole) = longer.last() else { return station };
+        let n = (longer.len() - 1) as f64;
+        let up_to = |station: f64| {
+            let place = n * (station / line.length).clamp(0.0, 1.0);
+            let k = (place as usize).min(longer.len() - 2);
+            longer[k] + (place - k as f64) * (longer[k + 1] - longer[k])
+        };
+        // What is longer grows by a small part of the way, so that this comes to rest at once.
+        let mut spaced = station;
+        for _ in 0..SPACED {
+            spaced = station * (1.0 + whole / line.length) - up_to(spaced);
+        }
+        spaced
     }
 
     /// Offset and slope, m and 1, of rail and wheel `k` (lateral, left, right) under cart `i` at a share of the lap; `lap`
@@ -132,6 +177,38 @@ pub fn closed(table: &[f64], share: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Form;
+
+    #[test]
+    fn a_wider_circle_is_longer_by_its_radius_and_a_wave_by_half_its_slope_squared() {
+        let circle = CentreLine::new([0.0; 4], &[Form::Arc { radius: 5.0, turn: trig::TAU }]);
+        let wider = Deviations { rails: [vec![-0.01; 500], Vec::new(), Vec::new()], ..Deviations::default() };
+        let whole = |deviations: &Deviations| deviations.longer(&circle).last().copied();
+        assert!((whole(&wider).unwrap() - trig::TAU * 0.01).abs() < 1e-5);
+        let wave: Vec<f64> = (0..2000).map(|k| 0.01 * trig::sin(trig::TAU * f64::from(k) / 200.0)).collect();
+        let wavy = Deviations { rails: [Vec::new(), wave.clone(), wave], ..Deviations::default() };
+        let slope = 0.01 * 10.0 / 5.0;
+        let more = whole(&wavy).unwrap() / circle.length;
+        assert!((more - slope * slope / 4.0).abs() < 0.01 * slope * slope, "{more}");
+        assert_eq!(whole(&Deviations::default()), None);
+    }
+
+    #[test]
+    fn stations_between_rails_are_evenly_apart() {
+        let circle = CentreLine::new([0.0; 4], &[Form::Arc { radius: 5.0, turn: trig::TAU }]);
+        let bulge = |k: usize| 0.1 * trig::sin(trig::PI * k as f64 / 1000.0) * trig::sin(trig::PI * k as f64 / 1000.0);
+        let built =
+            Deviations { rails: [(0..1000).map(bulge).collect(), Vec::new(), Vec::new()], ..Deviations::default() };
+        let longer = built.longer(&circle);
+        let station = |k: usize| built.spaced(&circle, &longer, circle.length * k as f64 / 20.0);
+        let points: Vec<_> = (0..=20).map(|k| built.way(&circle, station(k))).collect();
+        let apart: Vec<f64> = points.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
+        let (low, high) = apart.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
+        assert!(
+            high - low < 5e-4 && (station(10) - 0.5 * circle.length).abs() < 1e-5 && station(5) < 0.249 * circle.length,
+            "{low} {high}"
+        );
+    }
 
     #[test]
     fn a_closed_table_follows_a_sine_with_its_slope() {

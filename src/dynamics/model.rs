@@ -117,7 +117,7 @@ impl std::error::Error for Unfit {}
 
 impl Model {
     /// Checks the input and closes the chain: the free cart length is ℓ − sign(T₀)(|T₀|/K)^(1/n), with ℓ the pitch at which
-    /// the chain closes, averaged over phases.
+    /// the chain closes, averaged over phases. The take-up takes what a built track is longer by, so T₀ is the tension there, too.
     pub fn new(simulation: &Simulation) -> Result<Model, Unfit> {
         let (simulation, deviations) = effects::built(simulation)?;
         Model::deviating(&simulation, deviations)
@@ -146,7 +146,8 @@ impl Model {
         let axial = damped(&simulation.joint.axial, tension);
         let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent)
             + 0.5 * deviations.clearance;
-        let length = if tension < 0.0 { pitch + stretch } else { pitch - stretch };
+        let built = pitch + deviations.longer(&line).last().copied().unwrap_or(0.0) / carts as f64;
+        let length = if tension < 0.0 { built + stretch } else { built - stretch };
         let wheel = |wheel: &input::Wheel, load: f64| Wheel {
             contact: damped(&wheel.contact, load),
             half_spacing: wheel.half_spacing_m,

@@ -276,7 +276,10 @@ impl Recorder {
         let mut forces = Channel::FORCES.map(take);
         let top = |x: &Vec<f64>| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let tops = std::array::from_fn(|k| top(&forces[k]));
-        effects::sense(simulation, &mut Sensed { time: &self.time, forces: &mut forces, tops });
+        effects::sense(
+            simulation,
+            &mut Sensed { time: &self.time, period: 1.0 / simulation.sensor.rate_hz, forces: &mut forces, tops },
+        );
         self.channels.extend(Channel::FORCES.into_iter().zip(forces));
     }
 }

@@ -1,5 +1,5 @@
-//! The kinematic initial state: joints on the centre line one closing pitch apart, no roll, both joints of every cart
-//! moving along the track (design: chain model, start).
+//! The kinematic initial state: joints one closing pitch apart on the centre line, or between the rails where these are off it; no roll,
+//! both joints of every cart moving along the track (design: chain model, start).
 
 use super::forces::Memory;
 use super::model::{Model, Unfit};
@@ -28,7 +28,11 @@ pub fn start(model: &Model, front: f64, speed: f64) -> Result<(State, Memory, Cl
         ],
     };
     let mut memory = memory;
-    let frames: Vec<Frame> = closed.stations.iter().map(|s| line.at(*s)).collect();
+    let longer = model.deviations.longer(line);
+    let spaced = |s: &f64| model.deviations.spaced(line, &longer, s.rem_euclid(line.length));
+    let stations: Vec<f64> = closed.stations.iter().map(spaced).collect();
+    let on_rails = |s: &f64| Frame { position: model.deviations.way(line, *s), ..line.at(*s) };
+    let frames: Vec<Frame> = stations.iter().map(on_rails).collect();
     for i in 0..packs * PACK {
         // Idle places rest where the first cart starts.
         let cart = if i < model.carts { i } else { 0 };
@@ -46,7 +50,7 @@ pub fn start(model: &Model, front: f64, speed: f64) -> Result<(State, Memory, Cl
         for (k, value) in [q.w, q.i, q.j, q.k].into_iter().enumerate() {
             bodies.attitude[k][lane] = value;
         }
-        let segment = model.segments.at(closed.stations[cart]);
+        let segment = model.segments.at(stations[cart]);
         memory.home[pack].set(lane, segment, &model.segments.list[segment]);
     }
     Ok((state, memory, closed))

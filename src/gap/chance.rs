@@ -42,7 +42,7 @@ impl Chance<'_> {
     pub fn hypotheses(&self) -> Vec<(Fitted, Option<Floor>)> {
         let candidates = self.simulator.candidates();
         let run = most_off(self.nominal);
-        let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0);
+        let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0, None);
         let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].differs.is_some());
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
         let mut all: Vec<Tried> = own.map(|k| Tried { hypothesis: alone(k), points: Vec::new() }).collect();
@@ -86,20 +86,32 @@ impl Chance<'_> {
         for (tried, sizes) in all.iter_mut().zip(asked) {
             for size in sizes {
                 let Some(laps) = answers.next().flatten() else { continue };
-                let misfits = SPAN.map(|share| self.misfit(run, &laps, share));
+                let mean = self.mean(&tried.hypothesis, run, *size);
+                let misfits = SPAN.map(|share| self.misfit(run, &laps, share, mean.as_deref()));
                 tried.points.push(Point { size: *size, misfits });
             }
             tried.points.sort_by(|a, b| a.size.total_cmp(&b.size));
         }
     }
 
-    /// ln s + ln(det C/det C₀)/n of a run, where laps scatter as at a share of the strength that has these.
-    fn misfit(&self, run: usize, laps: &Laps, share: f64) -> f64 {
+    /// What a strength changes in a run's mean lap, by the signature; `None` where another lap has another pattern.
+    fn mean(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Option<Vec<f64>> {
+        let signature = &self.signatures[hypothesis.signatures[0]];
+        let differs = self.simulator.candidates()[signature.candidate].differs;
+        (differs == Some(Differs::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
+    }
+
+    /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength that has these.
+    fn misfit(&self, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
         let variance = frame.laps.variance.iter().zip(&laps.variance).map(added).collect();
         let own = Evidence::with(frame, &self.usual[run], &laps.scaled(variance));
-        trig::ln(own.excess(&own.residual).max(0.9)) + own.raised(&self.nominal[run])
+        let left = match mean {
+            Some(mean) => &own.residual - own.column(mean) * share,
+            None => own.residual.clone(),
+        };
+        trig::ln(own.excess(&left).max(0.9)) + own.raised(&self.nominal[run])
     }
 
     /// A run with the hypothesis at a strength, nuisances where they are without it.

@@ -10,6 +10,7 @@ use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::{Candidate, Simulator};
+use super::tune;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
@@ -69,23 +70,28 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
     let gap = court.excess > 1.0;
     let heard = gap || court.singles().iter().any(|j| court.score(&j.fitted).z() > HEARD);
+    if heard {
+        court.tune();
+    }
     for _ in 0..if heard { LOOKS } else { 0 } {
         court.look_closer(&mut |done, of| tell(Stage::Screening { done, of }));
     }
     let singles = court.singles();
-    let single = |c: usize| court.single(c);
     let first = |judged: &Judged| judged.fitted.hypothesis.members[0];
     let mut pairs: Vec<Judged> = Vec::new();
-    // Each candidate once, in whichever way it is likeliest: a pair has all strengths of both.
+    // Each candidate once, in whichever way it is likeliest: a pair has some of its strengths, or all.
     let mut met = BTreeSet::new();
     let leading: Vec<&Judged> = singles.iter().filter(|j| met.insert(first(j))).collect();
     for (rank, a) in leading.iter().enumerate().take(PAIRED) {
         for b in &leading[rank + 1..] {
             let (x, y) = (first(a), first(b));
             if candidates[x].effect != candidates[y].effect {
-                let (one, two) = (single(x), single(y));
-                let signatures = [one.signatures, two.signatures].concat();
-                pairs.push(court.screened(Hypothesis { members: vec![x, y], signatures }));
+                let ways = |c: usize| {
+                    singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis.signatures[..])
+                };
+                for (one, two) in ways(x).flat_map(|one| ways(y).map(move |two| (one, two))) {
+                    pairs.push(court.screened(Hypothesis { members: vec![x, y], signatures: [one, two].concat() }));
+                }
             }
         }
     }
@@ -121,6 +127,29 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
 }
 
 impl Court<'_> {
+    /// Takes signatures of what costs no simulation at the strengths that fit best.
+    fn tune(&mut self) {
+        let candidates = self.simulator.candidates();
+        let worth = WORTH * (self.excess - 1.0).max(0.0);
+        let cheap = self.singles().into_iter().filter(|j| {
+            let alone = matches!(j.fitted.hypothesis.signatures[..], [own]
+                if !candidates[self.signatures[own].candidate].strengths[self.signatures[own].strength].whole());
+            alone && self.excess - j.excess > worth && tune::is_cheap(self.simulator, &j.fitted.hypothesis)
+        });
+        let cheap: Vec<Fitted> = cheap.take(SENSORS).map(|j| j.fitted).collect();
+        for fitted in cheap {
+            let Hypothesis { signatures, .. } = &fitted.hypothesis;
+            let tuned =
+                tune::tuned(self.simulator, &self.evidence, &self.signatures, &fitted.hypothesis, &fitted.strengths);
+            let Some(tuned) = tuned.filter(|t| t.strengths[0] != 0.0) else { continue };
+            let size = tuned.strengths[0];
+            let change = tuned.changes.iter().map(|run| run.iter().map(|x| x / size).collect()).collect();
+            let columns = tuned.found.iter().map(|column| column / size).collect();
+            let signature = Signature { size, change, columns, ..self.signatures[signatures[0]].clone() };
+            screen::keep(&mut self.signatures, signature, &self.evidence);
+        }
+    }
+
     /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and at the places
     /// beside.
     fn look_closer(&mut self, tell: &mut dyn FnMut(usize, usize)) {
@@ -137,6 +166,7 @@ impl Court<'_> {
             let candidate = &candidates[signature.candidate];
             sensors += usize::from(candidate.sensor);
             let room = match candidate.sensor {
+                true if self.simulator.hears() => false,
                 true => sensors <= SENSORS,
                 false => seen.len() < LOOKED_AT && seen.insert(&candidate.effect),
             };

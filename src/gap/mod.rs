@@ -21,6 +21,7 @@ mod report;
 mod screen;
 mod significance;
 mod simulator;
+mod tune;
 mod words;
 
 pub use diagnose::{Stage, diagnose};

@@ -3,6 +3,7 @@
 use super::evidence::Evidence;
 use super::screen::{Explained, Signature, explain};
 use super::simulator::{Applied, Candidate, Request, Simulator};
+use super::tune::{Tuned, differences, is_cheap, tuned};
 use nalgebra::{DMatrix, DVector};
 
 /// Simulations of each run at most, and the share of the squares that another one is worth.
@@ -119,6 +120,13 @@ impl Search {
         Search { at: vec![0.0; strengths], found, best: None, moved: vec![true; evidence.len()], settled: false }
     }
 
+    /// Begins where strengths were tuned.
+    fn begin(&mut self, one: &mut Fitted, tuned: Tuned) {
+        (self.at, self.found) = (tuned.strengths.clone(), tuned.found);
+        (one.strengths, one.columns) = (tuned.strengths, tuned.columns);
+        (one.residuals, one.changes) = (tuned.residuals, tuned.changes);
+    }
+
     /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was foretold. What the
     /// effects do is then simulated where the nominal model is, and nuisances are thought of by their slopes.
     fn astray(&mut self, evidence: &[Evidence], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
@@ -155,7 +163,7 @@ impl Search {
     }
 }
 
-fn norm_squared(each: &[DVector<f64>]) -> f64 {
+pub fn norm_squared(each: &[DVector<f64>]) -> f64 {
     each.iter().map(DVector::norm_squared).sum()
 }
 
@@ -171,6 +179,12 @@ pub fn refit(
     let mut fitted = screened;
     let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), evidence)).collect();
     let runs = evidence.len();
+    for (one, search) in fitted.iter_mut().zip(&mut searches).filter(|(one, _)| is_cheap(simulator, &one.hypothesis)) {
+        if let Some(tuned) = tuned(simulator, evidence, signatures, &one.hypothesis, &one.strengths) {
+            search.begin(one, tuned);
+            one.move_along(evidence, &search.moved);
+        }
+    }
     for round in 0..ROUNDS {
         tell(round, ROUNDS);
         let going: Vec<usize> = (0..fitted.len()).filter(|k| !searches[*k].settled).collect();
@@ -206,6 +220,7 @@ pub fn refit(
                 search.best = Some(Point { square, strengths, residuals, changes, features });
             }
             if let Some(best) = &search.best {
+                one.listen(simulator, evidence, signatures, &best.strengths);
                 search.settled = one.step(best, candidates, signatures);
                 one.move_along(evidence, &search.moved);
             }
@@ -236,6 +251,22 @@ impl Fitted {
             if !moved[run] {
                 step.fill(0.0);
             }
+        }
+    }
+
+    /// Takes what one more of a sensor's strengths changes where the strengths are.
+    fn listen(&mut self, simulator: &dyn Simulator, evidence: &[Evidence], signatures: &[Signature], at: &[f64]) {
+        let Hypothesis { members, signatures: own } = &self.hypothesis;
+        let cheap = |member: &usize| simulator.hears() && simulator.candidates()[*member].sensor;
+        let rows: Vec<usize> = (0..own.len()).filter(|k| cheap(&signatures[own[*k]].candidate)).collect();
+        let sensors = Hypothesis {
+            members: members.iter().copied().filter(cheap).collect(),
+            signatures: rows.iter().map(|k| own[*k]).collect(),
+        };
+        let at: Vec<f64> = rows.iter().map(|k| at[*k]).collect();
+        let slopes = (!rows.is_empty()).then(|| differences(simulator, evidence, signatures, &sensors, &at)).flatten();
+        for (row, column) in rows.into_iter().zip(slopes.into_iter().flat_map(|s| s.columns)) {
+            self.columns[row] = column;
         }
     }
 

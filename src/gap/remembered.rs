@@ -69,6 +69,10 @@ impl Simulator for Remembered<'_> {
         self.simulate_all(&[request]).pop().flatten()
     }
 
+    fn hears(&self) -> bool {
+        self.simulator.hears()
+    }
+
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         let keys = requests.iter().map(|r| format!("{}l", key(r))).collect();
         let flat =

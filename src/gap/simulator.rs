@@ -15,6 +15,11 @@ pub trait Simulator: Sync {
     /// nothing can be simulated.
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>>;
 
+    /// Whether effects of sensors cost no simulation where nuisances are not moved.
+    fn hears(&self) -> bool {
+        false
+    }
+
     /// Of each request, honest laps with its effects, in place of its frame's. `None` where the frame's hold or nothing is known.
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         vec![None; requests.len()]

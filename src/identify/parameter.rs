@@ -134,7 +134,7 @@ impl Parameter {
     pub fn bounds(self, nominal: f64) -> (f64, f64) {
         match self {
             Parameter::Speed => (0.9 * nominal, 1.1 * nominal),
-            Parameter::Tension => (0.2 * nominal, 5.0 * nominal),
+            Parameter::Tension => (0.1 * nominal, 5.0 * nominal),
             Parameter::RollingResistance => (0.002, 0.08),
             Parameter::TriggerPosition => (nominal - 3.0, nominal + 3.0),
             Parameter::KP | Parameter::KI => (0.1 * nominal, 10.0 * nominal),

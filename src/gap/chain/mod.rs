@@ -2,9 +2,9 @@
 
 mod blows;
 mod frame;
+mod laps;
 mod nominal;
 
-use super::effects::load_distribution::Beside;
 use super::effects::sites::{self, Site};
 use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
@@ -15,9 +15,10 @@ use crate::identify::fit::Landing;
 use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::study::Subject;
-use crate::identify::summary::{Block, FORCES, Summary};
-use crate::identify::{self, Model, Parameter, Settings};
+use crate::identify::summary::{FORCES, Summary};
+use crate::identify::{Model, Parameter, Settings};
 use crate::signal::Channel;
+use laps::heard;
 use nominal::{fitted, set_tops};
 use std::collections::BTreeMap;
 
@@ -33,10 +34,6 @@ const SHORTER: usize = 2;
 
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
-
-/// Fewer laps tell nothing of how they differ; more are not kept.
-const FEW_LAPS: usize = 6;
-const MANY_LAPS: usize = 128;
 
 /// Carts that listen with a sensor's effect.
 const LISTENERS: usize = 14;
@@ -235,38 +232,6 @@ impl Chains {
         Some((model, at, fleet?))
     }
 
-    /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them: each cart of a
-    /// simulation is a lap. `None` where no effect is the machine's, and where few carts are like the one with the sensors.
-    fn laps(&self, request: &Request) -> Option<Laps> {
-        let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
-        let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
-        if effects.is_empty() {
-            return None;
-        }
-        let (run, frame) = (&self.runs[request.run], &self.frames[request.run]);
-        let carts = run.model.simulation.chain.carts as f64;
-        let (model, _, mut fleet) = self.survey(request.run, &request.step, effects, carts)?;
-        let load = built(&model.simulation).ok()?.1.load;
-        let heard = heard(&model.simulation, &load, fleet.carts.len());
-        let mut each = heard.iter();
-        fleet.carts.retain(|_| each.next().is_none_or(|heard| *heard));
-        if fleet.carts.len() < FEW_LAPS {
-            return None;
-        }
-        let floor = identify::floor::Floor::new(&model, &fleet, run.seed);
-        let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
-        let laps = run.laps.max(frame::LEAST_LAPS);
-        let added = |(k, block): (usize, &Block)| {
-            let added = own[k] * own[k] - nominal[k] * nominal[k];
-            if added > 0.0 { added / block.laps(laps) } else { 0.0 }
-        };
-        let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
-        let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
-        let every = floor.scatter.len().div_ceil(MANY_LAPS);
-        let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
-        Some(Laps { variance, scatter: frame::scatter(run, &some) })
-    }
-
     /// What the runs lack, and what it costs.
     pub fn lost(&self) -> Vec<String> {
         let mut lost = Vec::new();
@@ -321,6 +286,10 @@ impl Simulator for Chains {
             return Some(fitted.overheard(&fitted.with(effects), &self.frames[run].nominal));
         }
         self.simulated(run, step, effects, sensor)
+    }
+
+    fn hears(&self) -> bool {
+        true
     }
 
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
@@ -403,12 +372,11 @@ impl Fitted {
         let lap = self.model.recipe.places.lap;
         let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
         let whole = (self.laps.ceil() - 1.0).max(0.0) * 0.5 * lap;
-        let first = cart.station.first().map_or(0.0, |s| f64::from(*s));
-        let begin = ((first - self.begin).rem_euclid(lap) + whole) / speed;
-        let time: Vec<f64> = (0..cart.station.len()).map(|i| begin + i as f64 / rate).collect();
+        let at = |station: &f32| ((f64::from(*station) - self.begin).rem_euclid(lap) + whole) / speed;
+        let time: Vec<f64> = cart.station.iter().map(at).collect();
         let mut forces: [Vec<f64>; FORCES] =
             std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
-        sense(&model.simulation, &mut Sensed { time: &time, forces: &mut forces, tops: self.tops });
+        sense(&model.simulation, &mut Sensed { time: &time, period: 1.0 / rate, forces: &mut forces, tops: self.tops });
         CartRecord {
             station: cart.station.clone(),
             speed: cart.speed.clone(),
@@ -438,13 +406,4 @@ impl Fitted {
         };
         each.iter().enumerate().map(|(k, d)| frame.nominal[k] + keep(k) * d).collect()
     }
-}
-
-/// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside them.
-fn heard(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
-    let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
-    let Some(beside) = Beside::in_input(simulation) else { return vec![true; carts] };
-    let like = |k: usize| !loaded(k) && loaded(k + carts - 1) == beside.before && loaded(k + 1) == beside.after;
-    let heard: Vec<bool> = (0..carts).map(like).collect();
-    if heard.contains(&true) { heard } else { vec![true; carts] }
 }

@@ -1,6 +1,6 @@
 //! Items on the carts: every second cart, in an irregular order, carries a mass, at its centre of mass (thesis, chapter 2: carts without items).
 //! The sensor cart is thought to be empty, and so are both carts beside it, unless `on_sensor` is 1, where all carts carry an item, 2 or 3,
-//! where the cart of the number before or after carries one, or 4, where both do.
+//! where the cart of the number before or after carries one, or 4, where both do. Another `draw` loads others.
 //!
 //! Signature: joint_xi along the track and, in curves, steering forces; with `on_sensor` the running wheels' forces.
 
@@ -21,15 +21,22 @@ pub const EFFECT: Effect = Effect {
         low: 0.0,
         high: 200.0,
     }],
-    places: &[("on_sensor", 0.0)],
+    places: &[("on_sensor", 0.0), DRAW],
     sites: loads,
     act: Act::Chain(act),
 };
+
+/// Which carts are loaded, and that of a layout that does not say.
+pub const DRAW: (&str, f64) = ("draw", 1.0);
+
+/// Carts from one draw to the next.
+const APART: usize = 1 << 16;
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let share = strengths.of("mass") / simulation.cart.mass_kg.max(1e-9);
     let (carts, sensor) = (simulation.chain.carts, simulation.sensor.cart.saturating_sub(1));
     let beside = Beside::of(strengths.of("on_sensor"));
+    let drawn = APART * strengths.index(DRAW.0);
     deviations.load.resize(carts, 0.0);
     for (i, load) in deviations.load.iter_mut().enumerate() {
         let loaded = match beside {
@@ -37,7 +44,7 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
             Some(_) if i == sensor => false,
             Some(beside) if (i + 1) % carts == sensor => beside.before,
             Some(beside) if i == (sensor + 1) % carts => beside.after,
-            Some(_) => spread(i) > 0.0,
+            Some(_) => spread(i + drawn) > 0.0,
         };
         *load += if loaded { share } else { 0.0 };
     }

@@ -128,8 +128,10 @@ impl Strengths<'_> {
 
 /// What a sensor cart sampled.
 pub struct Sensed<'a> {
-    /// s, from the run's beginning.
+    /// s, from the run's beginning; that of a cart which was elsewhere then jumps back where the run began.
     pub time: &'a [f64],
+    /// From one sample to the next, s.
+    pub period: f64,
     /// `steer_left`, `steer_right`, `run_left`, `run_right`, `joint_xi`, `joint_eta`, `joint_zeta`, N; an empty one was not
     /// measured.
     pub forces: &'a mut [Vec<f64>; 7],

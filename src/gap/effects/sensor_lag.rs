@@ -34,8 +34,7 @@ const MOST: usize = 16;
 
 fn act(strengths: &Strengths, sensed: &mut Sensed) {
     let Some(force) = sensed.forces.get_mut(strengths.index("channel")) else { return };
-    let [first, .., last] = sensed.time else { return };
-    let late = strengths.of("delay") / ((last - first) / (sensed.time.len() - 1) as f64).max(1e-9);
+    let late = strengths.of("delay") / sensed.period;
     match strengths.of("order").clamp(0.0, MOST as f64) as usize {
         0 => delay(force, late),
         order => (0..order).for_each(|_| lag(force, late / order as f64)),

@@ -36,7 +36,7 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; 7] {
     let mut forces: [Vec<f64>; 7] =
         std::array::from_fn(|k| time.iter().map(|t| 100.0 * k as f64 + trig::sin(*t)).collect());
     let tops = std::array::from_fn(|k| 100.0 * k as f64 + 1.0);
-    sense(simulation, &mut Sensed { time: &time, forces: &mut forces, tops });
+    sense(simulation, &mut Sensed { time: &time, period: 0.01, forces: &mut forces, tops });
     forces
 }
 

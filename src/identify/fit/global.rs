@@ -9,7 +9,7 @@ use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::Parameter;
 use crate::identify::summary::{FORCES, Summary};
 
-/// The channel whose mean is in proportion to the tension: joint_xi.
+/// The channel whose mean tells the tension: joint_xi.
 const TELLS_TENSION: usize = 4;
 
 /// Logarithm of how much worse the other channels may fit, each, where they hardly tell the tension.
@@ -92,7 +92,8 @@ impl Fitter<'_> {
         others.map(|(_, (before, after))| trig::ln(after.max(1.0) / before.max(1.0)) - HARDLY_WORSE).sum::<f64>() <= 0.0
     }
 
-    /// The global stage for the tension: in proportion to the joint's mean force. Whether it moved much.
+    /// The global stage for the tension: a chain that is tighter at rest is tighter by as much when it runs, whatever it loses there.
+    /// Whether it moved much.
     pub(super) fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
         let mut measured = Summary::new(&model.recipe);
@@ -101,12 +102,13 @@ impl Fitter<'_> {
         else {
             return false;
         };
-        if !self.settings.free[k] || found <= 0.0 || simulated <= 0.0 {
+        if !self.settings.free[k] {
             return false;
         }
-        let step = trig::ln(found / simulated).clamp(-1.0, 1.0);
         let (low, high) = model.range(Parameter::Tension);
-        at[k] = (at[k] + step).clamp(low, high);
-        step.abs() > 0.02
+        let from = at[k];
+        let tension = model.value(Parameter::Tension, at) + found - simulated;
+        at[k] = model.coordinate(Parameter::Tension, tension).clamp(low, high);
+        (at[k] - from).abs() > 0.02
     }
 }

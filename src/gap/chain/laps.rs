@@ -1,0 +1,84 @@
+//! Laps of a run with effects: each cart of a simulation that is like the one with the sensors is one.
+
+use super::Chains;
+use super::frame;
+use crate::dynamics::Fleet;
+use crate::emit::simulation::{self as input, Simulation};
+use crate::gap::effects::built;
+use crate::gap::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
+use crate::gap::simulator::{Laps, Request};
+use crate::identify::summary::Block;
+use crate::identify::{Model, floor::Floor};
+
+/// Fewer laps tell nothing of how they differ; more are not kept.
+const FEW_LAPS: usize = 6;
+const MANY_LAPS: usize = 128;
+
+/// Where few carts are like the one with the sensors, others are loaded: until so many laps are known, and so often at most.
+const SOME_LAPS: usize = 12;
+const LOADED: usize = 4;
+
+impl Chains {
+    /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them: each cart of a
+    /// simulation is a lap. `None` where no effect is the machine's, and where few carts are like the one with the sensors.
+    pub(super) fn laps(&self, request: &Request) -> Option<Laps> {
+        let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
+        let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
+        if effects.is_empty() {
+            return None;
+        }
+        let (run, frame) = (&self.runs[request.run], &self.frames[request.run]);
+        let drawn = |draw: usize| self.like(request, with_draw(&effects, draw));
+        let (model, mut fleet) = drawn(1)?;
+        let loaded = effects.iter().any(|e| e.name == LOAD.name);
+        for draw in 2..=LOADED {
+            if loaded && fleet.carts.len() < SOME_LAPS {
+                fleet.carts.append(&mut drawn(draw)?.1.carts);
+            }
+        }
+        if fleet.carts.len() < FEW_LAPS {
+            return None;
+        }
+        let floor = Floor::new(&model, &fleet, run.seed);
+        let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
+        let laps = run.laps.max(frame::LEAST_LAPS);
+        let added = |(k, block): (usize, &Block)| {
+            let added = own[k] * own[k] - nominal[k] * nominal[k];
+            if added > 0.0 { added / block.laps(laps) } else { 0.0 }
+        };
+        let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
+        let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
+        let every = floor.scatter.len().div_ceil(MANY_LAPS);
+        let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
+        Some(Laps { variance, scatter: frame::scatter(run, &some) })
+    }
+
+    /// Carts of a run's chain with effects that are like the one with the sensors.
+    fn like(&self, request: &Request, effects: Vec<input::Effect>) -> Option<(Model, Fleet)> {
+        let carts = self.runs[request.run].model.simulation.chain.carts as f64;
+        let (model, _, mut fleet) = self.survey(request.run, &request.step, effects, carts)?;
+        let load = built(&model.simulation).ok()?.1.load;
+        let heard = heard(&model.simulation, &load, fleet.carts.len());
+        let mut each = heard.iter();
+        fleet.carts.retain(|_| each.next().is_none_or(|heard| *heard));
+        Some((model, fleet))
+    }
+}
+
+/// The same effects with items on other carts.
+fn with_draw(effects: &[input::Effect], draw: usize) -> Vec<input::Effect> {
+    let mut effects = effects.to_vec();
+    for load in effects.iter_mut().filter(|e| e.name == LOAD.name) {
+        load.strengths.insert(DRAW.0.to_owned(), draw as f64);
+    }
+    effects
+}
+
+/// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside them.
+pub(super) fn heard(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
+    let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
+    let Some(beside) = Beside::in_input(simulation) else { return vec![true; carts] };
+    let like = |k: usize| !loaded(k) && loaded(k + carts - 1) == beside.before && loaded(k + 1) == beside.after;
+    let heard: Vec<bool> = (0..carts).map(like).collect();
+    if heard.contains(&true) { heard } else { vec![true; carts] }
+}
