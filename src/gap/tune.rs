@@ -147,3 +147,86 @@ pub fn differences(
         found,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::simulator::{Applied, Candidate, Frame, Label, Laps, Strength};
+    use crate::geometry::trig;
+    use nalgebra::DMatrix;
+
+    /// Features in proportion to a strength, and as many that saturate.
+    const HALF: usize = 30;
+
+    struct Shifted {
+        candidates: Vec<Candidate>,
+        frames: Vec<Frame>,
+    }
+
+    fn shifted(x: f64) -> Vec<f64> {
+        (0..2 * HALF).map(|k| if k < HALF { 0.2 * x } else { 80.0 * trig::tanh(x - 0.1 * k as f64) }).collect()
+    }
+
+    impl Simulator for Shifted {
+        fn candidates(&self) -> &[Candidate] {
+            &self.candidates
+        }
+
+        fn frames(&self) -> &[Frame] {
+            &self.frames
+        }
+
+        fn simulate(&self, _: usize, _: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+            let nothing = shifted(0.0);
+            Some(shifted(effects[0].strengths[0]).iter().zip(nothing).map(|(x, y)| x - y).collect())
+        }
+
+        fn hears(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn a_shift_is_found_though_distributions_saturate() {
+        let strength = Strength { name: "x".into(), unit: "N".into(), trial: 1.0, usual: 0.0, low: -99.0, high: 99.0 };
+        let candidate = Candidate {
+            effect: "bias".into(),
+            place: String::new(),
+            fixed: Vec::new(),
+            strengths: vec![strength],
+            sensor: true,
+            differs: None,
+            doubt: 0.0,
+            beside: None,
+        };
+        let label = |k: usize| {
+            let band = if k < HALF { Band::Track } else { Band::Distribution };
+            Label { channel: "a".into(), band, index: k % HALF, from: k as u64, to: k as u64 + 1 }
+        };
+        let truth = 30.0;
+        let frame = Frame {
+            run: "run-1".into(),
+            labels: (0..2 * HALF).map(label).collect(),
+            measured: shifted(truth).iter().zip(shifted(0.0)).map(|(x, y)| x - y).collect(),
+            nominal: vec![0.0; 2 * HALF],
+            laps: Laps { variance: vec![1.0; 2 * HALF], scatter: Vec::new() },
+            doubts: Vec::new(),
+            built: Vec::new(),
+            slopes: DMatrix::zeros(2 * HALF, 1),
+            prior: vec![(0.0, 1.0)],
+            bounds: vec![(-1.0, 1.0)],
+            nuisances: vec!["level".into()],
+        };
+        let evidence = vec![Evidence::new(&frame, &[])];
+        let simulator = Shifted { candidates: vec![candidate], frames: vec![frame] };
+        // Taken where the distribution does not saturate yet: the linear fit asks for far too little.
+        let change = vec![simulator.simulate(0, &[], &[Applied { candidate: 0, strengths: vec![1.0] }]).unwrap()];
+        let columns = vec![evidence[0].column(&change[0])];
+        let signatures = [Signature { candidate: 0, strength: 0, size: 1.0, change, columns }];
+        let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
+        let screened = hypothesis.screened(&evidence, &signatures, &simulator.candidates);
+        assert!(screened.strengths[0] < 0.7 * truth || screened.strengths[0] > 1.5 * truth, "{:?}", screened.strengths);
+        let found = tuned(&simulator, &evidence, &signatures, &hypothesis, &screened.strengths).expect("a fit");
+        assert!((found.strengths[0] - truth).abs() < 0.1, "{:?}", found.strengths);
+    }
+}

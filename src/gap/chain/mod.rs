@@ -183,12 +183,16 @@ impl Chains {
     /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
     fn simulated(&self, run: usize, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
         let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
-        let (model, at, fleet) = self.survey(run, step, effects, passes)?;
-        let load = built(&model.simulation).ok()?.1.load;
         let fitted = &self.runs[run];
+        let chain = fitted.with(effects.clone()).simulation;
+        let (load, carts) = (built(&chain).ok()?.1.load, chain.chain.carts);
+        // Where few carts are like the one with the sensors, they pass more often.
+        let like = heard(&chain, &load, carts).iter().filter(|heard| **heard).count() as f64 / carts as f64;
+        let all = (passes / like).min(passes.max(carts as f64));
+        let (model, at, fleet) = self.survey(run, step, effects, all)?;
         let features = fitted.features(&model, &fleet, &load, sensor, at);
         // Of what differs, chaos' share is taken out, block by block.
-        Some(fitted.calmed(&self.frames[run], &features, passes))
+        Some(fitted.calmed(&self.frames[run], &features, all * like))
     }
 
     /// A run's chain with nuisances moved and effects added, as its carts pass each place so often.
@@ -371,8 +375,7 @@ impl Fitted {
     fn heard(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
         let lap = self.model.recipe.places.lap;
         let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
-        let whole = (self.laps.ceil() - 1.0).max(0.0) * 0.5 * lap;
-        let at = |station: &f32| ((f64::from(*station) - self.begin).rem_euclid(lap) + whole) / speed;
+        let at = |station: &f32| passed(f64::from(*station) - self.begin, lap, self.laps) / speed;
         let time: Vec<f64> = cart.station.iter().map(at).collect();
         let mut forces: [Vec<f64>; FORCES] =
             std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
@@ -405,5 +408,23 @@ impl Fitted {
             (1.0 - noise / square.max(1e-300)).max(0.0)
         };
         each.iter().enumerate().map(|(k, d)| frame.nominal[k] + keep(k) * d).collect()
+    }
+}
+
+/// How far a run of so many laps has come, m, where it passes a place so far from where it began; on average of all passes.
+fn passed(beyond: f64, lap: f64, laps: f64) -> f64 {
+    beyond.rem_euclid(lap) + (laps.ceil() - 1.0).max(0.0) * 0.5 * lap
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_behind_the_beginning_is_passed_at_the_end_of_the_lap() {
+        assert_eq!(passed(3.0, 60.0, 1.0), 3.0);
+        assert_eq!(passed(-3.0, 60.0, 1.0), 57.0);
+        assert_eq!(passed(63.0, 60.0, 0.8), 3.0);
+        assert_eq!(passed(3.0, 60.0, 3.0), 63.0);
     }
 }
