@@ -297,13 +297,15 @@ impl Court<'_> {
     }
 
     /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at places may have the same ones,
-    /// but in all runs: what these say for it where a hypothesis is of that kind, and nothing else.
+    /// but in all runs: what these say for it where a hypothesis is of that kind, and nothing else. What the hypothesis changes in the mean lap
+    /// is its own.
     fn alike(&self, judged: &Judged) -> Option<f64> {
         let fitted = &judged.fitted;
-        if judged.floor.is_none() || self.differs(fitted).len() < fitted.hypothesis.members.len() {
-            return None;
-        }
-        let said = judged.weight - self.prior(&fitted.hypothesis) + judged.lost;
+        let floor = judged.floor.as_ref().filter(|_| self.differs(fitted).len() >= fitted.hypothesis.members.len())?;
+        let patterns = mean_excess(&floor.evidence, floor.evidence.iter().map(|e| &e.residual));
+        let by_patterns = judge::likelihood(trig::exp(floor.raised) * patterns, self.freedom);
+        let own = (judge::likelihood(judged.excess, self.freedom) - by_patterns).max(0.0);
+        let said = judged.weight - self.prior(&fitted.hypothesis) + judged.lost - own;
         let seen = self.seen_in_common(fitted);
         let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);
         Some(trig::ln(judge::PATTERNED) + said - placed)
