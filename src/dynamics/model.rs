@@ -45,6 +45,8 @@ pub struct Model {
     pub even: bool,
     /// What each cart is longer by, in packs, m; empty when they are alike.
     pub longer: Vec<Row>,
+    /// What the way between rails that are off is longer by, [`Deviations::longer`].
+    pub way_longer: Vec<f64>,
 }
 
 /// A rigid cart; lengths in m, from the front joint.
@@ -146,7 +148,8 @@ impl Model {
         let axial = damped(&simulation.joint.axial, tension);
         let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent)
             + 0.5 * deviations.clearance;
-        let built = pitch + deviations.longer(&line).last().copied().unwrap_or(0.0) / carts as f64;
+        let way_longer = deviations.longer(&line);
+        let built = pitch + way_longer.last().copied().unwrap_or(0.0) / carts as f64;
         let length = if tension < 0.0 { built + stretch } else { built - stretch };
         let wheel = |wheel: &input::Wheel, load: f64| Wheel {
             contact: damped(&wheel.contact, load),
@@ -192,6 +195,7 @@ impl Model {
             pitch,
             even: deviations.thrust.is_empty() && deviations.ripple.ratio == 0.0,
             longer: rows(&deviations.pitch, carts),
+            way_longer,
             deviations: Box::new(deviations),
             segments: Segments::new(line),
         })

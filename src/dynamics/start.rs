@@ -28,8 +28,7 @@ pub fn start(model: &Model, front: f64, speed: f64) -> Result<(State, Memory, Cl
         ],
     };
     let mut memory = memory;
-    let longer = model.deviations.longer(line);
-    let spaced = |s: &f64| model.deviations.spaced(line, &longer, s.rem_euclid(line.length));
+    let spaced = |s: &f64| model.deviations.spaced(line, &model.way_longer, s.rem_euclid(line.length));
     let stations: Vec<f64> = closed.stations.iter().map(spaced).collect();
     let on_rails = |s: &f64| Frame { position: model.deviations.way(line, *s), ..line.at(*s) };
     let frames: Vec<Frame> = stations.iter().map(on_rails).collect();

@@ -10,7 +10,7 @@ use super::refit::{Fitted, Hypothesis, refit};
 use super::report::report;
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::{Candidate, Simulator};
-use super::tune;
+use super::tune::Tuner;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
@@ -127,25 +127,31 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
 }
 
 impl Court<'_> {
+    fn tuner(&self) -> Tuner<'_> {
+        Tuner { simulator: self.simulator, evidence: &self.evidence, signatures: &self.signatures }
+    }
+
     /// Takes signatures of what costs no simulation at the strengths that fit best.
     fn tune(&mut self) {
         let candidates = self.simulator.candidates();
         let worth = WORTH * (self.excess - 1.0).max(0.0);
-        let cheap = self.singles().into_iter().filter(|j| {
-            let alone = matches!(j.fitted.hypothesis.signatures[..], [own]
-                if !candidates[self.signatures[own].candidate].strengths[self.signatures[own].strength].whole());
-            alone && self.excess - j.excess > worth && tune::is_cheap(self.simulator, &j.fitted.hypothesis)
+        let cheap = self.singles().into_iter().filter(|j| match j.fitted.hypothesis.signatures[..] {
+            [own] => {
+                let Signature { candidate, strength, .. } = self.signatures[own];
+                self.tuner().hears(candidate)
+                    && !candidates[candidate].strengths[strength].whole()
+                    && self.excess - j.excess > worth
+            }
+            _ => false,
         });
         let cheap: Vec<Fitted> = cheap.take(SENSORS).map(|j| j.fitted).collect();
-        for fitted in cheap {
-            let Hypothesis { signatures, .. } = &fitted.hypothesis;
-            let tuned =
-                tune::tuned(self.simulator, &self.evidence, &self.signatures, &fitted.hypothesis, &fitted.strengths);
+        for Fitted { hypothesis, strengths, .. } in cheap {
+            let tuned = self.tuner().tuned(&hypothesis, &strengths);
             let Some(tuned) = tuned.filter(|t| t.strengths[0] != 0.0) else { continue };
             let size = tuned.strengths[0];
             let change = tuned.changes.iter().map(|run| run.iter().map(|x| x / size).collect()).collect();
             let columns = tuned.found.iter().map(|column| column / size).collect();
-            let signature = Signature { size, change, columns, ..self.signatures[signatures[0]].clone() };
+            let signature = Signature { size, change, columns, ..self.signatures[hypothesis.signatures[0]].clone() };
             screen::keep(&mut self.signatures, signature, &self.evidence);
         }
     }

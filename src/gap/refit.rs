@@ -3,7 +3,7 @@
 use super::evidence::Evidence;
 use super::screen::{Explained, Signature, explain};
 use super::simulator::{Applied, Candidate, Request, Simulator};
-use super::tune::{Tuned, differences, is_cheap, tuned};
+use super::tune::{Tuned, Tuner};
 use nalgebra::{DMatrix, DVector};
 
 /// Simulations of each run at most, and the share of the squares that another one is worth.
@@ -179,8 +179,9 @@ pub fn refit(
     let mut fitted = screened;
     let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), evidence)).collect();
     let runs = evidence.len();
-    for (one, search) in fitted.iter_mut().zip(&mut searches).filter(|(one, _)| is_cheap(simulator, &one.hypothesis)) {
-        if let Some(tuned) = tuned(simulator, evidence, signatures, &one.hypothesis, &one.strengths) {
+    let tuner = Tuner { simulator, evidence, signatures };
+    for (one, search) in fitted.iter_mut().zip(&mut searches) {
+        if let Some(tuned) = tuner.tuned(&one.hypothesis, &one.strengths) {
             search.begin(one, tuned);
             one.move_along(evidence, &search.moved);
         }
@@ -220,7 +221,7 @@ pub fn refit(
                 search.best = Some(Point { square, strengths, residuals, changes, features });
             }
             if let Some(best) = &search.best {
-                one.listen(simulator, evidence, signatures, &best.strengths);
+                one.listen(&tuner, &best.strengths);
                 search.settled = one.step(best, candidates, signatures);
                 one.move_along(evidence, &search.moved);
             }
@@ -255,16 +256,15 @@ impl Fitted {
     }
 
     /// Takes what one more of a sensor's strengths changes where the strengths are.
-    fn listen(&mut self, simulator: &dyn Simulator, evidence: &[Evidence], signatures: &[Signature], at: &[f64]) {
+    fn listen(&mut self, tuner: &Tuner, at: &[f64]) {
         let Hypothesis { members, signatures: own } = &self.hypothesis;
-        let cheap = |member: &usize| simulator.hears() && simulator.candidates()[*member].sensor;
-        let rows: Vec<usize> = (0..own.len()).filter(|k| cheap(&signatures[own[*k]].candidate)).collect();
+        let rows: Vec<usize> = (0..own.len()).filter(|k| tuner.hears(tuner.signatures[own[*k]].candidate)).collect();
         let sensors = Hypothesis {
-            members: members.iter().copied().filter(cheap).collect(),
+            members: members.iter().copied().filter(|c| tuner.hears(*c)).collect(),
             signatures: rows.iter().map(|k| own[*k]).collect(),
         };
         let at: Vec<f64> = rows.iter().map(|k| at[*k]).collect();
-        let slopes = (!rows.is_empty()).then(|| differences(simulator, evidence, signatures, &sensors, &at)).flatten();
+        let slopes = (!rows.is_empty()).then(|| tuner.differences(&sensors, &at)).flatten();
         for (row, column) in rows.into_iter().zip(slopes.into_iter().flat_map(|s| s.columns)) {
             self.columns[row] = column;
         }

@@ -16,7 +16,6 @@ const APART: f64 = 0.02;
 const LEAST: f64 = 0.1;
 
 /// Strengths at which something was simulated, nuisances where the nominal model has them.
-#[derive(Clone)]
 pub struct Tuned {
     pub strengths: Vec<f64>,
     /// What is left of each run, projected.
@@ -28,124 +27,116 @@ pub struct Tuned {
     pub columns: Vec<Vec<DVector<f64>>>,
 }
 
-/// Whether all members of a hypothesis cost no simulation.
-pub fn is_cheap(simulator: &dyn Simulator, hypothesis: &Hypothesis) -> bool {
-    simulator.hears() && hypothesis.members.iter().all(|c| simulator.candidates()[*c].sensor)
+/// What is asked, and before what.
+pub struct Tuner<'a> {
+    pub simulator: &'a dyn Simulator,
+    pub evidence: &'a [Evidence],
+    pub signatures: &'a [Signature],
 }
 
-/// Strengths that fit best near those from which it starts, or near those that the means along the track ask for, which most sensors' effects
-/// change in proportion. `None` where nothing can be simulated.
-pub fn tuned(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
-    signatures: &[Signature],
-    hypothesis: &Hypothesis,
-    start: &[f64],
-) -> Option<Tuned> {
-    let from = |start: &[f64]| descended(simulator, evidence, signatures, hypothesis, start);
-    let found = [from(start), from(&by_means(simulator, signatures, hypothesis))];
-    found.into_iter().flatten().min_by(|a, b| norm_squared(&a.residuals).total_cmp(&norm_squared(&b.residuals)))
-}
-
-/// Strengths by the means along the track alone, nuisances held.
-fn by_means(simulator: &dyn Simulator, signatures: &[Signature], hypothesis: &Hypothesis) -> Vec<f64> {
-    let rows = |of: &dyn Fn(usize) -> Vec<f64>| -> Vec<DVector<f64>> {
-        let each = simulator.frames().iter().enumerate().map(|(run, frame)| {
-            let off = frame.residual(&frame.nominal);
-            let used = |k: &usize| frame.labels[*k].band == Band::Track && off[*k].is_finite();
-            let values = of(run);
-            let rows = (0..off.len()).filter(used).map(|k| values[k] / frame.laps.variance[k].sqrt());
-            DVector::from_vec(rows.collect())
-        });
-        each.collect()
-    };
-    let off = rows(&|run| simulator.frames()[run].residual(&simulator.frames()[run].nominal));
-    let columns: Vec<Vec<DVector<f64>>> =
-        hypothesis.signatures.iter().map(|k| rows(&|run| signatures[*k].change[run].clone())).collect();
-    let columns: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
-    explain(&off, &columns, &hypothesis.bounds(simulator.candidates(), signatures), None).strengths
-}
-
-/// Gauss and Newton's steps on differences.
-fn descended(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
-    signatures: &[Signature],
-    hypothesis: &Hypothesis,
-    start: &[f64],
-) -> Option<Tuned> {
-    let bounds = hypothesis.bounds(simulator.candidates(), signatures);
-    let held = |at: f64, k: usize| at.clamp(bounds[k].0, bounds[k].1);
-    let (mut at, mut best): (Vec<f64>, Option<Tuned>) = (start.to_vec(), None);
-    for _ in 0..STEPS {
-        let here = differences(simulator, evidence, signatures, hypothesis, &at)?;
-        let square = norm_squared(&here.residuals);
-        if let Some(before) = best.as_ref().filter(|best| square >= norm_squared(&best.residuals)) {
-            at.iter_mut().zip(&before.strengths).for_each(|(x, y)| *x = 0.5 * (*x + y));
-            continue;
-        }
-        let by: Vec<&[DVector<f64>]> = here.columns.iter().map(|c| &c[..]).collect();
-        let room: Vec<(f64, f64)> = bounds.iter().zip(&at).map(|((low, high), x)| (low - x, high - x)).collect();
-        let step = explain(&here.residuals, &by, &room, None);
-        let gained = square - norm_squared(&step.residuals);
-        at = at.iter().zip(&step.strengths).enumerate().map(|(k, (x, more))| held(x + more, k)).collect();
-        best = Some(here);
-        if gained < ENOUGH * square {
-            break;
-        }
+impl Tuner<'_> {
+    /// Whether a candidate costs no simulation.
+    pub fn hears(&self, candidate: usize) -> bool {
+        self.simulator.hears() && self.simulator.candidates()[candidate].sensor
     }
-    best
-}
 
-/// What strengths leave, and what a little more of each changes.
-pub fn differences(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
-    signatures: &[Signature],
-    hypothesis: &Hypothesis,
-    at: &[f64],
-) -> Option<Tuned> {
-    let candidates = simulator.candidates();
-    let bounds = hypothesis.bounds(candidates, signatures);
-    let apart = hypothesis.signatures.iter().zip(at).zip(&bounds).map(|((k, x), (_, high))| {
-        let Signature { candidate, strength, .. } = signatures[*k];
-        let apart = (APART * x.abs()).max(LEAST * candidates[candidate].strengths[strength].trial.abs());
-        if x + apart > *high { -apart } else { apart }
-    });
-    let apart: Vec<f64> = apart.collect();
-    let beside = |k: usize| {
-        let mut beside = at.to_vec();
-        beside[k] += apart[k];
-        beside
-    };
-    let points: Vec<Vec<f64>> = [at.to_vec()].into_iter().chain((0..at.len()).map(beside)).collect();
-    let runs = evidence.len();
-    let with = |point: &Vec<f64>| {
-        let effects = hypothesis.applied(candidates, signatures, point);
-        (0..runs).map(move |run| Request { run, step: Vec::new(), effects: effects.clone() })
-    };
-    let requests: Vec<Request> = points.iter().flat_map(with).collect();
-    let answers: Vec<Vec<f64>> = simulator.simulate_all(&requests).into_iter().collect::<Option<_>>()?;
-    let change = |point: usize| -> Vec<Vec<f64>> {
-        let answers = answers[point * runs..(point + 1) * runs].iter().zip(simulator.frames());
-        answers.map(|(answer, frame)| answer.iter().zip(&frame.nominal).map(|(a, n)| a - n).collect()).collect()
-    };
-    let projected = |changes: &[Vec<f64>]| -> Vec<DVector<f64>> {
-        evidence.iter().zip(changes).map(|(e, c)| e.column(c)).collect()
-    };
-    let changes = change(0);
-    let found = projected(&changes);
-    let columns = (0..at.len()).map(|k| {
-        let there = projected(&change(k + 1));
-        there.iter().zip(&found).map(|(there, here)| (there - here) / apart[k]).collect()
-    });
-    Some(Tuned {
-        strengths: at.to_vec(),
-        residuals: evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect(),
-        columns: columns.collect(),
-        changes,
-        found,
-    })
+    /// Strengths that fit best near those from which it starts, or near those that the means along the track ask for, which most sensors'
+    /// effects change in proportion. `None` where a member costs simulations, or nothing can be simulated.
+    pub fn tuned(&self, hypothesis: &Hypothesis, start: &[f64]) -> Option<Tuned> {
+        if !hypothesis.members.iter().all(|c| self.hears(*c)) {
+            return None;
+        }
+        let found = [self.descended(hypothesis, start.to_vec()), self.descended(hypothesis, self.by_means(hypothesis))];
+        found.into_iter().flatten().min_by(|a, b| norm_squared(&a.residuals).total_cmp(&norm_squared(&b.residuals)))
+    }
+
+    /// Strengths by the means along the track alone, nuisances held.
+    fn by_means(&self, hypothesis: &Hypothesis) -> Vec<f64> {
+        let frames = self.simulator.frames();
+        let off: Vec<Vec<f64>> = frames.iter().map(|frame| frame.residual(&frame.nominal)).collect();
+        let means = |run: usize, values: &[f64]| {
+            let frame = &frames[run];
+            let used = |k: &usize| frame.labels[*k].band == Band::Track && off[run][*k].is_finite();
+            let rows = (0..values.len()).filter(used).map(|k| values[k] / frame.laps.variance[k].sqrt());
+            DVector::from_vec(rows.collect())
+        };
+        let of = |values: &[Vec<f64>]| -> Vec<DVector<f64>> {
+            values.iter().enumerate().map(|(run, values)| means(run, values)).collect()
+        };
+        let columns: Vec<Vec<DVector<f64>>> =
+            hypothesis.signatures.iter().map(|k| of(&self.signatures[*k].change)).collect();
+        let columns: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
+        explain(&of(&off), &columns, &hypothesis.bounds(self.simulator.candidates(), self.signatures), None).strengths
+    }
+
+    /// Gauss and Newton's steps on differences.
+    fn descended(&self, hypothesis: &Hypothesis, start: Vec<f64>) -> Option<Tuned> {
+        let bounds = hypothesis.bounds(self.simulator.candidates(), self.signatures);
+        let (mut at, mut best): (Vec<f64>, Option<Tuned>) = (start, None);
+        for _ in 0..STEPS {
+            let here = self.differences(hypothesis, &at)?;
+            let square = norm_squared(&here.residuals);
+            if let Some(before) = best.as_ref().filter(|best| square >= norm_squared(&best.residuals)) {
+                at.iter_mut().zip(&before.strengths).for_each(|(x, y)| *x = 0.5 * (*x + y));
+                continue;
+            }
+            let by: Vec<&[DVector<f64>]> = here.columns.iter().map(|c| &c[..]).collect();
+            let room: Vec<(f64, f64)> = bounds.iter().zip(&at).map(|((low, high), x)| (low - x, high - x)).collect();
+            let step = explain(&here.residuals, &by, &room, None);
+            let gained = square - norm_squared(&step.residuals);
+            let further = at.iter().zip(&step.strengths).zip(&bounds);
+            at = further.map(|((x, more), (low, high))| (x + more).clamp(*low, *high)).collect();
+            best = Some(here);
+            if gained < ENOUGH * square {
+                break;
+            }
+        }
+        best
+    }
+
+    /// What strengths leave, and what a little more of each changes.
+    pub fn differences(&self, hypothesis: &Hypothesis, at: &[f64]) -> Option<Tuned> {
+        let (candidates, frames, runs) = (self.simulator.candidates(), self.simulator.frames(), self.evidence.len());
+        let bounds = hypothesis.bounds(candidates, self.signatures);
+        let apart = hypothesis.signatures.iter().zip(at).zip(&bounds).map(|((k, x), (_, high))| {
+            let Signature { candidate, strength, .. } = self.signatures[*k];
+            let apart = (APART * x.abs()).max(LEAST * candidates[candidate].strengths[strength].trial.abs());
+            if x + apart > *high { -apart } else { apart }
+        });
+        let apart: Vec<f64> = apart.collect();
+        let beside = |k: usize| {
+            let mut beside = at.to_vec();
+            beside[k] += apart[k];
+            beside
+        };
+        let points: Vec<Vec<f64>> = [at.to_vec()].into_iter().chain((0..at.len()).map(beside)).collect();
+        let with = |point: &Vec<f64>| {
+            let effects = hypothesis.applied(candidates, self.signatures, point);
+            (0..runs).map(move |run| Request { run, step: Vec::new(), effects: effects.clone() })
+        };
+        let requests: Vec<Request> = points.iter().flat_map(with).collect();
+        let answers: Vec<Vec<f64>> = self.simulator.simulate_all(&requests).into_iter().collect::<Option<_>>()?;
+        let change = |point: usize| -> Vec<Vec<f64>> {
+            let answers = answers[point * runs..(point + 1) * runs].iter().zip(frames);
+            answers.map(|(answer, frame)| answer.iter().zip(&frame.nominal).map(|(a, n)| a - n).collect()).collect()
+        };
+        let projected = |changes: &[Vec<f64>]| -> Vec<DVector<f64>> {
+            self.evidence.iter().zip(changes).map(|(e, c)| e.column(c)).collect()
+        };
+        let changes = change(0);
+        let found = projected(&changes);
+        let columns = (0..at.len()).map(|k| {
+            let there = projected(&change(k + 1));
+            there.iter().zip(&found).map(|(there, here)| (there - here) / apart[k]).collect()
+        });
+        Some(Tuned {
+            strengths: at.to_vec(),
+            residuals: self.evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect(),
+            columns: columns.collect(),
+            changes,
+            found,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -226,7 +217,8 @@ mod tests {
         let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
         let screened = hypothesis.screened(&evidence, &signatures, &simulator.candidates);
         assert!(screened.strengths[0] < 0.7 * truth || screened.strengths[0] > 1.5 * truth, "{:?}", screened.strengths);
-        let found = tuned(&simulator, &evidence, &signatures, &hypothesis, &screened.strengths).expect("a fit");
+        let tuner = Tuner { simulator: &simulator, evidence: &evidence, signatures: &signatures };
+        let found = tuner.tuned(&hypothesis, &screened.strengths).expect("a fit");
         assert!((found.strengths[0] - truth).abs() < 0.1, "{:?}", found.strengths);
     }
 }
