@@ -222,9 +222,9 @@ impl Effect {
     }
 }
 
-/// Points of a table over the lap: one every 25 mm or less.
+/// Points of a table over the lap: one every 5 mm or less, so that it does not matter where between two a step of 50 mm lies.
 fn points(lap: f64) -> usize {
-    ((lap / 0.025).ceil() as usize).clamp(16, 1 << 18)
+    ((lap / 0.005).ceil() as usize).clamp(16, 1 << 20)
 }
 
 /// Adds a profile over the lap to a table.

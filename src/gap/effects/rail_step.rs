@@ -1,6 +1,6 @@
 //! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes back over the next
-//! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985), and the profile's points
-//! lie 25 mm apart: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
+//! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985): a smaller rise is no sharper. Rail 1 is
+//! the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
 //!
 //! Signature: a blow at one place of the track, in the channels of one side.
 
@@ -29,14 +29,19 @@ pub const EFFECT: Effect = Effect {
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let (height, at) = (strengths.of("height"), strengths.of("at"));
-    let (rise, back) = (strengths.of("rise").max(1e-6), strengths.of("back").max(0.05));
     let lap = simulation.track.centre_line().length;
     let rail = strengths.index("rail").min(2);
+    let wheel = if rail == 0 { &simulation.steering_wheel } else { &simulation.running_wheel };
+    let climbed = (2.0 * wheel.radius_m * height.abs()).sqrt();
+    let (rise, back) = (strengths.of("rise").max(climbed).max(SHARPEST), strengths.of("back").max(0.05));
     add_profile(&mut deviations.rails[rail], lap, |s| {
         let past = (s - at).rem_euclid(lap);
         if past < back { height * (past / rise).min(1.0) * (1.0 - past / back) } else { 0.0 }
     });
 }
+
+/// No step is sharper, whatever its height, m: two points of a table.
+const SHARPEST: f64 = 0.01;
 
 /// Lengths over which the rail goes off and comes back when nothing is said, m.
 pub const RISE: f64 = 0.05;

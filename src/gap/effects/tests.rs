@@ -55,6 +55,28 @@ fn every_effect_of_the_chain_moves_what_carts_measure() {
     }
 }
 
+/// The steepest slope of the left rail in a step, over height and length of its rise.
+fn steepness(at: f64, height: f64, rise: f64, length: f64) -> f64 {
+    let step = with("rail_step", &[("height", height), ("at", at), ("rail", 2.0), ("rise", rise)]);
+    let (simulation, deviations) = built(&step).expect("a track");
+    let line = simulation.track.centre_line();
+    // The way lies in the middle between both rails.
+    let left = |k: i32| 2.0 * deviations.way(&line, at + 1e-3 * f64::from(k)).z;
+    let slope = |k: i32| (left(k + 1) - left(k)) / 1e-3;
+    (-50..150).map(slope).fold(0.0, f64::max) * length / height
+}
+
+#[test]
+fn a_step_is_as_steep_wherever_it_lies_and_no_steeper_than_its_wheel_climbs() {
+    for at in [10.0, 10.001, 10.0025, 10.004, 10.0125, 10.019] {
+        let found = steepness(at, 1e-3, 0.05, 0.05);
+        assert!((0.95..1.15).contains(&found), "{at}: {found}");
+    }
+    let climbed = (2.0 * nominal().running_wheel.radius_m * 4e-3_f64).sqrt();
+    let found = steepness(10.0, 4e-3, 1e-3, climbed);
+    assert!((0.9..1.2).contains(&found), "{found}");
+}
+
 #[test]
 fn a_track_that_is_built_off_has_the_tension_that_was_asked_for() {
     let plain = mean(&fleet(&nominal()), 4);
