@@ -6,7 +6,7 @@ use super::judge;
 use super::refit::{Fitted, Hypothesis, along};
 use super::screen::Signature;
 use super::significance::{self, Score};
-use super::simulator::{Candidate, Differs, Simulator};
+use super::simulator::{Band, Candidate, Differs, Frame, Simulator};
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
@@ -127,7 +127,7 @@ impl Court<'_> {
         let whole = judge::likelihood(excess, self.freedom);
         let likelihood = (whole - common).max(scored);
         let lost = whole.max(scored) - likelihood;
-        let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
+        let weight = likelihood - self.wrong_way(&fitted) - judge::cost(strengths, self.freedom) + prior;
         Judged { fitted, floor, excess, weight, lost }
     }
 
@@ -145,6 +145,16 @@ impl Court<'_> {
         let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
         trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared
+    }
+
+    /// What it costs that rails are struck the other way round than measured.
+    fn wrong_way(&self, fitted: &Fitted) -> f64 {
+        let frames = self.simulator.frames().iter().zip(fitted.features.iter().flatten());
+        let of = |(frame, features): (&Frame, &Vec<f64>)| -> f64 {
+            let blows = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Blow);
+            blows.map(|k| judge::wrong_way(frame.measured[k], features[k])).sum()
+        };
+        frames.map(of).sum()
     }
 
     /// In what the members of a hypothesis differ by chance.

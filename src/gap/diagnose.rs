@@ -24,6 +24,9 @@ const LOOKS: usize = 3;
 const LOOKED_AT: usize = 4;
 const WORTH: f64 = 0.02;
 
+/// Pairs of which a member that strikes is tried with the other sign: those that are likeliest before.
+const TURNED_PAIRS: usize = 2;
+
 /// Signatures of sensors' effects that are taken again at most: they need no simulation, and what a shift does to a narrow channel's distribution
 /// is in proportion to nothing.
 const SENSORS: usize = 24;
@@ -196,26 +199,26 @@ impl Court<'_> {
             let placed = places || candidates[signature.candidate].beside.is_some();
             placed && candidates[signature.candidate].strengths[signature.strength].low < 0.0
         };
-        let trials: Vec<Trial> = chosen
-            .iter()
-            .filter_map(|j| match (&j.fitted.hypothesis.signatures[..], &j.fitted.strengths[..]) {
-                ([own], [size]) if strikes(&self.signatures[*own]) => {
-                    let signature = &self.signatures[*own];
-                    Some(Trial { size: -fitting(signature, *size), ..signature.trial() })
-                }
-                _ => None,
-            })
-            .collect();
+        let mut pairs = 0;
+        let mut ways: Vec<(&Hypothesis, usize, Trial)> = Vec::new();
+        for Fitted { hypothesis, strengths, .. } in chosen.iter().map(|j| &j.fitted) {
+            pairs += usize::from(hypothesis.members.len() > 1);
+            let mut own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths).enumerate();
+            let Some((k, (signature, size))) = own.find(|(_, (signature, _))| strikes(signature)) else { continue };
+            if hypothesis.members.len() == 1 || pairs <= TURNED_PAIRS {
+                ways.push((hypothesis, k, Trial { size: -fitting(signature, *size), ..signature.trial() }));
+            }
+        }
+        let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
         let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |_| {});
-        let whole = taken.into_iter().filter(|(_, whole)| *whole);
-        whole
-            .map(|(signature, _)| {
-                let hypothesis =
-                    Hypothesis { members: vec![signature.candidate], signatures: vec![self.signatures.len()] };
-                self.signatures.push(signature);
-                hypothesis.screened(&self.evidence, &self.signatures, candidates)
-            })
-            .collect()
+        let mut turned = Vec::new();
+        for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
+            let mut hypothesis = (*hypothesis).clone();
+            hypothesis.signatures[*k] = self.signatures.len();
+            self.signatures.push(signature);
+            turned.push(hypothesis.screened(&self.evidence, &self.signatures, candidates));
+        }
+        turned
     }
 
     /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.

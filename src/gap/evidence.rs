@@ -5,7 +5,7 @@
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
 use super::judge::MOST_FREEDOM;
-use super::simulator::{Frame, Laps};
+use super::simulator::{Band, Frame, Laps};
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
@@ -59,7 +59,8 @@ impl Evidence {
     /// Before other laps than the frame's.
     pub fn with(frame: &Frame, usual: &[Vec<f64>], laps: &Laps) -> Evidence {
         let residual = frame.residual(&frame.nominal);
-        let rows: Vec<usize> = (0..residual.len()).filter(|k| residual[*k].is_finite()).collect();
+        let rows: Vec<usize> =
+            (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Blow).collect();
         let (weights, honest, common) = factors(frame, &rows, laps);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());

@@ -35,6 +35,9 @@ const UNKNOWN_LEAVES: f64 = 0.5;
 pub const PLACED: f64 = 0.5;
 pub const PATTERNED: f64 = 0.5;
 
+/// What it costs at most that a channel is struck the wrong way round: a blow is seldom as simulated.
+const WRONG_WAY: f64 = 6.0;
+
 /// Strengths that something unknown is charged for.
 pub const UNKNOWN_STRENGTHS: f64 = 2.0;
 
@@ -66,6 +69,13 @@ pub fn in_common(seen: f64, expected: f64, runs: usize, freedom: f64) -> f64 {
     0.5 * each.sum::<f64>() * freedom.min(COARSE_FREEDOM) / n.max(1.0)
 }
 
+/// What it costs that a channel is struck the other way round than measured, each of which is in deviations.
+pub fn wrong_way(measured: f64, simulated: f64) -> f64 {
+    let sure = measured.abs().min(simulated.abs());
+    // With the larger one as far off the other way, the logarithm of normal densities' ratio.
+    if measured * simulated < 0.0 { (2.0 * sure * sure).min(WRONG_WAY) } else { 0.0 }
+}
+
 /// What a strength costs.
 pub fn cost(strengths: f64, freedom: f64) -> f64 {
     0.5 * strengths * trig::ln(freedom.max(2.0))
@@ -87,6 +97,16 @@ pub fn normalised(logs: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_blow_the_other_way_round_costs_where_both_are_sure() {
+        assert_eq!(wrong_way(3.0, 2.0), 0.0);
+        assert_eq!(wrong_way(-3.0, 0.0), 0.0);
+        assert!(wrong_way(-3.0, 0.1) < 0.1);
+        assert_eq!(wrong_way(-1.5, 1.0), 2.0);
+        assert_eq!(wrong_way(-9.0, 9.0), WRONG_WAY);
+        assert!(wrong_way(f64::NAN, 1.0) == 0.0);
+    }
 
     #[test]
     fn what_runs_should_have_in_common_is_held_against_what_they_have() {

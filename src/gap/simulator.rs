@@ -152,6 +152,8 @@ pub enum Band {
     Track,
     /// How much a channel fluctuates at a place.
     Fluctuation,
+    /// Which way a channel is struck at a place, in deviations: no part of mean squares, in which it would drown.
+    Blow,
     /// How often it is low or high.
     Distribution,
     /// Power by frequency around the passing of carts.
@@ -169,6 +171,7 @@ impl Band {
         match self {
             Band::Track => "track",
             Band::Fluctuation => "fluctuation",
+            Band::Blow => "blow",
             Band::Distribution => "distribution",
             Band::Cart => "cart",
             Band::Wheel => "wheel",

@@ -63,6 +63,10 @@ pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
+pub fn asinh(x: f64) -> f64 {
+    libm::asinh(x)
+}
+
 pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 const CELLS: usize = 2;
 
 /// Length of a part of the lap, about how far a blow rings, m.
-const PART: f64 = 0.1;
+pub const PART: f64 = 0.1;
 
 /// A blow is where changes are so many times as strong as simulated.
 const LOUD: f64 = 3.0;
@@ -24,7 +24,7 @@ const LOUD: f64 = 3.0;
 const RINGS: f64 = 30.0;
 
 /// The channels that each rail's wheels strike.
-const RAILS: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
+pub const RAILS: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
 
 /// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those simulated; NaN where nothing was
 /// measured. `measured` begins with its trigger at `trigger`, m, and has white noise of the deviation `noise`, N.
@@ -51,23 +51,41 @@ pub fn loudness(landing: &Landing, lap: f64, measured: &Samples, trigger: f64, n
     (0..FORCES).map(of).collect()
 }
 
+/// Where a step of a rail may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Suspect {
+    /// Counted from 0, as in [`RAILS`].
+    pub rail: usize,
+    /// Along the lap, m.
+    pub at: f64,
+    /// Whether a blow is heard there; else a cell begins there that is off.
+    pub struck: bool,
+}
+
+impl Suspect {
+    pub fn site(&self) -> Site {
+        rail_step::site(self.at, self.rail, rail_step::RISE, rail_step::BACK)
+    }
+}
+
 /// Where steps of the rails may be: in the cells in which each rail's channels are worst, where they are struck.
-pub fn steps(frames: &[Frame], runs: &[Fitted]) -> Vec<Site> {
+pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
     let places = &first.model.recipe.places;
     let cell = places.lap / places.cells as f64;
-    let mut sites = Vec::new();
+    let mut all = Vec::new();
     for (rail, forces) in RAILS.into_iter().enumerate() {
         let mut found: Vec<f64> = Vec::new();
         for from in worst(frames, runs, forces) {
-            let at = struck(runs, forces, from, cell).unwrap_or(from);
+            let blow = struck(runs, forces, from, cell);
+            let at = blow.unwrap_or(from);
             if found.len() < CELLS && found.iter().all(|other| (at - other).abs() > 0.25 * cell) {
                 found.push(at);
-                sites.push(rail_step::site(at, rail, rail_step::RISE, rail_step::BACK));
+                all.push(Suspect { rail, at, struck: blow.is_some() });
             }
         }
     }
-    sites
+    all
 }
 
 /// Where cells begin, those in which channels are worst first, m.

@@ -9,6 +9,7 @@ use crate::gap::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};
 use crate::identify::summary::Block;
 use crate::identify::{Model, floor::Floor};
+use std::iter;
 
 /// Fewer laps tell nothing of how they differ; more are not kept.
 const FEW_LAPS: usize = 6;
@@ -46,11 +47,13 @@ impl Chains {
             let added = own[k] * own[k] - nominal[k] * nominal[k];
             if added > 0.0 { added / block.laps(laps) } else { 0.0 }
         };
-        let added = run.landing.blocks.iter().enumerate().map(added).chain([0.0]);
+        let added = run.landing.blocks.iter().enumerate().map(added).chain(iter::repeat(0.0));
         let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
         let every = floor.scatter.len().div_ceil(MANY_LAPS);
         let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
-        Some(Laps { variance, scatter: frame::scatter(run, &some) })
+        let mut scatter = frame::scatter(run, &some);
+        scatter.iter_mut().for_each(|lap| lap.resize(frame.labels.len(), 0.0));
+        Some(Laps { variance, scatter })
     }
 
     /// Carts of a run's chain with effects that are like the one with the sensors.

@@ -4,6 +4,7 @@ mod blows;
 mod frame;
 mod laps;
 mod nominal;
+mod tilt;
 
 use super::effects::sites::{self, Site};
 use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, sense};
@@ -18,9 +19,11 @@ use crate::identify::study::Subject;
 use crate::identify::summary::{FORCES, Summary};
 use crate::identify::{Model, Parameter, Settings};
 use crate::signal::Channel;
+use blows::Suspect;
 use laps::heard;
 use nominal::{fitted, set_tops};
 use std::collections::BTreeMap;
+use tilt::{Blow, Profile, Tilts};
 
 /// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
 const PASSES: f64 = 24.0;
@@ -43,6 +46,8 @@ pub struct Chains {
     runs: Vec<Fitted>,
     frames: Vec<Frame>,
     candidates: Vec<Candidate>,
+    /// Where steps of rails may be.
+    suspects: Vec<Suspect>,
     threads: usize,
 }
 
@@ -59,6 +64,10 @@ struct Fitted {
     highs: [(f64, f64); FORCES],
     /// How much louder than simulated parts of the lap are, of each channel.
     loudness: Vec<Vec<f64>>,
+    /// What was measured in each part of the lap, of each channel.
+    profiles: Vec<Profile>,
+    /// Where the rails are struck.
+    blows: Vec<Blow>,
     /// Which channels were measured.
     measured: [bool; FORCES],
     seed: u64,
@@ -86,16 +95,17 @@ impl Chains {
         });
         let mut runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
         set_tops(&mut runs);
-        let mut out = Chains {
-            frames: subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect(),
-            runs,
-            candidates: Vec::new(),
-            threads,
-        };
+        let mut frames: Vec<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
+        let suspects = blows::suspects(&frames, &runs);
+        for (frame, run) in frames.iter_mut().zip(&mut runs) {
+            run.blows = Blow::all(&suspects, run);
+            tilt::extend(frame, run);
+        }
+        let mut out = Chains { frames, runs, suspects, candidates: Vec::new(), threads };
         out.build(threads);
         for effect in LIBRARY {
-            for site in out.sites(effect) {
-                let around = sites::beside(effect, &site, out.cell());
+            for (site, near) in out.sites(effect) {
+                let around = sites::beside(effect, &site, near);
                 let first = out.candidates.len();
                 out.offer(effect, site, None);
                 for (site, further) in around {
@@ -156,18 +166,21 @@ impl Chains {
         });
     }
 
-    /// Where an effect may sit: on what was measured, and steps of the rail where the gap is largest.
-    fn sites(&self, effect: &Effect) -> Vec<Site> {
+    /// Where an effect may sit, and how near that is to the place at least, m: on what was measured, and steps of the rail where the gap is
+    /// largest.
+    fn sites(&self, effect: &Effect) -> Vec<(Site, f64)> {
         let Some(first) = self.runs.first() else { return Vec::new() };
         if effect.name == "rail_step" {
-            return blows::steps(&self.frames, &self.runs);
+            let near = |suspect: &Suspect| if suspect.struck { blows::PART } else { self.cell() };
+            return self.suspects.iter().map(|suspect| (suspect.site(), near(suspect))).collect();
         }
         let channel = |name: &str| ["channel", "first", "second"].contains(&name);
         let measured = |site: &Site| {
             let known = |x: f64| self.runs.iter().all(|r| r.measured.get(x as usize - 1).copied().unwrap_or(false));
             site.fixed.iter().all(|(name, x)| !channel(name) || known(*x))
         };
-        (effect.sites)(&first.model.simulation).into_iter().filter(measured).collect()
+        let known = (effect.sites)(&first.model.simulation).into_iter().filter(measured);
+        known.map(|site| (site, self.cell())).collect()
     }
 
     /// The effect of a candidate, as a simulation input has it.
@@ -316,15 +329,13 @@ impl Fitted {
     /// Features of a fleet as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
     fn features(&self, model: &Model, fleet: &Fleet, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
         let heard = heard(&model.simulation, load, fleet.carts.len());
-        let mut summary = Summary::new(&self.model.recipe);
+        let (mut summary, mut tilts) = (Summary::new(&self.model.recipe), Tilts::new(self));
         for (k, cart) in fleet.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
             let noise = Some(self.seed.wrapping_add(k as u64));
-            if sensor {
-                let heard = self.heard(model, cart, fleet.rate);
-                summary.add(&self.model.recipe, &samples(&heard), 0.0, noise);
-            } else {
-                summary.add(&self.model.recipe, &samples(cart), 0.0, noise);
-            }
+            let sensed = sensor.then(|| self.heard(model, cart, fleet.rate));
+            let samples = samples(sensed.as_ref().unwrap_or(cart));
+            summary.add(&self.model.recipe, &samples, 0.0, noise);
+            tilts.add(&samples);
         }
         let mut features = summary.features(1.0);
         let landing = &self.landing;
@@ -340,6 +351,7 @@ impl Fitted {
             }
         }
         features.push(summary.mean_speed().unwrap_or(f64::NAN));
+        features.extend(tilts.features());
         features
     }
 
@@ -349,6 +361,7 @@ impl Fitted {
         let fleet = &self.landing.centre.fleet;
         let every = (fleet.carts.len() / LISTENERS).max(1);
         let (mut plain, mut other) = (Summary::new(&self.model.recipe), Summary::new(&self.model.recipe));
+        let (mut tilts, mut tilted) = (Tilts::new(self), Tilts::new(self));
         for (k, cart) in fleet.carts.iter().enumerate().step_by(every) {
             let noise = Some(self.seed.wrapping_add(k as u64));
             let mut heard = self.heard(model, cart, fleet.rate);
@@ -362,13 +375,14 @@ impl Fitted {
             }
             plain.add(&self.model.recipe, &samples(&as_it_is), 0.0, noise);
             other.add(&self.model.recipe, &samples(&heard), 0.0, noise);
+            tilts.add(&samples(&as_it_is));
+            tilted.add(&samples(&heard));
         }
-        let (plain, other) = (plain.features(1.0), other.features(1.0));
-        let changed = nominal.iter().zip(plain.iter().zip(&other));
-        let mut out: Vec<f64> = changed.map(|(n, (a, b))| if (b - a).is_finite() { n + b - a } else { *n }).collect();
-        // The chain's speed, which is the last, has no sensor of these.
-        out.extend(nominal.last());
-        out
+        // The chain's speed has no sensor of these.
+        let plain = plain.features(1.0).into_iter().chain([0.0]).chain(tilts.features());
+        let other = other.features(1.0).into_iter().chain([0.0]).chain(tilted.features());
+        let changed = nominal.iter().zip(plain.zip(other));
+        changed.map(|(n, (a, b))| if (b - a).is_finite() { n + b - a } else { *n }).collect()
     }
 
     /// A cart's record as sensors with effects have it. Time is that of the measured run at the same place.

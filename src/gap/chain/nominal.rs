@@ -2,6 +2,7 @@
 
 use super::Fitted;
 use super::blows::loudness;
+use super::tilt::profiles;
 use crate::dynamics::Width;
 use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
@@ -37,6 +38,8 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples),
         loudness: loudness(&landing, lap, &samples, trigger, model.recipe.noise),
+        profiles: profiles(&samples, lap, trigger),
+        blows: Vec::new(),
         measured: std::array::from_fn(|k| measured.has(k)),
         seed: settings.seed.wrapping_add(77),
         model,

@@ -56,18 +56,18 @@ pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
     }
 }
 
-/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps within a cell's length, each with those
-/// beside it.
-pub fn beside(step: &Site, cell: f64) -> Vec<(Site, Vec<Site>)> {
+/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its place is known, each
+/// with those beside it.
+pub fn beside(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };
     let rail = (rail - 1.0).max(0.0) as usize;
     let near = |at: f64| {
         let shapes = [(0.5, 1.0), (3.0, 1.0), (1.0, 0.25), (1.0, 0.5), (1.0, 2.5)];
         let shaped = shapes.map(|(rise, back)| site(at, rail, rise * RISE, back * BACK));
-        let between = [-0.25, -0.125, 0.125, 0.25].map(|share| site(at + share * cell, rail, RISE, BACK));
+        let between = [-0.25, -0.125, 0.125, 0.25].map(|share| site(at + share * known, rail, RISE, BACK));
         shaped.into_iter().chain(between)
     };
     let own = near(at).map(|site| (site, Vec::new()));
-    let far = [-1.0, -0.5, 0.5, 1.0].map(|share| at + share * cell);
+    let far = [-1.0, -0.5, 0.5, 1.0].map(|share| at + share * known);
     own.chain(far.map(|at| (site(at, rail, RISE, BACK), near(at).collect()))).collect()
 }

@@ -12,11 +12,10 @@ pub struct Site {
     pub fixed: Vec<(&'static str, f64)>,
 }
 
-/// Places beside one at which an effect explains something, each with those beside it in turn. `cell` is the length over which means
-/// are taken, m.
-pub fn beside(effect: &Effect, site: &Site, cell: f64) -> Vec<(Site, Vec<Site>)> {
+/// Places beside one at which an effect explains something, each with those beside it in turn. `near` is how well the place is known, m.
+pub fn beside(effect: &Effect, site: &Site, near: f64) -> Vec<(Site, Vec<Site>)> {
     match effect.name {
-        "rail_step" => rail_step::beside(site, cell),
+        "rail_step" => rail_step::beside(site, near),
         "motor_ripple" => motor_ripple::beside(site),
         _ => Vec::new(),
     }

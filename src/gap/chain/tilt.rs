@@ -1,0 +1,253 @@
+//! Which way a blow goes: a rail's step up presses a wheel first and throws it off then, a step down lets it fall first and land then. Means
+//! over a cell and powers are nearly the same of both.
+//!
+//! A straight line is fitted to a force along the track where something strikes; by how much it rises, from the middle to the end, is the
+//! blow's *tilt*. No model has a blow exactly as large as it is, but any has it that way round, so the feature is asinh of the tilt over a
+//! scale, which is in proportion to small ones and hardly grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean
+//! squares, which are blind to a few of a thousand features: it speaks against what strikes the other way round.
+
+use super::Fitted;
+use super::blows::{PART, RAILS, Suspect};
+use crate::gap::simulator::{Band, Frame, Label};
+use crate::geometry::trig;
+use crate::identify::model::samples;
+use crate::identify::recipe::Samples;
+use crate::identify::summary::FORCES;
+use crate::signal::Channel;
+
+/// Over how many parts of the lap, of which the blow begins in the second.
+const PARTS: usize = 4;
+
+/// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is simulated without the blow.
+const DEVIATIONS: f64 = 3.0;
+const OF_MEAN: f64 = 0.003;
+const OF_NOMINAL: f64 = 0.3;
+
+/// Deviation of asinh of the tilt over the scale: a blow may be half as large again as simulated, or half as large.
+const DEVIATION: f64 = 0.6;
+
+/// A blow in one channel of a run.
+#[derive(Clone, Debug)]
+pub struct Blow {
+    force: usize,
+    /// Part of the lap in which the line begins.
+    part: usize,
+    /// Tilt of the nominal chain, N, and the scale, N.
+    nominal: f64,
+    scale: f64,
+    /// Tilt that was measured, N; NaN where too little was.
+    measured: f64,
+}
+
+/// Sums over samples of a force in a part of the lap: how many, u and u² where u is how far each is from the part's middle in parts, the
+/// force and u times the force.
+#[derive(Clone, Copy, Default)]
+pub struct Part {
+    count: f64,
+    u: f64,
+    square: f64,
+    force: f64,
+    moment: f64,
+}
+
+/// Parts of a whole lap.
+pub type Profile = Vec<Part>;
+
+/// Sums of each force that was measured, its trigger at `trigger`, m.
+pub fn profiles(measured: &Samples, lap: f64, trigger: f64) -> Vec<Profile> {
+    let of = |force| {
+        let mut profile = empty(lap);
+        add(&mut profile, measured, force, lap, trigger);
+        profile
+    };
+    (0..FORCES).map(of).collect()
+}
+
+fn empty(lap: f64) -> Profile {
+    vec![Part::default(); (lap / PART).ceil().max(1.0) as usize]
+}
+
+fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset: f64) {
+    let parts = profile.len();
+    for (x, station) in samples.forces[force].iter().zip(samples.station).filter(|(x, _)| x.is_finite()) {
+        let along = ((f64::from(*station) + offset) / lap).rem_euclid(1.0) * parts as f64;
+        let part = (along as usize).min(parts - 1);
+        let (u, x) = (along - part as f64 - 0.5, f64::from(*x));
+        let Part { count, u: sum, square, force, moment } = &mut profile[part];
+        for (sum, more) in [(count, 1.0), (sum, u), (square, u * u), (force, x), (moment, u * x)] {
+            *sum += more;
+        }
+    }
+}
+
+/// A straight line through a force along the track.
+struct Line {
+    /// By how much it rises from its middle to its end, N.
+    tilt: f64,
+    /// Its mean, N.
+    mean: f64,
+    /// Of how many samples.
+    count: f64,
+}
+
+impl Line {
+    /// By least squares from a part on; `None` where a part has no samples.
+    fn new(profile: &Profile, from: usize) -> Option<Line> {
+        let mut all = Part::default();
+        for k in 0..PARTS {
+            let own = profile[(from + k) % profile.len()];
+            if own.count == 0.0 {
+                return None;
+            }
+            let centre = k as f64 + 0.5 * (1.0 - PARTS as f64);
+            all.count += own.count;
+            all.u += centre * own.count + own.u;
+            all.square += centre * centre * own.count + 2.0 * centre * own.u + own.square;
+            all.force += own.force;
+            all.moment += centre * own.force + own.moment;
+        }
+        let Part { count, u, square, force, moment } = all;
+        let slope = (moment - u * force / count) / (square - u * u / count);
+        Some(Line { tilt: 0.5 * PARTS as f64 * slope, mean: force / count, count })
+    }
+}
+
+impl Blow {
+    /// Blows at suspects' places as a fitted run has them.
+    pub fn all(suspects: &[Suspect], run: &Fitted) -> Vec<Blow> {
+        let places = suspects.iter().filter(|s| s.struck).flat_map(|s| RAILS[s.rail].iter().map(move |f| (s.at, *f)));
+        places.filter_map(|(at, force)| Blow::new(run, at, force)).collect()
+    }
+
+    fn new(run: &Fitted, at: f64, force: usize) -> Option<Blow> {
+        let lap = run.model.recipe.places.lap;
+        let parts = empty(lap).len();
+        let part = ((at / lap).rem_euclid(1.0) * parts as f64) as usize;
+        let part = (part + parts - 1) % parts;
+        let mut all = empty(lap);
+        let mut tilts = Vec::new();
+        for cart in &run.landing.centre.fleet.carts {
+            let mut own = empty(lap);
+            add(&mut own, &samples(cart), force, lap, 0.0);
+            tilts.extend(Line::new(&own, part).map(|line| line.tilt));
+            add(&mut all, &samples(cart), force, lap, 0.0);
+        }
+        let nominal = Line::new(&all, part)?;
+        let squares = tilts.iter().map(|t| (t - nominal.tilt) * (t - nominal.tilt)).sum::<f64>();
+        let carts = (squares / tilts.len().max(1) as f64).sqrt();
+        let measured = Line::new(&run.profiles[force], part);
+        // A line's rise to its end has three times the variance of its mean.
+        let white = |line: &Line| f64::from(run.model.recipe.noise[force]) * (3.0 / line.count).sqrt();
+        let noise = measured.as_ref().map_or(0.0, white);
+        let else_known = OF_MEAN * nominal.mean.abs() + OF_NOMINAL * nominal.tilt.abs();
+        Some(Blow {
+            force,
+            part,
+            nominal: nominal.tilt,
+            scale: DEVIATIONS * trig::hypot(carts, noise) + else_known,
+            measured: measured.map_or(f64::NAN, |line| line.tilt),
+        })
+    }
+
+    /// In deviations; 0 where the tilt is that of the nominal chain.
+    fn feature(&self, tilt: f64) -> f64 {
+        trig::asinh((tilt - self.nominal) / self.scale.max(1e-9)) / DEVIATION
+    }
+}
+
+/// Tilts of carts as their sensors have them.
+pub struct Tilts<'a> {
+    blows: &'a [Blow],
+    lap: f64,
+    sums: Vec<Profile>,
+}
+
+impl<'a> Tilts<'a> {
+    pub fn new(run: &'a Fitted) -> Tilts<'a> {
+        let lap = run.model.recipe.places.lap;
+        Tilts { blows: &run.blows, lap, sums: vec![empty(lap); FORCES] }
+    }
+
+    pub fn add(&mut self, samples: &Samples) {
+        for force in (0..FORCES).filter(|force| self.blows.iter().any(|blow| blow.force == *force)) {
+            add(&mut self.sums[force], samples, force, self.lap, 0.0);
+        }
+    }
+
+    /// A feature of each blow; NaN where nothing was heard.
+    pub fn features(&self) -> impl Iterator<Item = f64> {
+        let of =
+            |blow: &Blow| Line::new(&self.sums[blow.force], blow.part).map_or(f64::NAN, |line| blow.feature(line.tilt));
+        self.blows.iter().map(of)
+    }
+}
+
+/// Adds blows to a run as the diagnosis sees it, behind its other features.
+pub fn extend(frame: &mut Frame, run: &Fitted) {
+    let (lap, count) = (run.model.recipe.places.lap, run.blows.len());
+    let length = lap / empty(lap).len() as f64;
+    let mm = |x: f64| (1e3 * x.min(lap)).round() as u64;
+    for (index, blow) in run.blows.iter().enumerate() {
+        let from = blow.part as f64 * length;
+        let channel = Channel::FORCES[blow.force].name().to_owned();
+        let (from, to) = (mm(from), mm(from + PARTS as f64 * length));
+        frame.labels.push(Label { channel, band: Band::Blow, index, from, to });
+        frame.measured.push(blow.feature(blow.measured));
+    }
+    let padded = |list: &mut Vec<f64>, with: f64| list.extend(vec![with; count]);
+    padded(&mut frame.nominal, 0.0);
+    padded(&mut frame.laps.variance, 1.0);
+    frame.doubts.iter_mut().chain(&mut frame.laps.scatter).for_each(|list| padded(list, 0.0));
+    let rows = frame.slopes.nrows();
+    frame.slopes.resize_vertically_mut(rows + count, 0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run of 20 m at 2 m/s and 500 Hz on 100 N, with a blow at 5 m that first adds `up`, N, and takes it back then.
+    fn blow(up: f32) -> (Vec<f32>, Vec<f32>) {
+        let station: Vec<f32> = (0..5000_i16).map(|k| 0.004 * f32::from(k) + 0.001).collect();
+        let force = |s: &f32| match s - 5.0 {
+            past if (0.0..0.1).contains(&past) => 100.0 + up,
+            past if (0.1..0.2).contains(&past) => 100.0 - up,
+            _ => 100.0,
+        };
+        let forces = station.iter().map(force).collect();
+        (station, forces)
+    }
+
+    fn tilt(up: f32, offset: f64) -> f64 {
+        let (station, force) = blow(up);
+        let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
+        forces[2] = &force;
+        let samples = Samples { station: &station, speed: &[], forces };
+        let profile = &profiles(&samples, 20.0, offset)[2];
+        Line::new(profile, 49).map_or(f64::NAN, |line| line.tilt)
+    }
+
+    #[test]
+    fn up_and_down_tilt_the_other_way_round() {
+        // From the middle of 0.4 m to its end u is 1: ∫ u f du/∫ u² du = (40 (−1/8) − 40 (1/8))/(2/3) = −15 N.
+        assert!((tilt(40.0, 0.0) + 15.0).abs() < 0.3, "{}", tilt(40.0, 0.0));
+        assert!((tilt(-40.0, 0.0) - 15.0).abs() < 0.3, "{}", tilt(-40.0, 0.0));
+        assert!(tilt(0.0, 0.0).abs() < 1e-9);
+        // What comes and goes again tilts as much wherever it is.
+        assert!((tilt(40.0, 0.04) + 15.0).abs() < 0.3, "{}", tilt(40.0, 0.04));
+    }
+
+    #[test]
+    fn a_part_that_nothing_was_heard_of_has_no_tilt() {
+        let part = |force: f64| Part { count: 2.0, square: 0.08, force: 2.0 * force, ..Part::default() };
+        let even = vec![part(3.0); 8];
+        assert!(Line::new(&even, 0).is_some_and(|line| line.tilt.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12));
+        let rising: Vec<Part> = (0..8).map(|k| part(f64::from(k))).collect();
+        assert!(Line::new(&rising, 2).is_some_and(|line| line.tilt > 1.9 && (line.mean - 3.5).abs() < 1e-12));
+        let mut lost = even;
+        lost[2] = Part::default();
+        assert!(Line::new(&lost, 0).is_none());
+        assert!(Line::new(&lost, 7).is_none(), "the lap is a circle");
+        assert!(Line::new(&lost, 3).is_some());
+    }
+}
