@@ -24,13 +24,15 @@ struct Made {
 
 const ROUGH: usize = 8;
 const FAR: usize = 9;
+/// What `far` does at once, which no effect does alone.
+const AT_ONCE: usize = 10;
 
 /// What a strength of an effect does; all are in proportion but `far`, which does one thing at once and another only when it is large.
 fn done(candidate: usize, strength: f64, run: usize, k: usize) -> f64 {
     if candidate != FAR {
         return strength * shape(candidate, run, k);
     }
-    let (at_once, late) = (shape(1, run, k), shape(2, run, k) - shape(3, run, k));
+    let (at_once, late) = (shape(AT_ONCE, run, k), shape(2, run, k) - shape(3, run, k));
     3.0 * (1.0 - trig::exp(-strength / 0.1)) * at_once + 6.0 * (strength / 10.0) * (strength / 10.0) * late
 }
 
@@ -38,7 +40,7 @@ fn shape(candidate: usize, run: usize, k: usize) -> f64 {
     let x = (k % 60) as f64 / 60.0;
     let speed = 1.0 + 0.3 * run as f64;
     let first = k < 60;
-    let wave = |phase: f64| if first { trig::sin(trig::TAU * 3.0 * x + phase) * speed } else { 0.0 };
+    let waves = |count: f64, phase: f64| if first { trig::sin(trig::TAU * count * x + phase) * speed } else { 0.0 };
     match candidate {
         0 => {
             if first {
@@ -47,7 +49,7 @@ fn shape(candidate: usize, run: usize, k: usize) -> f64 {
                 0.3 * x
             }
         }
-        1 => wave(0.0),
+        1 => waves(3.0, 0.0),
         2..=5 => {
             if (x * 4.0) as usize == candidate - 2 {
                 1.0
@@ -62,7 +64,8 @@ fn shape(candidate: usize, run: usize, k: usize) -> f64 {
                 1.0 + x
             }
         }
-        7 => wave(0.05),
+        7 => waves(3.0, 0.05),
+        AT_ONCE => waves(5.0, 0.0),
         _ => {
             if first {
                 0.1
@@ -229,6 +232,19 @@ fn a_strength_far_from_its_trial_is_found() {
     let first = &found.effects[0];
     assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "far"), "{}", found.summary);
     assert!((first.strength["size"].value / 12.0 - 1.0).abs() < 0.1, "{first:?}");
+}
+
+#[test]
+fn a_small_effect_is_found_beside_a_large_one() {
+    // At a strength at which it would explain the whole gap it does something else.
+    let found = found(&[(0, 40.0), (FAR, 0.2)], 0.0, 31);
+    assert_eq!(found.verdict, Verdict::Pair, "{}", found.summary);
+    let of = |name: &str| found.effects.iter().find(|f| f.name == name).expect("an effect");
+    assert!(of("slope").probability > 0.9 && of("far").probability > 0.9, "{}", found.summary);
+    let amount = &of("slope").strength["size"];
+    assert!(amount.low <= 40.0 && 40.0 <= amount.high && amount.high - amount.low < 2.0, "{amount:?}");
+    // What it does at once hardly grows with it.
+    assert!(of("far").strength["size"].value < 1.5, "{:?}", of("far").strength);
 }
 
 #[test]

@@ -6,10 +6,10 @@
 use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
-use super::screen::Signature;
+use super::screen::{Signature, explain};
 use super::simulator::{Differs, Laps, Request, Simulator, Strength};
 use crate::geometry::trig;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.
 const LADDER: usize = 4;
@@ -41,24 +41,38 @@ impl Chance<'_> {
     /// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off.
     pub fn hypotheses(&self) -> Vec<(Fitted, Option<Floor>)> {
         let candidates = self.simulator.candidates();
-        let run = most_off(self.nominal);
-        let before = self.misfit(run, &self.simulator.frames()[run].laps, 1.0, None);
         let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].differs.is_some());
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
-        let mut all: Vec<Tried> = own.map(|k| Tried { hypothesis: alone(k), points: Vec::new() }).collect();
-        let ladder = |tried: &Tried| {
-            let strength = self.strength(&tried.hypothesis);
+        let ladder = |hypothesis: Hypothesis| {
+            let strength = self.strength(&hypothesis);
             let rungs = std::iter::successors(Some(strength.trial), |size| Some(size * RUNG));
-            rungs.take(LADDER).filter(|size| *size < strength.high).collect::<Vec<f64>>()
+            let first = rungs.take(LADDER).filter(|size| *size < strength.high).collect();
+            (Tried { hypothesis, beside: None, points: Vec::new() }, first)
         };
-        let mut asked: Vec<Vec<f64>> = all.iter().map(ladder).collect();
+        self.search(own.map(alone).map(ladder).unzip())
+    }
+
+    /// The same of what was found alone beside another effect, which differs by nothing.
+    pub fn beside(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Floor>)> {
+        let both = |one: &&Fitted| {
+            let hypothesis = other.hypothesis.with(&one.hypothesis);
+            (Tried { hypothesis, beside: Some(other), points: Vec::new() }, one.strengths.clone())
+        };
+        self.search(found.iter().map(both).unzip())
+    }
+
+    /// Hypotheses at the strengths that fit, looked for from some on.
+    fn search(&self, (mut all, mut asked): (Vec<Tried>, Vec<Vec<f64>>)) -> Vec<(Fitted, Option<Floor>)> {
+        let run = most_off(self.nominal, self.nominal.iter().map(|e| &e.residual));
+        let laps = &self.simulator.frames()[run].laps;
+        let before: Vec<f64> = all.iter().map(|tried| self.misfit(tried, run, laps, 1.0, None)).collect();
         for _ in 0..=FURTHER {
             self.simulate(run, &mut all, &asked);
             let further = |tried: &Tried| tried.further().filter(|x| *x < self.strength(&tried.hypothesis).high);
             asked = all.iter().map(|tried| further(tried).into_iter().collect()).collect();
         }
         let found: Vec<Fitted> =
-            all.iter().filter_map(|tried| self.fitted(&tried.hypothesis, tried.size(before)?)).collect();
+            all.iter().zip(before).filter_map(|(tried, before)| self.fitted(tried, tried.size(before)?)).collect();
         let each: Vec<&Fitted> = found.iter().collect();
         let mut own = floors(self.simulator, self.nominal, self.usual, self.signatures, &each);
         // Scatter says the strength, not the mean lap's slope.
@@ -70,24 +84,27 @@ impl Chance<'_> {
         found.into_iter().zip(own).collect()
     }
 
-    /// What of a hypothesis is fitted.
+    /// Of what differs by chance: the last of a hypothesis.
+    fn signature(&self, hypothesis: &Hypothesis) -> &Signature {
+        &self.signatures[hypothesis.signatures[hypothesis.signatures.len() - 1]]
+    }
+
     fn strength(&self, hypothesis: &Hypothesis) -> &Strength {
-        let signature = &self.signatures[hypothesis.signatures[0]];
+        let signature = self.signature(hypothesis);
         &self.simulator.candidates()[signature.candidate].strengths[signature.strength]
     }
 
     /// Laps of a run with each hypothesis at strengths.
     fn simulate(&self, run: usize, all: &mut [Tried], asked: &[Vec<f64>]) {
         let each = all.iter().zip(asked);
-        let requests: Vec<Request> = each
-            .flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(&tried.hypothesis, run, *size)))
-            .collect();
+        let requests: Vec<Request> =
+            each.flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(tried, run, *size))).collect();
         let mut answers = self.simulator.laps_all(&requests).into_iter();
         for (tried, sizes) in all.iter_mut().zip(asked) {
             for size in sizes {
                 let Some(laps) = answers.next().flatten() else { continue };
                 let mean = self.mean(&tried.hypothesis, run, *size);
-                let misfits = SPAN.map(|share| self.misfit(run, &laps, share, mean.as_deref()));
+                let misfits = SPAN.map(|share| self.misfit(tried, run, &laps, share, mean.as_deref()));
                 tried.points.push(Point { size: *size, misfits });
             }
             tried.points.sort_by(|a, b| a.size.total_cmp(&b.size));
@@ -96,56 +113,91 @@ impl Chance<'_> {
 
     /// What a strength changes in a run's mean lap, by the signature; `None` where another lap has another pattern.
     fn mean(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Option<Vec<f64>> {
-        let signature = &self.signatures[hypothesis.signatures[0]];
+        let signature = self.signature(hypothesis);
         let differs = self.simulator.candidates()[signature.candidate].differs;
         (differs == Some(Differs::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
     }
 
     /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength that has these.
-    fn misfit(&self, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
+    fn misfit(&self, tried: &Tried, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
         let variance = frame.laps.variance.iter().zip(&laps.variance).map(added).collect();
         let own = Evidence::with(frame, &self.usual[run], &laps.scaled(variance));
-        let left = match mean {
-            Some(mean) => &own.residual - own.column(mean) * share,
-            None => own.residual.clone(),
-        };
+        let mut left = own.residual.clone();
+        if let Some(other) = tried.beside {
+            left -= own.column(&other.changes[run]);
+        }
+        if let Some(mean) = mean {
+            left -= own.column(mean) * share;
+        }
         trig::ln(own.excess(&left).max(0.9)) + own.raised(&self.nominal[run])
     }
 
     /// A run with the hypothesis at a strength, nuisances where they are without it.
-    fn request(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Request {
-        let effects = hypothesis.applied(self.simulator.candidates(), self.signatures, &[size]);
-        let nothing = vec![0.0; self.simulator.frames()[run].nominal.len()];
-        Request { run, step: self.nominal[run].moves(&nothing), effects }
+    fn request(&self, tried: &Tried, run: usize, size: f64) -> Request {
+        let effects = tried.hypothesis.applied(self.simulator.candidates(), self.signatures, &tried.strengths(size));
+        let alone = || self.nominal[run].moves(&vec![0.0; self.simulator.frames()[run].nominal.len()]);
+        Request { run, step: tried.beside.map_or_else(alone, |other| other.moves[run].clone()), effects }
     }
 
     /// The hypothesis at a strength, simulated.
-    fn fitted(&self, hypothesis: &Hypothesis, size: f64) -> Option<Fitted> {
+    fn fitted(&self, tried: &Tried, size: f64) -> Option<Fitted> {
         let (candidates, frames) = (self.simulator.candidates(), self.simulator.frames());
-        let mut one = hypothesis.screened(self.nominal, self.signatures, candidates);
-        one.strengths = vec![size];
-        one.covariance = DMatrix::from_element(1, 1, (SURE * size) * (SURE * size));
-        let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(hypothesis, run, size)).collect();
-        let features: Vec<Vec<f64>> = if candidates[hypothesis.members[0]].differs == Some(Differs::ByLap) {
+        let mut one = tried.hypothesis.screened(self.nominal, self.signatures, candidates);
+        let last = one.strengths.len() - 1;
+        one.strengths = tried.strengths(size);
+        one.covariance = DMatrix::zeros(last + 1, last + 1);
+        one.covariance[(last, last)] = (SURE * size) * (SURE * size);
+        if let Some(other) = tried.beside {
+            one.columns[..last].clone_from_slice(&other.columns);
+            one.covariance.view_mut((0, 0), (last, last)).copy_from(&other.covariance);
+        }
+        let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(tried, run, size)).collect();
+        let by_lap = candidates[self.signature(&tried.hypothesis).candidate].differs == Some(Differs::ByLap);
+        let features: Vec<Vec<f64>> = if by_lap {
             // Another lap has another pattern: nothing of the simulated one is in the measured one's mean.
-            one.columns.iter_mut().flatten().for_each(|column| column.fill(0.0));
-            asked.iter().map(|r| frames[r.run].at(&r.step)).collect()
+            one.columns[last].iter_mut().for_each(|column| column.fill(0.0));
+            let nominal = || asked.iter().map(|r| frames[r.run].at(&r.step)).collect();
+            tried.beside.and_then(|other| other.features.clone()).unwrap_or_else(nominal)
         } else {
             self.simulator.simulate_all(&asked).into_iter().collect::<Option<_>>()?
         };
-        one.changes = asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect();
+        one.changes = match tried.beside.filter(|_| by_lap) {
+            Some(other) => other.changes.clone(),
+            None => asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect(),
+        };
         one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
         one.moves = asked.into_iter().map(|r| r.step).collect();
         one.features = Some(features);
+        if tried.beside.is_some() {
+            self.settle_other(&mut one, last);
+        }
         Some(one)
+    }
+
+    /// Strengths of the other effect as they fit best beside what differs by chance, which it took for its own.
+    fn settle_other(&self, one: &mut Fitted, own: usize) {
+        let bounds = one.hypothesis.bounds(self.simulator.candidates(), self.signatures);
+        let room = bounds.iter().zip(&one.strengths).map(|((low, high), x)| (low - x, high - x));
+        let room: Vec<(f64, f64)> = room.take(own).collect();
+        let columns: Vec<&[DVector<f64>]> = one.columns[..own].iter().map(|c| &c[..]).collect();
+        let step = explain(&one.residuals, &columns, &room, None);
+        let more: Vec<f64> = step.strengths.iter().copied().chain([0.0]).collect();
+        for (run, change) in one.changes.iter_mut().enumerate() {
+            let by = one.hypothesis.change(self.signatures, &more, run);
+            change.iter_mut().zip(by).for_each(|(x, d)| *x += d);
+        }
+        one.strengths.iter_mut().zip(&more).for_each(|(x, d)| *x += d);
+        one.residuals = step.residuals;
     }
 }
 
 /// A hypothesis at strengths that were simulated, by size.
-struct Tried {
+struct Tried<'a> {
     hypothesis: Hypothesis,
+    /// An effect that differs by nothing, beside which it is tried: the first members of the hypothesis.
+    beside: Option<&'a Fitted>,
     points: Vec<Point>,
 }
 
@@ -155,7 +207,12 @@ struct Point {
     misfits: [f64; SPAN.len()],
 }
 
-impl Tried {
+impl Tried<'_> {
+    /// All strengths, where what differs by chance has this one.
+    fn strengths(&self, size: f64) -> Vec<f64> {
+        self.beside.iter().flat_map(|other| other.strengths.iter().copied()).chain([size]).collect()
+    }
+
     /// Another strength to be simulated: where it fits better when that is near; else half way between strengths with which laps scatter too
     /// little and too much, as scatter grows with the strength, though it may do so all at once.
     fn further(&self) -> Option<f64> {
@@ -199,13 +256,13 @@ mod tests {
     use super::*;
 
     /// A quadratic in the logarithm of the strength, as it is where scatter grows in proportion.
-    fn tried(sizes: &[f64], fits: f64) -> Tried {
+    fn tried(sizes: &[f64], fits: f64) -> Tried<'static> {
         let point = |size: &f64| {
             let misfit = |share: f64| trig::ln(share * size / fits) * trig::ln(share * size / fits);
             Point { size: *size, misfits: SPAN.map(misfit) }
         };
         let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
-        Tried { hypothesis, points: sizes.iter().map(point).collect() }
+        Tried { hypothesis, beside: None, points: sizes.iter().map(point).collect() }
     }
 
     #[test]

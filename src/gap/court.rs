@@ -6,7 +6,7 @@ use super::judge;
 use super::refit::{Fitted, Hypothesis, along};
 use super::screen::Signature;
 use super::significance::{self, Score};
-use super::simulator::{Band, Candidate, Differs, Frame, Simulator};
+use super::simulator::{Band, Candidate, Differs, Simulator};
 use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
@@ -23,7 +23,7 @@ pub struct Judged {
     pub excess: f64,
     /// Logarithm of its weight.
     pub weight: f64,
-    /// What the weight has lost by what runs have in common.
+    /// What the weight has lost by what runs have in common, and by blows the other way round.
     lost: f64,
 }
 
@@ -127,7 +127,7 @@ impl Court<'_> {
         let whole = judge::likelihood(excess, self.freedom);
         let likelihood = (whole - common).max(scored);
         let lost = whole.max(scored) - likelihood;
-        let weight = likelihood - self.wrong_way(&fitted) - judge::cost(strengths, self.freedom) + prior;
+        let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
         Judged { fitted, floor, excess, weight, lost }
     }
 
@@ -147,14 +147,21 @@ impl Court<'_> {
         trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared
     }
 
-    /// What it costs that rails are struck the other way round than measured.
-    fn wrong_way(&self, fitted: &Fitted) -> f64 {
-        let frames = self.simulator.frames().iter().zip(fitted.features.iter().flatten());
-        let of = |(frame, features): (&Frame, &Vec<f64>)| -> f64 {
-            let blows = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Blow);
-            blows.map(|k| judge::wrong_way(frame.measured[k], features[k])).sum()
-        };
-        frames.map(of).sum()
+    /// Charges hypotheses for what they strike the other way round than measured, by what was simulated or, where nothing was, by signatures.
+    pub fn charge_blows(&self, judged: &mut [Judged]) {
+        for judged in judged {
+            let Fitted { features, changes, .. } = &judged.fitted;
+            let mut cost = 0.0;
+            for (run, frame) in self.simulator.frames().iter().enumerate() {
+                let by_signature = |k: usize| frame.nominal[k] + changes[run][k];
+                let blows = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Blow);
+                let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
+                cost += blows.map(|k| judge::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
+            }
+            let cost = cost.min(judge::WRONG_WAYS);
+            judged.lost += cost;
+            judged.weight -= cost;
+        }
     }
 
     /// In what the members of a hypothesis differ by chance.
@@ -222,11 +229,12 @@ impl Court<'_> {
         let Some((first, signature)) = each.max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs())) else {
             return nothing;
         };
-        let alone = self.single(self.signatures[signature].candidate);
+        let candidate = self.signatures[signature].candidate;
+        let (own, others): (Vec<usize>, Vec<usize>) =
+            hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
+        let alone = Hypothesis { members: vec![candidate], signatures: own };
         let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
         let told = judge::likelihood(mean_excess(&self.evidence, &left.residuals), self.freedom);
-        let others: Vec<usize> =
-            hypothesis.signatures.iter().copied().filter(|k| !alone.signatures.contains(k)).collect();
         let scores: Vec<(usize, Score)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);

@@ -218,10 +218,10 @@ impl Evidence {
     }
 }
 
-/// The run that is off most, for what it can tell.
-pub fn most_off(evidence: &[Evidence]) -> usize {
-    let off = |run: &usize| evidence[*run].freedom * evidence[*run].excess(&evidence[*run].residual);
-    (0..evidence.len()).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+/// The run of which most is left, for what it can tell.
+pub fn most_off<'a>(evidence: &[Evidence], left: impl IntoIterator<Item = &'a DVector<f64>>) -> usize {
+    let off = evidence.iter().zip(left).map(|(evidence, left)| evidence.freedom * evidence.excess(left));
+    off.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(run, _)| run)
 }
 
 /// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0 where features are not the

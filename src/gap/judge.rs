@@ -4,7 +4,8 @@
 //! likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's equation is never that of the
 //! machine. So f is bounded, the more so far above the floor, where only the equations differ and no chance; and each strength costs
 //! ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior. Where a hypothesis leaves no more than the floor, its
-//! signature's score (`significance.rs`) counts if it says more than the mean square does.
+//! signature's score (`significance.rs`) counts if it says more than the mean square does. What strikes a rail the other way round than
+//! measured costs beside, as mean squares do not see it.
 
 use crate::geometry::trig;
 
@@ -35,8 +36,9 @@ const UNKNOWN_LEAVES: f64 = 0.5;
 pub const PLACED: f64 = 0.5;
 pub const PATTERNED: f64 = 0.5;
 
-/// What it costs at most that a channel is struck the wrong way round: a blow is seldom as simulated.
+/// What it costs at most that a channel of a run is struck the wrong way round, and all that are: a blow is seldom as simulated.
 const WRONG_WAY: f64 = 6.0;
+pub const WRONG_WAYS: f64 = 12.0;
 
 /// Strengths that something unknown is charged for.
 pub const UNKNOWN_STRENGTHS: f64 = 2.0;

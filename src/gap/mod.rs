@@ -14,6 +14,7 @@ pub mod effects;
 mod evidence;
 mod floor;
 mod judge;
+mod looks;
 pub mod outside;
 mod refit;
 mod remembered;

@@ -56,6 +56,15 @@ impl Hypothesis {
         self.signatures.iter().map(of).collect()
     }
 
+    /// Both.
+    pub fn with(&self, other: &Hypothesis) -> Hypothesis {
+        let both = |one: &[usize], other: &[usize]| one.iter().chain(other).copied().collect();
+        Hypothesis {
+            members: both(&self.members, &other.members),
+            signatures: both(&self.signatures, &other.signatures),
+        }
+    }
+
     /// The effects with strengths in the order of `signatures`.
     pub fn applied(&self, candidates: &[Candidate], signatures: &[Signature], strengths: &[f64]) -> Vec<Applied> {
         let one = |&candidate: &usize| {
@@ -83,7 +92,7 @@ impl Hypothesis {
     }
 
     /// What strengths change in a run's features, by the signatures.
-    fn change(&self, signatures: &[Signature], strengths: &[f64], run: usize) -> Vec<f64> {
+    pub fn change(&self, signatures: &[Signature], strengths: &[f64], run: usize) -> Vec<f64> {
         let mut change = Vec::new();
         for (k, x) in self.signatures.iter().zip(strengths) {
             let own = &signatures[*k].change[run];

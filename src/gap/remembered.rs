@@ -12,7 +12,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-const MARK: &str = "lss gap simulations 1";
+const MARK: &str = "lss gap simulations 2";
 
 /// A simulator that asks another one only what is not known.
 pub struct Remembered<'a> {
@@ -238,7 +238,7 @@ mod tests {
         assert_eq!(counting.0.load(Ordering::Relaxed), 6);
         assert_eq!(Remembered::new(&counting, &path).known(), 3);
         // Another model's file is begun anew.
-        fs::write(&path, text.replacen(" 1 ", " 1 0", 1)).unwrap();
+        fs::write(&path, text.replacen(MARK, "lss gap simulations 0", 1)).unwrap();
         let third = Remembered::new(&counting, &path);
         assert_eq!(third.known(), 0);
         third.forget();

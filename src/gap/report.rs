@@ -26,8 +26,10 @@ const MISSED: f64 = 0.5;
 /// A score from which on the closure along a signature is told.
 const CLEAR: f64 = 3.0;
 
-/// Logarithm of how much less likely an effect with all its strengths may be that they are told together.
+/// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a place beside that was
+/// really fitted that it is told instead.
 const NOT_MUCH: f64 = 3.0;
+const HARDLY: f64 = 1.0;
 
 /// Places that are told.
 const PLACES: usize = 24;
@@ -42,7 +44,9 @@ pub fn report(court: &Court) -> Diagnosis {
     };
     let alone = of(&|j| j.fitted.hypothesis.members.len() == 1);
     let pair = of(&|j| j.fitted.hypothesis.members.len() == 2);
-    let best = |members: usize| court.judged.iter().find(|j| j.fitted.hypothesis.members.len() == members);
+    let best = |members: usize| {
+        court.judged.iter().find(|j| j.fitted.hypothesis.members.len() == members).map(|j| as_fitted(court, j))
+    };
     let candidates = court.candidates();
     let (verdict, chosen) = match [none, unknown, alone, pair] {
         [n, u, a, p] if n >= u && n >= a && n >= p => (Verdict::None, best(1)),
@@ -60,7 +64,8 @@ pub fn report(court: &Court) -> Diagnosis {
             let has = |j: &Judged| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
             // What the effect does alone, unless the verdict has it beside another one.
             let alone = |j: &&Judged| has(j) && j.fitted.hypothesis.members.len() == 1;
-            let told = chosen.filter(|j| has(j)).or_else(|| court.judged.iter().find(alone));
+            let alone = || court.judged.iter().find(alone).map(|j| as_fitted(court, j));
+            let told = chosen.filter(|j| has(j)).or_else(alone);
             let mut finding = finding(court, name, told);
             finding.probability = tidy(of(&has));
             finding
@@ -155,6 +160,16 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         out.gap_closed_placebo = closed(court, judged, true).map(tidy);
     }
     out
+}
+
+/// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
+fn as_fitted<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
+    let effects = |j: &Judged| -> BTreeSet<&str> {
+        j.fitted.hypothesis.members.iter().map(|c| court.candidates()[*c].effect.as_str()).collect()
+    };
+    let likely = |j: &&Judged| judged.weight - j.weight < HARDLY;
+    let mut fitted = court.judged.iter().take_while(likely).filter(|j| j.fitted.simulated());
+    fitted.find(|j| effects(j) == effects(judged)).unwrap_or(judged)
 }
 
 /// The same effects with more of their strengths, where that is not much less likely.

@@ -47,23 +47,29 @@ pub struct Trial {
     pub size: f64,
 }
 
-/// Signatures of all strengths of the candidates that stand for themselves, at a size at which they are clear.
+/// Signatures of all strengths of the wanted candidates that stand for themselves, at a size at which they are clear, and do as much as is left of
+/// the runs.
 pub fn signatures(
     simulator: &dyn Simulator,
     evidence: &[Evidence],
+    left: &[DVector<f64>],
+    wanted: impl Fn(usize) -> bool,
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Signature> {
     let candidates = simulator.candidates();
-    let alone = (0..candidates.len()).filter(|c| candidates[*c].beside.is_none());
+    let alone = (0..candidates.len()).filter(|c| candidates[*c].beside.is_none() && wanted(*c));
     let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
             let strengths = candidates[candidate].strengths.iter().enumerate();
             strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
         })
         .collect();
-    let gap = evidence.iter().any(|e| e.excess(&e.residual) > 1.0);
+    let gap = evidence.iter().zip(left).any(|(e, left)| e.excess(left) > 1.0);
     let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
-    let trials = if gap { sized(simulator, evidence, &firsts, &mut |done| tell(done, all)) } else { firsts.clone() };
+    let trials = match gap {
+        true => sized(simulator, evidence, left, &firsts, &mut |done| tell(done, all)),
+        false => firsts.clone(),
+    };
     let mut found = Vec::with_capacity(trials.len());
     let mut small = Vec::new();
     let taken = take(simulator, evidence, &trials, Runs::All, &mut |done| tell(before + done, all));
@@ -84,21 +90,22 @@ pub fn signatures(
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
     for (signature, whole) in take(simulator, evidence, &others, Runs::All, &mut |_| tell(all, all)) {
         if whole {
-            keep(&mut found, signature, evidence);
+            keep(&mut found, signature, left);
         }
     }
     found
 }
 
-/// Trials at the sizes that the gap asks for, found with the run that is off most.
+/// Trials at the sizes that what is left asks for, found with the run of which most is.
 fn sized(
     simulator: &dyn Simulator,
     evidence: &[Evidence],
+    left: &[DVector<f64>],
     firsts: &[Trial],
     tell: &mut dyn FnMut(usize),
 ) -> Vec<Trial> {
     let candidates = simulator.candidates();
-    let run = most_off(evidence);
+    let run = most_off(evidence, left);
     let mut trials = firsts.to_vec();
     let mut open: Vec<usize> = (0..trials.len()).collect();
     for _ in 0..SIZES {
@@ -110,7 +117,7 @@ fn sized(
             let trial = &mut trials[k];
             let strength = &candidates[trial.candidate].strengths[trial.strength];
             if whole {
-                let size = asked(&signature, run, &evidence[run], (strength.low, strength.high));
+                let size = asked(&signature, &evidence[run], run, &left[run], (strength.low, strength.high));
                 if !strength.whole() && !(0.5..2.0).contains(&(size / trial.size)) {
                     trial.size = size;
                     again.push(k);
@@ -124,7 +131,7 @@ fn sized(
     }
     // What has few places is tried at strengths a factor apart, until it does far more than there is to explain: what it does is seldom
     // in proportion, and a fit that begins far off ends far off.
-    let residual = &evidence[run].residual;
+    let residual = &left[run];
     let gap = residual.norm_squared();
     let mut least = vec![WORTH * gap; trials.len()];
     let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k])).collect();
@@ -153,13 +160,13 @@ fn few(candidates: &[Candidate], trial: Trial) -> bool {
     !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= FEW
 }
 
-/// Keeps a signature, unless one that was taken with the other sign explains more.
-pub fn keep(found: &mut Vec<Signature>, signature: Signature, evidence: &[Evidence]) {
+/// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.
+pub fn keep(found: &mut Vec<Signature>, signature: Signature, left: &[DVector<f64>]) {
     let same = |s: &&mut Signature| (s.candidate, s.strength) == (signature.candidate, signature.strength);
     match found.iter_mut().find(same) {
         Some(known) => {
             let turned = known.size * signature.size < 0.0;
-            if !turned || known.explains(evidence) < signature.explains(evidence) {
+            if !turned || known.explains(left) < signature.explains(left) {
                 *known = signature;
             }
         }
@@ -179,11 +186,11 @@ impl Signature {
     }
 
     /// How much of the squares of what is left it explains, with its own sign.
-    fn explains(&self, evidence: &[Evidence]) -> f64 {
+    fn explains(&self, left: &[DVector<f64>]) -> f64 {
         let (mut own, mut along) = (0.0, 0.0);
-        for (column, evidence) in self.columns.iter().zip(evidence) {
+        for (column, left) in self.columns.iter().zip(left) {
             own += column.norm_squared();
-            along += column.dot(&evidence.residual);
+            along += column.dot(left);
         }
         let along = (along * self.size.signum()).max(0.0);
         along * along / own.max(1e-300)
@@ -204,16 +211,16 @@ impl Trial {
     }
 }
 
-/// The strength at which an effect does as much in a run as there is to explain, and is clear: few effects are linear, and power grows
+/// The strength at which an effect does as much in a run as is left to explain, and is clear: few effects are linear, and power grows
 /// with the square at first.
-fn asked(signature: &Signature, run: usize, evidence: &Evidence, (low, high): (f64, f64)) -> f64 {
+fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<f64>, (low, high): (f64, f64)) -> f64 {
     let column = &signature.columns[run];
     let own = column.norm_squared().max(1e-300);
-    let gap = evidence.residual.norm_squared() - evidence.honest * evidence.features() as f64;
+    let gap = left.norm_squared() - evidence.honest * evidence.features() as f64;
     let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
     let now = signature.size.abs();
     let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
-    let against = column.dot(&evidence.residual) < 0.0;
+    let against = column.dot(left) < 0.0;
     if against && low < 0.0 { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
 }
 

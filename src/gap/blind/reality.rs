@@ -18,7 +18,7 @@ const SETTLE: f64 = 20.0;
 const MOST_STEPS: f64 = 40_000.0;
 
 /// Points of a profile a metre of track.
-const POINTS_A_METRE: f64 = 40.0;
+const POINTS_A_METRE: f64 = 200.0;
 
 /// A number in a range.
 pub fn draw(state: &mut u64, from: f64, to: f64) -> f64 {

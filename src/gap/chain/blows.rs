@@ -26,16 +26,28 @@ const RINGS: f64 = 30.0;
 /// The channels that each rail's wheels strike.
 pub const RAILS: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
 
+/// How many parts a lap has.
+pub fn parts(lap: f64) -> usize {
+    (lap / PART).ceil().max(1.0) as usize
+}
+
+/// The part of the lap that a place lies in, and how far from its beginning, as a share.
+pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
+    let along = (station / lap).rem_euclid(1.0) * parts as f64;
+    let part = (along as usize).min(parts - 1);
+    (part, along - part as f64)
+}
+
 /// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those simulated; NaN where nothing was
 /// measured. `measured` begins with its trigger at `trigger`, m, and has white noise of the deviation `noise`, N.
 pub fn loudness(landing: &Landing, lap: f64, measured: &Samples, trigger: f64, noise: [f32; FORCES]) -> Vec<Vec<f64>> {
-    let parts = (lap / PART).ceil().max(1.0) as usize;
+    let parts = parts(lap);
     let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
         for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
             let change = f64::from(two[1]) - f64::from(two[0]);
-            let part = ((f64::from(*station) + offset) / lap).rem_euclid(1.0) * parts as f64;
+            let part = part_of(f64::from(*station) + offset, lap, parts).0;
             if change.is_finite() {
-                let sum = &mut sums[(part as usize).min(parts - 1)];
+                let sum = &mut sums[part];
                 *sum = (sum.0 + 1.0, sum.1 + change * change);
             }
         }
@@ -68,22 +80,24 @@ impl Suspect {
     }
 }
 
-/// Where steps of the rails may be: in the cells in which each rail's channels are worst, where they are struck.
+/// Where steps of the rails may be: where each rail is struck hardest, which is heard beside whatever else is wrong with its channels, and in
+/// the cells in which these are worst.
 pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
     let places = &first.model.recipe.places;
     let cell = places.lap / places.cells as f64;
     let mut all = Vec::new();
     for (rail, forces) in RAILS.into_iter().enumerate() {
-        let mut found: Vec<f64> = Vec::new();
-        for from in worst(frames, runs, forces) {
+        let hardest = struck(runs, forces, 0.0, places.lap).map(|at| Suspect { rail, at, struck: true });
+        let mut found: Vec<Suspect> = hardest.into_iter().collect();
+        for from in worst(frames, runs, forces).into_iter().take(CELLS) {
             let blow = struck(runs, forces, from, cell);
             let at = blow.unwrap_or(from);
-            if found.len() < CELLS && found.iter().all(|other| (at - other).abs() > 0.25 * cell) {
-                found.push(at);
-                all.push(Suspect { rail, at, struck: blow.is_some() });
+            if found.iter().all(|other| (at - other.at).abs() > 0.25 * cell) {
+                found.push(Suspect { rail, at, struck: blow.is_some() });
             }
         }
+        all.extend(found);
     }
     all
 }

@@ -46,8 +46,6 @@ pub struct Chains {
     runs: Vec<Fitted>,
     frames: Vec<Frame>,
     candidates: Vec<Candidate>,
-    /// Where steps of rails may be.
-    suspects: Vec<Suspect>,
     threads: usize,
 }
 
@@ -101,11 +99,11 @@ impl Chains {
             run.blows = Blow::all(&suspects, run);
             tilt::extend(frame, run);
         }
-        let mut out = Chains { frames, runs, suspects, candidates: Vec::new(), threads };
+        let mut out = Chains { frames, runs, candidates: Vec::new(), threads };
         out.build(threads);
         for effect in LIBRARY {
-            for (site, near) in out.sites(effect) {
-                let around = sites::beside(effect, &site, near);
+            for (site, known) in out.sites(effect, &suspects) {
+                let around = sites::beside(effect, &site, known);
                 let first = out.candidates.len();
                 out.offer(effect, site, None);
                 for (site, further) in around {
@@ -166,13 +164,12 @@ impl Chains {
         });
     }
 
-    /// Where an effect may sit, and how near that is to the place at least, m: on what was measured, and steps of the rail where the gap is
-    /// largest.
-    fn sites(&self, effect: &Effect) -> Vec<(Site, f64)> {
+    /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where the gap is largest.
+    fn sites(&self, effect: &Effect, suspects: &[Suspect]) -> Vec<(Site, f64)> {
         let Some(first) = self.runs.first() else { return Vec::new() };
         if effect.name == "rail_step" {
-            let near = |suspect: &Suspect| if suspect.struck { blows::PART } else { self.cell() };
-            return self.suspects.iter().map(|suspect| (suspect.site(), near(suspect))).collect();
+            let known = |suspect: &Suspect| if suspect.struck { blows::PART } else { self.cell() };
+            return suspects.iter().map(|suspect| (suspect.site(), known(suspect))).collect();
         }
         let channel = |name: &str| ["channel", "first", "second"].contains(&name);
         let measured = |site: &Site| {
@@ -329,13 +326,16 @@ impl Fitted {
     /// Features of a fleet as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
     fn features(&self, model: &Model, fleet: &Fleet, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
         let heard = heard(&model.simulation, load, fleet.carts.len());
+        // Moving the measured samples ahead leaves the model behind.
+        let trigger = Parameter::TriggerPosition.index();
+        let moved = at[trigger] - self.landing.at[trigger];
         let (mut summary, mut tilts) = (Summary::new(&self.model.recipe), Tilts::new(self));
         for (k, cart) in fleet.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
             let noise = Some(self.seed.wrapping_add(k as u64));
             let sensed = sensor.then(|| self.heard(model, cart, fleet.rate));
             let samples = samples(sensed.as_ref().unwrap_or(cart));
             summary.add(&self.model.recipe, &samples, 0.0, noise);
-            tilts.add(&samples);
+            tilts.add(&samples, -moved);
         }
         let mut features = summary.features(1.0);
         let landing = &self.landing;
@@ -343,8 +343,6 @@ impl Fitted {
             *x += landing.numerics.correction[k]
                 + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(frame::LEAST_LAPS));
         }
-        let trigger = Parameter::TriggerPosition.index();
-        let moved = at[trigger] - landing.at[trigger];
         if moved != 0.0 {
             for (k, x) in features.iter_mut().enumerate() {
                 *x += landing.sensitivity.slopes[(k, trigger)] * moved;
@@ -375,8 +373,8 @@ impl Fitted {
             }
             plain.add(&self.model.recipe, &samples(&as_it_is), 0.0, noise);
             other.add(&self.model.recipe, &samples(&heard), 0.0, noise);
-            tilts.add(&samples(&as_it_is));
-            tilted.add(&samples(&heard));
+            tilts.add(&samples(&as_it_is), 0.0);
+            tilted.add(&samples(&heard), 0.0);
         }
         // The chain's speed has no sensor of these.
         let plain = plain.features(1.0).into_iter().chain([0.0]).chain(tilts.features());

@@ -7,7 +7,7 @@
 //! squares, which are blind to a few of a thousand features: it speaks against what strikes the other way round.
 
 use super::Fitted;
-use super::blows::{PART, RAILS, Suspect};
+use super::blows::{self, RAILS, Suspect};
 use crate::gap::simulator::{Band, Frame, Label};
 use crate::geometry::trig;
 use crate::identify::model::samples;
@@ -16,7 +16,7 @@ use crate::identify::summary::FORCES;
 use crate::signal::Channel;
 
 /// Over how many parts of the lap, of which the blow begins in the second.
-const PARTS: usize = 4;
+const PARTS: usize = 5;
 
 /// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is simulated without the blow.
 const DEVIATIONS: f64 = 3.0;
@@ -50,6 +50,16 @@ pub struct Part {
     moment: f64,
 }
 
+impl Part {
+    fn add(&mut self, more: &Part) {
+        self.count += more.count;
+        self.u += more.u;
+        self.square += more.square;
+        self.force += more.force;
+        self.moment += more.moment;
+    }
+}
+
 /// Parts of a whole lap.
 pub type Profile = Vec<Part>;
 
@@ -64,19 +74,15 @@ pub fn profiles(measured: &Samples, lap: f64, trigger: f64) -> Vec<Profile> {
 }
 
 fn empty(lap: f64) -> Profile {
-    vec![Part::default(); (lap / PART).ceil().max(1.0) as usize]
+    vec![Part::default(); blows::parts(lap)]
 }
 
 fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset: f64) {
     let parts = profile.len();
     for (x, station) in samples.forces[force].iter().zip(samples.station).filter(|(x, _)| x.is_finite()) {
-        let along = ((f64::from(*station) + offset) / lap).rem_euclid(1.0) * parts as f64;
-        let part = (along as usize).min(parts - 1);
-        let (u, x) = (along - part as f64 - 0.5, f64::from(*x));
-        let Part { count, u: sum, square, force, moment } = &mut profile[part];
-        for (sum, more) in [(count, 1.0), (sum, u), (square, u * u), (force, x), (moment, u * x)] {
-            *sum += more;
-        }
+        let (part, share) = blows::part_of(f64::from(*station) + offset, lap, parts);
+        let (u, x) = (share - 0.5, f64::from(*x));
+        profile[part].add(&Part { count: 1.0, u, square: u * u, force: x, moment: u * x });
     }
 }
 
@@ -100,11 +106,12 @@ impl Line {
                 return None;
             }
             let centre = k as f64 + 0.5 * (1.0 - PARTS as f64);
-            all.count += own.count;
-            all.u += centre * own.count + own.u;
-            all.square += centre * centre * own.count + 2.0 * centre * own.u + own.square;
-            all.force += own.force;
-            all.moment += centre * own.force + own.moment;
+            all.add(&Part {
+                u: centre * own.count + own.u,
+                square: centre * centre * own.count + 2.0 * centre * own.u + own.square,
+                moment: centre * own.force + own.moment,
+                ..own
+            });
         }
         let Part { count, u, square, force, moment } = all;
         let slope = (moment - u * force / count) / (square - u * u / count);
@@ -116,23 +123,22 @@ impl Blow {
     /// Blows at suspects' places as a fitted run has them.
     pub fn all(suspects: &[Suspect], run: &Fitted) -> Vec<Blow> {
         let places = suspects.iter().filter(|s| s.struck).flat_map(|s| RAILS[s.rail].iter().map(move |f| (s.at, *f)));
-        places.filter_map(|(at, force)| Blow::new(run, at, force)).collect()
+        places.map(|(at, force)| Blow::new(run, at, force)).collect()
     }
 
-    fn new(run: &Fitted, at: f64, force: usize) -> Option<Blow> {
+    fn new(run: &Fitted, at: f64, force: usize) -> Blow {
         let lap = run.model.recipe.places.lap;
-        let parts = empty(lap).len();
-        let part = ((at / lap).rem_euclid(1.0) * parts as f64) as usize;
-        let part = (part + parts - 1) % parts;
+        let parts = blows::parts(lap);
+        let part = (blows::part_of(at, lap, parts).0 + parts - 1) % parts;
         let mut all = empty(lap);
         let mut tilts = Vec::new();
         for cart in &run.landing.centre.fleet.carts {
             let mut own = empty(lap);
             add(&mut own, &samples(cart), force, lap, 0.0);
             tilts.extend(Line::new(&own, part).map(|line| line.tilt));
-            add(&mut all, &samples(cart), force, lap, 0.0);
+            all.iter_mut().zip(&own).for_each(|(all, own)| all.add(own));
         }
-        let nominal = Line::new(&all, part)?;
+        let nominal = Line::new(&all, part).unwrap_or(Line { tilt: f64::NAN, mean: f64::NAN, count: 0.0 });
         let squares = tilts.iter().map(|t| (t - nominal.tilt) * (t - nominal.tilt)).sum::<f64>();
         let carts = (squares / tilts.len().max(1) as f64).sqrt();
         let measured = Line::new(&run.profiles[force], part);
@@ -140,13 +146,13 @@ impl Blow {
         let white = |line: &Line| f64::from(run.model.recipe.noise[force]) * (3.0 / line.count).sqrt();
         let noise = measured.as_ref().map_or(0.0, white);
         let else_known = OF_MEAN * nominal.mean.abs() + OF_NOMINAL * nominal.tilt.abs();
-        Some(Blow {
+        Blow {
             force,
             part,
             nominal: nominal.tilt,
             scale: DEVIATIONS * trig::hypot(carts, noise) + else_known,
             measured: measured.map_or(f64::NAN, |line| line.tilt),
-        })
+        }
     }
 
     /// In deviations; 0 where the tilt is that of the nominal chain.
@@ -168,9 +174,10 @@ impl<'a> Tilts<'a> {
         Tilts { blows: &run.blows, lap, sums: vec![empty(lap); FORCES] }
     }
 
-    pub fn add(&mut self, samples: &Samples) {
+    /// Adds a cart's samples, moved along the track by `offset`, m.
+    pub fn add(&mut self, samples: &Samples, offset: f64) {
         for force in (0..FORCES).filter(|force| self.blows.iter().any(|blow| blow.force == *force)) {
-            add(&mut self.sums[force], samples, force, self.lap, 0.0);
+            add(&mut self.sums[force], samples, force, self.lap, offset);
         }
     }
 
@@ -185,9 +192,10 @@ impl<'a> Tilts<'a> {
 /// Adds blows to a run as the diagnosis sees it, behind its other features.
 pub fn extend(frame: &mut Frame, run: &Fitted) {
     let (lap, count) = (run.model.recipe.places.lap, run.blows.len());
-    let length = lap / empty(lap).len() as f64;
+    let length = lap / blows::parts(lap) as f64;
     let mm = |x: f64| (1e3 * x.min(lap)).round() as u64;
-    for (index, blow) in run.blows.iter().enumerate() {
+    for (k, blow) in run.blows.iter().enumerate() {
+        let index = run.blows[..k].iter().filter(|other| other.force == blow.force).count();
         let from = blow.part as f64 * length;
         let channel = Channel::FORCES[blow.force].name().to_owned();
         let (from, to) = (mm(from), mm(from + PARTS as f64 * length));
@@ -229,12 +237,15 @@ mod tests {
 
     #[test]
     fn up_and_down_tilt_the_other_way_round() {
-        // From the middle of 0.4 m to its end u is 1: ∫ u f du/∫ u² du = (40 (−1/8) − 40 (1/8))/(2/3) = −15 N.
-        assert!((tilt(40.0, 0.0) + 15.0).abs() < 0.3, "{}", tilt(40.0, 0.0));
-        assert!((tilt(-40.0, 0.0) - 15.0).abs() < 0.3, "{}", tilt(-40.0, 0.0));
+        // From the middle of 0.5 m to its end u is 1, and each part 0.4: with f = 40 and −40 N over u in turn, ∫ u f du/∫ u² du =
+        // −40·0.4²/(2/3) = −9.6 N.
+        assert!((tilt(40.0, 0.0) + 9.6).abs() < 0.2, "{}", tilt(40.0, 0.0));
+        assert!((tilt(-40.0, 0.0) - 9.6).abs() < 0.2, "{}", tilt(-40.0, 0.0));
         assert!(tilt(0.0, 0.0).abs() < 1e-9);
         // What comes and goes again tilts as much wherever it is.
-        assert!((tilt(40.0, 0.04) + 15.0).abs() < 0.3, "{}", tilt(40.0, 0.04));
+        for offset in [-0.08, 0.04, 0.15] {
+            assert!((tilt(40.0, offset) + 9.6).abs() < 0.2, "{}", tilt(40.0, offset));
+        }
     }
 
     #[test]
@@ -243,7 +254,7 @@ mod tests {
         let even = vec![part(3.0); 8];
         assert!(Line::new(&even, 0).is_some_and(|line| line.tilt.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12));
         let rising: Vec<Part> = (0..8).map(|k| part(f64::from(k))).collect();
-        assert!(Line::new(&rising, 2).is_some_and(|line| line.tilt > 1.9 && (line.mean - 3.5).abs() < 1e-12));
+        assert!(Line::new(&rising, 2).is_some_and(|line| line.tilt > 2.4 && (line.mean - 4.0).abs() < 1e-12));
         let mut lost = even;
         lost[2] = Part::default();
         assert!(Line::new(&lost, 0).is_none());

@@ -222,9 +222,12 @@ impl Effect {
     }
 }
 
-/// Points of a table over the lap: one every 5 mm or less, so that it does not matter where between two a step of 50 mm lies.
+/// Points of a table lie no farther apart, m, so that it does not matter where between two a step of 50 mm lies.
+const SPACING: f64 = 5e-3;
+
+/// Points of a table over the lap.
 fn points(lap: f64) -> usize {
-    ((lap / 0.005).ceil() as usize).clamp(16, 1 << 20)
+    ((lap / SPACING).ceil() as usize).clamp(16, 1 << 20)
 }
 
 /// Adds a profile over the lap to a table.

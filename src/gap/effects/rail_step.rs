@@ -1,11 +1,11 @@
 //! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes back over the next
-//! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985): a smaller rise is no sharper. Rail 1 is
-//! the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
+//! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985), and
+//! 10 mm hold two points of the profile: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
 //!
 //! Signature: a blow at one place of the track, in the channels of one side.
 
 use super::sites::{self, Site};
-use super::{Act, Effect, Strength, Strengths, add_profile};
+use super::{Act, Effect, SPACING, Strength, Strengths, add_profile};
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
 
@@ -40,8 +40,8 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
     });
 }
 
-/// No step is sharper, whatever its height, m: two points of a table.
-const SHARPEST: f64 = 0.01;
+/// No step is sharper, whatever its height, m.
+const SHARPEST: f64 = 2.0 * SPACING;
 
 /// Lengths over which the rail goes off and comes back when nothing is said, m.
 pub const RISE: f64 = 0.05;
@@ -56,7 +56,7 @@ pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
     }
 }
 
-/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its place is known, each
+/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its place may be off, each
 /// with those beside it.
 pub fn beside(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };

@@ -12,10 +12,10 @@ pub struct Site {
     pub fixed: Vec<(&'static str, f64)>,
 }
 
-/// Places beside one at which an effect explains something, each with those beside it in turn. `near` is how well the place is known, m.
-pub fn beside(effect: &Effect, site: &Site, near: f64) -> Vec<(Site, Vec<Site>)> {
+/// Places beside one at which an effect explains something, each with those beside it in turn. `known` is how well the place is known, m.
+pub fn beside(effect: &Effect, site: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     match effect.name {
-        "rail_step" => rail_step::beside(site, near),
+        "rail_step" => rail_step::beside(site, known),
         "motor_ripple" => motor_ripple::beside(site),
         _ => Vec::new(),
     }

@@ -1,0 +1,212 @@
+//! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion to their strengths.
+
+use super::court::{Court, Judged};
+use super::evidence::Evidence;
+use super::refit::{Fitted, Hypothesis};
+use super::screen::{self, Runs, Signature, Trial};
+use super::simulator::Candidate;
+use super::tune::Tuner;
+use nalgebra::DVector;
+use std::collections::BTreeSet;
+
+/// How often a closer look is taken, at how many effects, and what share of the gap they must explain.
+const LOOKS: usize = 3;
+const LOOKED_AT: usize = 4;
+const WORTH: f64 = 0.02;
+
+/// Share of the gap that is left at most where an effect leads, so that others are looked for in what it leaves.
+const LEADS: f64 = 0.5;
+
+/// Pairs of which a member that strikes is tried with the other sign: those that are likeliest before.
+const TURNED_PAIRS: usize = 2;
+
+/// Signatures of sensors' effects that are taken again at most: they need no simulation, and what a shift does to a narrow channel's distribution
+/// is in proportion to nothing.
+const SENSORS: usize = 24;
+
+/// Mean square over that of honest laps from which on something is left to be looked for beside an effect.
+pub const UNSETTLED: f64 = 1.25;
+
+/// How far a strength that fits may be from the one that a signature was taken at, as factors; of a sensor's effect.
+const NEAR: std::ops::Range<f64> = 0.6..1.6;
+const NEAR_SENSOR: std::ops::Range<f64> = 0.9..1.1;
+
+impl Court<'_> {
+    /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at what is beside it.
+    pub fn look(&mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) {
+        self.tune();
+        for _ in 0..LOOKS {
+            self.look_closer(None, tell);
+        }
+        for look in 0..if gap { LOOKS } else { 0 } {
+            let Some(leader) = self.leader() else { break };
+            if look == 0 {
+                self.screen_beside(&leader, tell);
+            }
+            self.look_closer(Some(&leader), tell);
+        }
+    }
+
+    fn tuner(&self) -> Tuner<'_> {
+        Tuner { simulator: self.simulator, evidence: &self.evidence, signatures: &self.signatures }
+    }
+
+    /// Takes signatures of what costs no simulation at the strengths that fit best.
+    fn tune(&mut self) {
+        let candidates = self.simulator.candidates();
+        let worth = WORTH * (self.excess - 1.0).max(0.0);
+        let cheap = self.singles().into_iter().filter(|j| match j.fitted.hypothesis.signatures[..] {
+            [own] => {
+                let Signature { candidate, strength, .. } = self.signatures[own];
+                self.tuner().hears(candidate)
+                    && !candidates[candidate].strengths[strength].whole()
+                    && self.excess - j.excess > worth
+            }
+            _ => false,
+        });
+        let cheap: Vec<Fitted> = cheap.take(SENSORS).map(|j| j.fitted).collect();
+        let left = left(&self.evidence);
+        for Fitted { hypothesis, strengths, .. } in cheap {
+            let tuned = self.tuner().tuned(&hypothesis, &strengths);
+            let Some(tuned) = tuned.filter(|t| t.strengths[0] != 0.0) else { continue };
+            let size = tuned.strengths[0];
+            let change = tuned.changes.iter().map(|run| run.iter().map(|x| x / size).collect()).collect();
+            let columns = tuned.found.iter().map(|column| column / size).collect();
+            let signature = Signature { size, change, columns, ..self.signatures[hypothesis.signatures[0]].clone() };
+            screen::keep(&mut self.signatures, signature, &left);
+        }
+    }
+
+    /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and at the places
+    /// beside. Where another hypothesis leads, in what that one leaves.
+    fn look_closer(&mut self, leader: Option<&Judged>, tell: &mut dyn FnMut(usize, usize)) {
+        let mut trials: Vec<Trial> = Vec::new();
+        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        let mut sensors = 0;
+        let candidates = self.simulator.candidates();
+        let before = leader.map_or(self.excess, |j| j.excess);
+        let worth = WORTH * (before - 1.0).max(0.0);
+        let alone = self.singles().into_iter().filter(|j| j.fitted.strengths.len() == 1);
+        let looked_at = match leader {
+            None => alone.collect(),
+            Some(leader) => self.beside(leader, alone),
+        };
+        for judged in looked_at.iter().filter(|j| before - j.excess > worth) {
+            let Fitted { hypothesis, strengths, .. } = &judged.fitted;
+            let (Some(own), Some(size)) = (hypothesis.signatures.last(), strengths.last()) else { continue };
+            let signature = &self.signatures[*own];
+            let candidate = &candidates[signature.candidate];
+            sensors += usize::from(candidate.sensor);
+            let room = match candidate.sensor {
+                true if self.simulator.hears() => false,
+                true => sensors <= SENSORS,
+                false => seen.len() < LOOKED_AT && seen.insert(&candidate.effect),
+            };
+            if room {
+                trials.extend(again(signature, candidate, *size));
+                trials.extend(beside(signature, candidates, *size));
+            }
+        }
+        let left = leader.map_or_else(|| left(&self.evidence), |j| j.fitted.residuals.clone());
+        let of = trials.len();
+        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |done| tell(done, of));
+        for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
+            screen::keep(&mut self.signatures, signature, &left);
+        }
+    }
+
+    /// A single effect that explains most of the gap, where it leaves something.
+    fn leader(&self) -> Option<Judged> {
+        let leads = |j: &Judged| j.excess > UNSETTLED && j.excess - 1.0 < LEADS * (self.excess - 1.0);
+        self.singles().into_iter().next().filter(leads)
+    }
+
+    /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves asks for.
+    fn screen_beside(&mut self, leader: &Judged, tell: &mut dyn FnMut(usize, usize)) {
+        let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
+        let own = &candidates[leader.fitted.hypothesis.members[0]].effect;
+        let others = |c: usize| !candidates[c].sensor && candidates[c].effect != *own;
+        for signature in screen::signatures(self.simulator, &self.evidence, left, others, tell) {
+            screen::keep(&mut self.signatures, signature, left);
+        }
+    }
+
+    /// Other effects beside one, the likeliest first.
+    fn beside(&self, leader: &Judged, others: impl Iterator<Item = Judged>) -> Vec<Judged> {
+        let effect = |j: &Judged| &self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect;
+        let others = others.filter(|j| effect(j) != effect(leader));
+        let mut both: Vec<Judged> =
+            others.map(|j| self.screened(leader.fitted.hypothesis.with(&j.fitted.hypothesis))).collect();
+        both.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        both
+    }
+
+    /// The same effects with the other sign, where they strike at a place: up and down look nearly alike until they are simulated.
+    pub fn turned(&mut self, chosen: &[Judged]) -> Vec<Fitted> {
+        let candidates = self.simulator.candidates();
+        let strikes = |signature: &Signature| {
+            let places = candidates.iter().any(|c| c.beside == Some(signature.candidate));
+            let placed = places || candidates[signature.candidate].beside.is_some();
+            placed && candidates[signature.candidate].strengths[signature.strength].low < 0.0
+        };
+        let mut pairs = 0;
+        let mut ways: Vec<(&Hypothesis, usize, Trial)> = Vec::new();
+        for Fitted { hypothesis, strengths, .. } in chosen.iter().map(|j| &j.fitted) {
+            let mut own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths).enumerate();
+            let Some((k, (signature, size))) = own.find(|(_, (signature, size))| strikes(signature) && **size != 0.0)
+            else {
+                continue;
+            };
+            pairs += usize::from(hypothesis.members.len() > 1);
+            if hypothesis.members.len() == 1 || pairs <= TURNED_PAIRS {
+                ways.push((hypothesis, k, Trial { size: -fitting(signature, *size), ..signature.trial() }));
+            }
+        }
+        let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
+        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |_| {});
+        let mut turned = Vec::new();
+        for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
+            let mut hypothesis = (*hypothesis).clone();
+            hypothesis.signatures[*k] = self.signatures.len();
+            self.signatures.push(signature);
+            turned.push(hypothesis.screened(&self.evidence, &self.signatures, candidates));
+        }
+        turned
+    }
+}
+
+/// What the nominal model leaves of each run.
+pub fn left(evidence: &[Evidence]) -> Vec<DVector<f64>> {
+    evidence.iter().map(|e| e.residual.clone()).collect()
+}
+
+/// The strength that fits, no smaller than a signature is clear at: one that is not tells of the simulation's own chance.
+fn fitting(signature: &Signature, size: f64) -> f64 {
+    let clear = signature.clear() * size.signum();
+    if size.abs() < clear.abs() { clear } else { size }
+}
+
+/// A signature at the strength that fits, where that is another than it was taken at.
+fn again(signature: &Signature, candidate: &Candidate, size: f64) -> Option<Trial> {
+    let (fits, before) = (fitting(signature, size), signature.size);
+    let (near, again) = match candidate.sensor {
+        // Between both, as a signature of too much asks for too little, and the other way round.
+        true if fits * before > 0.0 => (NEAR_SENSOR, fits.signum() * (fits * before).sqrt()),
+        true => (NEAR_SENSOR, fits),
+        false => (NEAR, fits),
+    };
+    let there = size != 0.0 && !candidate.strengths[signature.strength].whole();
+    (there && !near.contains(&(fits / before))).then_some(Trial { size: again, ..signature.trial() })
+}
+
+/// The same strength at the places beside, of either sign where it has one.
+fn beside(signature: &Signature, candidates: &[Candidate], size: f64) -> Vec<Trial> {
+    let size = if size == 0.0 { signature.size } else { fitting(signature, size) };
+    let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;
+    let places = (0..candidates.len()).filter(|c| candidates[*c].beside == Some(signature.candidate));
+    let at = |candidate: usize| {
+        let trial = Trial { candidate, size, ..signature.trial() };
+        [Some(trial), signed.then(|| trial.other())].into_iter().flatten()
+    };
+    places.flat_map(at).collect()
+}
