@@ -47,25 +47,36 @@ impl Chance<'_> {
             let strength = self.strength(&hypothesis);
             let rungs = std::iter::successors(Some(strength.trial), |size| Some(size * RUNG));
             let first = rungs.take(LADDER).filter(|size| *size < strength.high).collect();
-            (Tried { hypothesis, beside: None, points: Vec::new() }, first)
+            (Tried { hypothesis, beside: None, without: None, points: Vec::new() }, first)
         };
         self.search(own.map(alone).map(ladder).unzip())
     }
 
     /// The same of what was found alone beside another effect, which differs by nothing.
     pub fn beside(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Floor>)> {
+        let run = self.run();
+        let effects = other.hypothesis.applied(self.simulator.candidates(), self.signatures, &other.strengths);
+        let request = Request { run, step: other.moves[run].clone(), effects };
+        let without = self.simulator.laps_all(&[request]).pop().flatten();
         let both = |one: &&Fitted| {
             let hypothesis = other.hypothesis.with(&one.hypothesis);
-            (Tried { hypothesis, beside: Some(other), points: Vec::new() }, one.strengths.clone())
+            let (alone, high) = (one.strengths[0], self.strength(&hypothesis).high);
+            let first = [alone / RUNG, alone, alone * RUNG].into_iter().filter(|size| *size < high).collect();
+            (Tried { hypothesis, beside: Some(other), without: without.clone(), points: Vec::new() }, first)
         };
         self.search(found.iter().map(both).unzip())
     }
 
+    /// The run whose laps are held against what it measured.
+    fn run(&self) -> usize {
+        most_off(self.nominal, self.nominal.iter().map(|e| &e.residual))
+    }
+
     /// Hypotheses at the strengths that fit, looked for from some on.
     fn search(&self, (mut all, mut asked): (Vec<Tried>, Vec<Vec<f64>>)) -> Vec<(Fitted, Option<Floor>)> {
-        let run = most_off(self.nominal, self.nominal.iter().map(|e| &e.residual));
-        let laps = &self.simulator.frames()[run].laps;
-        let before: Vec<f64> = all.iter().map(|tried| self.misfit(tried, run, laps, 1.0, None)).collect();
+        let run = self.run();
+        let before: Vec<f64> =
+            all.iter().map(|tried| self.misfit(tried, run, self.without(tried, run), 1.0, None)).collect();
         for _ in 0..=FURTHER {
             self.simulate(run, &mut all, &asked);
             let further = |tried: &Tried| tried.further().filter(|x| *x < self.strength(&tried.hypothesis).high);
@@ -78,10 +89,17 @@ impl Chance<'_> {
         // Scatter says the strength, not the mean lap's slope.
         for (floor, one) in own.iter_mut().zip(&found) {
             if let Some(floor) = floor {
-                floor.covariance.clone_from(&one.covariance);
+                let last = one.strengths.len() - 1;
+                floor.covariance.row_mut(last).copy_from(&one.covariance.row(last));
+                floor.covariance.column_mut(last).copy_from(&one.covariance.column(last));
             }
         }
         found.into_iter().zip(own).collect()
+    }
+
+    /// How laps of a run scatter without what differs by chance.
+    fn without<'b>(&'b self, tried: &'b Tried, run: usize) -> &'b Laps {
+        tried.without.as_ref().unwrap_or(&self.simulator.frames()[run].laps)
     }
 
     /// Of what differs by chance: the last of a hypothesis.
@@ -122,7 +140,7 @@ impl Chance<'_> {
     fn misfit(&self, tried: &Tried, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
-        let variance = frame.laps.variance.iter().zip(&laps.variance).map(added).collect();
+        let variance = self.without(tried, run).variance.iter().zip(&laps.variance).map(added).collect();
         let own = Evidence::with(frame, &self.usual[run], &laps.scaled(variance));
         let mut left = own.residual.clone();
         if let Some(other) = tried.beside {
@@ -188,7 +206,9 @@ impl Chance<'_> {
             let by = one.hypothesis.change(self.signatures, &more, run);
             change.iter_mut().zip(by).for_each(|(x, d)| *x += d);
         }
-        one.strengths.iter_mut().zip(&more).for_each(|(x, d)| *x += d);
+        for ((x, d), (low, high)) in one.strengths.iter_mut().zip(&more).zip(bounds) {
+            *x = (*x + d).clamp(low, high);
+        }
         one.residuals = step.residuals;
     }
 }
@@ -198,6 +218,8 @@ struct Tried<'a> {
     hypothesis: Hypothesis,
     /// An effect that differs by nothing, beside which it is tried: the first members of the hypothesis.
     beside: Option<&'a Fitted>,
+    /// How laps scatter without what differs by chance; as the nominal chain's where nothing else is said.
+    without: Option<Laps>,
     points: Vec<Point>,
 }
 
@@ -262,7 +284,7 @@ mod tests {
             Point { size: *size, misfits: SPAN.map(misfit) }
         };
         let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
-        Tried { hypothesis, beside: None, points: sizes.iter().map(point).collect() }
+        Tried { hypothesis, beside: None, without: None, points: sizes.iter().map(point).collect() }
     }
 
     #[test]

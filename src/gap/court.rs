@@ -150,10 +150,15 @@ impl Court<'_> {
     /// Charges hypotheses for what they strike the other way round than measured, by what was simulated or, where nothing was, by signatures.
     pub fn charge_blows(&self, judged: &mut [Judged]) {
         for judged in judged {
-            let Fitted { features, changes, .. } = &judged.fitted;
+            let Fitted { features, hypothesis, strengths, .. } = &judged.fitted;
             let mut cost = 0.0;
             for (run, frame) in self.simulator.frames().iter().enumerate() {
-                let by_signature = |k: usize| frame.nominal[k] + changes[run][k];
+                // A blow hardly grows with the strength: no more of it is believed than was simulated.
+                let by_signature = |k: usize| {
+                    let own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths);
+                    let change = |(s, x): (&Signature, &f64)| s.change[run][k] * x.clamp(-s.size.abs(), s.size.abs());
+                    frame.nominal[k] + own.map(change).sum::<f64>()
+                };
                 let blows = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Blow);
                 let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
                 cost += blows.map(|k| judge::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();

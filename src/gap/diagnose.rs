@@ -91,8 +91,10 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     }
     judged.extend(scattered.into_iter().map(|(fitted, floor)| court.weigh(fitted, floor)));
     if judged.iter().all(|j| j.excess > UNSETTLED) {
-        let both = court.companion(&judged).map(|other| chance.beside(other, &court.by_chance(&judged)));
-        judged.extend(both.into_iter().flatten().map(|(fitted, floor)| court.weigh(fitted, floor)));
+        let both = court.companion(&judged).map(|other| chance.beside(other, &court.by_chance(&judged, other)));
+        let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&court.signatures));
+        let both: Vec<Judged> = there.map(|(fitted, floor)| court.weigh(fitted, floor)).collect();
+        judged.extend(both);
     }
     judged.extend(rest);
     court.charge_blows(&mut judged);
@@ -138,11 +140,15 @@ impl Court<'_> {
         explains.min_by(|a, b| a.excess.total_cmp(&b.excess)).map(|j| &j.fitted)
     }
 
-    /// What differs by chance and leaves least.
-    fn by_chance<'b>(&self, judged: &'b [Judged]) -> Vec<&'b Fitted> {
+    /// What differs by chance and leaves least, of other effects than one beside which no re-fit has it.
+    fn by_chance<'b>(&self, judged: &'b [Judged], other: &Fitted) -> Vec<&'b Fitted> {
+        let beside = other.hypothesis.members[0];
+        let fitted = |c: usize| judged.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
         let alone = |j: &&Judged| {
-            let members = &j.fitted.hypothesis.members;
-            members.len() == 1 && self.candidates()[members[0]].differs.is_some() && j.floor.is_some()
+            let [own] = j.fitted.hypothesis.members[..] else { return false };
+            let (candidate, beside) = (&self.candidates()[own], &self.candidates()[beside]);
+            let differs = candidate.differs.is_some() && candidate.strengths.len() == 1 && j.floor.is_some();
+            differs && candidate.effect != beside.effect && !fitted(own)
         };
         let mut found: Vec<&Judged> = judged.iter().filter(alone).collect();
         found.sort_by(|a, b| a.excess.total_cmp(&b.excess));

@@ -117,17 +117,26 @@ impl Court<'_> {
 
     /// A single effect that explains most of the gap, where it leaves something.
     fn leader(&self) -> Option<Judged> {
-        let leads = |j: &Judged| j.excess > UNSETTLED && j.excess - 1.0 < LEADS * (self.excess - 1.0);
-        self.singles().into_iter().next().filter(leads)
+        self.singles().into_iter().next().filter(|j| j.excess > UNSETTLED && self.leads(j))
     }
 
-    /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves asks for.
+    fn leads(&self, judged: &Judged) -> bool {
+        judged.excess - 1.0 < LEADS * (self.excess - 1.0)
+    }
+
+    /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves asks for; but not of those
+    /// that may lead in its stead.
     fn screen_beside(&mut self, leader: &Judged, tell: &mut dyn FnMut(usize, usize)) {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
-        let own = &candidates[leader.fitted.hypothesis.members[0]].effect;
-        let others = |c: usize| !candidates[c].sensor && candidates[c].effect != *own;
+        let effect = |j: &Judged| candidates[j.fitted.hypothesis.members[0]].effect.as_str();
+        let singles = self.singles();
+        let lead: BTreeSet<&str> = singles.iter().filter(|j| self.leads(j)).map(effect).collect();
+        let others = |c: usize| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
         for signature in screen::signatures(self.simulator, &self.evidence, left, others, tell) {
-            screen::keep(&mut self.signatures, signature, left);
+            // What could not be simulated tells nothing.
+            if signature.change.iter().all(|run| run.iter().any(|x| *x != 0.0)) {
+                screen::keep(&mut self.signatures, signature, left);
+            }
         }
     }
 

@@ -164,12 +164,12 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
 
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
 fn as_fitted<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
-    let effects = |j: &Judged| -> BTreeSet<&str> {
-        j.fitted.hypothesis.members.iter().map(|c| court.candidates()[*c].effect.as_str()).collect()
-    };
+    // A place beside one is that one.
+    let place = |c: &usize| std::iter::successors(Some(*c), |c| court.candidates()[*c].beside).last();
+    let places = |j: &Judged| -> BTreeSet<Option<usize>> { j.fitted.hypothesis.members.iter().map(place).collect() };
     let likely = |j: &&Judged| judged.weight - j.weight < HARDLY;
     let mut fitted = court.judged.iter().take_while(likely).filter(|j| j.fitted.simulated());
-    fitted.find(|j| effects(j) == effects(judged)).unwrap_or(judged)
+    fitted.find(|j| places(j) == places(judged)).unwrap_or(judged)
 }
 
 /// The same effects with more of their strengths, where that is not much less likely.

@@ -90,10 +90,11 @@ pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
     for (rail, forces) in RAILS.into_iter().enumerate() {
         let hardest = struck(runs, forces, 0.0, places.lap).map(|at| Suspect { rail, at, struck: true });
         let mut found: Vec<Suspect> = hardest.into_iter().collect();
-        for from in worst(frames, runs, forces).into_iter().take(CELLS) {
+        let most = found.len() + CELLS;
+        for from in worst(frames, runs, forces) {
             let blow = struck(runs, forces, from, cell);
             let at = blow.unwrap_or(from);
-            if found.iter().all(|other| (at - other.at).abs() > 0.25 * cell) {
+            if found.len() < most && found.iter().all(|other| (at - other.at).abs() > 0.25 * cell) {
                 found.push(Suspect { rail, at, struck: blow.is_some() });
             }
         }
