@@ -7,10 +7,13 @@ use super::{Act, Effect, Strength, Strengths, sites};
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
 
+/// Wheels that creep slower than v_s tell only μ/v_s, and what v_s is of a tyre on its rail is known to a factor of about two.
+const CREEP: f64 = 0.6;
+
 pub const EFFECT: Effect = Effect {
     name: "wheel_sliding",
     about: "running wheels that slide sideways",
-    doubt: super::ASSUMED,
+    doubt: CREEP,
     strengths: &[Strength {
         name: "friction",
         unit: "",
