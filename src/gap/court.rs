@@ -190,7 +190,8 @@ impl Court<'_> {
         evidence::in_common(self.simulator.frames(), &self.evidence, left)
     }
 
-    fn residuals(&self) -> Vec<DVector<f64>> {
+    /// What the nominal model leaves of each run.
+    pub fn residuals(&self) -> Vec<DVector<f64>> {
         self.evidence.iter().map(|e| e.residual.clone()).collect()
     }
 

@@ -6,11 +6,12 @@ use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
 use super::floor::floors;
 use super::judge::MOST_FREEDOM;
-use super::looks::{UNSETTLED, left};
-use super::refit::{Fitted, Hypothesis, refit};
+use super::looks::UNSETTLED;
+use super::refit::{Fitted, refit};
 use super::report::report;
 use super::screen::{self, Signature};
 use super::simulator::Simulator;
+use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Hypotheses that are re-fitted, and of these single effects at least.
@@ -41,7 +42,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let frames = simulator.frames();
     let evidence: Vec<Evidence> = frames.iter().map(|f| Evidence::new(f, &[])).collect();
     let candidates = simulator.candidates();
-    let left = left(&evidence);
+    let left: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
     let mut told = |done, of| tell(Stage::Screening { done, of });
     let mut signatures = screen::signatures(simulator, &evidence, &left, |_| true, &mut told);
     // What every built machine has of the effects is no gap, once their signatures are known.
@@ -116,11 +117,9 @@ impl Court<'_> {
             for b in &leading[rank + 1..] {
                 let (x, y) = (first(a), first(b));
                 if self.candidates()[x].effect != self.candidates()[y].effect {
-                    let ways = |c: usize| {
-                        singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis.signatures[..])
-                    };
-                    for (one, two) in ways(x).flat_map(|one| ways(y).map(move |two| (one, two))) {
-                        pairs.push(self.screened(Hypothesis { members: vec![x, y], signatures: [one, two].concat() }));
+                    let ways = |c: usize| singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis);
+                    for one in ways(x) {
+                        pairs.extend(ways(y).map(|two| self.screened(one.with(two))));
                     }
                 }
             }

@@ -1,12 +1,10 @@
 //! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion to their strengths.
 
 use super::court::{Court, Judged};
-use super::evidence::Evidence;
 use super::refit::{Fitted, Hypothesis};
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Candidate;
 use super::tune::Tuner;
-use nalgebra::DVector;
 use std::collections::BTreeSet;
 
 /// How often a closer look is taken, at how many effects, and what share of the gap they must explain.
@@ -65,7 +63,7 @@ impl Court<'_> {
             _ => false,
         });
         let cheap: Vec<Fitted> = cheap.take(SENSORS).map(|j| j.fitted).collect();
-        let left = left(&self.evidence);
+        let left = self.residuals();
         for Fitted { hypothesis, strengths, .. } in cheap {
             let tuned = self.tuner().tuned(&hypothesis, &strengths);
             let Some(tuned) = tuned.filter(|t| t.strengths[0] != 0.0) else { continue };
@@ -107,7 +105,7 @@ impl Court<'_> {
                 trials.extend(beside(signature, candidates, *size));
             }
         }
-        let left = leader.map_or_else(|| left(&self.evidence), |j| j.fitted.residuals.clone());
+        let left = leader.map_or_else(|| self.residuals(), |j| j.fitted.residuals.clone());
         let of = trials.len();
         let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |done| tell(done, of));
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
@@ -182,11 +180,6 @@ impl Court<'_> {
         }
         turned
     }
-}
-
-/// What the nominal model leaves of each run.
-pub fn left(evidence: &[Evidence]) -> Vec<DVector<f64>> {
-    evidence.iter().map(|e| e.residual.clone()).collect()
 }
 
 /// The strength that fits, no smaller than a signature is clear at: one that is not tells of the simulation's own chance.

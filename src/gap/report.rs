@@ -210,8 +210,7 @@ fn along(court: &Court, judged: &Judged, after: &[DVector<f64>]) -> Option<f64> 
 /// How far a strength is off by what scatters along its signature.
 fn scattered(court: &Court, column: &[DVector<f64>]) -> f64 {
     let square: f64 = column.iter().map(DVector::norm_squared).sum();
-    let residuals: Vec<DVector<f64>> = court.evidence.iter().map(|e| e.residual.clone()).collect();
-    Score::new(&court.evidence, &residuals, column).deviation / square.max(1e-300)
+    Score::new(&court.evidence, &court.residuals(), column).deviation / square.max(1e-300)
 }
 
 /// What is left of each run by strengths fitted to the others.
