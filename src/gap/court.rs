@@ -332,6 +332,6 @@ impl Court<'_> {
         let said = judged.weight - self.prior(&fitted.hypothesis) + judged.lost - own;
         let seen = self.seen_in_common(fitted);
         let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);
-        Some(trig::ln(judge::PATTERNED) + said - placed)
+        Some(trig::ln(judge::PATTERNED) + said - placed - judge::strange(self.excess, judged.excess, self.freedom))
     }
 }

@@ -36,6 +36,9 @@ const UNKNOWN_LEAVES: f64 = 0.5;
 pub const PLACED: f64 = 0.5;
 pub const PATTERNED: f64 = 0.5;
 
+/// What share of a gap something unknown leaves at least, when a pattern that differs by chance is fitted to it: it has none of these.
+const STRANGE: f64 = 0.07;
+
 /// What it costs at most that a channel of a run is struck the wrong way round, and all that are: a blow is seldom as simulated.
 const WRONG_WAY: f64 = 6.0;
 pub const WRONG_WAYS: f64 = 12.0;
@@ -88,6 +91,13 @@ pub fn unknown(excess: f64, freedom: f64) -> f64 {
     likelihood(1.0 + UNKNOWN_LEAVES * (excess - 1.0).max(0.0), freedom) - cost(UNKNOWN_STRENGTHS, freedom)
 }
 
+/// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share beyond the floor.
+pub fn strange(gap: f64, left: f64, freedom: f64) -> f64 {
+    let least = 1.0 + STRANGE * (gap - 1.0).max(0.0);
+    let left = left.max(1.0);
+    likelihood(left, freedom) - likelihood(left.max(least), freedom)
+}
+
 /// Probabilities from logarithms of weights.
 pub fn normalised(logs: &[f64]) -> Vec<f64> {
     let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -108,6 +118,15 @@ mod tests {
         assert_eq!(wrong_way(-1.5, 1.0), 2.0);
         assert_eq!(wrong_way(-9.0, 9.0), WRONG_WAY);
         assert!(wrong_way(f64::NAN, 1.0) == 0.0);
+    }
+
+    #[test]
+    fn something_unknown_is_thought_to_leave_its_share_of_a_gap() {
+        // A gap of 11 leaves 1.7 at least; what leaves more pays nothing, and what leaves less than the floor no more than the floor.
+        assert!((strange(11.0, 1.0, 60.0) - 30.0 * trig::ln(1.7)).abs() < 1e-12);
+        assert_eq!(strange(11.0, 0.5, 60.0), strange(11.0, 1.0, 60.0));
+        assert_eq!(strange(11.0, 1.8, 60.0), 0.0);
+        assert_eq!(strange(1.0, 0.9, 60.0), 0.0);
     }
 
     #[test]
