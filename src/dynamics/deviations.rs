@@ -132,6 +132,21 @@ impl Deviations {
         longer
     }
 
+    /// How much longer than on the line a chain of so many carts is between the rails, m, whose sides are chords from one station to the next:
+    /// the mean of so many phases.
+    pub fn chain_longer(&self, line: &CentreLine, carts: usize, phases: usize) -> f64 {
+        if self.rails.iter().all(Vec::is_empty) {
+            return 0.0;
+        }
+        let planned = Deviations::default();
+        let chain = |which: &Deviations, phase: usize| -> f64 {
+            let share = |k: usize| (k as f64 + phase as f64 / phases as f64) / carts as f64;
+            let joint = |k: usize| which.way(line, line.length * (share(k % carts)));
+            (0..carts).map(|k| (joint(k + 1) - joint(k)).norm()).sum()
+        };
+        (0..phases).map(|phase| chain(self, phase) - chain(&planned, phase)).sum::<f64>() / phases as f64
+    }
+
     /// The station, m, up to which the way between the rails is the same part of the whole as a station of the line is of the lap.
     pub fn spaced(&self, line: &CentreLine, longer: &[f64], station: f64) -> f64 {
         let Some(whole) = longer.last() else { return station };

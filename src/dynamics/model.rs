@@ -149,7 +149,7 @@ impl Model {
         let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent)
             + 0.5 * deviations.clearance;
         let way_longer = deviations.longer(&line);
-        let built = pitch + way_longer.last().copied().unwrap_or(0.0) / carts as f64;
+        let built = pitch + deviations.chain_longer(&line, carts, PHASES) / carts as f64;
         let length = if tension < 0.0 { built + stretch } else { built - stretch };
         let wheel = |wheel: &input::Wheel, load: f64| Wheel {
             contact: damped(&wheel.contact, load),
