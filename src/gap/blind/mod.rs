@@ -6,6 +6,7 @@
 //! only [`answering::judged`] opens the key.
 
 pub mod answering;
+mod curves;
 pub mod generate;
 mod judge;
 mod key;

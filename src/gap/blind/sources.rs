@@ -1,12 +1,12 @@
 //! What is put into cases, written anew: profiles, distributions over carts and sensors' answers are not those of the library, though
 //! a strength means the same. What the library has not is at the end of [`unknown`].
 
+use super::curves;
 use super::key::Truth;
 use super::reality::{add, draw, draw_log, lap, pick, shuffle};
 use crate::dynamics::law::tangent;
 use crate::dynamics::{Deviations, Ripple};
 use crate::emit::simulation::Simulation;
-use crate::gap::effects::sites::curves;
 use crate::geometry::trig;
 use crate::identify::noise::{normal, uniform};
 use crate::signal::{Channel, Run};
@@ -54,7 +54,7 @@ pub const UNKNOWN: usize = 7;
 
 type Act = Box<dyn Fn(f64, &mut Simulation, &mut Deviations) + Send + Sync>;
 
-fn chain(effect: &str, strength: &'static str, range: (f64, f64), act: Act) -> Source {
+pub fn chain(effect: &str, strength: &'static str, range: (f64, f64), act: Act) -> Source {
     Source {
         effect: effect.to_owned(),
         strengths: vec![(strength, 1.0)],
@@ -65,7 +65,7 @@ fn chain(effect: &str, strength: &'static str, range: (f64, f64), act: Act) -> S
     }
 }
 
-fn sign(state: &mut u64) -> f64 {
+pub fn sign(state: &mut u64) -> f64 {
     if uniform(state) < 0.5 { -1.0 } else { 1.0 }
 }
 
@@ -119,7 +119,7 @@ pub fn machine(which: usize, nominal: &Simulation, state: &mut u64) -> Source {
             source.strengths[0].1 = way;
             source
         }
-        11 => curve(nominal, lap, state),
+        11 => curves::curve(nominal, lap, state),
         12 => {
             let carts = nominal.chain.carts;
             let mut each: Vec<f64> = (0..carts).map(|i| 2.0 * (i as f64 + 0.5) / carts.max(1) as f64 - 1.0).collect();
@@ -242,24 +242,6 @@ fn load(nominal: &Simulation, state: &mut u64) -> Source {
     });
     let mut source = chain("load_distribution", "mass", (0.3, 100.0), act);
     source.fixed.insert("on_sensor".to_owned(), f64::from(u8::from(all)));
-    source
-}
-
-/// Off to a side by 16 u² (1 − u)² of what it is in the middle.
-fn curve(nominal: &Simulation, lap: f64, state: &mut u64) -> Source {
-    let curves = curves(nominal);
-    let (number, from, to) = curves.get(pick(state, curves.len())).copied().unwrap_or((1, 0.0, lap));
-    let way = sign(state);
-    let act: Act = Box::new(move |x, _, d| {
-        add(&mut d.rails[0], lap, |s| {
-            let u = ((s - from) / (to - from)).clamp(0.0, 1.0);
-            16.0 * way * x * u * u * (1.0 - u) * (1.0 - u)
-        });
-    });
-    let mut source = chain("curve_geometry", "offset", (1e-4, 0.035), act);
-    source.strengths[0].1 = way;
-    source.fixed.insert("curve".to_owned(), number as f64);
-    source.place = Some((from, to));
     source
 }
 

@@ -7,7 +7,7 @@ mod nominal;
 mod tilt;
 
 use super::effects::sites::{self, Site};
-use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, sense};
+use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, curve_geometry, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
 use crate::dynamics::{CartRecord, Fleet, Width, parallel};
 use crate::emit::simulation::{self as input, Simulation};
@@ -233,6 +233,10 @@ impl Chains {
                 let planned = fitted.model.coordinate(p, fitted.model.nominal[p.index()]);
                 at[p.index()] += planned - fitted.landing.at[p.index()];
             }
+        }
+        if effects.iter().any(curve_geometry::rebuilds) {
+            // A chain of the planned track would begin off the rails.
+            (plan.from, plan.settle) = (None, None);
         }
         let model = fitted.with(effects);
         let mut fleet = model.survey(&at, &plan);

@@ -5,7 +5,7 @@
 
 mod cart_bending;
 pub mod control_delay;
-mod curve_geometry;
+pub mod curve_geometry;
 mod fork_swivel;
 mod joint_clearance;
 mod joint_friction;
@@ -15,6 +15,7 @@ mod motor_ripple;
 mod pitch_wear;
 pub mod rail_step;
 mod rail_waviness;
+mod rebuilt;
 mod sensor_bias_drift;
 mod sensor_clipping;
 mod sensor_crosstalk;

@@ -44,12 +44,17 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; 7] {
 fn every_effect_of_the_chain_moves_what_carts_measure() {
     let plain = fleet(&nominal());
     for effect in LIBRARY.into_iter().chain(BUILT).filter(|e| !e.is_sensor()) {
-        let strength = &effect.strengths[0];
-        let simulation = with(effect.name, &[(strength.name, strength.trial)]);
-        let moved = fleet(&simulation);
-        assert!(plain.carts[0].forces != moved.carts[0].forces, "{} does nothing", effect.name);
+        for strength in effect.strengths {
+            let moved = fleet(&with(effect.name, &[(strength.name, strength.trial)]));
+            assert!(
+                plain.carts[0].forces != moved.carts[0].forces,
+                "{} of {} does nothing",
+                strength.name,
+                effect.name
+            );
+        }
         // Without strength it is the nominal chain, bit for bit where nothing else changes.
-        let none = fleet(&with(effect.name, &[(strength.name, 0.0)]));
+        let none = fleet(&with(effect.name, &[(effect.strengths[0].name, 0.0)]));
         let near = (mean(&none, 4) - mean(&plain, 4)).abs() < 1e-2 * mean(&plain, 4).abs();
         assert!(near, "{}: {} and {}", effect.name, mean(&none, 4), mean(&plain, 4));
     }
@@ -80,10 +85,40 @@ fn a_step_is_as_steep_wherever_it_lies_and_no_steeper_than_its_wheel_climbs() {
 #[test]
 fn a_track_that_is_built_off_has_the_tension_that_was_asked_for() {
     let plain = mean(&fleet(&nominal()), 4);
-    for offset in [-0.01, 0.01] {
-        let built = mean(&fleet(&with("curve_geometry", &[("offset", offset), ("curve", 2.0)])), 4);
-        assert!((built - plain).abs() < 5.0, "{offset} m: {built} N and {plain} N");
+    for (name, strength) in
+        [("offset", -0.01), ("offset", 0.01), ("radius", 0.1), ("heading", 0.01), ("transition", 1.0)]
+    {
+        let built = mean(&fleet(&with("curve_geometry", &[(name, strength), ("curve", 2.0)])), 4);
+        assert!((built - plain).abs() < 5.0, "{name} {strength}: {built} N and {plain} N");
     }
+}
+
+#[test]
+fn curves_are_built_as_their_strengths_say() {
+    let track = |name: &str, strength: f64| {
+        let (simulation, deviations) =
+            built(&with("curve_geometry", &[(name, strength), ("curve", 2.0)])).expect("a track");
+        (sites::curves(&simulation), simulation.track.centre_line(), deviations)
+    };
+    let (planned, line, _) = track("offset", 0.0);
+    // An arc of 90° between the same straights: 2 − π/2 of the radius is saved.
+    let (curves, longer, _) = track("radius", 0.1);
+    let turn = |(_, from, to): (usize, f64, f64), radius: f64| ((to - from) / radius).to_degrees();
+    assert!((turn(curves[1], 4.1) - 90.0).abs() < 1e-6 && (turn(curves[0], 4.0) - 90.0).abs() < 1e-6);
+    assert!((line.length - longer.length - 0.1 * (2.0 - trig::PI / 2.0)).abs() < 1e-6);
+    // What one curve turns more, the next one turns less.
+    let (curves, turned, _) = track("heading", 0.01);
+    let more = [1, 2].map(|k| turn(curves[k], 4.0) - turn(planned[k], 4.0));
+    assert!((more[0] - 0.01_f64.to_degrees()).abs() < 1e-6 && (more[0] + more[1]).abs() < 1e-6, "{more:?}");
+    assert!(turned.closure.0 < 1e-6);
+    // A transition begins half its length before the curve, and shifts its middle by a²/24R inwards, to the left.
+    let (curves, _, deviations) = track("transition", 1.2);
+    let rail = &deviations.rails[0];
+    let at = |s: f64| rail[(s / line.length * rail.len() as f64).round() as usize];
+    let (_, from, to) = curves[1];
+    let shift = 1.2_f64 * 1.2 / (24.0 * 4.0);
+    assert!((at(0.5 * (from + to)) - shift).abs() < 1e-9 && (at(from + 0.7) - shift).abs() < 1e-9);
+    assert!(at(from - 0.7) == 0.0 && (at(from) - 0.5 * shift).abs() < 1e-4 && (at(to) - 0.5 * shift).abs() < 1e-4);
 }
 
 #[test]

@@ -212,6 +212,7 @@ fn dimension(unit: &str) -> Dimension {
                 "kg" => Dimension::MASS,
                 "s" => Dimension::TIME,
                 "N" => Dimension::FORCE,
+                "rad" => Dimension::ANGLE,
                 _ => Dimension::NONE,
             };
             all.times(power(own, n)).unwrap_or(all)
