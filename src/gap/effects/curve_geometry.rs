@@ -103,11 +103,13 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
                 *radius = (*radius + radius_more).max(0.1);
             }
         }
-        if let Some(next) = next {
+        let mut changed = vec![pieces.clone()];
+        if let Some(next) = next.filter(|_| heading != 0.0) {
             rebuilt::turn_more(&mut simulation.track.elements[pieces.clone()], heading);
-            rebuilt::turn_more(&mut simulation.track.elements[next], -heading);
+            rebuilt::turn_more(&mut simulation.track.elements[next.clone()], -heading);
+            changed.push(next);
         }
-        rebuilt::close(&mut simulation.track, pieces);
+        rebuilt::close(&mut simulation.track, &changed);
     }
 }
 

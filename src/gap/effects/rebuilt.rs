@@ -2,12 +2,13 @@
 
 use crate::emit::simulation::{Piece, Track};
 use crate::geometry::trig;
+use nalgebra::{Matrix2, Vector2};
 use std::ops::Range;
 
 /// How short a straight may become, m.
 const SHORTEST: f64 = 0.02;
 
-/// Sine of the angle between two straights that can take up what is open between them.
+/// Sine of the angle between straights that can take up what is open between them.
 const APART: f64 = 0.1;
 
 /// The pieces between two arc lengths.
@@ -34,38 +35,39 @@ pub fn turn_more(pieces: &mut [Piece], degrees: f64) {
     }
 }
 
-/// Closes a track whose pieces there were changed with the two level straights that are nearest to them and can. Where there are none it
-/// stays open, which no chain accepts.
-pub fn close(track: &mut Track, changed: Range<usize>) {
+/// Closes a track whose curves there were changed: the level straights beside them become longer or shorter, by the least squares of what
+/// they do, and further ones where those cannot. Where none can it stays open, which no chain accepts.
+pub fn close(track: &mut Track, changed: &[Range<usize>]) {
     let headings = headings(track);
     let n = track.elements.len();
     let away = |k: usize| {
-        let ahead = (k + n - changed.end % n) % n;
-        let behind = (changed.start + n - 1 - k) % n;
-        ahead.min(behind)
+        let from = |curve: &Range<usize>| ((k + n - curve.end % n) % n).min((curve.start + n - 1 - k) % n);
+        changed.iter().map(from).min().unwrap_or(0)
     };
     let level = |k: &usize| matches!(track.elements[*k], Piece::Straight { slope: 0.0, .. });
     let mut straights: Vec<usize> = (0..n).filter(level).collect();
     straights.sort_by_key(|k| (away(*k), *k));
-    let (x, y) = open(track, &headings);
-    for (rank, a) in straights.iter().enumerate() {
-        for b in &straights[..rank] {
-            let direction = |k: usize| (trig::cos(headings[k]), trig::sin(headings[k]));
-            let ((ax, ay), (bx, by)) = (direction(*a), direction(*b));
-            let sine = ax * by - ay * bx;
-            // So much more of each brings the end back to where it was: p a + q b = −(x, y).
-            let (p, q) = ((y * bx - x * by) / sine, (x * ay - y * ax) / sine);
-            let long = |k: usize, more: f64| track.elements[k].form().length() + more >= SHORTEST;
-            if sine.abs() > APART && long(*a, p) && long(*b, q) {
-                for (k, more) in [(*a, p), (*b, q)] {
-                    if let Piece::Straight { length, .. } = &mut track.elements[k] {
-                        *length += more;
-                    }
+    let end = open(track, &headings);
+    let first = straights.iter().filter(|k| away(**k) == 0).count().max(2);
+    for many in first..=straights.len() {
+        let along: Vec<Vector2<f64>> = straights[..many].iter().map(|k| direction(headings[*k])).collect();
+        let square: Matrix2<f64> = along.iter().map(|u| u * u.transpose()).sum();
+        let Some(inverse) = square.try_inverse().filter(|_| square.determinant() > APART * APART) else { continue };
+        let pull = inverse * -end;
+        let more: Vec<f64> = along.iter().map(|u| u.dot(&pull)).collect();
+        if straights.iter().zip(&more).all(|(k, more)| track.elements[*k].form().length() + more >= SHORTEST) {
+            for (k, more) in straights.iter().zip(more) {
+                if let Piece::Straight { length, .. } = &mut track.elements[*k] {
+                    *length += more;
                 }
-                return;
             }
+            return;
         }
     }
+}
+
+fn direction(heading: f64) -> Vector2<f64> {
+    Vector2::new(trig::cos(heading), trig::sin(heading))
 }
 
 /// Where each piece begins to head, rad.
@@ -79,17 +81,14 @@ fn headings(track: &Track) -> Vec<f64> {
     begins.collect()
 }
 
-/// From the track's begin to its end, in its plan.
-fn open(track: &Track, headings: &[f64]) -> (f64, f64) {
-    let mut way = (0.0, 0.0);
-    for (piece, heading) in track.elements.iter().zip(headings) {
+/// From the track's begin to its end, in its plan, m.
+fn open(track: &Track, headings: &[f64]) -> Vector2<f64> {
+    let chord = |(piece, heading): (&Piece, &f64)| {
         let form = piece.form();
         let half = 0.5 * form.turn();
-        let chord = if half == 0.0 { form.run() } else { form.run() * trig::sin(half) / half };
-        way.0 += chord * trig::cos(heading + half);
-        way.1 += chord * trig::sin(heading + half);
-    }
-    way
+        direction(heading + half) * if half == 0.0 { form.run() } else { form.run() * trig::sin(half) / half }
+    };
+    track.elements.iter().zip(headings).map(chord).sum()
 }
 
 #[cfg(test)]
@@ -115,7 +114,7 @@ mod tests {
         let corner = between(&track, 6.0, 6.0 + 2.0 * trig::PI);
         assert_eq!(corner, 1..2);
         track.elements[1] = Piece::Arc { radius: 4.3, turn_deg: 90.0 };
-        close(&mut track, corner);
+        close(&mut track, &[corner]);
         assert!((length(&track, 0) - 5.7).abs() < 1e-12 && (length(&track, 2) - 3.7).abs() < 1e-12);
         assert!(track.centre_line().closure.0 < 1e-12);
     }
@@ -125,12 +124,20 @@ mod tests {
         let mut track = rectangle();
         turn_more(&mut track.elements[1..2], 1.0);
         turn_more(&mut track.elements[3..4], -1.0);
-        close(&mut track, 1..2);
+        close(&mut track, &[1..2, 3..4]);
         let (gap, angle) = track.centre_line().closure;
         assert!(gap < 1e-12 && angle < 1e-12, "{gap} {angle}");
-        // The short side leans by 1°; what it is out by, the long side behind or before it takes.
-        let changed = (0..9).filter(|k| track.elements[*k] != rectangle().elements[*k]);
-        assert_eq!(changed.collect::<Vec<_>>(), [0, 1, 2, 3]);
+        // The short side turns about its middle, 6 m from the vertices, which move along the long ones by the law of sines; tangents do the rest.
+        let longer = [0, 2, 4].map(|k| length(&track, k) - length(&rectangle(), k));
+        let degrees = |x: f64| x.to_radians();
+        let moved = |turn: f64| 6.0 * trig::sin(degrees(1.0)) / trig::sin(degrees(turn));
+        let tangent = |turn: f64| 4.0 * trig::tan(degrees(0.5 * turn)) - 4.0;
+        let expected = [moved(91.0) - tangent(91.0), -moved(89.0) - tangent(89.0)];
+        assert!(
+            (longer[0] - expected[0]).abs() < 1e-3 && (longer[2] - expected[1]).abs() < 1e-3,
+            "{longer:?} {expected:?}"
+        );
+        assert!((5..9).all(|k| track.elements[k] == rectangle().elements[k]));
     }
 
     #[test]
@@ -142,7 +149,7 @@ mod tests {
             }
         }
         track.elements[1] = Piece::Arc { radius: 5.0, turn_deg: 90.0 };
-        close(&mut track, 1..2);
+        close(&mut track, &[1..2]);
         assert!(track.centre_line().closure.0 > 0.9);
     }
 }
