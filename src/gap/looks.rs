@@ -89,11 +89,16 @@ impl Court<'_> {
             None => alone.collect(),
             Some(leader) => self.beside(leader, alone),
         };
+        // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too small.
+        let rivals = leader.map(|_| self.leading()).unwrap_or_default();
         for judged in looked_at.iter().filter(|j| before - j.excess > worth) {
             let Fitted { hypothesis, strengths, .. } = &judged.fitted;
             let (Some(own), Some(size)) = (hypothesis.signatures.last(), strengths.last()) else { continue };
             let signature = &self.signatures[*own];
             let candidate = &candidates[signature.candidate];
+            if rivals.contains(candidate.effect.as_str()) {
+                continue;
+            }
             sensors += usize::from(candidate.sensor);
             let room = match candidate.sensor {
                 true if self.simulator.hears() => false,
@@ -122,13 +127,17 @@ impl Court<'_> {
         judged.excess - 1.0 < LEADS * (self.excess - 1.0)
     }
 
+    /// Effects of which one alone leads.
+    fn leading(&self) -> BTreeSet<String> {
+        let effect = |j: Judged| self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect.clone();
+        self.singles().into_iter().filter(|j| self.leads(j)).map(effect).collect()
+    }
+
     /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves asks for; but not of those
     /// that may lead in its stead.
     fn screen_beside(&mut self, leader: &Judged, tell: &mut dyn FnMut(usize, usize)) {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
-        let effect = |j: &Judged| candidates[j.fitted.hypothesis.members[0]].effect.as_str();
-        let singles = self.singles();
-        let lead: BTreeSet<&str> = singles.iter().filter(|j| self.leads(j)).map(effect).collect();
+        let lead = self.leading();
         let others = |c: usize| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
         for signature in screen::signatures(self.simulator, &self.evidence, left, others, tell) {
             // What could not be simulated tells nothing.
