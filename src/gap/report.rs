@@ -405,7 +405,7 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
         for other in effects.iter().skip(i + 1) {
             let Some(judged) = single(&other.name) else { continue };
             let near = (own.weight - judged.weight).abs() < APART;
-            if near && alike(&own.fitted.columns, &judged.fitted.columns) > PARALLEL {
+            if near && alike(&own.fitted.direction(), &judged.fitted.direction()) > PARALLEL {
                 members.push(other.name.clone());
             }
         }
@@ -423,11 +423,10 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
     out
 }
 
-/// Cosine between the first columns of two hypotheses, over all runs.
-fn alike(a: &[Vec<DVector<f64>>], b: &[Vec<DVector<f64>>]) -> f64 {
-    let (Some(a), Some(b)) = (a.first(), b.first()) else { return 0.0 };
+/// Cosine between what two hypotheses change, over all runs.
+fn alike(a: &[DVector<f64>], b: &[DVector<f64>]) -> f64 {
     let dot = |x: &[DVector<f64>], y: &[DVector<f64>]| x.iter().zip(y).map(|(x, y)| x.dot(y)).sum::<f64>();
-    dot(a, b).abs() / (dot(a, a) * dot(b, b)).sqrt().max(1e-300)
+    dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-300)
 }
 
 /// Means of the channels with the largest gaps.
