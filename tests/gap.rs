@@ -96,7 +96,6 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         }],
         sensor,
         differs: None,
-        apart: false,
         doubt: 0.0,
         beside: None,
     };

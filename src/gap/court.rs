@@ -99,8 +99,7 @@ impl Court<'_> {
             // Of an effect with several strengths each may be there without the others.
             let some = if whole.signatures.len() > 1 { whole.signatures.clone() } else { Vec::new() };
             let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
-            let apart = whole.signatures.len() > 1 && self.candidates()[c].apart;
-            some.chain((!apart).then_some(whole)).collect::<Vec<_>>()
+            some.chain([whole]).collect::<Vec<_>>()
         });
         let mut singles: Vec<Judged> = ways.map(|h| self.screened(h)).collect();
         singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));

@@ -59,8 +59,6 @@ pub struct Candidate {
     pub fixed: Vec<(String, f64)>,
     /// What is fitted.
     pub strengths: Vec<Strength>,
-    /// Whether each of its strengths is a way of its own, so that no two are there together.
-    pub apart: bool,
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
     /// In what it differs by chance, so that laps scatter by it.

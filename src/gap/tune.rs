@@ -187,7 +187,6 @@ mod tests {
             strengths: vec![strength],
             sensor: true,
             differs: None,
-            apart: false,
             doubt: 0.0,
             beside: None,
         };

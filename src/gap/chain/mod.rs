@@ -157,7 +157,6 @@ impl Chains {
             place: site.words,
             fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
             strengths: effect.strengths.iter().map(strength).collect(),
-            apart: sites::apart(effect),
             sensor: effect.is_sensor(),
             differs,
             doubt: effect.doubt,

@@ -21,11 +21,6 @@ pub fn beside(effect: &Effect, site: &Site, known: f64) -> Vec<(Site, Vec<Site>)
     }
 }
 
-/// Whether an effect's strengths are ways of its own: a curve is bowed, or has another radius.
-pub fn apart(effect: &Effect) -> bool {
-    effect.name == "curve_geometry"
-}
-
 /// In what an effect there differs in a way that nobody knows: swings of a late drive have any phase.
 pub fn differs(effect: &Effect, site: &Site) -> Option<Differs> {
     match effect.name {

@@ -189,7 +189,6 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         strengths: e.strengths.into_iter().map(strength).collect(),
         sensor: e.sensor,
         differs: None,
-        apart: false,
         doubt: 0.0,
         beside: None,
     };
