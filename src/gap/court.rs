@@ -106,6 +106,12 @@ impl Court<'_> {
         singles
     }
 
+    /// The place of a candidate: one beside another is at that one's.
+    pub fn place(&self, candidate: usize) -> usize {
+        let before = |c: &usize| self.candidates()[*c].beside;
+        std::iter::successors(Some(candidate), before).last().unwrap_or(candidate)
+    }
+
     pub fn candidates(&self) -> &[Candidate] {
         self.simulator.candidates()
     }

@@ -5,7 +5,7 @@ use super::refit::{Fitted, Hypothesis};
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Candidate;
 use super::tune::Tuner;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How often a closer look is taken, at how many effects, and what share of the gap they must explain.
 const LOOKS: usize = 3;
@@ -79,7 +79,8 @@ impl Court<'_> {
     /// beside. Where another hypothesis leads, in what that one leaves.
     fn look_closer(&mut self, leader: Option<&Judged>, tell: &mut dyn FnMut(usize, usize)) {
         let mut trials: Vec<Trial> = Vec::new();
-        let mut seen: BTreeSet<&str> = BTreeSet::new();
+        // Each strength of an effect where it fits best.
+        let mut seen: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
         let mut sensors = 0;
         let candidates = self.simulator.candidates();
         let before = leader.map_or(self.excess, |j| j.excess);
@@ -103,7 +104,11 @@ impl Court<'_> {
             let room = match candidate.sensor {
                 true if self.simulator.hears() => false,
                 true => sensors <= SENSORS,
-                false => seen.len() < LOOKED_AT && seen.insert(&candidate.effect),
+                false => {
+                    let effect = candidate.effect.as_str();
+                    (seen.contains_key(effect) || seen.len() < LOOKED_AT)
+                        && seen.entry(effect).or_default().insert(signature.strength)
+                }
             };
             if room {
                 trials.extend(again(signature, candidate, *size));

@@ -4,6 +4,7 @@ use super::court::{Court, Judged};
 use super::diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
 use super::evidence::Evidence;
 use super::judge;
+use super::looks::UNSETTLED;
 use super::screen::explain;
 use super::significance::Score;
 use super::simulator::{Band, Frame};
@@ -16,7 +17,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Deviations of a normal distribution's 90 % interval.
 const NINETY: f64 = 1.644_853_627;
 
-/// Effects whose signatures are so nearly parallel are not told apart, unless their weights differ by this much.
+/// Effects whose signatures are so nearly parallel are not told apart, unless the logarithms of their weights differ by this much (a factor
+/// of 20: strong evidence, Kass and Raftery 1995).
 const PARALLEL: f64 = 0.92;
 const APART: f64 = 3.0;
 
@@ -36,7 +38,7 @@ const PLACES: usize = 24;
 
 pub fn report(court: &Court) -> Diagnosis {
     let logs = [trig::ln(judge::NONE) + judge::likelihood(court.excess, court.freedom), court.unknown];
-    let weights: Vec<f64> = logs.into_iter().chain(court.judged.iter().map(|j| j.weight)).collect();
+    let weights: Vec<f64> = logs.into_iter().chain(once(court)).collect();
     let probability = judge::normalised(&weights);
     let (none, unknown) = (probability[0], probability[1]);
     let of = |wanted: &dyn Fn(&Judged) -> bool| -> f64 {
@@ -164,12 +166,22 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
 
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
 fn as_fitted<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
-    // A place beside one is that one.
-    let place = |c: &usize| std::iter::successors(Some(*c), |c| court.candidates()[*c].beside).last();
-    let places = |j: &Judged| -> BTreeSet<Option<usize>> { j.fitted.hypothesis.members.iter().map(place).collect() };
     let likely = |j: &&Judged| judged.weight - j.weight < HARDLY;
     let mut fitted = court.judged.iter().take_while(likely).filter(|j| j.fitted.simulated());
-    fitted.find(|j| places(j) == places(judged)).unwrap_or(judged)
+    fitted.find(|j| sites(court, j) == sites(court, judged)).unwrap_or(judged)
+}
+
+/// Where a hypothesis' effects are.
+fn sites(court: &Court, judged: &Judged) -> BTreeSet<usize> {
+    judged.fitted.hypothesis.members.iter().map(|c| court.place(*c)).collect()
+}
+
+/// Logarithms of the hypotheses' weights. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
+/// many strengths is no likelier before the runs than one with few.
+fn once(court: &Court) -> Vec<f64> {
+    let mut met = BTreeSet::new();
+    let weight = |j: &Judged| if met.insert(sites(court, j)) { j.weight } else { f64::NEG_INFINITY };
+    court.judged.iter().map(weight).collect()
 }
 
 /// The same effects with more of their strengths, where that is not much less likely.
@@ -384,7 +396,7 @@ fn runs(court: &Court, shown: Option<&Judged>) -> Vec<RunGap> {
     court.simulator.frames().iter().enumerate().map(gap).collect()
 }
 
-/// Effects that cannot be told apart: parallel signatures and weights that are alike.
+/// Effects that cannot be told apart: their weights are alike, and their signatures are parallel or both leave nothing to choose by.
 fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
     let candidates = court.candidates();
     let single = |name: &str| {
@@ -398,14 +410,16 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
     for i in 0..effects.len().min(8) {
         let Some(own) = single(&effects[i].name) else { continue };
         let likely = effects[i].probability > 0.05;
-        if !likely || grouped.contains(&effects[i].name) || own.excess > 0.5 * (court.excess + 1.0) {
+        let explains = |j: &Judged| j.excess < 0.5 * (court.excess + 1.0);
+        if !likely || grouped.contains(&effects[i].name) || !explains(own) {
             continue;
         }
         let mut members = vec![effects[i].name.clone()];
         for other in effects.iter().skip(i + 1) {
             let Some(judged) = single(&other.name) else { continue };
             let near = (own.weight - judged.weight).abs() < APART;
-            if near && alike(&own.fitted.direction(), &judged.fitted.direction()) > PARALLEL {
+            let settled = explains(judged) && own.excess.max(judged.excess) < UNSETTLED;
+            if near && (settled || alike(&own.fitted.direction(), &judged.fitted.direction()) > PARALLEL) {
                 members.push(other.name.clone());
             }
         }

@@ -149,7 +149,8 @@ mod tests {
             }
         }
         track.elements[1] = Piece::Arc { radius: 5.0, turn_deg: 90.0 };
-        close(&mut track, &[1..2]);
+        let corner = 1..2;
+        close(&mut track, &[corner]);
         assert!(track.centre_line().closure.0 > 0.9);
     }
 }
