@@ -85,7 +85,7 @@ fn by_chance(found: &Diagnosis) -> bool {
     found.runs.len() > 1 && found.effects.first().is_some_and(|e| by_cart(e) && (named || closes(e)))
 }
 
-/// What would separate effects with parallel signatures.
+/// What would separate effects that these runs do not.
 pub fn separate(members: &[String]) -> String {
     let has = |name: &str| members.iter().any(|m| m == name);
     let list = members.join(", ");
