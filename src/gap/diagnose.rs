@@ -79,19 +79,14 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     });
     let chance = Chance { simulator, nominal: &court.evidence, usual: &usual, signatures: &court.signatures };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
-    let asked = court.worth_a_floor(&fitted);
-    let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
-    let mut own = floors(simulator, &court.evidence, &usual, &court.signatures, &some).into_iter();
-    let mut judged: Vec<Judged> = Vec::new();
-    for (fitted, asked) in fitted.into_iter().zip(asked) {
-        let floor = if asked { own.next().flatten() } else { None };
-        // A pair of which one does nothing is the other one alone.
-        if fitted.all_there(&court.signatures) {
-            judged.push(court.weigh(fitted, floor));
-        }
-    }
+    let mut judged = court.before_floors(fitted, &usual);
     judged.extend(scattered.into_iter().map(|(fitted, floor)| court.weigh(fitted, floor)));
-    if judged.iter().all(|j| j.excess > UNSETTLED) {
+    let unsettled = |judged: &[Judged]| judged.iter().all(|j| j.excess > UNSETTLED);
+    if gap && unsettled(&judged) {
+        let both = refit(simulator, &court.evidence, &court.signatures, court.seconds(&judged), &mut |_, _| {});
+        judged.extend(court.before_floors(both, &usual));
+    }
+    if unsettled(&judged) {
         let both = court.companion(&judged).map(|other| chance.beside(other, &court.by_chance(&judged, other)));
         let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&court.signatures));
         let both: Vec<Judged> = there.map(|(fitted, floor)| court.weigh(fitted, floor)).collect();
@@ -154,6 +149,17 @@ impl Court<'_> {
         let mut met = BTreeSet::new();
         found.retain(|j| met.insert(j.fitted.hypothesis.members[0]));
         found.into_iter().take(BY_CHANCE).map(|j| &j.fitted).collect()
+    }
+
+    /// What was fitted before the floors that it makes itself. A pair of which one does nothing is the other one alone.
+    fn before_floors(&self, fitted: Vec<Fitted>, usual: &[Vec<Vec<f64>>]) -> Vec<Judged> {
+        let asked = self.worth_a_floor(&fitted);
+        let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
+        let mut own = floors(self.simulator, &self.evidence, usual, &self.signatures, &some).into_iter();
+        let with = fitted.into_iter().zip(asked);
+        let with: Vec<_> = with.map(|(f, asked)| (f, if asked { own.next().flatten() } else { None })).collect();
+        let there = with.into_iter().filter(|(fitted, _)| fitted.all_there(&self.signatures));
+        there.map(|(fitted, floor)| self.weigh(fitted, floor)).collect()
     }
 
     /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.

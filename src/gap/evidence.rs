@@ -10,7 +10,8 @@ use crate::geometry::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
 
-/// Common deviations of honest laps that are told apart from each feature's own.
+/// Common deviations of the nominal chain's laps that are told apart from each feature's own. Laps with an effect have as many as stand out:
+/// what differs from cart to cart does so in as many ways as there are carts, and explains nothing across them.
 const MODES: usize = 10;
 
 /// Their variance over a feature's own, at least.
@@ -263,7 +264,7 @@ fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector
     loop {
         let weights = tolerant(frame, rows, own.iter().map(|variance| 1.0 / variance.sqrt()).collect());
         let honest: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
-        let common = modes(&honest);
+        let common = modes(&honest, if raised { honest.len() } else { MODES });
         if turns == 0 {
             return (weights, honest, common);
         }
@@ -301,7 +302,7 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
 ///
 /// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of noise (Marchenko and
 /// Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
-fn modes(laps: &[DVector<f64>]) -> Vec<DVector<f64>> {
+fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
     let count = laps.len();
     if count < 8 {
         return Vec::new();
@@ -315,7 +316,7 @@ fn modes(laps: &[DVector<f64>]) -> Vec<DVector<f64>> {
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let mut rest = eigen.eigenvalues.sum();
     let mut found = Vec::new();
-    for k in order.into_iter().take(MODES) {
+    for k in order.into_iter().take(most) {
         let seen = eigen.eigenvalues[k];
         rest -= seen;
         let own = (rest / features).max(1e-12);
@@ -350,6 +351,26 @@ mod tests {
     use crate::gap::simulator::{Band, Label};
     use crate::identify::noise::normal;
 
+    /// A frame whose features have no nuisances, and what was measured of them.
+    fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {
+        let features = measured.len();
+        let label =
+            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as u64, to: k as u64 + 1 };
+        Frame {
+            run: "run".into(),
+            labels: (0..features).map(label).collect(),
+            measured,
+            nominal: vec![0.0; features],
+            laps: Laps { variance: vec![1.0; features], scatter },
+            doubts: Vec::new(),
+            built: Vec::new(),
+            slopes: DMatrix::zeros(features, 0),
+            prior: Vec::new(),
+            bounds: Vec::new(),
+            nuisances: Vec::new(),
+        }
+    }
+
     #[test]
     fn what_scatters_one_way_explains_nothing_across_it() {
         let (features, laps) = (200, 80);
@@ -357,21 +378,8 @@ mod tests {
         let mut noise = |n: usize| (0..n).map(|_| normal(&mut state)).collect::<Vec<f64>>();
         // Twenty features go up and down together, with a variance of 5 each.
         let way = |k: usize| if k < 20 { 5.0_f64.sqrt() } else { 0.0 };
-        let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as u64, to: k as u64 + 1 };
-        let frame = Frame {
-            run: "run".into(),
-            labels: (0..features).map(label).collect(),
-            measured: noise(features),
-            nominal: vec![0.0; features],
-            laps: Laps { variance: vec![1.0; features], scatter: (0..laps).map(|_| noise(features)).collect() },
-            doubts: Vec::new(),
-            built: Vec::new(),
-            slopes: DMatrix::zeros(features, 0),
-            prior: Vec::new(),
-            bounds: Vec::new(),
-            nuisances: Vec::new(),
-        };
+        let measured = noise(features);
+        let frame = bare(measured, (0..laps).map(|_| noise(features)).collect());
         let lap = |lap: &Vec<f64>, share: f64| lap.iter().enumerate().map(|(k, x)| x + share * way(k)).collect();
         let shares = noise(laps);
         let own = shares.iter().map(|share| share * share).sum::<f64>() / laps as f64;
@@ -392,17 +400,43 @@ mod tests {
     }
 
     #[test]
+    fn what_scatters_in_many_ways_explains_nothing_but_these() {
+        let (features, laps, ways) = (600, 64, 25);
+        let mut state = 9;
+        let mut noise = |n: usize| (0..n).map(|_| normal(&mut state)).collect::<Vec<f64>>();
+        // Each as large as 25 times what laps have by chance, all together 25 times the variance of a feature.
+        let patterns: Vec<Vec<f64>> = (0..ways + 1).map(|_| noise(features)).collect();
+        let mut lap = |known: &[Vec<f64>]| {
+            let shares = noise(known.len());
+            let each = known.iter().zip(shares).map(|(pattern, share)| (pattern, share));
+            let sum = each.fold(noise(features), |sum, (p, x)| sum.iter().zip(p).map(|(s, p)| s + x * p).collect());
+            sum
+        };
+        let honest: Vec<Vec<f64>> = (0..laps).map(|_| lap(&[])).collect();
+        let scatter: Vec<Vec<f64>> = (0..laps).map(|_| lap(&patterns[..ways])).collect();
+        let spread = |k: usize| 1.0 + patterns[..ways].iter().map(|p| p[k] * p[k]).sum::<f64>();
+        let with = Laps { variance: (0..features).map(spread).collect(), scatter };
+        let frame = bare(lap(&[]), honest);
+        let own = Evidence::with(&frame, &[], &with);
+        let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
+        let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));
+        let stranger: Vec<f64> = another.iter().zip(&patterns[ways]).map(|(x, p)| x + 5.0 * p).collect();
+        println!("{one_of_them} {}", left(&stranger));
+        assert!(one_of_them < 2.0 && left(&stranger) > 5.0 * one_of_them);
+    }
+
+    #[test]
     fn a_common_deviation_is_told_from_what_few_laps_have_by_chance() {
         let (laps, features) = (64, 600);
         let mut state = 3;
         let mut random = |n: usize| DVector::from_iterator(n, (0..n).map(|_| normal(&mut state)));
         let noise: Vec<DVector<f64>> = (0..laps).map(|_| random(features)).collect();
-        assert!(modes(&noise).is_empty());
+        assert!(modes(&noise, MODES).is_empty());
         // One direction in which laps differ with a variance of 40.
         let common = random(features).normalize();
         let shares = random(laps);
         let with = noise.iter().zip(shares.iter()).map(|(lap, share)| lap + &common * (*share * 40.0_f64.sqrt()));
-        let found = modes(&with.collect::<Vec<_>>());
+        let found = modes(&with.collect::<Vec<_>>(), MODES);
         assert_eq!(found.len(), 1);
         // The variance that these laps happen to have, of which chance would make a sixth too much.
         let expected = 40.0 * shares.norm_squared() / (laps - 1) as f64;

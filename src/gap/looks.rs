@@ -128,7 +128,8 @@ impl Court<'_> {
         self.singles().into_iter().next().filter(|j| j.excess > UNSETTLED && self.leads(j))
     }
 
-    fn leads(&self, judged: &Judged) -> bool {
+    /// Whether it explains most of the gap.
+    pub fn leads(&self, judged: &Judged) -> bool {
         judged.excess - 1.0 < LEADS * (self.excess - 1.0)
     }
 

@@ -20,6 +20,7 @@ mod refit;
 mod remembered;
 mod report;
 mod screen;
+mod second;
 mod significance;
 mod simulator;
 mod tune;

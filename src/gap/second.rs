@@ -1,0 +1,51 @@
+//! A second effect beside the best one, looked for in what that one leaves where it was really fitted. What its signature leaves may be several
+//! times as much, in which a second one drowns.
+
+use super::court::{Court, Judged};
+use super::refit::{Fitted, Hypothesis};
+use super::screen::explain;
+use std::collections::BTreeSet;
+
+/// So many are really fitted.
+const SECONDS: usize = 3;
+
+impl Court<'_> {
+    /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it that no re-fit has there.
+    pub fn seconds(&self, judged: &[Judged]) -> Vec<Fitted> {
+        let alone = |j: &&Judged| j.fitted.hypothesis.members.len() == 1 && j.fitted.simulated() && self.leads(j);
+        let first = judged.iter().filter(alone).min_by(|a, b| a.excess.total_cmp(&b.excess));
+        let Some(Judged { fitted: first, .. }) = first else { return Vec::new() };
+        let names = |h: &Hypothesis| -> BTreeSet<&str> {
+            h.members.iter().map(|c| self.candidates()[*c].effect.as_str()).collect()
+        };
+        let simulated = judged.iter().filter(|j| j.fitted.simulated());
+        let mut met: BTreeSet<BTreeSet<&str>> = simulated.map(|j| names(&j.fitted.hypothesis)).collect();
+        let both = self.singles().into_iter().map(|j| self.weigh(self.joined(first, &j.fitted.hypothesis), None));
+        let mut both: Vec<Judged> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
+        both.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
+        both.into_iter().take(SECONDS).map(|j| j.fitted).collect()
+    }
+
+    /// What was simulated with another effect beside it, by that one's signatures.
+    fn joined(&self, first: &Fitted, second: &Hypothesis) -> Fitted {
+        let hypothesis = first.hypothesis.with(second);
+        let own = second.signatures.iter().map(|k| self.signatures[*k].columns.clone());
+        let columns: Vec<_> = first.columns.iter().cloned().chain(own).collect();
+        let mut strengths = first.strengths.clone();
+        strengths.resize(columns.len(), 0.0);
+        let bounds = hypothesis.bounds(self.candidates(), &self.signatures);
+        let room: Vec<(f64, f64)> = bounds.iter().zip(&strengths).map(|((low, high), x)| (low - x, high - x)).collect();
+        let by: Vec<_> = columns.iter().map(|c| &c[..]).collect();
+        let step = explain(&first.residuals, &by, &room, None);
+        strengths.iter_mut().zip(&step.strengths).for_each(|(x, more)| *x += more);
+        let moved = |(run, change): (usize, &Vec<f64>)| -> Vec<f64> {
+            let more = hypothesis.change(&self.signatures, &step.strengths, run);
+            change.iter().zip(more).map(|(c, m)| c + m).collect()
+        };
+        let changes: Vec<Vec<f64>> = first.changes.iter().enumerate().map(moved).collect();
+        let moves = self.evidence.iter().zip(&changes).map(|(e, change)| e.moves(change)).collect();
+        let (covariance, residuals) = (step.covariance, step.residuals);
+        Fitted { hypothesis, strengths, covariance, residuals, columns, changes, moves, features: None }
+    }
+}
