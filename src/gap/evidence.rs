@@ -404,13 +404,12 @@ mod tests {
         let (features, laps, ways) = (600, 64, 25);
         let mut state = 9;
         let mut noise = |n: usize| (0..n).map(|_| normal(&mut state)).collect::<Vec<f64>>();
-        // Each as large as 25 times what laps have by chance, all together 25 times the variance of a feature.
-        let patterns: Vec<Vec<f64>> = (0..ways + 1).map(|_| noise(features)).collect();
+        // Each as large as all noise; together they give a feature 26 times its variance.
+        let patterns: Vec<Vec<f64>> = (0..=ways).map(|_| noise(features)).collect();
         let mut lap = |known: &[Vec<f64>]| {
             let shares = noise(known.len());
-            let each = known.iter().zip(shares).map(|(pattern, share)| (pattern, share));
-            let sum = each.fold(noise(features), |sum, (p, x)| sum.iter().zip(p).map(|(s, p)| s + x * p).collect());
-            sum
+            let more = |sum: Vec<f64>, (p, x): (&Vec<f64>, f64)| sum.iter().zip(p).map(|(s, p)| s + x * p).collect();
+            known.iter().zip(shares).fold(noise(features), more)
         };
         let honest: Vec<Vec<f64>> = (0..laps).map(|_| lap(&[])).collect();
         let scatter: Vec<Vec<f64>> = (0..laps).map(|_| lap(&patterns[..ways])).collect();
@@ -421,7 +420,6 @@ mod tests {
         let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
         let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));
         let stranger: Vec<f64> = another.iter().zip(&patterns[ways]).map(|(x, p)| x + 5.0 * p).collect();
-        println!("{one_of_them} {}", left(&stranger));
         assert!(one_of_them < 2.0 && left(&stranger) > 5.0 * one_of_them);
     }
 
