@@ -1,11 +1,13 @@
 //! A measured run made ready: gaps bridged, and every sample's place told from the trigger and the wheels.
 
+use super::coverage::Coverage;
 use super::summary::{FORCES, Samples};
 use crate::emit::simulation::Simulation;
 use crate::signal::gaps::bridge;
 use crate::signal::measures::statistics;
 use crate::signal::position::position;
 use crate::signal::{Channel, Run};
+use std::sync::Arc;
 
 /// How well the wheels tell the speed, as a share of it: their radii are known to no better.
 const WHEELS: f64 = 1e-4;
@@ -31,6 +33,7 @@ pub struct Measured {
     past: Vec<f32>,
     speeds: Vec<f32>,
     forces: [Vec<f32>; FORCES],
+    coverage: Arc<Coverage>,
 }
 
 impl Measured {
@@ -78,6 +81,9 @@ impl Measured {
             speeds.as_deref().and_then(mean).map(|v| (v, WHEELS * v))
         };
         let narrow = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect::<Vec<f32>>();
+        let (past, forces) = (narrow(past), forces.map(narrow));
+        let each = std::array::from_fn(|k| forces[k].as_slice());
+        let coverage = Arc::new(Coverage::new(&past, each, lap, run.rate()));
         Ok(Measured {
             rate: run.rate(),
             laps: duration * speed.map_or(place.speed, |s| s.0) / lap,
@@ -87,15 +93,26 @@ impl Measured {
             nominal_trigger: run.sidecar.trigger_position,
             masked,
             filled,
-            past: narrow(past),
+            past,
             speeds: speeds.map(narrow).unwrap_or_default(),
-            forces: forces.map(narrow),
+            forces,
+            coverage,
         })
     }
 
     /// The samples; a summary's offset is the trigger's place.
     pub fn samples(&self) -> Samples<'_> {
-        Samples { station: &self.past, speed: &self.speeds, forces: std::array::from_fn(|k| self.forces[k].as_slice()) }
+        Samples {
+            station: &self.past,
+            speed: &self.speeds,
+            forces: std::array::from_fn(|k| self.forces[k].as_slice()),
+            coverage: Some(&self.coverage),
+        }
+    }
+
+    /// What of the lap was measured.
+    pub fn coverage(&self) -> &Arc<Coverage> {
+        &self.coverage
     }
 
     /// Whether a force was measured.

@@ -7,6 +7,7 @@
 //! such laps are (`floor`). Slopes come from designs of simulations rather than from single differences (`design`, `local`), and
 //! what the run and the prior together say is a normal distribution within bounds (`posterior`).
 
+pub mod coverage;
 mod design;
 pub mod fit;
 pub mod floor;

@@ -139,5 +139,5 @@ impl Model {
 /// A cart's record as samples.
 pub fn samples(cart: &CartRecord) -> Samples<'_> {
     let forces: [&[f32]; FORCES] = std::array::from_fn(|k| cart.forces[k].as_slice());
-    Samples { station: &cart.station, speed: &cart.speed, forces }
+    Samples { station: &cart.station, speed: &cart.speed, forces, coverage: None }
 }

@@ -1,5 +1,6 @@
 //! How samples become a summary: places, thresholds, and the lines of a spectrum.
 
+use super::coverage::{Coverage, Weighing};
 use super::places::{Kind, Places};
 use crate::geometry::trig;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -36,6 +37,8 @@ pub struct Samples<'a> {
     pub station: &'a [f32],
     pub speed: &'a [f32],
     pub forces: [&'a [f32]; FORCES],
+    /// What of the lap they cover, when they are a run's.
+    pub coverage: Option<&'a Coverage>,
 }
 
 /// How samples become a summary; the same for a measured run and every simulation of it.
@@ -51,7 +54,7 @@ pub struct Recipe {
     /// Deviation of white noise that a simulated sensor needs to measure as the real one, N.
     pub noise: [f32; FORCES],
     pub(super) segment: usize,
-    block: usize,
+    pub(super) block: usize,
     pub(super) window: Arc<Vec<f32>>,
     pub(super) plan: Arc<dyn RealToComplex<f32>>,
     /// Lines of each band, and of the band above the low-pass in which noise shows.
@@ -61,11 +64,13 @@ pub struct Recipe {
     pub(super) orders: Vec<(usize, usize)>,
     /// Whether fluctuation is looked at cell by cell besides.
     pub local: bool,
+    /// Where the run measured that is simulated, with the trigger's place, m; everywhere when not given.
+    pub within: Option<(Arc<Coverage>, f64)>,
 }
 
 impl Recipe {
     pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64) -> Self {
-        let segment = ((SEGMENT_S * rate).round() as usize).max(16).next_power_of_two();
+        let segment = 2 * hop(rate);
         let line = |hz: f64| ((hz * segment as f64 / rate).round() as usize).clamp(1, segment / 2);
         let bands = std::array::from_fn(|k| {
             let top = 0.45 * rate;
@@ -89,6 +94,7 @@ impl Recipe {
             high,
             orders: Vec::new(),
             local: false,
+            within: None,
         }
     }
 
@@ -107,7 +113,7 @@ impl Recipe {
     /// that does not touch has a force of 0 for long, which no threshold must split.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
-        self.blocks(samples, offset, |kind, force, mean| found[kind * FORCES + force].push(mean));
+        self.blocks(samples, offset, |kind, force, _, mean| found[kind * FORCES + force].push(mean));
         for (k, means) in found.iter_mut().enumerate() {
             means.sort_by(f32::total_cmp);
             let above = 0.01 * means.last().zip(means.first()).map_or(0.0, |(high, low)| high - low);
@@ -118,8 +124,17 @@ impl Recipe {
         }
     }
 
-    /// Means of blocks of samples that lie in one zone, with the kind of place.
-    pub(super) fn blocks(&self, samples: &Samples, offset: f64, mut take: impl FnMut(usize, usize, f32)) {
+    /// How samples are weighed: by their own coverage, or those of a simulation where the run measured.
+    pub(super) fn weighing<'a>(&'a self, samples: &Samples<'a>) -> Weighing<'a> {
+        match (samples.coverage, &self.within) {
+            (Some(own), _) => Weighing::Measured(own),
+            (None, Some((run, trigger))) => Weighing::Within(run, *trigger),
+            (None, None) => Weighing::Alike,
+        }
+    }
+
+    /// Means of blocks of samples that lie in one zone, with the kind of place and where they begin.
+    pub(super) fn blocks(&self, samples: &Samples, offset: f64, mut take: impl FnMut(usize, usize, usize, f32)) {
         let places = &self.places;
         for begin in (0..samples.station.len()).step_by(self.block) {
             let end = begin + self.block;
@@ -138,12 +153,17 @@ impl Recipe {
                 if let Some(values) = values.get(begin..end) {
                     let mean = values.iter().sum::<f32>() / self.block as f32;
                     if !mean.is_nan() {
-                        take(kind, force, mean);
+                        take(kind, force, begin, mean);
                     }
                 }
             }
         }
     }
+}
+
+/// Samples between the beginnings of a spectrum's segments, half of one.
+pub(super) fn hop(rate: f64) -> usize {
+    ((SEGMENT_S * rate).round() as usize).max(16).next_power_of_two() / 2
 }
 
 /// Part of the lap in which a station lies.

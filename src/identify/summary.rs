@@ -4,22 +4,31 @@
 //! each place of the track, the spread within each straight and curve, how often forces are low or high, and the power in
 //! bands around the passing of carts. All are sums over samples, so laps and carts add up.
 
+use super::coverage::{Weighing, Weight};
 use super::places::Places;
 use super::recipe::{KINDS, SPEED_BANDS, fine};
 use crate::geometry::trig;
 
 pub use super::recipe::{BANDS, FORCES, Recipe, Samples, THRESHOLDS};
 
+/// Sums over samples of weights, forces, their squares, and of weights over how often a place was passed.
+type Moments = [f64; 4];
+
+/// Sums over blocks of weights below each threshold, of all, and of these over how often a place was passed.
+type Shares = [f64; THRESHOLDS + 2];
+
 /// Sums over samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    cells: Vec<[[f64; 3]; FORCES]>,
-    zones: Vec<[[f64; 3]; FORCES]>,
-    below: [[[f64; THRESHOLDS + 1]; FORCES]; KINDS],
+    cells: Vec<[Moments; FORCES]>,
+    zones: Vec<[Moments; FORCES]>,
+    below: [[Shares; FORCES]; KINDS],
     power: [[f64; BANDS]; FORCES],
     /// Power above the low-pass, of each segment.
     high: [Vec<f64>; FORCES],
     segments: [f64; FORCES],
+    /// The segments over how often their places were passed.
+    shared_segments: [f64; FORCES],
     speed_power: [f64; SPEED_BANDS],
     speed_segments: f64,
     speed: (f64, f64),
@@ -46,26 +55,17 @@ pub enum Block {
     Local(usize),
 }
 
-impl Block {
-    /// How many laps of a run a feature is a mean over: what belongs to a place is measured once or not at all.
-    pub fn laps(self, laps: f64) -> f64 {
-        match self {
-            Block::Mean(_) | Block::Spread(_) | Block::Local(_) => laps.max(1.0),
-            _ => laps,
-        }
-    }
-}
-
 impl Summary {
     pub fn new(recipe: &Recipe) -> Self {
         let places = &recipe.places;
         Summary {
-            cells: vec![[[0.0; 3]; FORCES]; places.cells],
-            zones: vec![[[0.0; 3]; FORCES]; places.zones.len()],
+            cells: vec![[[0.0; 4]; FORCES]; places.cells],
+            zones: vec![[[0.0; 4]; FORCES]; places.zones.len()],
             below: Default::default(),
             power: Default::default(),
             high: Default::default(),
             segments: Default::default(),
+            shared_segments: Default::default(),
             speed_power: Default::default(),
             speed_segments: 0.0,
             speed: (0.0, 0.0),
@@ -90,12 +90,15 @@ impl Summary {
             samples.forces = std::array::from_fn(|k| noisy[k].as_slice());
         }
         self.add_places(recipe, &samples, offset);
-        recipe.blocks(&samples, offset, |kind, force, mean| {
+        let weighing = recipe.weighing(&samples);
+        recipe.blocks(&samples, offset, |kind, force, begin, mean| {
+            let weight = block_weight(weighing, force, &samples.station[begin..begin + recipe.block]);
             let below = &mut self.below[kind][force];
             for (count, threshold) in below.iter_mut().zip(recipe.thresholds[kind][force]) {
-                *count += if mean < threshold { 1.0 } else { 0.0 };
+                *count += if mean < threshold { weight.own } else { 0.0 };
             }
-            below[THRESHOLDS] += 1.0;
+            below[THRESHOLDS] += weight.own;
+            below[THRESHOLDS + 1] += weight.shared;
         });
         self.add_spectra(recipe, &samples);
     }
@@ -103,26 +106,29 @@ impl Summary {
     /// Adds to the sums by place alone.
     pub fn add_places(&mut self, recipe: &Recipe, samples: &Samples, offset: f64) {
         let places = &recipe.places;
+        let weighing = recipe.weighing(samples);
         let parts: Vec<u32> = samples.station.iter().map(|s| fine(places, *s, offset) as u32).collect();
         for (force, values) in samples.forces.iter().enumerate() {
             // Runs of samples in the same part of the lap, which lies in one cell and one zone.
             let mut begin = 0;
             while begin < values.len().min(parts.len()) {
                 let part = parts[begin];
-                let (mut n, mut sum, mut squares) = (0.0, 0.0, 0.0);
+                let (mut n, mut sum, mut squares, mut shared) = (0.0, 0.0, 0.0, 0.0);
                 while begin < values.len().min(parts.len()) && parts[begin] == part {
                     let x = f64::from(values[begin]);
                     if !x.is_nan() {
-                        n += 1.0;
-                        sum += x;
-                        squares += x * x;
+                        let weight = weighing.sample(force, samples.station[begin]);
+                        n += weight.own;
+                        sum += weight.own * x;
+                        squares += weight.own * x * x;
+                        shared += weight.shared;
                     }
                     begin += 1;
                 }
                 let cell = &mut self.cells[Places::cell(part as usize)][force];
                 let zone = &mut self.zones[places.zone(part as usize)][force];
                 for sums in [cell, zone] {
-                    sums.iter_mut().zip([n, sum, squares]).for_each(|(all, x)| *all += x);
+                    sums.iter_mut().zip([n, sum, squares, shared]).for_each(|(all, x)| *all += x);
                 }
             }
         }
@@ -150,17 +156,20 @@ impl Summary {
             // One-sided power in each line, so that the sum is the variance.
             Some(lines.iter().map(|c| 2.0 * scale * f64::from(c.norm_sqr())).collect())
         };
+        let weighing = recipe.weighing(samples);
         for (force, values) in samples.forces.iter().enumerate() {
             for begin in (0..values.len()).step_by(n / 2) {
                 let Some(power) = values.get(begin..begin + n).and_then(&mut spectrum) else { continue };
+                let weight = weighing.segment(force, samples.station[begin + n / 2]);
                 for (sum, (from, to)) in self.power[force].iter_mut().zip(recipe.bands) {
-                    *sum += power[from..to].iter().sum::<f64>();
+                    *sum += weight.own * power[from..to].iter().sum::<f64>();
                 }
                 for (sum, (from, to)) in self.orders.iter_mut().zip(&recipe.orders) {
-                    sum[force] += power[*from..*to].iter().sum::<f64>();
+                    sum[force] += weight.own * power[*from..*to].iter().sum::<f64>();
                 }
                 self.high[force].push(power[recipe.high.0..recipe.high.1].iter().sum());
-                self.segments[force] += 1.0;
+                self.segments[force] += weight.own;
+                self.shared_segments[force] += weight.shared;
             }
         }
         for begin in (0..samples.speed.len()).step_by(n / 2) {
@@ -190,6 +199,7 @@ impl Summary {
         }
         self.high.iter_mut().zip(&other.high).for_each(|(a, b)| a.extend(b));
         pairs(&mut self.segments, &other.segments);
+        pairs(&mut self.shared_segments, &other.shared_segments);
         pairs(&mut self.speed_power, &other.speed_power);
         self.speed_segments += other.speed_segments;
         self.speed = (self.speed.0 + other.speed.0, self.speed.1 + other.speed.1);
@@ -226,10 +236,10 @@ impl Summary {
     pub fn features(&self, least: f64) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
         for force in 0..FORCES {
-            let mean = |[n, sum, _]: [f64; 3]| if n >= least { sum / n } else { f64::NAN };
+            let mean = |[n, sum, ..]: Moments| if n >= least { sum / n } else { f64::NAN };
             out.extend(self.cells.iter().map(|c| mean(c[force])));
         }
-        let spread = |[n, sum, squares]: [f64; 3]| {
+        let spread = |[n, sum, squares, _]: Moments| {
             let variance = squares / n - sum / n * (sum / n);
             if n >= least && variance > 0.0 { 0.5 * trig::ln(variance) } else { f64::NAN }
         };
@@ -253,6 +263,29 @@ impl Summary {
         }
         for force in (0..FORCES).filter(|_| self.local) {
             out.extend(self.cells.iter().map(|c| spread(c[force])));
+        }
+        out
+    }
+
+    /// How many passes of its places each feature is a mean over; at least one. The chain's speed has no place: `laps`
+    /// is how long the run was.
+    pub fn passes(&self, laps: f64) -> Vec<f64> {
+        let over = |n: f64, shared: f64| if shared > 0.0 { (n / shared).max(1.0) } else { 1.0 };
+        let moments = |of: &[Moments; FORCES], force: usize| over(of[force][0], of[force][3]);
+        let spectrum = |force: usize| over(self.segments[force], self.shared_segments[force]);
+        let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
+        (0..FORCES).for_each(|f| out.extend(self.cells.iter().map(|c| moments(c, f))));
+        (0..FORCES).for_each(|f| out.extend(self.zones.iter().map(|z| moments(z, f))));
+        for force in 0..FORCES {
+            for kind in &self.below {
+                out.extend([over(kind[force][THRESHOLDS], kind[force][THRESHOLDS + 1]); THRESHOLDS]);
+            }
+        }
+        (0..FORCES).for_each(|f| out.extend([spectrum(f); BANDS]));
+        out.extend([laps; SPEED_BANDS]);
+        (0..FORCES).for_each(|f| out.extend(vec![spectrum(f); self.orders.len()]));
+        for force in (0..FORCES).filter(|_| self.local) {
+            out.extend(self.cells.iter().map(|c| moments(c, force)));
         }
         out
     }
@@ -287,6 +320,17 @@ impl Summary {
     }
 }
 
+/// What a block of samples counts: the mean of its samples, which are few.
+fn block_weight(weighing: Weighing, force: usize, station: &[f32]) -> Weight {
+    if matches!(weighing, Weighing::Alike) {
+        return Weight::ONE;
+    }
+    let n = station.len().max(1) as f64;
+    let all = station.iter().map(|s| weighing.sample(force, *s));
+    let (own, shared) = all.fold((0.0, 0.0), |sum, w| (sum.0 + w.own, sum.1 + w.shared));
+    Weight { own: own / n, shared: shared / n }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,7 +356,7 @@ mod tests {
     fn of_joint<'a>(station: &'a [f32], force: &'a [f32]) -> Samples<'a> {
         let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
         forces[4] = force;
-        Samples { station, speed: &[], forces }
+        Samples { station, speed: &[], forces, coverage: None }
     }
 
     fn features_of(block: Block, recipe: &Recipe, features: &[f64]) -> Vec<f64> {

@@ -12,9 +12,6 @@ use std::collections::BTreeMap;
 /// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
 const FLOOR_DEVIATION: f64 = 1.0;
 
-/// A run counts as so much of a lap at least.
-pub const LEAST_LAPS: f64 = 0.02;
-
 /// Deviation of a feature, in newtons, shares or logarithms, that is no more than rounding.
 const LEAST: f64 = 1e-9;
 
@@ -51,10 +48,9 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
     }
 }
 
-/// Deviations of single laps as those of as many laps as were run.
+/// Deviations of single laps as those of as many passes as each feature is a mean over.
 pub fn scatter(run: &Fitted, single: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let laps = run.laps.max(LEAST_LAPS);
-    let roots: Vec<f64> = run.landing.blocks.iter().map(|block| block.laps(laps).sqrt()).collect();
+    let roots: Vec<f64> = run.landing.passes.iter().map(|passes| passes.sqrt()).collect();
     let each = |lap: &Vec<f64>| lap.iter().zip(&roots).map(|(x, root)| x / root).chain([0.0]).collect();
     single.iter().map(each).collect()
 }

@@ -7,7 +7,6 @@ use crate::emit::simulation::{self as input, Simulation};
 use crate::gap::effects::built;
 use crate::gap::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};
-use crate::identify::summary::Block;
 use crate::identify::{Model, floor::Floor};
 use std::iter;
 
@@ -42,12 +41,11 @@ impl Chains {
         }
         let floor = Floor::new(&model, &fleet, run.seed);
         let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
-        let laps = run.laps.max(frame::LEAST_LAPS);
-        let added = |(k, block): (usize, &Block)| {
+        let added = |(k, passes): (usize, &f64)| {
             let added = own[k] * own[k] - nominal[k] * nominal[k];
-            if added > 0.0 { added / block.laps(laps) } else { 0.0 }
+            if added > 0.0 { added / passes } else { 0.0 }
         };
-        let added = run.landing.blocks.iter().enumerate().map(added).chain(iter::repeat(0.0));
+        let added = run.landing.passes.iter().enumerate().map(added).chain(iter::repeat(0.0));
         let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
         let every = floor.scatter.len().div_ceil(MANY_LAPS);
         let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();

@@ -344,8 +344,7 @@ impl Fitted {
         let mut features = summary.features(1.0);
         let landing = &self.landing;
         for (k, x) in features.iter_mut().enumerate() {
-            *x += landing.numerics.correction[k]
-                + landing.floor.bias[k] / landing.blocks[k].laps(self.laps.max(frame::LEAST_LAPS));
+            *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.passes[k];
         }
         if moved != 0.0 {
             for (k, x) in features.iter_mut().enumerate() {

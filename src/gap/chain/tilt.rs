@@ -230,7 +230,7 @@ mod tests {
         let (station, force) = blow(up);
         let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
         forces[2] = &force;
-        let samples = Samples { station: &station, speed: &[], forces };
+        let samples = Samples { station: &station, speed: &[], forces, coverage: None };
         let profile = &profiles(&samples, 20.0, offset)[2];
         Line::new(profile, 49).map_or(f64::NAN, |line| line.tilt)
     }

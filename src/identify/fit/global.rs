@@ -15,6 +15,9 @@ const TELLS_TENSION: usize = 4;
 /// Logarithm of how much worse the other channels may fit, each, where they hardly tell the tension.
 const HARDLY_WORSE: f64 = 0.1;
 
+/// A cell is covered with so much of a passage, at a speed up to a tenth above the nominal one.
+const WHOLE: f64 = 0.88;
+
 impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
     pub(super) fn listen(&self, model: &mut Model, fleet: &Fleet) {
@@ -64,9 +67,12 @@ impl Fitter<'_> {
     fn off_places(&self, model: &Model, trigger: f64, centre: &Centre, floor: &Floor) -> [Vec<f64>; FORCES] {
         let mut summary = Summary::new(&model.recipe);
         summary.add_places(&model.recipe, &self.measured.samples(), trigger);
-        let features = summary.features(1.0);
+        let places = &model.recipe.places;
+        // Cells that the run covers: of the others it has other places than the simulation.
+        let whole = places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;
+        let features = summary.features(WHOLE * whole);
         let off = |i: usize| (features[i] - centre.answer.features[i]) / floor.deviation[i];
-        let cells = model.recipe.places.cells;
+        let cells = places.cells;
         std::array::from_fn(|k| (k * cells..(k + 1) * cells).map(off).filter(|x| x.is_finite()).collect())
     }
 

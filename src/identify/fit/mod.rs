@@ -74,6 +74,8 @@ pub struct Landing {
     pub measured: Vec<f64>,
     /// What the model says of one such run.
     pub nominal: Vec<f64>,
+    /// How many passes of its places each measured feature is a mean over.
+    pub passes: Vec<f64>,
     /// Of the difference of two honest runs.
     pub variance: Vec<f64>,
     pub sensitivity: Sensitivity,
@@ -117,6 +119,11 @@ pub fn land(
     if let (Some((speed, _)), true) = (measured.speed, settings.free[Parameter::Speed.index()] && global) {
         at[Parameter::Speed.index()] = model.coordinate(Parameter::Speed, speed);
     }
+    // Where the run was is not known before its trigger is.
+    model.recipe.within = None;
+    if !global {
+        fitter.limit(model, &at);
+    }
     fitter.set_thresholds(model, &at);
     let fleet = Floor::fleet(model, &at, None).ok_or(lost)?;
     fitter.listen(model, &fleet);
@@ -124,6 +131,10 @@ pub fn land(
     let mut centre = Centre::of(model, fleet, settings.seed);
     if global {
         fitter.place(model, &mut at, &centre, &floor);
+        if fitter.limit(model, &at) {
+            floor = fitter.floor(model, &centre.fleet);
+            centre = Centre::of(model, centre.fleet, settings.seed);
+        }
         for _ in 0..2 {
             let slack = at;
             if !fitter.tighten(model, &mut at, &centre) {
@@ -198,8 +209,9 @@ pub fn land(
             let (objective, blocks) = fitter.objective(&bare);
             let landing = Landing {
                 at,
-                measured: fitter.measure(model, &at),
-                nominal: fitter.predicted(&centre, &floor, &numerics),
+                measured: fitter.measure(model, &at).0,
+                nominal: residuals.predicted,
+                passes: residuals.passes,
                 variance: residuals.variance,
                 sensitivity: slopes.1,
                 floor,
@@ -233,6 +245,7 @@ pub fn land(
         for halving in 0..3 {
             at = from;
             move_by(model, &mut at, &found, share);
+            fitter.limit(model, &at);
             centre = fitter.centre(model, &at, &centre).ok_or(lost)?;
             let mut residuals = fitter.residuals(model, &at, &centre, &floor, &numerics);
             residuals.add(&slopes.1.unexplained);
@@ -296,14 +309,23 @@ impl Fitter<'_> {
         model.recipe.set_thresholds(&self.measured.samples(), at[Parameter::TriggerPosition.index()]);
     }
 
-    /// Features of the run with its trigger at a place.
-    fn measure(&self, model: &Model, at: &Coordinates) -> Vec<f64> {
+    /// Simulated features are from now on those of the places that the run covers with its trigger at a place.
+    /// Whether that is less than the lap.
+    fn limit(&self, model: &mut Model, at: &Coordinates) -> bool {
+        let coverage = self.measured.coverage();
+        let within = || (coverage.clone(), at[Parameter::TriggerPosition.index()]);
+        model.recipe.within = (!coverage.is_whole()).then(within);
+        model.recipe.within.is_some()
+    }
+
+    /// Features of the run with its trigger at a place, and how many passes each is a mean over.
+    fn measure(&self, model: &Model, at: &Coordinates) -> (Vec<f64>, Vec<f64>) {
         let mut summary = Summary::new(&model.recipe);
         summary.add(&model.recipe, &self.measured.samples(), at[Parameter::TriggerPosition.index()], None);
         // Half of what a cell's passage gives.
         let places = &model.recipe.places;
         let least = 0.5 * places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;
-        summary.features(least)
+        (summary.features(least), summary.passes(self.measured.laps.max(residuals::LEAST_LAPS)))
     }
 
     fn posterior(&self, model: &Model, at: &Coordinates, information: &Information) -> Posterior {

@@ -11,6 +11,9 @@ use crate::identify::summary::{Block, FORCES};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
+/// A run counts as so much of a lap at least.
+pub(super) const LEAST_LAPS: f64 = 0.02;
+
 /// Mean square over the floor's above which a block is wrong.
 const WRONG: f64 = 4.0;
 
@@ -20,6 +23,10 @@ pub(super) struct Residuals {
     pub(super) of: Vec<f64>,
     /// Variance of the difference of two honest laps, without what the model misses.
     pub(super) variance: Vec<f64>,
+    /// How many passes of its places each measured feature is a mean over.
+    pub(super) passes: Vec<f64>,
+    /// Features that a run like the measured one has by the model.
+    pub(super) predicted: Vec<f64>,
     /// Mean speed: residual and deviation.
     pub(super) speed: Option<(f64, f64)>,
 }
@@ -31,6 +38,12 @@ impl Residuals {
     }
 }
 
+/// Features that a run has at a point whose features are means over so many passes.
+fn predicted(centre: &Centre, floor: &Floor, numerics: &Numerics, passes: &[f64]) -> Vec<f64> {
+    let features = centre.answer.features.iter().enumerate();
+    features.map(|(k, x)| x + numerics.correction[k] + floor.bias[k] / passes[k]).collect()
+}
+
 impl Fitter<'_> {
     pub(super) fn residuals(
         &self,
@@ -40,15 +53,14 @@ impl Fitter<'_> {
         floor: &Floor,
         numerics: &Numerics,
     ) -> Residuals {
-        let laps = self.measured.laps.max(0.02);
-        let features = self.measure(model, at);
-        let predicted = self.predicted(centre, floor, numerics);
+        let laps = self.measured.laps.max(LEAST_LAPS);
+        let (features, passes) = self.measure(model, at);
+        let predicted = predicted(centre, floor, numerics, &passes);
         let mut of = Vec::with_capacity(features.len());
         let mut variance = Vec::with_capacity(features.len());
         for (k, x) in features.iter().enumerate() {
-            let laps = self.laps(k, laps);
             let difference = x - predicted[k];
-            let lap = floor.deviation[k] * floor.deviation[k] / laps;
+            let lap = floor.deviation[k] * floor.deviation[k] / passes[k];
             let spread = lap + numerics.variance[k];
             let usable = difference.is_finite() && spread.is_finite() && lap > 0.0;
             of.push(if usable { difference } else { f64::NAN });
@@ -57,19 +69,7 @@ impl Fitter<'_> {
         let speed = self.measured.speed.map(|(speed, deviation)| {
             (speed - centre.answer.speed, trig::hypot(deviation, floor.speed / laps.sqrt()).max(1e-6 * speed))
         });
-        Residuals { of, variance, speed }
-    }
-
-    /// Features that a run as long as the measured one has at a point.
-    pub(super) fn predicted(&self, centre: &Centre, floor: &Floor, numerics: &Numerics) -> Vec<f64> {
-        let laps = self.measured.laps.max(0.02);
-        let features = centre.answer.features.iter().enumerate();
-        features.map(|(k, x)| x + numerics.correction[k] + floor.bias[k] / self.laps(k, laps)).collect()
-    }
-
-    /// How many laps a feature is a mean over: what belongs to a place is measured once or not at all.
-    pub(super) fn laps(&self, feature: usize, laps: f64) -> f64 {
-        self.blocks[feature].laps(laps)
+        Residuals { of, variance, passes, predicted, speed }
     }
 
     /// Of each block the sum of squared residuals over the floor's, and their number.
@@ -135,7 +135,6 @@ impl Fitter<'_> {
         let rows: Vec<usize> = (0..self.blocks.len()).filter(|k| residuals.of[*k].is_finite()).collect();
         let last = slopes.slopes.nrows() - 1;
         let reach = |j: usize| Parameter::ALL.get(j).map_or(FLOOR_SCALE, |p| p.reach());
-        let laps = self.measured.laps.max(0.02);
         let spread: Vec<f64> = rows
             .iter()
             .map(|&k| (residuals.variance[k] * misfit.get(&self.blocks[k]).copied().unwrap_or(1.0)).sqrt())
@@ -164,7 +163,7 @@ impl Fitter<'_> {
         };
         let factor = |k: usize| misfit.get(&self.blocks[k]).copied().unwrap_or(1.0).sqrt();
         for lap in &floor.scatter {
-            let one = answer(&|k| lap[k] / self.laps(k, laps).sqrt() * factor(k));
+            let one = answer(&|k| lap[k] / residuals.passes[k].sqrt() * factor(k));
             b += &one * one.transpose();
         }
         b /= carts.saturating_sub(1).max(1) as f64;

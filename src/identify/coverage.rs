@@ -1,0 +1,208 @@
+//! What of the lap a run covers, and how often. A run begins and ends anywhere and has gaps, so that some places are
+//! measured twice and others not at all, and within a cell some of a cart's passing. Measured samples count by how
+//! often their place was passed, so that every place counts the same, and simulated ones only where the run measured:
+//! both are then means over the same places.
+//!
+//! Parts of the lap are counted from the trigger, as a run knows no other places.
+
+use super::recipe::{FORCES, hop};
+
+/// Samples of one passage that a part of the lap is long.
+const SAMPLES: f64 = 4.0;
+
+/// Parts of a lap at most.
+const MOST: f64 = 16384.0;
+
+/// What of the lap each force was measured on.
+#[derive(Clone, Debug)]
+pub struct Coverage {
+    lap: f64,
+    /// Of single samples.
+    samples: [Passes; FORCES],
+    /// Of the middles of a spectrum's segments.
+    segments: [Passes; FORCES],
+}
+
+/// How often each part of the lap is passed.
+#[derive(Clone, Debug, Default)]
+struct Passes {
+    /// Passes of each part; 0 where it is not covered.
+    count: Vec<f32>,
+    /// What a measured sample in each part counts.
+    measured: Vec<f32>,
+    /// What a simulated one counts.
+    simulated: Vec<f32>,
+}
+
+impl Coverage {
+    /// Of a run whose forces were measured at stations past its trigger, m.
+    pub fn new(station: &[f32], forces: [&[f32]; FORCES], lap: f64, rate: f64) -> Coverage {
+        let travelled = match station {
+            [first, .., last] => f64::from(last - first).max(1e-3 * lap),
+            _ => lap,
+        };
+        let each = travelled / station.len().max(1) as f64;
+        let parts = (lap / (SAMPLES * each)).floor().clamp(1.0, MOST) as usize;
+        let passage = lap / parts as f64 / each;
+        Coverage {
+            lap,
+            samples: forces.map(|values| Passes::of_samples(station, values, lap, parts, passage)),
+            segments: forces.map(|values| Passes::of_segments(station, values, lap, parts, (rate, each))),
+        }
+    }
+
+    /// Whether all of the lap is covered by every force that was measured.
+    pub fn is_whole(&self) -> bool {
+        self.samples.iter().all(|passes| passes.count.iter().all(|n| *n > 0.0))
+    }
+}
+
+impl Passes {
+    fn of_samples(station: &[f32], values: &[f32], lap: f64, parts: usize, passage: f64) -> Passes {
+        if values.is_empty() {
+            return Passes::default();
+        }
+        let (mut samples, mut count) = (vec![0.0_f32; parts], vec![0.0_f32; parts]);
+        let mut before = None;
+        for (s, x) in station.iter().zip(values) {
+            let part = (!x.is_nan()).then(|| part(f64::from(*s), lap, parts));
+            if let Some(part) = part {
+                samples[part] += 1.0;
+                count[part] += if before == Some(part) { 0.0 } else { 1.0 };
+            }
+            before = part;
+        }
+        let weight = |n: &f32| if *n > 0.0 { passage as f32 / n } else { 0.0 };
+        Passes {
+            measured: samples.iter().map(weight).collect(),
+            simulated: count.iter().map(|n| n.min(1.0)).collect(),
+            count,
+        }
+    }
+
+    /// A segment tells of places up to the middle of the next, ever less: triangles that add up to 1 along a passage.
+    fn of_segments(station: &[f32], values: &[f32], lap: f64, parts: usize, (rate, each): (f64, f64)) -> Passes {
+        let hop = hop(rate);
+        let reach = (hop as f64 * each / lap * parts as f64).max(1.0);
+        let mut count = vec![0.0_f32; if values.is_empty() { 0 } else { parts }];
+        for begin in (0..values.len()).step_by(hop) {
+            let Some(segment) = values.get(begin..begin + 2 * hop) else { break };
+            if segment.iter().any(|x| x.is_nan()) {
+                continue;
+            }
+            let middle = part(f64::from(station[begin + hop]), lap, parts) as i64;
+            for off in -(reach as i64)..=reach as i64 {
+                let share = 1.0 - off.abs() as f64 / reach;
+                count[(middle + off).rem_euclid(parts as i64) as usize] += share as f32;
+            }
+        }
+        Passes {
+            measured: count.iter().map(|n| 1.0 / n.max(1.0)).collect(),
+            simulated: count.iter().map(|n| n.min(1.0)).collect(),
+            count,
+        }
+    }
+}
+
+/// Part of the lap of a station past the trigger.
+fn part(past: f64, lap: f64, parts: usize) -> usize {
+    let share = past / lap;
+    (((share - share.floor()) * parts as f64) as usize).min(parts - 1)
+}
+
+/// What a sample counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Weight {
+    pub own: f64,
+    /// The same over how often its place was passed.
+    pub shared: f64,
+}
+
+impl Weight {
+    /// Of a sample like all others.
+    pub const ONE: Weight = Weight { own: 1.0, shared: 1.0 };
+}
+
+/// How samples are weighed.
+#[derive(Clone, Copy)]
+pub enum Weighing<'a> {
+    /// All the same.
+    Alike,
+    /// Those of the run itself: every place the same.
+    Measured(&'a Coverage),
+    /// Simulated ones, where the run measured with its trigger at a place, m.
+    Within(&'a Coverage, f64),
+}
+
+impl Weighing<'_> {
+    /// Of a sample of a force; all alike where the force was not measured.
+    pub fn sample(self, force: usize, station: f32) -> Weight {
+        self.of(|coverage| &coverage.samples[force], station)
+    }
+
+    /// Of a spectrum's segment by its middle.
+    pub fn segment(self, force: usize, station: f32) -> Weight {
+        self.of(|coverage| &coverage.segments[force], station)
+    }
+
+    fn of(self, which: impl Fn(&Coverage) -> &Passes, station: f32) -> Weight {
+        let (coverage, from) = match self {
+            Weighing::Alike => return Weight::ONE,
+            Weighing::Measured(coverage) => (coverage, 0.0),
+            Weighing::Within(coverage, trigger) => (coverage, trigger),
+        };
+        let passes = which(coverage);
+        if passes.count.is_empty() {
+            return Weight::ONE;
+        }
+        let part = part(f64::from(station) - from, coverage.lap, passes.count.len());
+        match self {
+            Weighing::Measured(_) => {
+                let own = f64::from(passes.measured[part]);
+                Weight { own, shared: own / f64::from(passes.count[part].max(1.0)) }
+            }
+            _ => Weight { own: f64::from(passes.simulated[part]), shared: f64::from(passes.simulated[part]) },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1.25 laps of 40 m at 2 m/s from 10 m before the trigger on, with samples lost from 15 to 17 m.
+    fn coverage() -> Coverage {
+        let station: Vec<f32> = (0..12_500_i16).map(|i| 0.004 * f32::from(i) - 9.999).collect();
+        let force: Vec<f32> = station.iter().map(|s| if (15.0..17.0).contains(s) { f32::NAN } else { 1.0 }).collect();
+        let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
+        forces[4] = &force;
+        Coverage::new(&station, forces, 40.0, 500.0)
+    }
+
+    #[test]
+    fn what_was_passed_twice_counts_half_and_what_was_lost_nothing() {
+        let coverage = coverage();
+        assert!(!coverage.is_whole());
+        let measured = |s: f32| Weighing::Measured(&coverage).sample(4, s);
+        // The last quarter of a lap before the trigger was passed at the end, too.
+        for s in [-5.0, 35.0] {
+            assert!(
+                (measured(s).own - 0.5).abs() < 0.1 && (measured(s).shared - 0.25).abs() < 0.05,
+                "{:?}",
+                measured(s)
+            );
+        }
+        assert!((measured(5.0).own - 1.0).abs() < 0.3 && measured(16.0).own == 0.0);
+        let within = |s: f32| Weighing::Within(&coverage, 3.0).sample(4, s).own;
+        assert_eq!((within(18.9), within(8.0), within(38.0 - 40.0)), (0.0, 1.0, 1.0));
+        assert_eq!(Weighing::Within(&coverage, 3.0).sample(0, 18.9).own, 1.0, "not measured, hence not limited");
+    }
+
+    #[test]
+    fn segments_with_losses_tell_nothing() {
+        let coverage = coverage();
+        let within = |s: f32| Weighing::Within(&coverage, 0.0).segment(4, s).own;
+        assert_eq!(within(16.0), 0.0);
+        assert!(within(2.0) > 0.9 && within(28.0) > 0.9, "{} {}", within(2.0), within(28.0));
+    }
+}

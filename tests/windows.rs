@@ -1,0 +1,88 @@
+//! A record begins and ends anywhere and has gaps: the objective is that of whole laps, as what was measured is
+//! compared with the same passings of the simulation.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+#[path = "../benches/common/track.rs"]
+mod track;
+
+use lss::dynamics::{Plan, Width, simulate};
+use lss::emit::simulation::Simulation;
+use lss::identify::fit::fit;
+use lss::identify::noise::{normal, uniform};
+use lss::identify::{Measured, Model, Parameter, Settings};
+use lss::signal::{Channel, Run};
+
+const LAYOUT: &str = "benches/identify/layouts/oval.lss";
+
+/// Laps of the run from which windows are cut.
+const LAPS: usize = 4;
+
+fn run(simulation: &Simulation) -> Run {
+    let plan = Plan { laps: LAPS, front: 0.3, ..Plan::default() };
+    let mut run = simulate(simulation, &plan, Width::widest(), &mut |_| true).expect("a chain").run;
+    let mut state = 11;
+    for (_, samples) in run.channels.iter_mut().filter(|(channel, _)| channel.is_force()) {
+        samples.iter_mut().for_each(|x| *x += normal(&mut state));
+    }
+    run
+}
+
+/// The samples from one to another, with those of `gap` lost.
+fn cut(run: &Run, from: usize, to: usize, gap: std::ops::Range<usize>) -> Run {
+    let mut out = run.clone();
+    out.time = run.time[from..to].iter().map(|t| t - run.time[from]).collect();
+    for (channel, samples) in &mut out.channels {
+        if *channel != Channel::Trigger {
+            samples[gap.clone()].fill(f64::NAN);
+        }
+        *samples = samples[from..to].to_vec();
+    }
+    out
+}
+
+/// Objective at the parameters that made the run.
+fn objective(simulation: &Simulation, run: &Run) -> Result<f64, String> {
+    let measured = Measured::new(run, simulation, simulation.chain.track_length_m)?;
+    let mut model = Model::new(simulation, simulation.contact_law, &measured, Width::widest());
+    let truth = Parameter::ALL.map(|p| model.coordinate(p, p.get(simulation)));
+    let settings = Settings { steps: 0, threads: 2, ..Settings::default() };
+    fit(&mut model, &measured, Some(truth), &settings).map(|fit| fit.objective)
+}
+
+#[test]
+fn a_window_of_a_run_fits_as_whole_laps_do() {
+    let simulation = track::track(LAYOUT);
+    let run = run(&simulation);
+    let whole = objective(&simulation, &run).expect("an objective");
+    let lap = run.time.len() as f64 / LAPS as f64;
+    let mut state = 5;
+    let mut draw = |from: f64, to: f64| from + (to - from) * uniform(&mut state);
+    let (mut found, mut wrong) = (0, Vec::new());
+    for _ in 0..100 {
+        // In turn less than a lap, and more.
+        let laps = if found % 2 == 0 { draw(0.6, 0.95) } else { draw(1.0, 3.0) };
+        let begin = draw(0.0, LAPS as f64 - laps);
+        let (lost, at) = (draw(0.01, 0.15), begin + laps * draw(0.2, 0.7));
+        let index = |laps: f64| ((laps * lap) as usize).min(run.time.len());
+        let (from, to) = (index(begin), index(begin + laps));
+        let window = cut(&run, from, to, index(at)..index(at + lost).min(to));
+        match objective(&simulation, &window) {
+            // Nothing tells where such a window is.
+            Err(why) => assert!(why.contains("the trigger never rises"), "{why}"),
+            Ok(own) => {
+                found += 1;
+                println!("{laps:.2} laps from {begin:.2}, {lost:.2} lost at {at:.2}: {own:.3}, whole {whole:.3}");
+                if (own / whole - 1.0).abs() > 0.2 {
+                    wrong.push(format!(
+                        "{laps:.2} laps from {begin:.2}, {lost:.2} lost at {at:.2}: {own:.3}, not {whole:.3}"
+                    ));
+                }
+            }
+        }
+        if found == 8 {
+            break;
+        }
+    }
+    assert!(found >= 8 && wrong.is_empty(), "{wrong:#?}");
+}
