@@ -43,8 +43,8 @@ impl fmt::Display for Hotspot {
 /// Peaks that lie nearer than this are one, m.
 const APART: f64 = 5.0;
 
-/// The hardest steering at two places, then the largest and least pull, the hardest run of each wheel, and the joint's
-/// largest lateral force. Empty when the run's places cannot be told.
+/// The hardest steering at two places, then the largest axial force of the joint, the hardest run of each wheel, and the joint's
+/// largest lateral force. The largest is by absolute value, and keeps its sign. Empty when the run's places cannot be told.
 pub fn hotspots(simulation: &Simulation, run: &Run) -> Vec<Hotspot> {
     let track = LapTrack::new(simulation);
     let lap = track.line.length;
@@ -57,10 +57,10 @@ pub fn hotspots(simulation: &Simulation, run: &Run) -> Vec<Hotspot> {
     let sorted = |channel: Channel| {
         let samples = run.channels.get(&channel)?;
         let mut order: Vec<usize> = (0..samples.len()).filter(|k| samples[*k].is_finite()).collect();
-        order.sort_by(|a, b| samples[*b].total_cmp(&samples[*a]).then(a.cmp(b)));
+        order.sort_by(|a, b| samples[*b].abs().total_cmp(&samples[*a].abs()).then(a.cmp(b)));
         Some((samples, order))
     };
-    // The largest first, each apart from those before it.
+    // The largest by absolute value first, each apart from those before it.
     let peaks = |channel: Channel, count: usize| {
         let mut found: Vec<Hotspot> = Vec::new();
         if let Some((samples, order)) = sorted(channel) {
@@ -79,10 +79,32 @@ pub fn hotspots(simulation: &Simulation, run: &Run) -> Vec<Hotspot> {
     };
     let mut steering: Vec<Hotspot> =
         [Channel::SteerLeft, Channel::SteerRight].into_iter().flat_map(|c| peaks(c, 2)).collect();
-    steering.sort_by(|a, b| b.value.total_cmp(&a.value));
+    steering.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
     let mut all = steering;
     for channel in [Channel::JointXi, Channel::RunLeft, Channel::RunRight, Channel::JointEta] {
         all.extend(peaks(channel, 1));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emit::fixture::compile;
+    use crate::model::fixture;
+
+    #[test]
+    fn a_peak_is_the_largest_by_absolute_value_and_keeps_its_sign() {
+        let simulation = Simulation::new(&compile(fixture::rectangle(20.0, 12.0, 4.0)));
+        let time: Vec<f64> = (0..300).map(|i| f64::from(i) / 10.0).collect();
+        let trigger = time.iter().map(|t| f64::from(u8::from((1.0..1.5).contains(t)))).collect();
+        let mut lateral = vec![0.0; time.len()];
+        (lateral[50], lateral[150]) = (18.0, -25.4);
+        let channels = [(Channel::Trigger, trigger), (Channel::JointEta, lateral)].into();
+        let mut run = Run { time, channels, ..Run::default() };
+        run.sidecar.speed_setpoint = 2.0;
+        let spots = hotspots(&simulation, &run);
+        let of_joint: Vec<f64> = spots.iter().filter(|h| h.channel == Channel::JointEta).map(|h| h.value).collect();
+        assert_eq!(of_joint, [-25.4]);
+    }
 }

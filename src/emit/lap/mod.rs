@@ -179,13 +179,18 @@ fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
                 tr {
                     td { (part.name) } td.number { (fixed(part.from, 2)) " … " (fixed(part.to, 2)) }
                     @for (_, column) in &columns {
-                        td.number { @if let Some(s) = column.get(k).and_then(Option::as_ref) { (fixed(s.mean, 0)) " (" (fixed(s.max, 0)) ")" } }
+                        td.number { @if let Some(s) = column.get(k).and_then(Option::as_ref) { (fixed(s.mean, 0)) " (" (fixed(peak(s), 0)) ")" } }
                     }
                 }
             } }
         } }
-        p.note { "Mean and, in brackets, largest value on each section." }
+        p.note { "Mean and, in brackets, peak on each section: the largest by absolute value, with its sign." }
     }
+}
+
+/// The largest by absolute value, with its sign.
+fn peak(s: &Statistics) -> f64 {
+    if -s.min > s.max { s.min } else { s.max }
 }
 
 /// Frequencies worth a line in a spectrum: name, Hz, and whether it is of cart passing.
