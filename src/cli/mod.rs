@@ -20,6 +20,7 @@ mod report;
 mod runs;
 mod simulate;
 
+use crate::dynamics::{NoWidth, Width};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::Path;
 use std::process::ExitCode;
@@ -88,7 +89,11 @@ pub enum OutputFormat {
 
 /// Runs the command line.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse().verb {
+    let cli = Cli::parse();
+    if let Err(none) = Width::asked() {
+        return no_width(&none).into();
+    }
+    let outcome = match cli.verb {
         Verb::Build(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
@@ -105,6 +110,14 @@ pub fn main() -> ExitCode {
         Verb::Man(verb) => verb.run(),
     };
     outcome.into()
+}
+
+/// Says which vector widths there are instead.
+fn no_width(none: &NoWidth) -> Outcome {
+    let all: Vec<&str> = Width::all().into_iter().map(Width::name).collect();
+    report::error(&none.to_string());
+    eprintln!("  help: this processor has {}; without LSS_SIMD the widest is taken", all.join(", "));
+    Outcome::CouldNotRun
 }
 
 /// Says why a run was impossible.

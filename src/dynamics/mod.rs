@@ -32,4 +32,4 @@ pub use model::{Model, Unfit};
 pub use run::{End, Method, Outcome, Plan, Progress, simulate, simulate_all, simulate_deviating};
 pub use state::PACK;
 pub use trouble::{Kind, Trouble};
-pub use width::Width;
+pub use width::{NoWidth, Width};

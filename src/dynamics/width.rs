@@ -3,6 +3,11 @@
 use pulp::{Scalar, Simd, WithSimd};
 use std::fmt;
 
+/// The environment variable that chooses one by its name.
+const VARIABLE: &str = "LSS_SIMD";
+/// All that this program knows, on whatever processor.
+const NAMES: [&str; 4] = ["scalar", "avx2", "avx512", "neon"];
+
 /// Vector instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Width(Kind);
@@ -21,7 +26,38 @@ enum Kind {
     Neon(pulp::aarch64::Neon),
 }
 
+/// A name that is no width of this processor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoWidth(String);
+
 impl Width {
+    /// The one of this name.
+    ///
+    /// # Errors
+    ///
+    /// [`NoWidth`], where there is no such width or this processor does not have it.
+    pub fn named(name: &str) -> Result<Self, NoWidth> {
+        Width::all().into_iter().find(|width| width.name() == name).ok_or_else(|| NoWidth(name.to_owned()))
+    }
+
+    /// The one that `LSS_SIMD` names, the widest when it is not set.
+    ///
+    /// # Errors
+    ///
+    /// As [`Width::named`].
+    pub fn asked() -> Result<Self, NoWidth> {
+        match std::env::var_os(VARIABLE).filter(|name| !name.is_empty()) {
+            Some(name) => Width::named(&name.to_string_lossy()),
+            None => Ok(Width::widest()),
+        }
+    }
+
+    /// The one to simulate with: [`Width::asked`], which the command line has refused before where it fails. Results do not depend
+    /// on it.
+    pub fn used() -> Self {
+        Width::asked().unwrap_or_else(|_| Width::widest())
+    }
+
     /// The widest that this processor has.
     pub fn widest() -> Self {
         Width::all().pop().unwrap_or(Width(Kind::Scalar))
@@ -88,5 +124,40 @@ impl<Op: WithSimd> WithSimd for OneByOne<Op> {
 impl fmt::Display for Width {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+impl fmt::Display for NoWidth {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let NoWidth(name) = self;
+        // A name from outside may hold what moves a terminal's cursor.
+        match NAMES.contains(&name.as_str()) {
+            true => write!(f, "{VARIABLE}={name}: this processor does not have it"),
+            false => write!(f, "{VARIABLE}={}: there is no such vector width", name.escape_debug()),
+        }
+    }
+}
+
+impl std::error::Error for NoWidth {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_width_is_found_by_its_name() {
+        for width in Width::all() {
+            assert_eq!(Width::named(width.name()).unwrap().name(), width.name());
+        }
+    }
+
+    #[test]
+    fn what_is_none_and_what_this_processor_lacks_are_told_apart() {
+        assert_eq!(Width::named("AVX9\n").unwrap_err().to_string(), "LSS_SIMD=AVX9\\n: there is no such vector width");
+        let all: Vec<&str> = Width::all().into_iter().map(Width::name).collect();
+        for name in NAMES.into_iter().filter(|name| !all.contains(name)) {
+            let told = Width::named(name).unwrap_err().to_string();
+            assert_eq!(told, format!("LSS_SIMD={name}: this processor does not have it"));
+        }
     }
 }

@@ -69,7 +69,7 @@ impl Diagnose {
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
         let tell = |run: &str| bar.say(&format!("fitted {run}"));
-        let chains = match Chains::new(&subjects, self.seed, threads(), Width::widest(), &tell) {
+        let chains = match Chains::new(&subjects, self.seed, threads(), Width::used(), &tell) {
             Ok(chains) => chains,
             Err((run, why)) => {
                 bar.clear();

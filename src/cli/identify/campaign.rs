@@ -161,7 +161,7 @@ impl Campaign {
         let settings = Settings { steps: 0, ..*settings };
         let law = self.law.0[0];
         let results = parallel::map(cases, threads, |case| {
-            fit_run(&case.subject, law, None, &settings, Width::widest(), String::new())
+            fit_run(&case.subject, law, None, &settings, Width::used(), String::new())
         });
         let mut failed = broken;
         let mut text = String::new();
@@ -194,7 +194,7 @@ impl Work<'_> {
     fn fit(&self, case: &Case) -> Result<Fitted, String> {
         let subject = &case.subject;
         let start = self.first.and_then(|fits| fits.iter().find(|f| f.run == subject.name));
-        let carried = start.and_then(|from| carry(subject, from, self.law, &self.settings, Width::widest()));
+        let carried = start.and_then(|from| carry(subject, from, self.law, &self.settings, Width::used()));
         let fit = match carried {
             Some(carried) => Ok(carried),
             None => {
@@ -202,8 +202,7 @@ impl Work<'_> {
                 let key = study::key(subject, self.law, &self.settings, &held);
                 self.kept(&subject.name, &key, || {
                     // Within another law's bounds the run says what it said before: nothing is left to search.
-                    let within =
-                        start.and_then(|s| study::within(subject, s, self.law, &self.settings, Width::widest()));
+                    let within = start.and_then(|s| study::within(subject, s, self.law, &self.settings, Width::used()));
                     if let Some(at) = within {
                         let settings = Settings { steps: 0, ..self.settings };
                         return fit_run(
@@ -211,13 +210,13 @@ impl Work<'_> {
                             self.law,
                             Some((self.law, &at)),
                             &settings,
-                            Width::widest(),
+                            Width::used(),
                             key.clone(),
                         );
                     }
                     let from = start.map(|s| (s.law, s.at()));
                     let from = from.as_ref().map(|(law, at)| (*law, at));
-                    fit_run(subject, self.law, from, &self.settings, Width::widest(), key.clone())
+                    fit_run(subject, self.law, from, &self.settings, Width::used(), key.clone())
                 })
             }
         };
@@ -260,7 +259,7 @@ impl Work<'_> {
             let Some(case) = case_of(fit) else { continue };
             let lap = case.subject.simulation.chain.track_length_m;
             let measured = Measured::new(&case.subject.run, &case.subject.simulation, lap)?;
-            models.push((Model::new(&case.subject.simulation, self.law, &measured, Width::widest()), fit.fit()));
+            models.push((Model::new(&case.subject.simulation, self.law, &measured, Width::used()), fit.fit()));
         }
         let pairs: Vec<_> = models.iter().map(|(model, fit)| (model, fit)).collect();
         let shared = combine(names, &pairs).ok_or("what the runs say of shared parameters cannot be combined")?;
@@ -277,7 +276,7 @@ impl Work<'_> {
             let key = study::key(&case.subject, self.law, &settings, &format!("{at:?}"));
             let name = format!("{}-shared", fit.run);
             self.kept(&name, &key, || {
-                fit_run(&case.subject, self.law, Some((self.law, &at)), &settings, Width::widest(), key.clone())
+                fit_run(&case.subject, self.law, Some((self.law, &at)), &settings, Width::used(), key.clone())
             })
         });
         *fits = again.into_iter().collect::<Result<_, String>>()?;

@@ -57,7 +57,7 @@ impl Polygon {
         let inputs: Vec<(Simulation, Plan)> =
             subjects.iter().map(|s| (s.simulation.clone(), Plan::default())).collect();
         let mut laps = Vec::new();
-        for (subject, outcome) in subjects.iter().zip(dynamics::simulate_all(&inputs, Width::widest(), threads)) {
+        for (subject, outcome) in subjects.iter().zip(dynamics::simulate_all(&inputs, Width::used(), threads)) {
             match outcome {
                 Ok(lap) if lap.end == End::Complete => laps.push(lap),
                 Ok(lap) => {

@@ -95,7 +95,7 @@ impl Simulate {
         };
         let watch = progress::Watch::new();
         let clock = Instant::now();
-        let result = dynamics::simulate(&simulation, &plan, Width::widest(), &mut |p| watch.show(p));
+        let result = dynamics::simulate(&simulation, &plan, Width::used(), &mut |p| watch.show(p));
         watch.finish();
         let wall = clock.elapsed().as_secs_f64();
         let outcome = match result {

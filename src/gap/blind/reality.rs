@@ -138,7 +138,7 @@ impl Reality {
         for _ in 0..4 {
             let adaptive = plan.method == Method::CashKarp;
             let watch = &mut |p: Progress| !adaptive || p.steps as f64 <= MOST_STEPS * (p.time + 1.0);
-            let outcome = simulate_deviating(&real, deviations.clone(), &plan, Width::widest(), watch).ok()?;
+            let outcome = simulate_deviating(&real, deviations.clone(), &plan, Width::used(), watch).ok()?;
             if outcome.end == End::Complete {
                 let mut run = outcome.run;
                 for (change, strength) in changes.into_iter().flatten() {
