@@ -4,6 +4,8 @@
 //! The rival: rapier (f64) moves the same carts, with the same forces set from outside before every step; they are evaluated
 //! by the widest kernel of this program, so that rapier is only charged for its own part and the copying.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::dynamics::integrate::{Integrator, Verlet};
 use lss::dynamics::{Chain, Model, PACK, Plan, Width, parameters, simulate, simulate_all};
 use lss::emit::simulation::{Piece, Simulation, Track};

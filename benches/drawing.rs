@@ -1,5 +1,7 @@
 //! Drawings of thesis10 and of the hub: `cargo bench --bench drawing`.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 #[path = "common/layout.rs"]
 mod layout;
 

@@ -1,5 +1,7 @@
 //! The front end on a file of 10,000 lines: `cargo bench --bench front_end`.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use divan::{Bencher, black_box};
 use lss::semantics::analyse;
 use lss::source::{Loader, SourceMap};

@@ -4,6 +4,8 @@
 //! nominal fits alone, which identification needs anyway; and a real re-fit of every candidate in place of the fast screen, reckoned from what
 //! simulations of re-fits take here.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 #[path = "common/track.rs"]
 mod track;
 

@@ -3,6 +3,8 @@
 //! How well the kinematic measure predicts the dynamic model over random layouts (rank correlation), and the search beside
 //! Box's complex method on the same problem.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 #[path = "common/layout.rs"]
 mod layout;
 

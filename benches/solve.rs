@@ -1,5 +1,7 @@
 //! Stages of the optimisation, and the SQP beside Box's complex method: `cargo bench --bench solve`.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 #[path = "common/layout.rs"]
 mod layout;
 

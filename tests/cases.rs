@@ -1,6 +1,8 @@
 //! Every example through every stage of the compiler, one snapshot a stage in `tests/cases/<name>/`. The same snapshots
 //! hold in debug and release builds (`cargo test --release --test cases`).
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::emit::{self, Compiled};
 use lss::model::{self, Layout};
 use lss::problem::{self, Problem, Scope};

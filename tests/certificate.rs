@@ -1,5 +1,7 @@
 //! What is proven of whole layouts: the thesis' three figures, limits, sides left open, and chains that must close.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::emit::Compiled;
 use lss::kinematics::fit;
 use lss::model::Layout;

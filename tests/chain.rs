@@ -1,6 +1,8 @@
 //! The chain against what is known of it: an independent implementation's converged values, closed forms, conservation laws,
 //! and itself with other steps, integrators and vector widths (design: chain model, checks with a known answer).
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
 use lss::dynamics::{
     Chain, End, Kind, Method, Model, PACK, Plan, Survey, Width, parameters, simulate, simulate_all, survey,

@@ -2,6 +2,8 @@
 //! route, and of straights that close a loop in one way more than they must, the cheapest is where one of them has a length at
 //! which pieces change: all those are tried.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 mod small;
 
 use lss::emit::Compiled;

@@ -1,5 +1,7 @@
 //! `lss compare` on small runs with known differences.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use lss::geometry::trig::{TAU, sin};
 use lss::signal::{Channel, Run, Sidecar, csv, parquet};

@@ -1,6 +1,8 @@
 //! Layouts that cannot be, and constraints that follow from others: the lines that messages name, against what follows
 //! from the numbers by hand.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::diagnostic::{Code, Diagnostic, json};
 use lss::model::Layout;
 use lss::semantics::analyse;

@@ -1,5 +1,7 @@
 //! Track sides and contact areas against closed forms, polygon clipping and the definition by distance.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::geometry::trig::{FRAC_PI_2, PI, TAU, acos, asin};
 use lss::geometry::{Corner, Curve, Hand, Outline, Point, Polygon, Track, contact_area, outside_area, point_piece};
 use proptest::prelude::*;

@@ -1,5 +1,7 @@
 //! Input that means harm, or was mangled on the way: it ends in diagnostics, quickly, and never in a panic.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::diagnostic::{Diagnostic, json, text};
 use lss::semantics::{Analysis, analyse, unsupported};
 use lss::source::{Loader, SourceMap};

@@ -1,5 +1,7 @@
 //! `lss identify` as users run it, on a small track: truths are found again, work is kept, and what is broken is said.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use lss::dynamics::{Plan, Width, simulate};
 use lss::emit::simulation::Simulation;

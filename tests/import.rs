@@ -1,5 +1,7 @@
 //! Drawings from CAD: what this tool draws comes back the same, and what other programs draw is read.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use std::path::{Path, PathBuf};
 
 use lss::diagnostic::{Code, Diagnostic};

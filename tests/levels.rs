@@ -1,5 +1,7 @@
 //! Layouts with heights: they optimise, cross over themselves with headroom, and are ordered whole.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::diagnostic::{Code, Diagnostic};
 use lss::elements::{Ware, pieces};
 use lss::emit::Compiled;

@@ -1,6 +1,8 @@
 //! Models outside: what they may do wrong, and what becomes of them when they do it right. Without python3 these say that they were
 //! skipped.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::gap::outside::{Error, Outside, Settings};
 use lss::gap::{Applied, Frame, Request, Simulator};
 use lss::geometry::trig;

@@ -1,5 +1,7 @@
 //! `lss polygon` and `optimise polygon_action` as users run them.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;

@@ -1,5 +1,7 @@
 //! `lss runs` as users run it, and what it suspects of runs with a fault that was put in.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use lss::emit::simulation::Simulation;
 use lss::signal::health::health;

@@ -1,5 +1,7 @@
 //! The front end on whole files: what a layout becomes, and what every rule says.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::diagnostic::text;
 use lss::model::{self, Layout, Side};
 use lss::semantics::{Analysis, analyse};

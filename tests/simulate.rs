@@ -1,5 +1,7 @@
 //! `lss simulate` as users run it.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use lss::signal::{Channel, Run};
 use serde_json::Value;

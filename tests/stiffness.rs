@@ -1,5 +1,7 @@
 //! `lss identify stiffness` as users run it.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;

@@ -1,5 +1,7 @@
 //! The two tracks of the chain model, and a third with a spiral: what the compiler writes is what they are.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::emit::Compiled;
 use lss::emit::simulation::{Piece, Simulation, Track};
 use lss::semantics::analyse;

@@ -4,6 +4,8 @@
 //! often the 90 % intervals hold them, and the bias. `... -- campaign DIR`: a campaign of 22 runs on seven layouts to fit with
 //! `lss identify DIR`, with the truths beside it. `... -- one`: a fit's time on one core.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 #[path = "../common/track.rs"]
 mod track;
 
