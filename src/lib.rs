@@ -23,6 +23,7 @@
 //!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
+pub mod base;
 pub mod cli;
 pub mod diagnostic;
 pub mod dynamics;

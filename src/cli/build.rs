@@ -3,6 +3,7 @@
 use super::progress::Line;
 use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, report};
+use crate::base::disk::{Found, survey};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::emit::pareto::Pareto;
@@ -14,7 +15,7 @@ use crate::semantics::unsupported;
 use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
 use clap::ValueEnum;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Optimise a layout and write its elements, drawings and simulation input.
 ///
@@ -211,7 +212,8 @@ impl Build {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", &self.file, why),
             };
-            if let Err(error) = files.write(folder) {
+            told_of(&survey(folder, SET), folder);
+            if let Err(error) = files.write_set(folder, SET) {
                 return could_not("write", &error.path, &error.reason);
             }
         }
@@ -289,6 +291,40 @@ impl Build {
             OutputFormat::Text => text(&summary, compiled.raised(), self.output.as_ref()),
         };
         report::print(&text);
+    }
+}
+
+/// Of the manifest in the folder of the outputs.
+const SET: &str = "build";
+
+/// Says where the files of an earlier build are no whole set. All of them are written anew.
+fn told_of(found: &Found, folder: &Path) {
+    let folder = folder.display();
+    match found {
+        Found::Whole => {}
+        Found::Interrupted { new, old } => report::warning(&format!(
+            "{folder} holds parts of two builds, as a build was stopped while it wrote: {} {} new, {} {} not; all are written anew",
+            new.join(", "),
+            if new.len() == 1 { "is" } else { "are" },
+            old.join(", "),
+            if old.len() == 1 { "is" } else { "are" },
+        )),
+        Found::Changed { changed, missing } => {
+            if !changed.is_empty() {
+                let what = if changed.len() == 1 { "is not what" } else { "are not what" };
+                report::warning(&format!(
+                    "{} in {folder} {what} the last build wrote there; written anew",
+                    changed.join(", ")
+                ));
+            }
+            if !missing.is_empty() {
+                let what = if missing.len() == 1 { "is" } else { "are" };
+                report::warning(&format!(
+                    "{} of the last build {what} gone from {folder}; written anew",
+                    missing.join(", ")
+                ));
+            }
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
+use crate::base::disk;
 use crate::source::SourceMap;
-use crate::{emit, syntax};
+use crate::syntax;
 use similar::TextDiff;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -86,11 +87,21 @@ fn diff(path: &Path, before: &str, after: &str) -> String {
     TextDiff::from_lines(before, after).unified_diff().header(&name, &format!("{name} (formatted)")).to_string()
 }
 
-/// Replaces a file's text whole or not at all. A link stays a link.
+/// Replaces a file's text whole or not at all. A link stays a link, and may not lead out of its project.
 fn replace(path: &Path, text: &str) -> Result<(), String> {
     let place = path.canonicalize().map_err(|e| e.to_string())?;
-    let (Some(folder), Some(name)) = (place.parent(), place.file_name()) else { return Err("not a file".into()) };
-    let mut files = emit::Files::default();
-    files.push(name.to_string_lossy(), text.as_bytes());
-    files.write(folder).map_err(|e| e.reason.to_string())
+    if path.is_symlink() && !place.starts_with(project(path).map_err(|e| e.to_string())?) {
+        return Err(format!(
+            "it is a link that leads out of its project; to format the file, name {}",
+            place.display()
+        ));
+    }
+    disk::replace(&place, text.as_bytes()).map_err(|e| e.reason.to_string())
+}
+
+/// The nearest folder above a file that holds `lss.toml` or `.git`, else the file's own.
+fn project(file: &Path) -> std::io::Result<PathBuf> {
+    let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new(".")).canonicalize()?;
+    let marked = |f: &&Path| f.join("lss.toml").exists() || f.join(".git").exists();
+    Ok(folder.ancestors().find(marked).unwrap_or(&folder).to_owned())
 }

@@ -4,7 +4,6 @@ pub mod bom;
 mod compiled;
 mod drawing;
 pub mod dxf;
-mod files;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod freedom;
@@ -25,9 +24,9 @@ mod station;
 mod style;
 pub mod svg;
 
+pub use crate::base::disk::{Files, WriteError};
 pub use compiled::Compiled;
 pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
-pub use files::{Files, WriteError};
 pub use schemas::schemas;
 pub use station::Station;
 

@@ -9,7 +9,6 @@ mod chance;
 mod court;
 mod diagnose;
 mod diagnosis;
-mod digest;
 pub mod effects;
 mod evidence;
 mod floor;
@@ -28,5 +27,5 @@ mod words;
 
 pub use diagnose::{Stage, diagnose};
 pub use diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
-pub use remembered::Remembered;
+pub use remembered::{Left, Remembered};
 pub use simulator::{Applied, Band, Candidate, Differs, Frame, Label, Laps, Request, Simulator, Strength};

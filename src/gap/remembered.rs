@@ -1,48 +1,79 @@
 //! Simulations that were made before: kept in a file while a diagnosis runs, so that one which was stopped goes on where it was.
 //!
-//! The file's first line tells of what model and runs it is; another's is begun anew. Then a line a simulation: the SHA-256 of what was
+//! The file's first line is a hash of everything the simulations come from; another's is begun anew. Then a line a simulation: what was
 //! asked, and the bits of the features, or of laps' variances and deviations. A line that was cut is one that was never made.
+//!
+//! A hash cannot see everything (a module that a model's program loads, a remote server), so a few of the kept answers are asked again
+//! before any is used. Where one differs, none is used. What could not be simulated is not kept: the reason may have been outside.
 
-use super::digest::sha256;
 use super::simulator::{Applied, Candidate, Frame, Laps, Request, Simulator};
+use crate::base::digest::sha256;
+use crate::base::disk::{Temporary, sweep, sync_folder};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-const MARK: &str = "lss gap simulations 2";
+const MARK: &str = "lss gap simulations 3";
+
+/// How many kept answers are asked again.
+const ASKED_AGAIN: usize = 4;
+
+/// What a file held that a diagnosis would go on from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Left {
+    Nothing,
+    /// So many simulations, which are used.
+    Used(usize),
+    /// Simulations of another program, model, layout, run or option.
+    OfOthers,
+    /// So many simulations, to one of which the model gives another answer now.
+    Contradicted(usize),
+}
 
 /// A simulator that asks another one only what is not known.
 pub struct Remembered<'a> {
     simulator: &'a dyn Simulator,
     path: PathBuf,
+    left: Left,
     book: Mutex<Book>,
 }
 
 /// An answer a request.
 type Answers = Vec<Option<Vec<f64>>>;
 
+type Known = BTreeMap<String, Vec<f64>>;
+
 struct Book {
-    known: BTreeMap<String, Option<Vec<f64>>>,
+    known: Known,
     /// `None` where nothing can be written: nothing is kept then.
     file: Option<File>,
 }
 
 impl<'a> Remembered<'a> {
-    /// With what a file knows of the same model and runs. The file and its folder are made if they are missing.
-    pub fn new(simulator: &'a dyn Simulator, path: &Path) -> Remembered<'a> {
-        let first = format!("{MARK} {}", fingerprint(simulator));
-        let known = read(path, &first);
-        let file = begun(path, &first, known.is_some()).ok();
-        let book = Book { known: known.unwrap_or_default(), file };
-        Remembered { simulator, path: path.to_owned(), book: Mutex::new(book) }
+    /// With what a file knows of the same origin: a hash of all that the simulator is made of, beside what it says of itself. The file and
+    /// its folder are made if they are missing.
+    pub fn new(simulator: &'a dyn Simulator, path: &Path, origin: &str) -> Remembered<'a> {
+        let first = format!("{MARK} {}", fingerprint(simulator, origin));
+        let (known, left) = match read(path, &first) {
+            None => (Known::new(), Left::Nothing),
+            Some(None) => (Known::new(), Left::OfOthers),
+            Some(Some(known)) if known.is_empty() => (known, Left::Nothing),
+            Some(Some(known)) if is_confirmed(simulator, &known) => {
+                let count = known.len();
+                (known, Left::Used(count))
+            }
+            Some(Some(known)) => (Known::new(), Left::Contradicted(known.len())),
+        };
+        let file = begun(path, &first, &known).ok();
+        Remembered { simulator, path: path.to_owned(), left, book: Mutex::new(Book { known, file }) }
     }
 
-    /// How many simulations are known.
-    pub fn known(&self) -> usize {
-        self.book().known.len()
+    /// What the file held.
+    pub fn left(&self) -> Left {
+        self.left
     }
 
     /// Removes the file, once the diagnosis is written.
@@ -74,7 +105,7 @@ impl Simulator for Remembered<'_> {
     }
 
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
-        let keys = requests.iter().map(|r| format!("{}l", key(r))).collect();
+        let keys = requests.iter().map(|r| key(LAPS, r)).collect();
         let flat =
             |asked: &[Request]| self.simulator.laps_all(asked).iter().map(|l| l.as_ref().map(Laps::flat)).collect();
         let answers = self.remembered(keys, requests, &flat).into_iter().zip(requests);
@@ -82,7 +113,7 @@ impl Simulator for Remembered<'_> {
     }
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
-        let keys = requests.iter().map(key).collect();
+        let keys = requests.iter().map(|r| key(MEANS, r)).collect();
         self.remembered(keys, requests, &|asked| self.simulator.simulate_all(asked))
     }
 }
@@ -99,15 +130,16 @@ impl Remembered<'_> {
         let mut book = self.book();
         let mut text = String::new();
         for (k, answer) in missing.into_iter().zip(answers) {
-            line(&mut text, &keys[k], answer.as_deref());
-            book.known.insert(keys[k].clone(), answer);
+            let Some(features) = answer else { continue };
+            line(&mut text, &keys[k], &features);
+            book.known.insert(keys[k].clone(), features);
         }
         if let Some(file) = &mut book.file
             && file.write_all(text.as_bytes()).and_then(|()| file.flush()).is_err()
         {
             book.file = None;
         }
-        keys.iter().map(|key| book.known.get(key).cloned().flatten()).collect()
+        keys.iter().map(|key| book.known.get(key).cloned()).collect()
     }
 }
 
@@ -124,9 +156,9 @@ impl Laps {
     }
 }
 
-/// Of the model's effects and the runs as they were fitted.
-fn fingerprint(simulator: &dyn Simulator) -> String {
-    let mut all = format!("{} {:?}", env!("CARGO_PKG_VERSION"), simulator.candidates()).into_bytes();
+/// Of the origin, the model's effects and the runs as they were fitted.
+fn fingerprint(simulator: &dyn Simulator, origin: &str) -> String {
+    let mut all = format!("{origin} {:?}", simulator.candidates()).into_bytes();
     for frame in simulator.frames() {
         all.extend(frame.run.bytes());
         let numbers =
@@ -136,53 +168,91 @@ fn fingerprint(simulator: &dyn Simulator) -> String {
     sha256(&all)
 }
 
-fn key(request: &Request) -> String {
-    let mut all = [request.run as u64, request.step.len() as u64].map(u64::to_le_bytes).concat();
-    let bits = |x: &f64| x.to_bits().to_le_bytes();
-    all.extend(request.step.iter().flat_map(bits));
+/// What is asked for: features, or laps.
+const MEANS: char = 'm';
+const LAPS: char = 'l';
+
+/// A question as one word: what for, run, nuisances' step, and each effect with its strengths.
+fn key(what: char, request: &Request) -> String {
+    let mut text = format!("{what}{}/{}", request.run, bits(&request.step));
     for effect in &request.effects {
-        all.extend((effect.candidate as u64).to_le_bytes());
-        all.extend(effect.strengths.iter().flat_map(bits));
+        let _ = write!(text, "/{}:{}", effect.candidate, bits(&effect.strengths));
     }
-    sha256(&all)
+    text
 }
 
-fn line(text: &mut String, key: &str, answer: Option<&[f64]>) {
-    // What could not be simulated may have had its reason outside.
-    let Some(features) = answer else { return };
-    text.push_str(key);
-    features.iter().for_each(|x| {
-        let _ = write!(text, " {:x}", x.to_bits());
-    });
-    text.push_str(" .\n");
+fn bits(numbers: &[f64]) -> String {
+    numbers.iter().map(|x| format!("{:x}", x.to_bits())).collect::<Vec<_>>().join(",")
 }
 
-fn read(path: &Path, first: &str) -> Option<BTreeMap<String, Option<Vec<f64>>>> {
-    let text = fs::read_to_string(path).ok()?;
+fn of_bits(text: &str) -> Option<Vec<f64>> {
+    let one = |x: &str| u64::from_str_radix(x, 16).map(f64::from_bits).ok();
+    text.split(',').filter(|x| !x.is_empty()).map(one).collect()
+}
+
+/// The question that a word is.
+fn question(key: &str) -> Option<(char, Request)> {
+    let mut parts = key.split('/');
+    let head = parts.next()?;
+    let (what, run) = (head.chars().next()?, head.get(1..)?.parse().ok()?);
+    let step = of_bits(parts.next()?)?;
+    let effect = |text: &str| {
+        let (candidate, strengths) = text.split_once(':')?;
+        Some(Applied { candidate: candidate.parse().ok()?, strengths: of_bits(strengths)? })
+    };
+    Some((what, Request { run, step, effects: parts.map(effect).collect::<Option<_>>()? }))
+}
+
+/// Asks a few of the kept answers again, spread over all.
+fn is_confirmed(simulator: &dyn Simulator, known: &Known) -> bool {
+    let stride = known.len().div_ceil(ASKED_AGAIN).max(1);
+    known.iter().step_by(stride).all(|(key, kept)| {
+        let Some((what, request)) = question(key) else { return false };
+        let fits = request.run < simulator.frames().len()
+            && request.effects.iter().all(|e| e.candidate < simulator.candidates().len());
+        let asked = [request];
+        let now = match what {
+            _ if !fits => None,
+            LAPS => simulator.laps_all(&asked).pop().flatten().as_ref().map(Laps::flat),
+            _ => simulator.simulate_all(&asked).pop().flatten(),
+        };
+        now.is_some_and(|now| bits(&now) == bits(kept))
+    })
+}
+
+fn line(text: &mut String, key: &str, features: &[f64]) {
+    let _ = writeln!(text, "{key} {} .", bits(features));
+}
+
+/// `None` without a file, `Some(None)` for one of another origin.
+fn read(path: &Path, first: &str) -> Option<Option<Known>> {
+    path.symlink_metadata().ok().filter(fs::Metadata::is_file)?;
+    let mut text = String::new();
+    File::open(path).ok()?.read_to_string(&mut text).ok()?;
     let mut lines = text.lines();
     if lines.next() != Some(first) {
-        return None;
+        return Some(None);
     }
     let one = |line: &str| {
-        let (key, rest) = line.strip_suffix(" .")?.split_once(' ')?;
-        let bits = rest.split(' ').map(|x| u64::from_str_radix(x, 16).map(f64::from_bits));
-        Some((key.to_owned(), Some(bits.collect::<Result<Vec<f64>, _>>().ok()?)))
+        let (key, features) = line.strip_suffix(" .")?.split_once(' ')?;
+        question(key)?;
+        Some((key.to_owned(), of_bits(features)?))
     };
-    Some(lines.filter_map(one).collect())
+    Some(Some(lines.filter_map(one).collect()))
 }
 
-/// The file, open for more; begun anew unless it goes on.
-fn begun(path: &Path, first: &str, goes_on: bool) -> io::Result<File> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    if !goes_on {
-        fs::write(path, first)?;
-    }
-    let mut file = File::options().append(true).open(path)?;
-    // Also after a line that was cut.
-    file.write_all(b"\n")?;
-    Ok(file)
+/// A new file with what is known, open for more. It takes the place of the one before, whatever that was.
+fn begun(path: &Path, first: &str, known: &Known) -> io::Result<File> {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    sweep(folder);
+    let mut text = format!("{first}\n");
+    known.iter().for_each(|(key, features)| line(&mut text, key, features));
+    let mut fresh = Temporary::new(folder, None)?;
+    fresh.fill(text.as_bytes())?;
+    let file = fresh.place(path)?;
+    sync_folder(folder)?;
+    file.ok_or_else(|| io::ErrorKind::NotFound.into())
 }
 
 #[cfg(test)]
@@ -190,8 +260,37 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Counts what it is asked.
-    struct Counting(AtomicUsize);
+    /// Counts what it is asked; run 9 cannot be simulated.
+    struct Counting {
+        asked: AtomicUsize,
+        frames: Vec<Frame>,
+        bias: f64,
+    }
+
+    impl Default for Counting {
+        fn default() -> Self {
+            let frame = Frame {
+                run: "run".into(),
+                labels: Vec::new(),
+                measured: Vec::new(),
+                nominal: Vec::new(),
+                laps: Laps { variance: Vec::new(), scatter: Vec::new() },
+                doubts: Vec::new(),
+                built: Vec::new(),
+                slopes: nalgebra::DMatrix::zeros(0, 1),
+                prior: Vec::new(),
+                bounds: Vec::new(),
+                nuisances: Vec::new(),
+            };
+            Counting { asked: AtomicUsize::new(0), frames: vec![frame; 10], bias: 0.0 }
+        }
+    }
+
+    impl Counting {
+        fn asked(&self) -> usize {
+            self.asked.load(Ordering::Relaxed)
+        }
+    }
 
     impl Simulator for Counting {
         fn candidates(&self) -> &[Candidate] {
@@ -199,12 +298,12 @@ mod tests {
         }
 
         fn frames(&self) -> &[Frame] {
-            &[]
+            &self.frames
         }
 
         fn simulate(&self, run: usize, step: &[f64], _: &[Applied]) -> Option<Vec<f64>> {
-            self.0.fetch_add(1, Ordering::Relaxed);
-            (run < 9).then(|| vec![run as f64 + 0.1, step.iter().sum(), f64::NAN])
+            self.asked.fetch_add(1, Ordering::Relaxed);
+            (run < 9).then(|| vec![run as f64 + 0.1, step.iter().sum::<f64>() + self.bias, f64::NAN])
         }
     }
 
@@ -212,6 +311,48 @@ mod tests {
     fn laps_come_back_from_one_list() {
         let laps = Laps { variance: vec![1.0, f64::INFINITY], scatter: vec![vec![0.1, 0.0], vec![-0.1, 0.2]] };
         assert_eq!(Laps::of_flat(&laps.flat(), 2), laps);
+    }
+
+    fn of(run: usize, step: f64) -> Request {
+        let effects = vec![Applied { candidate: 3, strengths: vec![-0.5, step] }];
+        Request { run, step: vec![step], effects: if run == 1 { effects } else { Vec::new() } }
+    }
+
+    #[test]
+    fn questions_are_read_from_their_words() {
+        let none = Request { run: 12, step: Vec::new(), effects: Vec::new() };
+        for request in [of(0, 1.0 / 3.0), none] {
+            assert_eq!(question(&key(LAPS, &request)), Some((LAPS, request)));
+        }
+        let (what, read) = question(&key(MEANS, &of(1, f64::NAN))).unwrap();
+        assert!(what == MEANS && read.step[0].is_nan() && read.effects[0].candidate == 3);
+        for broken in ["", "m", "mx/0", "m0", "m0/z", "m0//1", "ä0/0"] {
+            assert_eq!(question(broken).filter(|(what, _)| *what == MEANS), None, "{broken}");
+        }
+    }
+
+    #[test]
+    fn a_failure_is_asked_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let counting = Counting::default();
+        let known = Remembered::new(&counting, &folder.path().join("gap.partial"), "");
+        for _ in 0..2 {
+            assert_eq!(known.simulate_all(&[of(9, 0.0)]), [None]);
+        }
+        assert_eq!(counting.asked(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_not_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let (secret, path) = (folder.path().join("secret"), folder.path().join("gap.partial"));
+        fs::write(&secret, "mine").unwrap();
+        std::os::unix::fs::symlink(&secret, &path).unwrap();
+        let counting = Counting::default();
+        Remembered::new(&counting, &path, "").simulate_all(&[of(0, 0.5)]);
+        assert_eq!(fs::read_to_string(&secret).unwrap(), "mine");
+        assert!(fs::read_to_string(&path).unwrap().starts_with(MARK));
     }
 
     #[test]
@@ -222,26 +363,46 @@ mod tests {
         let bits = |answers: &[Option<Vec<f64>>]| -> Vec<Option<Vec<u64>>> {
             answers.iter().map(|a| a.as_ref().map(|x| x.iter().map(|y| y.to_bits()).collect())).collect()
         };
-        let counting = Counting(AtomicUsize::new(0));
-        let first = Remembered::new(&counting, &path);
+        let counting = Counting::default();
+        let first = Remembered::new(&counting, &path, "a");
+        assert_eq!(first.left(), Left::Nothing);
         let whole = first.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2)]);
-        assert_eq!(counting.0.load(Ordering::Relaxed), 3);
+        assert_eq!(counting.asked(), 3);
         drop(first);
         // The last line is cut, as when the power fails.
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, &text[..text.len() - 4]).unwrap();
-        let second = Remembered::new(&counting, &path);
-        assert_eq!(second.known(), 1);
+        let second = Remembered::new(&counting, &path, "a");
+        assert_eq!((second.left(), counting.asked()), (Left::Used(1), 4), "the one that is kept was asked again");
         let again = second.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2), of(2, 0.2)]);
         assert_eq!(bits(&again[..3]), bits(&whole));
         // Only the first was known; what could not be simulated is asked for again.
-        assert_eq!(counting.0.load(Ordering::Relaxed), 6);
-        assert_eq!(Remembered::new(&counting, &path).known(), 3);
-        // Another model's file is begun anew.
-        fs::write(&path, text.replacen(MARK, "lss gap simulations 0", 1)).unwrap();
-        let third = Remembered::new(&counting, &path);
-        assert_eq!(third.known(), 0);
+        assert_eq!(counting.asked(), 7);
+        let third = Remembered::new(&counting, &path, "a");
+        assert_eq!(third.left(), Left::Used(3));
         third.forget();
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn what_another_origin_or_another_model_answered_is_not_used() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gap.partial");
+        let ask = [0.1, 0.2, 0.3, 0.4, 0.5].map(|step| Request { run: 0, step: vec![step], effects: Vec::new() });
+        let counting = Counting::default();
+        Remembered::new(&counting, &path, "a").simulate_all(&ask);
+        let text = fs::read_to_string(&path).unwrap();
+        for (origin, text) in [("b", text.clone()), ("a", text.replacen(MARK, "lss gap simulations 2", 1))] {
+            fs::write(&path, text).unwrap();
+            let other = Remembered::new(&counting, &path, origin);
+            assert_eq!(other.left(), Left::OfOthers);
+            assert_eq!(Remembered::new(&counting, &path, origin).left(), Left::Nothing);
+        }
+        // The same by all that can be known before it is asked.
+        fs::write(&path, &text).unwrap();
+        let biased = Counting { bias: 1e-9, ..Counting::default() };
+        let other = Remembered::new(&biased, &path, "a");
+        assert_eq!(other.left(), Left::Contradicted(5));
+        assert_eq!(other.simulate_all(&ask)[4].as_ref().map(|x| x[1]), Some(0.5 + 1e-9));
     }
 }

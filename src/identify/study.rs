@@ -10,6 +10,8 @@ use super::parameter::{COUNT, Parameter, damping};
 use super::posterior::{Information, correlations, interval, posterior};
 use super::summary::{Block, FORCES};
 use super::words::identifiability;
+use crate::base;
+use crate::base::digest::sha256;
 use crate::dynamics::law::achieved_restitution;
 use crate::dynamics::{self, Plan, Width};
 use crate::emit::number::tidy;
@@ -128,23 +130,26 @@ impl Fitted {
     }
 }
 
-/// What everything a fit depends on hashes to (Fowler, Noll and Vo's FNV-1a, 64 bits).
-pub fn key(subject: &Subject, law: ContactLaw, settings: &Settings, held: &str) -> String {
-    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
-    let mut take = |bytes: &[u8]| {
-        for byte in bytes {
-            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+impl Subject {
+    /// SHA-256 of the run, its sidecar and the chain: a layout with its imports counts by what they build.
+    pub fn content(&self) -> String {
+        let mut all = crate::emit::json::to_json(&self.simulation);
+        all.extend(self.run.sidecar.write());
+        all.extend(self.run.time.iter().flat_map(|t| t.to_le_bytes()));
+        for (channel, samples) in &self.run.channels {
+            all.extend(channel.name().bytes());
+            all.extend(samples.iter().flat_map(|x| x.to_le_bytes()));
         }
-    };
-    take(&crate::emit::json::to_json(&subject.simulation));
-    take(&subject.run.sidecar.write());
-    subject.run.time.iter().for_each(|t| take(&t.to_le_bytes()));
-    for (channel, samples) in &subject.run.channels {
-        take(channel.name().as_bytes());
-        samples.iter().for_each(|x| take(&x.to_le_bytes()));
+        sha256(&all)
     }
-    take(format!("{law:?} {:?} {} {held} {}", settings.free, settings.seed, env!("CARGO_PKG_VERSION")).as_bytes());
-    format!("{hash:016x}")
+}
+
+/// What everything a fit depends on hashes to (SHA-256): this program, the run and its chain, the law, the options, and what the fit
+/// started from.
+pub fn key(subject: &Subject, law: ContactLaw, settings: &Settings, held: &str) -> String {
+    // The answer does not depend on threads.
+    let settings = Settings { threads: 1, ..*settings };
+    sha256(format!("{} {} {law:?} {settings:?} {held}", base::program(), subject.content()).as_bytes())
 }
 
 /// Fits a run in a law; `start` is the fit to begin from, whose values what is not free keeps.
@@ -334,22 +339,39 @@ fn fitted(
         information: rows(&found.own.matrix),
         pull: found.own.pull.iter().map(|x| tidy(*x)).collect(),
     };
-    let scale = Scale {
-        lap: Some(model.recipe.places.lap),
-        pitch: Some(model.recipe.places.lap / subject.simulation.chain.carts as f64),
-        exponent: 3.0,
-    };
-    if let Ok(lap) = dynamics::simulate(&out.input(subject), &Plan::default(), model.width, &mut |_| true) {
+    (out.nrmsd, out.nrmsd_two_carts) = deviations(subject, &out, model.recipe.places.lap, model.width);
+    out
+}
+
+/// By channel.
+type Deviations = BTreeMap<String, f64>;
+
+/// How far a simulated lap with a fit's parameters is from the run: of samples, and of means over two carts.
+fn deviations(subject: &Subject, fit: &Fitted, lap: f64, width: Width) -> (Deviations, Deviations) {
+    let (mut samples, mut two_carts) = (Deviations::new(), Deviations::new());
+    let scale = Scale { lap: Some(lap), pitch: Some(lap / subject.simulation.chain.carts as f64), exponent: 3.0 };
+    let input = fit.input(subject);
+    if let Ok(lap) = dynamics::simulate(&input, &Plan::default(), width, &mut |_| true) {
         // The measured run with its trigger where the fit puts it.
         let mut placed = subject.run.clone();
-        placed.sidecar.trigger_position = out.input(subject).sensor.photocell_s_m;
+        placed.sidecar.trigger_position = input.sensor.photocell_s_m;
         for (channel, deviation) in compare(&placed, &lap.run, &scale).into_iter().filter(|(c, _)| c.is_force()) {
             let name = channel.name().to_owned();
-            out.nrmsd.extend(deviation.nrmsd.map(|x| (name.clone(), tidy(x))));
-            out.nrmsd_two_carts.extend(deviation.nrmsd_two_carts.map(|x| (name, tidy(x))));
+            samples.extend(deviation.nrmsd.map(|x| (name.clone(), tidy(x))));
+            two_carts.extend(deviation.nrmsd_two_carts.map(|x| (name, tidy(x))));
         }
     }
-    out
+    (samples, two_carts)
+}
+
+/// Whether a lap simulated anew is as far from the run as a kept fit says. That costs one lap, where the fit costs hundreds.
+pub fn is_confirmed(subject: &Subject, kept: &Fitted, width: Width) -> bool {
+    let lap = subject.simulation.track.centre_line().length;
+    let same = |a: &Deviations, b: &Deviations| {
+        a.len() == b.len() && a.iter().zip(b).all(|((m, x), (n, y))| m == n && x.to_bits() == y.to_bits())
+    };
+    let (samples, two_carts) = deviations(subject, kept, lap, width);
+    same(&samples, &kept.nrmsd) && same(&two_carts, &kept.nrmsd_two_carts)
 }
 
 /// What a block of features is, in words.

@@ -1,14 +1,15 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
+use crate::base::disk::Files;
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
 use crate::emit::json::to_json;
-use crate::gap::blind::answering::{Step, answer, child, facts, judged};
+use crate::gap::blind::answering::{Before, Step, answer, child, facts, judged};
 use crate::gap::blind::generate::{Order, generate};
 use crate::gap::blind::{Kind, table};
 use clap::{Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Test the diagnosis on campaigns whose effects are withheld.
 #[derive(Debug, clap::Args)]
@@ -126,12 +127,23 @@ impl Score {
                     bar.set_position(step.number as u64);
                     bar.set_message(step.case.to_owned());
                 }
-                None if !step.kept => eprintln!("{} ({} of {})", step.case, step.number + 1, step.of),
+                None if step.before != Before::Kept => eprintln!("{} ({} of {})", step.case, step.number + 1, step.of),
                 None => {}
+            }
+            let say = |why: &str| match &bar {
+                Some(bar) => bar.suspend(|| report::warning(&format!("{}: {why}", step.case))),
+                None => report::warning(&format!("{}: {why}", step.case)),
+            };
+            match step.before {
+                Before::Nothing | Before::Kept => {}
+                Before::OfOthers => say("its answer is of another version of lss or other files, and is asked anew"),
+                Before::Contradicted => {
+                    say("asked again, the diagnosis gives another answer than before: none is kept")
+                }
             }
             true
         };
-        let answered = answer(&self.folder, &child, &mut watch);
+        let answered = answer(&self.folder, crate::base::program(), &child, &mut watch);
         if let Some(bar) = &bar {
             bar.finish_and_clear();
         }
@@ -144,11 +156,11 @@ impl Score {
             Err(why) => return could_not("score the challenge", &self.folder, why),
         };
         let json = to_json(&score);
-        for (name, content) in [("score.json", json.as_slice()), ("score.md", table::markdown(&score).as_bytes())] {
-            let path: PathBuf = Path::new(&self.folder).join(name);
-            if let Err(why) = std::fs::write(&path, content) {
-                return could_not("write", &path, why);
-            }
+        let mut files = Files::default();
+        files.push("score.json", json.clone());
+        files.push("score.md", table::markdown(&score));
+        if let Err(error) = files.write_set(&self.folder, "score") {
+            return could_not("write", &error.path, &error.reason);
         }
         match self.format {
             OutputFormat::Text => report::print(&table::text(&score)),

@@ -8,7 +8,7 @@ use crate::emit::simulation::Track;
 use crate::emit::{Files, json};
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
-use crate::gap::{Diagnosis, Remembered, Simulator, Stage, diagnose};
+use crate::gap::{Diagnosis, Left, Remembered, Simulator, Stage, diagnose};
 use crate::identify::study::Subject;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -77,7 +77,7 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let known = self.remembered(&chains);
+        let known = self.remembered(&chains, &self.origin(&subjects));
         let mut found = bar.diagnose(&known);
         found.lost = chains.lost();
         let mut files = Files::default();
@@ -106,7 +106,7 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let known = self.remembered(&model);
+        let known = self.remembered(&model, &model.origin());
         let mut found = bar.diagnose(&known);
         found.axis = "s".into();
         found.lost = model.lost().to_vec();
@@ -119,13 +119,25 @@ impl Diagnose {
     }
 
     /// A model with what a stopped diagnosis left.
-    fn remembered<'a>(&self, model: &'a dyn Simulator) -> Remembered<'a> {
-        let known = Remembered::new(model, &self.output.join(PARTIAL));
-        match known.known() {
-            0 => {}
-            count => eprintln!("a diagnosis was stopped here: {count} of its simulations are used again"),
+    fn remembered<'a>(&self, model: &'a dyn Simulator, origin: &str) -> Remembered<'a> {
+        let known = Remembered::new(model, &self.output.join(PARTIAL), origin);
+        match known.left() {
+            Left::Nothing => {}
+            Left::Used(count) => eprintln!("a diagnosis was stopped here: {count} of its simulations are used again"),
+            Left::OfOthers => eprintln!(
+                "a diagnosis was stopped here, but of another version of lss, model, layout, run or seed: nothing of it is used"
+            ),
+            Left::Contradicted(count) => report::warning(&format!(
+                "a diagnosis was stopped here, but asked again the model gives another answer: its {count} simulations are not used"
+            )),
         }
         known
+    }
+
+    /// All that simulations of the chain come from.
+    fn origin(&self, subjects: &[Subject]) -> String {
+        let each: Vec<String> = subjects.iter().map(Subject::content).collect();
+        format!("{} {} {}", crate::base::program(), self.seed, each.join(" "))
     }
 
     /// Writes and prints what was found.
@@ -140,7 +152,7 @@ impl Diagnose {
         let title = self.campaign.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy().into_owned());
         files.push("gap.json", json::to_json(found));
         files.push("gap.html", crate::emit::gap::page(found, track, &title));
-        if let Err(error) = files.write(&self.output) {
+        if let Err(error) = files.write_set(&self.output, "gap") {
             return could_not("write", &error.path, &error.reason);
         }
         known.forget();

@@ -100,12 +100,17 @@ impl Campaign {
         if self.identifiability {
             return self.tell(&cases, &settings, threads, broken);
         }
+        let trusted =
+            Work { output, law: self.law.0[0], settings, first: None, bar: None, trusted: true }.confirmed(&cases);
+        if !trusted {
+            report::warning("a fit that was kept here comes out otherwise now: all fits are made anew");
+        }
         let bar = progress(cases.len() * self.law.0.len());
         let mut done: Vec<(ContactLaw, Vec<Fitted>, Vec<Shared>)> = Vec::new();
         let mut failed = broken;
         for &law in &self.law.0 {
             let first = done.first().map(|(_, fits, _)| fits.clone());
-            let work = Work { output, law, settings, first: first.as_deref(), bar: bar.as_ref() };
+            let work = Work { output, law, settings, first: first.as_deref(), bar: bar.as_ref(), trusted };
             let results = parallel::map(&cases, threads, |case| work.fit(case));
             let mut fits = Vec::new();
             for (case, result) in cases.iter().zip(results) {
@@ -143,7 +148,7 @@ impl Campaign {
                 Err(outcome) => return outcome,
             }
         }
-        if let Err(error) = files.write(output) {
+        if let Err(error) = files.write_set(output, "identify") {
             return could_not("write", &error.path, &error.reason);
         }
         report::print(&match self.format {
@@ -187,7 +192,12 @@ struct Work<'a> {
     /// Those of the first law.
     first: Option<&'a [Fitted]>,
     bar: Option<&'a ProgressBar>,
+    /// Whether fits that were kept may be used.
+    trusted: bool,
 }
+
+/// How many kept fits are looked at again.
+const ASKED_AGAIN: usize = 2;
 
 impl Work<'_> {
     /// A run's fit: from the disk when it is there and nothing has changed, else made and kept.
@@ -227,19 +237,37 @@ impl Work<'_> {
         fit
     }
 
+    fn folder(&self) -> PathBuf {
+        self.output.join("fits").join(law_name(self.law))
+    }
+
+    /// A fit on the disk, if it came from the same.
+    fn known(&self, name: &str, key: &str) -> Option<Fitted> {
+        let bytes = std::fs::read(self.folder().join(format!("{name}.json"))).ok()?;
+        let known: Fitted = serde_json::from_slice(&bytes).ok()?;
+        (known.key == key && known.is_whole()).then_some(known)
+    }
+
+    /// Whether a few of the kept fits of the first law still are what this program would say.
+    fn confirmed(&self, cases: &[Case]) -> bool {
+        let known = cases.iter().filter_map(|case| {
+            let key = study::key(&case.subject, self.law, &self.settings, "");
+            Some((case, self.known(&case.subject.name, &key)?))
+        });
+        known.take(ASKED_AGAIN).all(|(case, fit)| study::is_confirmed(&case.subject, &fit, Width::used()))
+    }
+
     fn kept(&self, name: &str, key: &str, make: impl FnOnce() -> Result<Fitted, String>) -> Result<Fitted, String> {
-        let folder = self.output.join("fits").join(law_name(self.law));
-        let file = format!("{name}.json");
-        let known = std::fs::read(folder.join(&file)).ok().and_then(|b| serde_json::from_slice::<Fitted>(&b).ok());
-        if let Some(known) = known.filter(|k| k.key == key && k.is_whole()) {
+        if let Some(known) = self.known(name, key).filter(|_| self.trusted) {
             return Ok(known);
         }
         let made = make()?;
+        let bytes = json::to_json(&made);
         let mut files = Files::default();
-        files.push(file, json::to_json(&made));
-        files.write(&folder).map_err(|error| error.to_string())?;
+        files.push(format!("{name}.json"), bytes.as_slice());
+        files.write(&self.folder()).map_err(|error| error.to_string())?;
         // What was kept and what was made read the same.
-        serde_json::from_slice(&json::to_json(&made)).map_err(|why| why.to_string())
+        serde_json::from_slice(&bytes).map_err(|why| why.to_string())
     }
 
     /// Fits what is shared over all runs, and the rest of each run anew with it.

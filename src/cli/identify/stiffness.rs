@@ -1,5 +1,6 @@
 //! `lss identify stiffness`: a joint's K and n from a static test.
 
+use crate::base::disk;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::number::{fixed, shortest, trimmed};
 use crate::identify::static_test::{self, Direction, Points};
@@ -89,9 +90,9 @@ impl Stiffness {
         let report = Report { joint: joint(&self.file), directions };
         let declaration = report.declaration();
         if let Some(path) = &self.output
-            && let Err(why) = std::fs::write(path, &declaration)
+            && let Err(error) = disk::replace(path, declaration.as_bytes())
         {
-            return could_not("write", path, why);
+            return could_not("write", path, error.reason);
         }
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",

@@ -73,7 +73,7 @@ impl Polygon {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", &self.file, why),
             };
-            if let Err(error) = files.write(folder) {
+            if let Err(error) = files.write_set(folder, "polygon") {
                 return could_not("write", &error.path, &error.reason);
             }
         }

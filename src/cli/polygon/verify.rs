@@ -98,7 +98,7 @@ impl Polygon {
                 }
                 (Err(why), _) | (_, Err(why)) => return could_not("draw", &self.file, why),
             }
-            if let Err(error) = files.write(folder) {
+            if let Err(error) = files.write_set(folder, "polygon-verify") {
                 return could_not("write", &error.path, &error.reason);
             }
         }

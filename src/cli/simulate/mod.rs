@@ -110,7 +110,7 @@ impl Simulate {
                 Ok(files) => files,
                 Err(why) => return could_not("write", folder, why),
             };
-            if let Err(error) = files.write(folder) {
+            if let Err(error) = files.write_set(folder, "simulate") {
                 return could_not("write", &error.path, &error.reason);
             }
         }

@@ -3,7 +3,8 @@
 use super::key::{Answer, Facts, Key};
 use super::score::{Score, score};
 use super::{CHALLENGE, KEY, seal};
-use crate::gap::digest::sha256;
+use crate::base::digest::sha256;
+use crate::base::disk::{Scratch, replace};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -14,9 +15,10 @@ use std::process::{Command, Stdio};
 /// Folder of the answers in that of a challenge.
 pub const ANSWERS: &str = "answers";
 
-/// What a diagnosis leaves, and why it left nothing.
+/// What a diagnosis leaves, why it left nothing, and a hash of what its answer comes from.
 const ANSWER: &str = "gap.json";
 const FAILURE: &str = "failure.txt";
+const ORIGIN: &str = "origin.txt";
 
 /// Why a challenge could not be scored.
 #[derive(Debug)]
@@ -48,28 +50,38 @@ pub struct Step<'a> {
     /// From 0.
     pub number: usize,
     pub of: usize,
-    /// Answered before.
-    pub kept: bool,
+    pub before: Before,
 }
 
-/// Answers what is not answered yet: `diagnose` takes a case's folder and where `gap.json` shall be, and says why there is none.
-/// Returns SHA-256 over all answers.
+/// What is known of a case before it is diagnosed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Before {
+    Nothing,
+    /// An answer of the same diagnosis to the same files: it is kept.
+    Kept,
+    /// An answer that came from something else.
+    OfOthers,
+    /// A kept answer that was asked again, and came out otherwise: no kept answer is used.
+    Contradicted,
+}
+
+/// Answers what is not answered yet: `diagnose` takes a case's folder and where `gap.json` shall be, and says why there is none. An
+/// answer is kept for as long as `program`, which stands for the diagnosis, and the case's files are the same; where some are kept and
+/// some lack, the first that is kept is asked again. Returns SHA-256 over all answers.
 ///
 /// # Errors
 ///
 /// [`Trouble`]; a case that cannot be diagnosed is none, but an answer that lacks.
 pub fn answer(
     folder: &Path,
+    program: &str,
     diagnose: &dyn Fn(&Path, &Path) -> Result<(), String>,
     watch: &mut dyn FnMut(Step) -> bool,
 ) -> Result<String, Trouble> {
     let facts = facts(folder)?;
     // Beside nothing that belongs to the challenge.
-    let scratch = std::env::temp_dir().join(format!("lss-blind-{}-{}", start(&facts.key_sha256), std::process::id()));
-    let done = each(folder, &scratch, &facts, diagnose, watch);
-    // What stays behind there is no harm.
-    let _ = fs::remove_dir_all(&scratch);
-    done?;
+    let scratch = Scratch::new().map_err(|why| Trouble::File(std::env::temp_dir(), why))?;
+    Asked { folder, scratch: scratch.path(), program, diagnose }.all(&facts, watch)?;
     let mut all = Vec::new();
     for case in &facts.cases {
         all.extend_from_slice(case.as_bytes());
@@ -78,47 +90,109 @@ pub fn answer(
     Ok(sha256(&all))
 }
 
-fn start(hash: &str) -> String {
-    hash.chars().filter(char::is_ascii_alphanumeric).take(12).collect()
+/// Of a diagnosis: what it answers, or why it does not.
+type Answered = Result<Vec<u8>, String>;
+
+/// A challenge that is being answered.
+struct Asked<'a> {
+    folder: &'a Path,
+    scratch: &'a Path,
+    program: &'a str,
+    diagnose: &'a dyn Fn(&Path, &Path) -> Result<(), String>,
 }
 
-fn each(
-    folder: &Path,
-    scratch: &Path,
-    facts: &Facts,
-    diagnose: &dyn Fn(&Path, &Path) -> Result<(), String>,
-    watch: &mut dyn FnMut(Step) -> bool,
-) -> Result<(), Trouble> {
-    for (number, case) in facts.cases.iter().enumerate() {
-        let kept = folder.join(ANSWERS).join(case);
-        let answered = kept.join(ANSWER).exists();
-        if !watch(Step { case, number, of: facts.cases.len(), kept: answered }) {
-            return Err(Trouble::Stopped);
-        }
-        if answered {
-            continue;
-        }
-        let (copy, out) = (scratch.join(case), scratch.join("out").join(case));
-        copied(&folder.join(case), &copy)?;
-        fs::create_dir_all(&out).map_err(|why| Trouble::File(out.clone(), why))?;
-        let outcome = diagnose(&copy, &out);
-        fs::create_dir_all(&kept).map_err(|why| Trouble::File(kept.clone(), why))?;
-        let write = |name: &str, bytes: &[u8]| {
-            let (part, whole) = (kept.join(format!("{name}.part")), kept.join(name));
-            fs::write(&part, bytes).and_then(|()| fs::rename(&part, &whole)).map_err(|why| Trouble::File(whole, why))
-        };
-        match (outcome, fs::read(out.join(ANSWER))) {
-            (Ok(()), Ok(bytes)) => {
-                write(ANSWER, &bytes)?;
-                let _ = fs::remove_file(kept.join(FAILURE));
+impl Asked<'_> {
+    fn all(&self, facts: &Facts, watch: &mut dyn FnMut(Step) -> bool) -> Result<(), Trouble> {
+        let of = facts.cases.len();
+        let mut before: Vec<Before> = facts.cases.iter().map(|case| self.before(case)).collect::<Result<_, _>>()?;
+        let mut checked = before.iter().all(|b| *b == Before::Kept);
+        for (number, case) in facts.cases.iter().enumerate() {
+            if !watch(Step { case, number, of, before: before[number] }) {
+                return Err(Trouble::Stopped);
             }
-            (Ok(()), Err(why)) => write(FAILURE, format!("no {ANSWER}: {why}\n").as_bytes())?,
-            (Err(why), _) => write(FAILURE, why.as_bytes())?,
+            if before[number] == Before::Kept {
+                if checked || self.is_confirmed(case)? {
+                    checked = true;
+                    continue;
+                }
+                before.iter_mut().filter(|b| **b == Before::Kept).for_each(|b| *b = Before::Contradicted);
+                watch(Step { case, number, of, before: before[number] });
+            }
+            self.keep(case, &self.answered(case)?)?;
         }
+        Ok(())
+    }
+
+    fn kept(&self, case: &str, name: &str) -> PathBuf {
+        self.folder.join(ANSWERS).join(case).join(name)
+    }
+
+    fn before(&self, case: &str) -> Result<Before, Trouble> {
+        let Ok(answer) = fs::read(self.kept(case, ANSWER)) else { return Ok(Before::Nothing) };
+        let origin = fs::read_to_string(self.kept(case, ORIGIN)).unwrap_or_default();
+        Ok(if origin == self.origin(case, &answer)? { Before::Kept } else { Before::OfOthers })
+    }
+
+    /// Of the diagnosis, the case's files and the answer itself.
+    fn origin(&self, case: &str, answer: &[u8]) -> Result<String, Trouble> {
+        let mut all = format!("{} {}\n", self.program, sha256(answer));
+        for path in files(&self.folder.join(case))? {
+            let bytes = fs::read(&path).map_err(|why| Trouble::File(path.clone(), why))?;
+            all.push_str(&format!("{:?} {}\n", path.file_name().unwrap_or_default(), sha256(&bytes)));
+        }
+        Ok(sha256(all.as_bytes()) + "\n")
+    }
+
+    /// Whether the diagnosis says the same again.
+    fn is_confirmed(&self, case: &str) -> Result<bool, Trouble> {
+        let kept = fs::read(self.kept(case, ANSWER)).ok();
+        Ok(self.answered(case)?.ok() == kept)
+    }
+
+    /// Diagnoses a copy that stands alone.
+    fn answered(&self, case: &str) -> Result<Answered, Trouble> {
+        let (copy, out) = (self.scratch.join(case), self.scratch.join("out").join(case));
+        copied(&self.folder.join(case), &copy)?;
+        fs::create_dir_all(&out).map_err(|why| Trouble::File(out.clone(), why))?;
+        let outcome = (self.diagnose)(&copy, &out);
+        let answer = fs::read(out.join(ANSWER)).map_err(|why| format!("no {ANSWER}: {why}\n"));
+        // What stays behind there goes with the whole.
         let _ = fs::remove_dir_all(&copy);
         let _ = fs::remove_dir_all(&out);
+        Ok(outcome.and(answer))
     }
-    Ok(())
+
+    fn keep(&self, case: &str, answered: &Answered) -> Result<(), Trouble> {
+        let folder = self.folder.join(ANSWERS).join(case);
+        fs::create_dir_all(&folder).map_err(|why| Trouble::File(folder, why))?;
+        let write = |name: &str, bytes: &[u8]| {
+            let path = self.kept(case, name);
+            replace(&path, bytes).map_err(|error| Trouble::File(path, error.reason))
+        };
+        match answered {
+            Ok(answer) => {
+                write(ANSWER, answer)?;
+                // Last, so that an answer without it is asked again.
+                write(ORIGIN, self.origin(case, answer)?.as_bytes())?;
+                let _ = fs::remove_file(self.kept(case, FAILURE));
+            }
+            Err(why) => {
+                // The answer of something else would be scored.
+                let _ = fs::remove_file(self.kept(case, ANSWER));
+                write(FAILURE, why.as_bytes())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The files of a folder, by name.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, Trouble> {
+    let trouble = |why| Trouble::File(folder.to_owned(), why);
+    let entries = fs::read_dir(folder).map_err(trouble)?.collect::<Result<Vec<_>, _>>().map_err(trouble)?;
+    let mut files: Vec<PathBuf> = entries.iter().map(fs::DirEntry::path).filter(|path| path.is_file()).collect();
+    files.sort();
+    Ok(files)
 }
 
 /// Copies the files of a folder.
@@ -128,10 +202,9 @@ fn copied(from: &Path, to: &Path) -> Result<(), Trouble> {
         move |why| Trouble::File(path, why)
     };
     fs::create_dir_all(to).map_err(trouble(to))?;
-    for entry in fs::read_dir(from).map_err(trouble(from))? {
-        let entry = entry.map_err(trouble(from))?.path();
-        if let Some(name) = entry.file_name().filter(|_| entry.is_file()) {
-            fs::copy(&entry, to.join(name)).map_err(trouble(&entry))?;
+    for file in files(from)? {
+        if let Some(name) = file.file_name() {
+            fs::copy(&file, to.join(name)).map_err(trouble(&file))?;
         }
     }
     Ok(())
@@ -257,17 +330,53 @@ mod tests {
                 "strength":{"height":{"value":1e-3,"low":null,"high":2e-3,"unit":"m"}}}],"other":[null]}"#;
             fs::write(out.join(ANSWER), answer).map_err(|e| e.to_string())
         };
-        let stopped = answer(folder.path(), &diagnose, &mut |step| step.number < 1);
+        let stopped = answer(folder.path(), "1", &diagnose, &mut |step| step.number < 1);
         assert!(matches!(stopped, Err(Trouble::Stopped)));
-        let first = answer(folder.path(), &diagnose, &mut |_| true).unwrap();
-        let again = answer(folder.path(), &diagnose, &mut |_| true).unwrap();
+        let first = answer(folder.path(), "1", &diagnose, &mut |_| true).unwrap();
+        let again = answer(folder.path(), "1", &diagnose, &mut |_| true).unwrap();
         assert_eq!(first, again);
-        assert_eq!(*seen.borrow(), ["case-1", "case-2", "case-3", "case-3"]);
+        // The one that is kept is asked again where others are asked for the first time.
+        assert_eq!(*seen.borrow(), ["case-1", "case-1", "case-2", "case-3", "case-1", "case-3"]);
         let score = judged(folder.path()).unwrap();
         assert_eq!((score.cases, score.failed), (3, 1));
         assert_eq!((score.headline.top_1.hits, score.headline.top_1.of), (2, 3));
         // An interval without a lower end holds nothing.
         assert_eq!((score.coverage.hits, score.coverage.of), (0, 2));
+    }
+
+    #[test]
+    fn answers_of_another_program_or_to_other_files_are_not_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        challenge(folder.path());
+        let asked = |program: &str, text: &str| {
+            let seen = RefCell::new(Vec::new());
+            let diagnose = |case: &Path, out: &Path| {
+                seen.borrow_mut().push(case.file_name().unwrap().to_string_lossy().into_owned());
+                fs::write(out.join(ANSWER), text).map_err(|e| e.to_string())
+            };
+            let mut said = Vec::new();
+            let watch = &mut |step: Step| {
+                said.push(step.before);
+                true
+            };
+            answer(folder.path(), program, &diagnose, watch).unwrap();
+            (seen.into_inner().join(" "), said)
+        };
+        use Before::{Contradicted, Kept, Nothing, OfOthers};
+        let all = || "case-1 case-2 case-3".to_owned();
+        assert_eq!(asked("1", "a"), (all(), vec![Nothing; 3]));
+        assert_eq!(asked("1", "b"), (String::new(), vec![Kept; 3]));
+        assert_eq!(asked("2", "b"), (all(), vec![OfOthers; 3]));
+        // Another run of a case; the others' answers are asked about once.
+        fs::write(folder.path().join("case-3/campaign.toml"), "changed").unwrap();
+        assert_eq!(asked("2", "b"), ("case-1 case-3".to_owned(), vec![Kept, Kept, OfOthers]));
+        // An answer that was changed by hand is none of the diagnosis'.
+        fs::write(folder.path().join("answers/case-2/gap.json"), "c").unwrap();
+        assert_eq!(asked("2", "b"), ("case-1 case-2".to_owned(), vec![Kept, OfOthers, Kept]));
+        // The same program by all that is known of it, and yet it answers otherwise.
+        fs::write(folder.path().join("case-3/campaign.toml"), "once more").unwrap();
+        let expected = vec![Kept, Contradicted, Contradicted, OfOthers];
+        assert_eq!(asked("2", "d"), (format!("case-1 {}", all()), expected));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::reality::{Changes, Reality, distances, draw_log, measured, pick, shuf
 use super::sources::{MACHINE, SENSORS, Source, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
 use super::{CHALLENGE, KEY, seal};
+use crate::base::disk::{Files, WriteError, replace};
 use crate::dynamics::{Method, parallel};
 use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
@@ -71,7 +72,7 @@ struct Wish {
 ///
 /// In words, when files cannot be written or a case cannot be simulated.
 pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) -> Result<Facts, String> {
-    let written = |path: &Path, bytes: &[u8]| fs::write(path, bytes).map_err(|why| said(path, &why));
+    let written = |path: &Path, bytes: &[u8]| replace(path, bytes).map_err(|error| said(path, &error.reason));
     if folder.join(CHALLENGE).exists() {
         return Err(format!("{} has a challenge already", folder.display()));
     }
@@ -87,7 +88,7 @@ pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) ->
         let case = (0..ATTEMPTS).find_map(|attempt| make(wish, track, attempt));
         let case = case.ok_or_else(|| format!("{} cannot be simulated", wish.name))?;
         let (case, runs) = case;
-        write_case(&folder.join(&wish.name), track, &runs).map_err(|why| said(&folder.join(&wish.name), &why))?;
+        write_case(&folder.join(&wish.name), track, &runs).map_err(|error| said(&error.path, &error.reason))?;
         watch(done.fetch_add(1, Ordering::Relaxed) + 1);
         Ok(case)
     });
@@ -335,17 +336,18 @@ fn oracle(measured: &Run, without: &Run, with: &Run, floor: &BTreeMap<Channel, f
     (before > 2.0).then(|| 1.0 - (after - 1.0) / (before - 1.0))
 }
 
-fn write_case(folder: &Path, track: &Planned, runs: &[Recorded]) -> io::Result<()> {
-    fs::create_dir_all(folder)?;
-    fs::write(folder.join(track.file), &track.text)?;
+fn write_case(folder: &Path, track: &Planned, runs: &[Recorded]) -> Result<(), WriteError> {
+    let mut files = Files::default();
+    files.push(track.file, track.text.as_slice());
     let mut list = format!("layout = \"{}\"\n", track.file);
     for Recorded { name, run, tension } in runs {
-        fs::write(folder.join(format!("{name}.csv")), csv::write(run))?;
-        fs::write(folder.join(format!("{name}.toml")), run.sidecar.write())?;
+        files.push(format!("{name}.csv"), csv::write(run));
+        files.push(format!("{name}.toml"), run.sidecar.write());
         let speed = run.sidecar.speed_setpoint;
         let _ = write!(list, "\n[[run]]\nfile = \"{name}.csv\"\nspeed = {speed:?}\ntension = {tension:?}\n");
     }
-    fs::write(folder.join(Campaign::FILE), list)
+    files.push(Campaign::FILE, list);
+    files.write(folder)
 }
 
 #[cfg(test)]

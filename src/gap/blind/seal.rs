@@ -2,7 +2,7 @@
 //! effect's name, not by an editor that opens it. It is no secret from somebody who wants to know; what guards against a change is
 //! the salted SHA-256 (FIPS 180-4) that was published before anyone answered.
 
-use crate::gap::digest::{hex, sha256};
+use crate::base::digest::{hex, sha256};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;

@@ -1,6 +1,7 @@
 //! What was measured: the runs of a campaign that declares its own channels, whole or in parts.
 
 use super::Error;
+use crate::base::digest::sha256_of;
 use crate::signal::{Campaign, Entry, Problem, csv, parquet};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -16,6 +17,8 @@ pub(super) struct Part {
     pub run: String,
     /// Absolute path of the data.
     pub file: String,
+    /// SHA-256 of the data's file.
+    pub content: String,
     /// Numbers of the campaign's entry.
     pub settings: BTreeMap<String, f64>,
     /// s, increasing; at least two.
@@ -71,7 +74,9 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     let mut settings = entry.settings.clone();
     let nominal = [("speed", entry.speed), ("tension", entry.tension)];
     settings.extend(nominal.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))));
+    let content = fs::File::open(path).and_then(|mut file| sha256_of(&mut file)).map_err(unreadable)?;
     Ok(Part {
+        content,
         name: entry.name.clone(),
         run: entry.name.clone(),
         file: absolute.to_string_lossy().into_owned(),

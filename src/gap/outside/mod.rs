@@ -56,6 +56,7 @@ pub struct Outside {
     fitted: Vec<Vec<f64>>,
     frames: Vec<Frame>,
     lost: Vec<String>,
+    origin: String,
     trouble: Mutex<Option<Error>>,
 }
 
@@ -67,7 +68,10 @@ impl Outside {
     /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the campaign or one of
     /// its runs cannot be read or is too short.
     pub fn open(command: &str, campaign: &Path, settings: &Settings) -> Result<Outside, Error> {
-        let pool = Pool::new(Program::new(command)?, settings.threads, settings.timeout);
+        let program = Program::new(command)?;
+        // Before it starts: what is changed later is taken for another program.
+        let origin = program.origin();
+        let pool = Pool::new(program, settings.threads, settings.timeout);
         let (channels, parts) = data::read(campaign, settings.parts)?;
         let description = pool.ask(&Question::Describe.line(), protocol::description)?;
         let names: Vec<String> = channels.keys().cloned().collect();
@@ -76,6 +80,7 @@ impl Outside {
             let why = format!("accuracy is given of `{channel}`, which the campaign does not declare");
             return Err(Error::Answer { request: "describe", line: String::new(), why });
         }
+        let origin = format!("{origin} {description:?} {channels:?}");
         let mut outside = Outside {
             pool,
             description,
@@ -85,6 +90,7 @@ impl Outside {
             fitted: Vec::new(),
             frames: Vec::new(),
             lost: Vec::new(),
+            origin,
             trouble: Mutex::new(None),
             parts: Vec::new(),
         };
@@ -102,6 +108,15 @@ impl Outside {
     /// Units of the channels that are compared.
     pub fn channels(&self) -> &BTreeMap<String, String> {
         &self.channels
+    }
+
+    /// All that the answers come from: the program's files, the campaign and the runs with their inputs, and the nuisances as fitted.
+    pub fn origin(&self) -> String {
+        let mut origin = format!("{} {}", crate::base::program(), self.origin);
+        for (part, at) in self.parts.iter().zip(&self.fitted) {
+            origin.push_str(&format!(" {} {} {:?} {:?} {at:?}", part.name, part.content, part.settings, part.ends()));
+        }
+        origin
     }
 
     /// What the data lacked, in sentences.

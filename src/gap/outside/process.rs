@@ -1,7 +1,11 @@
 //! Child processes that answer lines by lines.
 
 use super::Error;
+use crate::base::digest::sha256_of;
+use crate::base::disk::unlike_any_other;
+use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -51,6 +55,25 @@ impl Program {
         }
     }
 
+    /// What the program is made of, as far as its command tells: the words, and the content of the files that they name. A word names a
+    /// file by its path, or by what stands behind its `=`; the first one also by the folders of PATH.
+    pub fn origin(&self) -> String {
+        let named = |word: &String| {
+            let behind = word.split_once('=').map(|(_, path)| PathBuf::from(path));
+            [Some(PathBuf::from(word)), behind].into_iter().flatten().collect::<Vec<_>>()
+        };
+        let found = self.words.first().and_then(|program| in_path(program));
+        let files = found.into_iter().chain(self.words.iter().flat_map(named)).filter(|path| path.is_file());
+        let mut origin = format!("{:?}", self.words);
+        for path in files {
+            let hash = File::open(&path).and_then(|mut file| sha256_of(&mut file));
+            // One that cannot be read may be another each time.
+            let hash = hash.unwrap_or_else(|_| unlike_any_other());
+            origin.push_str(&format!(" {path:?} {hash}"));
+        }
+        origin
+    }
+
     fn start(&self) -> Result<Process, Error> {
         let failed = |why: String| Error::Start { command: self.command.clone(), why };
         let (program, arguments) = self.words.split_first().ok_or_else(|| failed("it is empty".to_owned()))?;
@@ -67,6 +90,14 @@ impl Program {
         let reader = thread::Builder::new().name("model".to_owned()).spawn(move || listen(output, &sender));
         reader.map(|_| process).map_err(|why| failed(why.to_string()))
     }
+}
+
+/// Where the system looks for a program that is named without a folder.
+fn in_path(program: &str) -> Option<PathBuf> {
+    let plain = Path::new(program).components().count() == 1 && !program.contains(['/', '\\']);
+    let folders = std::env::var_os("PATH").filter(|_| plain)?;
+    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
+    std::env::split_paths(&folders).flat_map(|f| [f.join(program), f.join(&name)]).find(|path| path.is_file())
 }
 
 /// Sends each line, until there is none or nobody takes them.
@@ -243,6 +274,27 @@ impl Pool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_program_is_what_its_files_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        fs::write(at("m.py"), "1").unwrap();
+        fs::write(at("data.json"), "1").unwrap();
+        let origin =
+            || Program::new(&format!("sh \"{}\" --data=\"{}\"", at("m.py"), at("data.json"))).unwrap().origin();
+        let first = origin();
+        assert_eq!(origin(), first);
+        assert!(!cfg!(unix) || first.contains("/sh\" "), "{first}");
+        let mut seen = vec![first];
+        for (name, text) in [("m.py", "2"), ("data.json", "2"), ("data.json", "3")] {
+            fs::write(at(name), text).unwrap();
+            let now = origin();
+            assert!(!seen.contains(&now), "{name}");
+            seen.push(now);
+        }
+    }
 
     #[test]
     fn commands_are_split_as_by_a_shell() {

@@ -129,6 +129,7 @@ mod tests {
 
     fn part(samples: Vec<f64>) -> Part {
         Part {
+            content: String::new(),
             name: "run".into(),
             run: "run".into(),
             file: "run.csv".into(),
