@@ -12,6 +12,7 @@ mod gap;
 mod generate;
 mod identify;
 mod import;
+mod layouts;
 mod new;
 mod polygon;
 mod progress;

@@ -2,6 +2,7 @@
 
 use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
+use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
 use crate::emit::json;
 use crate::emit::number::shortest;
@@ -27,15 +28,16 @@ pub fn files(
     };
     let effects = &found.effects[..count.min(found.effects.len())];
     let mut out: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+    let names = layouts::names(cases.iter().map(|c| c.layout.as_path()), "-gap");
     for (run, case) in cases.iter().enumerate() {
-        let stem = case.layout.file_stem().map_or_else(|| "layout".into(), |s| s.to_string_lossy().into_owned());
+        let Some(own_name) = names.get(&case.layout) else { continue };
         let mut simulation = chains.simulation(run).clone();
         simulation.effects = effects.iter().map(effect).collect();
-        let name = format!("{stem}-gap");
+        let name = format!("{own_name}-gap");
         out.entry(format!("{name}.json")).or_insert_with(|| json::to_json(&simulation));
         if case.layout.extension().is_some_and(|e| e == "lss") && !out.contains_key(&format!("{name}.lss")) {
             let layout = read::read(&case.layout, None, MessageFormat::Text)?.layout;
-            let (import, copy) = import(&case.layout, output);
+            let (import, copy) = import(&case.layout, output, own_name);
             if let Some(bytes) = copy {
                 out.insert(import.clone(), bytes);
             }

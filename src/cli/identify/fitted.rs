@@ -1,6 +1,7 @@
 //! The fitted layouts: a `.lss` that changes only what was fitted, and its simulation input.
 
 use crate::cli::cases::Case;
+use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
 use crate::emit::json;
 use crate::emit::number::shortest;
@@ -15,6 +16,7 @@ use std::path::{Component, Path};
 pub fn files(cases: &[Case], fits: &[Fitted], output: &Path) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
     let mut out = Vec::new();
     let mut seen: Vec<&Path> = Vec::new();
+    let names = layouts::names(cases.iter().map(|c| c.layout.as_path()), "-fitted");
     for case in cases {
         if seen.contains(&case.layout.as_path()) {
             continue;
@@ -31,14 +33,12 @@ pub fn files(cases: &[Case], fits: &[Fitted], output: &Path) -> Result<Vec<(Stri
                 p.set(&mut simulation, *middle);
             }
         }
-        let stem = case.layout.file_stem().map_or_else(|| "layout".into(), |s| s.to_string_lossy().into_owned());
-        // Several layouts may be called the same in different folders.
-        let twin = seen.iter().filter(|p| p.file_stem() == case.layout.file_stem()).count();
-        let name = if twin > 1 { format!("{stem}-{twin}-fitted") } else { format!("{stem}-fitted") };
+        let Some(own_name) = names.get(&case.layout) else { continue };
+        let name = format!("{own_name}-fitted");
         out.push((format!("{name}.json"), json::to_json(&simulation)));
         if case.layout.extension().is_some_and(|e| e == "lss") {
             let layout = read::read(&case.layout, None, MessageFormat::Text)?.layout;
-            let (import, copy) = import(&case.layout, output);
+            let (import, copy) = import(&case.layout, output, own_name);
             if let Some(bytes) = copy {
                 out.push((import.clone(), bytes));
             }
@@ -49,8 +49,8 @@ pub fn files(cases: &[Case], fits: &[Fitted], output: &Path) -> Result<Vec<(Stri
     Ok(out)
 }
 
-/// How a file in `output` names the layout: by its relative path inside one project, else by a copy beside it.
-pub fn import(layout: &Path, output: &Path) -> (String, Option<Vec<u8>>) {
+/// How a file in `output` names the layout: by its relative path inside one project, else by a copy beside it that is called `name`.
+pub fn import(layout: &Path, output: &Path, name: &str) -> (String, Option<Vec<u8>>) {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (layout, output) = (absolute(layout), absolute(output));
     let is_root = |folder: &Path| folder.join("lss.toml").exists() || folder.join(".git").exists();
@@ -58,8 +58,7 @@ pub fn import(layout: &Path, output: &Path) -> (String, Option<Vec<u8>>) {
     if let Some(path) = root.filter(|root| layout.starts_with(root)).map(|_| relative(&layout, &output)) {
         return (path, None);
     }
-    let name = layout.file_name().map_or_else(|| "layout.lss".into(), |n| n.to_string_lossy().into_owned());
-    (name, std::fs::read(&layout).ok())
+    (format!("{name}.lss"), std::fs::read(&layout).ok())
 }
 
 /// `to` as seen from the folder `from`.
