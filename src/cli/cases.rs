@@ -5,7 +5,8 @@ use crate::emit::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::identify::Measured;
 use crate::identify::study::Subject;
-use crate::signal::{self, Run};
+use crate::signal::{self, Entry};
+use crate::source::InputError;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -30,17 +31,15 @@ pub fn cases(folder: &Path, layout: Option<&Path>) -> Result<(Vec<Case>, bool), 
     let mut layouts: BTreeMap<PathBuf, Simulation> = BTreeMap::new();
     let mut cases = Vec::new();
     for entry in &campaign.runs {
-        let path = layout.map_or_else(|| entry.layout.clone(), Path::to_owned);
-        if !path.is_file() {
-            report::error(&format!(
-                "{}: the layout {} is not there\n  help: give it with --layout",
-                entry.name,
-                path.display()
-            ));
-            broken = true;
-            continue;
-        }
-        let run = match Run::read(&entry.file) {
+        let path = match layout.map_or_else(|| named_layout(entry), |given| Ok(given.to_owned())) {
+            Ok(path) => path,
+            Err(why) => {
+                report::error(&format!("{}: {why}\n  help: give it with --layout", entry.name));
+                broken = true;
+                continue;
+            }
+        };
+        let run = match entry.run() {
             Ok(run) => run,
             Err(error) => {
                 report::error(&error.to_string());
@@ -72,4 +71,14 @@ pub fn cases(folder: &Path, layout: Option<&Path>) -> Result<(Vec<Case>, bool), 
         cases.push(Case { subject, layout: path });
     }
     Ok((cases, broken))
+}
+
+/// The file of the layout that a run's campaign or sidecar names, or why there is none to read.
+pub fn named_layout(entry: &Entry) -> Result<PathBuf, String> {
+    let name = entry.layout.display();
+    match entry.layout() {
+        Ok(path) if path.is_file() => Ok(path.to_owned()),
+        Ok(_) | Err(InputError::Missing(_)) => Err(format!("the layout {name} is not there")),
+        Err(why) => Err(format!("the layout {name} is not read: {why}")),
+    }
 }

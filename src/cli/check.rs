@@ -2,7 +2,7 @@
 
 use super::{MessageFormat, Outcome, could_not, report};
 use crate::semantics::{self, analyse};
-use crate::source::{LoadError, Loader, SourceMap};
+use crate::source::{InputError, LoadError, Loader, SourceMap};
 use std::path::{Path, PathBuf};
 
 /// Report every mistake in layouts, without solving them.
@@ -59,6 +59,7 @@ pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, crate::sour
         Some(diagnostic) => Opened::Problem(Box::new(diagnostic)),
         None => Opened::Unreadable(match error {
             LoadError::Unreadable(why) => why,
+            LoadError::OutsideRoot(root) => InputError::OutsideRoot(root).to_string(),
             other => format!("{other:?}"),
         }),
     })

@@ -7,7 +7,7 @@ use crate::emit::number::{significant, trimmed};
 use crate::geometry::trig;
 use crate::import::{self, Options, Plan, Unit, as_name};
 use crate::semantics::analyse;
-use crate::source::{self, DRAWING_LIMIT, LoadError, Loader, SourceMap};
+use crate::source::{self, DRAWING_LIMIT, InputError, LoadError, Loader, SourceMap};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -204,6 +204,7 @@ fn reason(error: &LoadError) -> String {
         LoadError::TooLarge(bytes) => {
             format!("{} MiB are more than the {} MiB of a drawing", bytes >> 20, DRAWING_LIMIT >> 20)
         }
+        LoadError::OutsideRoot(root) => InputError::OutsideRoot(root.clone()).to_string(),
         other => format!("{other:?}"),
     }
 }

@@ -22,14 +22,21 @@ mod runs;
 mod simulate;
 
 use crate::dynamics::{NoWidth, Width};
+use crate::source::Root;
 use clap::{Parser, Subcommand, ValueEnum};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Compile conveyor track layouts: check, optimise, draw and bill them.
 #[derive(Debug, Parser)]
 #[command(name = "lss", version, arg_required_else_help = true, infer_subcommands = false)]
 pub struct Cli {
+    /// How far files may name other files: nothing outside DIR is read because a file says so.
+    ///
+    /// Without it the nearest folder upwards with .git or lss.toml; without one, a layout's own folder, and for runs theirs and the one
+    /// above. Paths on the command line may lead anywhere.
+    #[arg(long, global = true, value_name = "DIR")]
+    root: Option<PathBuf>,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -93,6 +100,11 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Err(none) = Width::asked() {
         return no_width(&none).into();
+    }
+    if let Some(folder) = &cli.root
+        && let Err(why) = Root::give(folder)
+    {
+        return could_not("take as the root", folder, why).into();
     }
     let outcome = match cli.verb {
         Verb::Build(verb) => verb.run(),

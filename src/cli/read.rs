@@ -8,7 +8,7 @@ use crate::emit::Compiled;
 use crate::emit::simulation::Simulation;
 use crate::model::Layout;
 use crate::semantics::{analyse, unsupported};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, input};
 use std::path::Path;
 
 /// A checked layout, its sources, and what was said of it so far.
@@ -48,7 +48,7 @@ pub fn is_json(file: &Path) -> bool {
 /// The simulation input that a `.json` is, or that a layout builds.
 pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Simulation, Outcome> {
     if is_json(file) {
-        let bytes = std::fs::read(file).map_err(|why| could_not("read", file, why))?;
+        let bytes = input::read_given(file, input::JSON_LIMIT).map_err(|why| could_not("read", file, why))?;
         return serde_json::from_slice(&bytes).map_err(|why| {
             report::error(&format!("{} is not a simulation input: {why}", file.display()));
             Outcome::Problems

@@ -9,10 +9,12 @@
 use super::simulator::{Applied, Candidate, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::base::disk::{Temporary, sweep, sync_folder};
+use crate::signal::run::DATA_LIMIT;
+use crate::source::input;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -227,8 +229,7 @@ fn line(text: &mut String, key: &str, features: &[f64]) {
 /// `None` without a file, `Some(None)` for one of another origin.
 fn read(path: &Path, first: &str) -> Option<Option<Known>> {
     path.symlink_metadata().ok().filter(fs::Metadata::is_file)?;
-    let mut text = String::new();
-    File::open(path).ok()?.read_to_string(&mut text).ok()?;
+    let text = String::from_utf8(input::read_given(path, DATA_LIMIT).ok()?).ok()?;
     let mut lines = text.lines();
     if lines.next() != Some(first) {
         return Some(None);

@@ -280,7 +280,7 @@ fn load_diagnostic(sources: &SourceMap, error: LoadError, path: &str, span: Span
                 .expected(format!("a file inside {root}"), "one outside it")
                 .help(
                     "the project root is the nearest folder upwards with an `lss.toml` or `.git`, else the file's own \
-                     folder: an empty `lss.toml` further up widens it",
+                     folder: an empty `lss.toml` further up widens it, and `--root DIR` says another",
                 )
         }
         LoadError::TooLarge(bytes) => too_large(bytes, path, span),

@@ -10,11 +10,11 @@
 //! ```
 
 use super::keys::{self, Reader, Table, Text};
-use super::{Place, Problem, RunError, Sidecar, run, sidecar_path};
+use super::{Place, Problem, Run, RunError, Sidecar, run, sidecar_path};
+use crate::source::{InputError, Root, SIZE_LIMIT, root};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use toml::{Spanned, Value};
 
@@ -22,6 +22,8 @@ use toml::{Spanned, Value};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Campaign {
     pub folder: PathBuf,
+    /// How far its files may name files.
+    pub root: Root,
     /// As `campaign.toml` lists them; without it, by name.
     pub runs: Vec<Entry>,
     /// Channels that another machine declares for itself, name to unit. Such a campaign needs no layout.
@@ -35,8 +37,10 @@ pub struct Entry {
     pub name: String,
     /// The data file.
     pub file: PathBuf,
+    /// How far the run's files may name files.
+    pub root: Root,
     /// A `.lss` or a `simulation.json`, which need not exist: the entry's, else the campaign's, else that of the run's
-    /// sidecar. Empty in a campaign that declares its own channels and names no layout.
+    /// sidecar. Empty in a campaign that declares its own channels and names no layout. It may lie anywhere: see [`Entry::layout`].
     pub layout: PathBuf,
     /// Nominal, to group runs by, m/s.
     pub speed: Option<f64>,
@@ -103,20 +107,22 @@ impl Campaign {
     ///
     /// Those of [`Campaign::read`] that concern the campaign as a whole.
     pub fn survey(path: &Path) -> Result<(Campaign, Vec<Refused>), RunError> {
-        let unreadable = |why: std::io::Error| RunError::new(path, Problem::Unreadable(why.to_string()));
-        let (folder, list) = if fs::metadata(path).map_err(unreadable)?.is_dir() {
-            (path.to_owned(), path.join(Campaign::FILE))
+        let unreadable = |why: InputError| RunError::unreadable(path, why);
+        let (folder, list, root) = if root::given(path).map_err(unreadable)?.is_dir() {
+            (path.to_owned(), path.join(Campaign::FILE), Root::of_campaign(path))
         } else {
-            (path.parent().unwrap_or(Path::new("")).to_owned(), path.to_owned())
+            let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+            let root = Root::of_campaign(&folder).and(path);
+            (folder, path.to_owned(), root)
         };
-        let mut campaign = Campaign { folder, ..Campaign::default() };
+        let mut campaign = Campaign { folder, root, ..Campaign::default() };
         let listed = if run::is_data(&list) {
             vec![Listed::found(list.clone())]
         } else {
-            match fs::read(&list) {
+            match campaign.root.read(&list, SIZE_LIMIT) {
                 Ok(bytes) => campaign.listed(&bytes, &list)?,
-                Err(why) if why.kind() == ErrorKind::NotFound => found(&campaign.folder).map_err(unreadable)?,
-                Err(why) => return Err(RunError::new(&list, Problem::Unreadable(why.to_string()))),
+                Err(InputError::Missing(_)) => found(&campaign.folder).map_err(|why| unreadable(why.into()))?,
+                Err(why) => return Err(RunError::unreadable(&list, why)),
             }
         };
         if listed.is_empty() {
@@ -130,7 +136,7 @@ impl Campaign {
                 return Err(RunError { place: run.place, problem: Problem::DuplicateRun(other) });
             }
             let file = run.file.clone();
-            match run.entry(&name, !campaign.channels.is_empty()) {
+            match run.entry(&name, !campaign.channels.is_empty(), &campaign.root) {
                 Ok(entry) => campaign.runs.push(entry),
                 Err(error) => refused.push(Refused { name, file, error: *error }),
             }
@@ -198,20 +204,53 @@ impl Listed {
     }
 
     /// The run, when its files are there and a layout is named.
-    fn entry(self, name: &str, foreign: bool) -> Result<Entry, Box<RunError>> {
+    fn entry(self, name: &str, foreign: bool, root: &Root) -> Result<Entry, Box<RunError>> {
         let Listed { file, layout, speed, tension, settings, place } = self;
-        if !file.is_file() {
-            return Err(Box::new(RunError { place, problem: Problem::MissingRun(file) }));
+        match root.place(&file) {
+            Ok(there) if there.is_file() => {}
+            Ok(_) | Err(InputError::Missing(_)) => {
+                return Err(Box::new(RunError { place, problem: Problem::MissingRun(file) }));
+            }
+            Err(why) => return Err(Box::new(RunError { place, problem: why.into() })),
         }
         let layout = match layout {
             Some(layout) => layout,
             None if foreign => PathBuf::new(),
             None => {
                 let beside = sidecar_path(&file);
-                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file)?.layout)
+                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file, root)?.layout)
             }
         };
-        Ok(Entry { name: name.to_owned(), file, layout, speed, tension, settings })
+        Ok(Entry { name: name.to_owned(), file, root: root.clone(), layout, speed, tension, settings })
+    }
+}
+
+impl Entry {
+    /// Reads the run.
+    ///
+    /// # Errors
+    ///
+    /// As [`Run::read`].
+    pub fn run(&self) -> Result<Run, RunError> {
+        Run::read_within(&self.file, &self.root)
+    }
+
+    /// The file of the layout that the campaign or the sidecar names, if it is there.
+    ///
+    /// # Errors
+    ///
+    /// [`InputError::OutsideRoot`], which is no reason to look there; [`InputError::Missing`].
+    pub fn layout(&self) -> Result<&Path, InputError> {
+        self.root.place(&self.layout).map(|_| self.layout.as_path())
+    }
+
+    /// The data file, opened.
+    ///
+    /// # Errors
+    ///
+    /// As [`Root::open`].
+    pub fn open(&self) -> Result<fs::File, InputError> {
+        self.root.open(&self.file)
     }
 }
 
@@ -261,10 +300,11 @@ mod tests {
             ("c.csv", ""),
         ];
         let at = folder(&files);
-        let campaign = Campaign::read(at.path()).expect("a campaign");
+        let mut campaign = Campaign::read(at.path()).expect("a campaign");
         let entry = |name: &str, file: &str, layout: &str, nominal: Option<(f64, f64)>| Entry {
             name: name.to_owned(),
             file: at.path().join(file),
+            root: Root::of_campaign(at.path()),
             layout: at.path().join(layout),
             speed: nominal.map(|n| n.0),
             tension: nominal.map(|n| n.1),
@@ -272,7 +312,10 @@ mod tests {
         };
         let one = entry("one", "one.csv", "a.lss", Some((2.0, 1000.0)));
         assert_eq!(campaign.runs, [one.clone(), entry("two", "sub/two.parquet", "sub/lines/b.lss", None)]);
-        assert_eq!(Campaign::read(&at.path().join("campaign.toml")), Ok(campaign), "the file names its folder");
+        let named = Campaign::read(&at.path().join("campaign.toml")).expect("a campaign");
+        campaign.root.clone_from(&named.root);
+        campaign.runs.iter_mut().for_each(|run| run.root.clone_from(&named.root));
+        assert_eq!(named, campaign, "the file names its folder");
         fs::write(at.path().join("campaign.toml"), format!("layout = \"d.lss\"\n{list}")).expect("written");
         let campaign = Campaign::read(at.path()).expect("a campaign");
         assert_eq!(campaign.runs, [one, entry("two", "sub/two.parquet", "d.lss", None)]);
@@ -286,7 +329,8 @@ mod tests {
         let campaign = Campaign::read(at.path()).expect("a campaign");
         assert_eq!(campaign.runs.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
         assert_eq!(campaign.runs[1].layout, at.path().join("lines/b.lss"));
-        let single = Campaign::read(&at.path().join("b.csv")).expect("a campaign");
+        let mut single = Campaign::read(&at.path().join("b.csv")).expect("a campaign");
+        single.runs[0].root.clone_from(&campaign.root);
         assert_eq!(single.runs, campaign.runs[1..]);
     }
 

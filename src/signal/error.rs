@@ -1,6 +1,7 @@
 //! Why a run cannot be read: where, what, and a way out.
 
 use super::Channel;
+use crate::source::InputError;
 use crate::syntax::nearest;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,10 @@ pub struct RunError {
 pub enum Problem {
     /// The file cannot be opened; the reason.
     Unreadable(String),
+    /// Another file names it, and it lies outside the project's root (as messages show it).
+    OutsideRoot(String),
+    /// Larger than what is read; the sizes.
+    TooLarge(String),
     /// None of `.csv`, `.parquet` and `.mf4`.
     UnknownFormat,
     /// Not text in UTF-8, or not Parquet, MDF4 or TOML that can be read; the reason.
@@ -93,8 +98,8 @@ impl RunError {
     }
 
     /// That a file cannot be opened.
-    pub(crate) fn unreadable(file: &Path, why: &std::io::Error) -> Self {
-        RunError::new(file, Problem::Unreadable(why.to_string()))
+    pub(crate) fn unreadable(file: &Path, why: impl Into<InputError>) -> Self {
+        RunError::new(file, why.into().into())
     }
 
     pub(super) fn row(mut self, row: usize) -> Self {
@@ -117,6 +122,8 @@ impl RunError {
         let column = self.place.column.as_deref().unwrap_or_default();
         match &self.problem {
             Problem::Unreadable(_) => "check the path and its permissions".to_owned(),
+            Problem::OutsideRoot(root) => InputError::OutsideRoot(root.clone()).help().to_owned(),
+            Problem::TooLarge(_) => "split it into several runs, or leave out channels that are not needed".to_owned(),
             Problem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
             Problem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
                 Some("toml") => "write it as TOML in UTF-8: lines of key = value, text in quotes".to_owned(),
@@ -172,6 +179,16 @@ impl RunError {
     }
 }
 
+impl From<InputError> for Problem {
+    fn from(why: InputError) -> Self {
+        match why {
+            InputError::OutsideRoot(root) => Problem::OutsideRoot(root),
+            InputError::TooLarge { .. } => Problem::TooLarge(why.to_string()),
+            InputError::Missing(why) | InputError::Unreadable(why) => Problem::Unreadable(why),
+        }
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
@@ -189,6 +206,8 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Problem::Unreadable(why) => write!(f, "cannot be read: {why}"),
+            Problem::OutsideRoot(root) => write!(f, "{}", InputError::OutsideRoot(root.clone())),
+            Problem::TooLarge(sizes) => write!(f, "is too large: {sizes}"),
             Problem::UnknownFormat => write!(f, "is none of CSV, Parquet and MDF4"),
             Problem::Malformed(why) => write!(f, "is malformed: {why}"),
             Problem::NoTime => write!(f, "the first column is not `time`"),

@@ -31,7 +31,7 @@ pub mod order;
 pub mod parquet;
 pub mod position;
 pub mod rainflow;
-mod run;
+pub(crate) mod run;
 mod sidecar;
 pub mod spectrum;
 mod supports;

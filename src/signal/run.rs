@@ -2,9 +2,14 @@
 
 use super::{Channel, Problem, RunError, Sidecar, csv, mdf4, parquet, position};
 use crate::emit::number;
+use crate::source::{InputError, Root, input};
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::fs::File;
 use std::path::{Path, PathBuf};
+
+/// Largest data file, bytes.
+pub const DATA_LIMIT: u64 = 4 << 30;
 
 /// What a sensor cart brought home, or a simulation wrote in its stead.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,21 +22,36 @@ pub struct Run {
 }
 
 impl Run {
-    /// Reads `path`, which ends in `.csv`, `.parquet` or `.mf4`, and the `.toml` beside it.
+    /// Reads `path`, which ends in `.csv`, `.parquet` or `.mf4`, and the `.toml` beside it. The path is the command line's; the
+    /// sidecar has to lie within the root of its folder.
     ///
     /// # Errors
     ///
     /// What [`Problem`] lists, with file, row and column.
     pub fn read(path: &Path) -> Result<Run, RunError> {
+        let root = Root::of_campaign(path.parent().unwrap_or(Path::new("")));
+        Run::read_as(path, input::open_given(path), &root)
+    }
+
+    /// As [`Run::read`], of a path that another file names: it has to lie within the root.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Run::read`].
+    pub fn read_within(path: &Path, root: &Root) -> Result<Run, RunError> {
+        Run::read_as(path, root.open(path), root)
+    }
+
+    fn read_as(path: &Path, data: Result<File, InputError>, root: &Root) -> Result<Run, RunError> {
         let error = |problem| RunError::new(path, problem);
-        let unreadable = |why: std::io::Error| error(Problem::Unreadable(why.to_string()));
+        let unreadable = |why: InputError| RunError::unreadable(path, why);
         let (time, channels) = match ending(path).as_deref() {
-            Some("csv") => csv::read(&std::fs::read(path).map_err(unreadable)?, path)?,
-            Some("mf4") => mdf4::read(&std::fs::read(path).map_err(unreadable)?, path)?,
-            Some("parquet") => parquet::read(std::fs::File::open(path).map_err(unreadable)?, path)?,
+            Some("csv") => csv::read(&bytes(data.map_err(unreadable)?, path)?, path)?,
+            Some("mf4") => mdf4::read(&bytes(data.map_err(unreadable)?, path)?, path)?,
+            Some("parquet") => parquet::read(data.map_err(unreadable)?, path)?,
             _ => return Err(error(Problem::UnknownFormat)),
         };
-        let run = Run { time, channels, sidecar: Sidecar::beside(path)? };
+        let run = Run { time, channels, sidecar: Sidecar::beside(path, root)? };
         let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);
         // Times are decimal numbers, so a rate of exactly twice the low-pass may come out a bit lower.
         if rate_hz < 2.0 * lowpass_hz * (1.0 - 1e-9) {
@@ -89,6 +109,11 @@ impl Run {
         }
         said
     }
+}
+
+/// All of an open data file; `path` is named in errors.
+pub(crate) fn bytes(data: File, path: &Path) -> Result<Vec<u8>, RunError> {
+    input::all(data, DATA_LIMIT).map_err(|why| RunError::unreadable(path, why))
 }
 
 /// The sidecar beside a data file: `run-01.toml` for `run-01.csv`.

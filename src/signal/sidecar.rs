@@ -2,9 +2,9 @@
 
 use super::keys::{self, Text};
 use super::{Problem, RunError, sidecar_path};
+use crate::source::{InputError, Root, SIZE_LIMIT};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
 use std::path::Path;
 use toml::Value;
 
@@ -44,17 +44,18 @@ impl Sidecar {
         toml::to_string(self).unwrap_or_default().into_bytes()
     }
 
-    /// Reads the sidecar of a data file.
+    /// Reads the sidecar of a data file, which has to lie within the root.
     ///
     /// # Errors
     ///
-    /// [`Problem::MissingSidecar`] of the data file; of the sidecar, [`Problem::Unreadable`] and those of [`Sidecar::read`].
-    pub fn beside(data: &Path) -> Result<Sidecar, RunError> {
+    /// [`Problem::MissingSidecar`] of the data file; of the sidecar, [`Problem::Unreadable`], [`Problem::OutsideRoot`],
+    /// [`Problem::TooLarge`] and those of [`Sidecar::read`].
+    pub fn beside(data: &Path, root: &Root) -> Result<Sidecar, RunError> {
         let file = sidecar_path(data);
-        match std::fs::read(&file) {
+        match root.read(&file, SIZE_LIMIT) {
             Ok(bytes) => Sidecar::read(&bytes, &file),
-            Err(why) if why.kind() == ErrorKind::NotFound => Err(RunError::new(data, Problem::MissingSidecar(file))),
-            Err(why) => Err(RunError::new(&file, Problem::Unreadable(why.to_string()))),
+            Err(InputError::Missing(_)) => Err(RunError::new(data, Problem::MissingSidecar(file))),
+            Err(why) => Err(RunError::unreadable(&file, why)),
         }
     }
 

@@ -2,10 +2,10 @@
 //! library. No other module opens an input.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use super::{FileId, SourceMap};
+use super::root::normalise;
+use super::{FileId, InputError, Root, SourceMap, input, root};
 
 /// Largest input file, bytes.
 pub const SIZE_LIMIT: u64 = 8 * 1024 * 1024;
@@ -36,10 +36,20 @@ pub enum LoadError {
     NotUtf8 { file: FileId, byte: usize },
 }
 
+impl From<InputError> for LoadError {
+    fn from(why: InputError) -> Self {
+        match why {
+            InputError::OutsideRoot(root) => LoadError::OutsideRoot(root),
+            InputError::TooLarge { bytes, .. } => LoadError::TooLarge(bytes),
+            other => LoadError::Unreadable(other.to_string()),
+        }
+    }
+}
+
 /// Where files come from.
 #[derive(Clone, Debug)]
 enum Origin {
-    Disk { root: PathBuf },
+    Disk { root: Root },
     Memory { files: BTreeMap<String, Vec<u8>> },
 }
 
@@ -55,16 +65,10 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// Reads the main file from the disk. The project root is the nearest folder upwards that holds `lss.toml` or
-    /// `.git`, else the file's own folder.
+    /// Reads the main file, which the command line names, from the disk. The project root is [`Root::of_layout`] of its folder.
     pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, FileId), LoadError> {
-        let place = path.canonicalize().map_err(|e| LoadError::Unreadable(e.to_string()))?;
-        let folder = place.parent().unwrap_or(Path::new("/"));
-        let root = folder
-            .ancestors()
-            .find(|f| f.join("lss.toml").exists() || f.join(".git").exists())
-            .unwrap_or(folder)
-            .to_path_buf();
+        let place = root::given(path)?;
+        let root = Root::of_layout(place.parent().unwrap_or(Path::new("/")));
         let mut loader = Loader::new(Origin::Disk { root });
         let main = loader.read(sources, place, path.to_string_lossy().into_owned())?;
         Ok((loader, main))
@@ -89,19 +93,14 @@ impl Loader {
             return Err(LoadError::Unreadable("the standard library imports no files".into()));
         };
         let folder = from.parent().unwrap_or(Path::new(""));
-        let root = match &self.origin {
-            Origin::Disk { root } => root.clone(),
-            Origin::Memory { .. } => PathBuf::new(),
-        };
-        let outside = || LoadError::OutsideRoot(shown_root(&root));
-        let wanted = normalise(&folder.join(path)).filter(|p| p.starts_with(&root)).ok_or_else(outside)?;
+        let wanted = normalise(&folder.join(path)).filter(|_| !Path::new(path).is_absolute());
         let place = match &self.origin {
-            Origin::Memory { .. } => wanted,
-            Origin::Disk { .. } => wanted.canonicalize().map_err(|e| LoadError::Unreadable(e.to_string()))?,
+            Origin::Memory { .. } => wanted.ok_or_else(|| LoadError::OutsideRoot("the project".into()))?,
+            Origin::Disk { root } => match wanted.filter(|wanted| root.holds(wanted)) {
+                Some(wanted) => root.place(&wanted)?,
+                None => return Err(root.outside().into()),
+            },
         };
-        if !place.starts_with(&root) || Path::new(path).is_absolute() {
-            return Err(outside());
-        }
         let beside = Path::new(&sources.file(importer).name).parent().map(|f| f.join(path));
         let name = beside.map_or_else(|| path.to_string(), |p| shorten(&p).to_string_lossy().into_owned());
         self.read(sources, place, name)
@@ -123,7 +122,7 @@ impl Loader {
             return Ok(*id);
         }
         let bytes = match &self.origin {
-            Origin::Disk { .. } => read_disk(&place, SIZE_LIMIT)?,
+            Origin::Disk { .. } => input::read(&place, SIZE_LIMIT)?,
             Origin::Memory { files } => files
                 .get(place.to_string_lossy().as_ref())
                 .cloned()
@@ -151,42 +150,10 @@ impl Loader {
 /// Reads a drawing from the disk. Programs write them in many encodings: what is not UTF-8 is taken for Latin-1, in which
 /// every byte is a character.
 pub fn drawing(sources: &mut SourceMap, path: &Path) -> Result<FileId, LoadError> {
-    let bytes = read_disk(path, DRAWING_LIMIT)?;
+    let bytes = input::read_given(path, DRAWING_LIMIT)?;
     let text = String::from_utf8(bytes)
         .unwrap_or_else(|error| error.as_bytes().iter().map(|byte| char::from(*byte)).collect());
     Ok(sources.add(path.to_string_lossy(), text))
-}
-
-fn read_disk(place: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
-    let unreadable = |e: std::io::Error| LoadError::Unreadable(e.to_string());
-    let facts = std::fs::metadata(place).map_err(unreadable)?;
-    if !facts.is_file() {
-        return Err(LoadError::Unreadable("not a regular file".into()));
-    }
-    if facts.len() > limit {
-        return Err(LoadError::TooLarge(facts.len()));
-    }
-    let mut bytes = Vec::with_capacity(facts.len() as usize);
-    let file = std::fs::File::open(place).map_err(unreadable)?;
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    Ok(bytes)
-}
-
-/// Resolves `.` and `..` by name alone; `None` when that leads above the beginning.
-fn normalise(path: &Path) -> Option<PathBuf> {
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                if !out.pop() {
-                    return None;
-                }
-            }
-            other => out.push(other),
-        }
-    }
-    Some(out)
 }
 
 /// `a/../b.lss` as `b.lss`; leading `..` stay.
@@ -202,10 +169,6 @@ fn shorten(path: &Path) -> PathBuf {
         }
     }
     out.iter().collect()
-}
-
-fn shown_root(root: &Path) -> String {
-    root.file_name().map_or_else(|| "the project".into(), |n| format!("`{}`", n.to_string_lossy()))
 }
 
 #[cfg(test)]

@@ -3,9 +3,13 @@
 //! A [`SourceMap`] owns every text that a compilation has read. A [`Span`] names a byte range in one of them
 //! and is what every later stage carries so that a message can point at the line it came from.
 
+pub mod input;
 mod loader;
+pub mod root;
 
+pub use input::InputError;
 pub use loader::{DRAWING_LIMIT, LoadError, Loader, SIZE_LIMIT, STDLIB, drawing};
+pub use root::Root;
 
 use serde::Serialize;
 

@@ -2,6 +2,7 @@
 
 use super::manifest::Manifest;
 use super::temporary::{Temporary, folder_of, sweep, sync_folder};
+use crate::source::root;
 use std::fmt;
 use std::fs;
 use std::io;
@@ -67,6 +68,8 @@ impl Files {
     }
 
     fn commit(&self, folder: &Path, set: Option<&str>) -> Result<(), WriteError> {
+        root::given_output(folder)
+            .map_err(|why| WriteError { path: folder.to_owned(), reason: io::Error::other(why) })?;
         let made = Made::folder(folder)?;
         sweep(folder);
         let list = self.list.iter().map(|(name, content)| (folder.join(name), content.as_slice()));
@@ -91,6 +94,8 @@ impl Files {
 ///
 /// The path with the reason; the file is as it was then.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), WriteError> {
+    root::given_output(folder_of(path))
+        .map_err(|why| WriteError { path: path.to_owned(), reason: io::Error::other(why) })?;
     sweep(folder_of(path));
     Swap::staged([(path.to_owned(), content)]).and_then(Swap::replace)
 }

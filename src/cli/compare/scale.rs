@@ -5,6 +5,7 @@ use crate::emit::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::signal::compare::Scale;
 use crate::signal::{Run, position};
+use crate::source::{Root, input};
 use std::path::Path;
 
 /// Lap and pitch in metres, each with where it was found.
@@ -23,7 +24,7 @@ impl Known {
             let path = beside(data, &run.sidecar.layout);
             if path.extension().is_some_and(|e| e == "json") {
                 let name = path.display().to_string();
-                match read(&path) {
+                match read(data, &path) {
                     Ok(layout) => layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, name)),
                     Err(why) => {
                         let warning = format!("{name} is not taken into account: {why}");
@@ -65,7 +66,9 @@ impl Known {
     }
 }
 
-fn read(path: &Path) -> Result<Simulation, String> {
-    let bytes = std::fs::read(path).map_err(|why| why.to_string())?;
+/// The layout that the sidecar of some data names.
+fn read(data: &Path, path: &Path) -> Result<Simulation, String> {
+    let root = Root::of_campaign(data.parent().unwrap_or(Path::new("")));
+    let bytes = root.read(path, input::JSON_LIMIT).map_err(|why| why.to_string())?;
     serde_json::from_slice(&bytes).map_err(|why| why.to_string())
 }

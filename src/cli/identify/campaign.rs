@@ -9,6 +9,7 @@ use crate::emit::{Files, identification, json};
 use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, CONFIDENCE, Estimate, Fitted, carry, fit_run};
 use crate::identify::{Measured, Model, Parameter, Settings, interval};
+use crate::source::{SIZE_LIMIT, input};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -243,7 +244,7 @@ impl Work<'_> {
 
     /// A fit on the disk, if it came from the same.
     fn known(&self, name: &str, key: &str) -> Option<Fitted> {
-        let bytes = std::fs::read(self.folder().join(format!("{name}.json"))).ok()?;
+        let bytes = input::read_given(&self.folder().join(format!("{name}.json")), SIZE_LIMIT).ok()?;
         let known: Fitted = serde_json::from_slice(&bytes).ok()?;
         (known.key == key && known.is_whole()).then_some(known)
     }

@@ -9,6 +9,8 @@ use crate::emit::simulation::{Contact, ContactLaw, Simulation, Wheel};
 use crate::identify::study::Fitted;
 use crate::identify::{Parameter, damping, restitution};
 use crate::model::Layout;
+use crate::source::root::is_marked;
+use crate::source::{SIZE_LIMIT, input};
 use std::fmt::Write;
 use std::path::{Component, Path};
 
@@ -53,12 +55,11 @@ pub fn files(cases: &[Case], fits: &[Fitted], output: &Path) -> Result<Vec<(Stri
 pub fn import(layout: &Path, output: &Path, name: &str) -> (String, Option<Vec<u8>>) {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (layout, output) = (absolute(layout), absolute(output));
-    let is_root = |folder: &Path| folder.join("lss.toml").exists() || folder.join(".git").exists();
-    let root = output.ancestors().find(|folder| is_root(folder));
+    let root = output.ancestors().find(|folder| is_marked(folder));
     if let Some(path) = root.filter(|root| layout.starts_with(root)).map(|_| relative(&layout, &output)) {
         return (path, None);
     }
-    (format!("{name}.lss"), std::fs::read(&layout).ok())
+    (format!("{name}.lss"), input::read_given(&layout, SIZE_LIMIT).ok())
 }
 
 /// `to` as seen from the folder `from`.

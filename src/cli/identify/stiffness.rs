@@ -5,6 +5,7 @@ use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::number::{fixed, shortest, trimmed};
 use crate::identify::static_test::{self, Direction, Points};
 use crate::identify::stiffness::{Estimate, Fixed, Unfit, fit, fit_with};
+use crate::source::{SIZE_LIMIT, input};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ struct Declared {
 
 impl Stiffness {
     pub fn run(&self) -> Outcome {
-        let bytes = match std::fs::read(&self.file) {
+        let bytes = match input::read_given(&self.file, SIZE_LIMIT) {
             Ok(bytes) => bytes,
             Err(why) => return could_not("read", &self.file, why),
         };

@@ -2,11 +2,12 @@
 
 mod table;
 
+use super::cases::named_layout;
 use super::{MessageFormat, Outcome, OutputFormat, read, report};
 use crate::emit::simulation::Simulation;
 use crate::signal::health::{Health, health};
 use crate::signal::measures::Statistics;
-use crate::signal::{Campaign, Entry, Run, RunError};
+use crate::signal::{Campaign, Entry, RunError};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -83,10 +84,10 @@ impl Runs {
         let mut runs = Vec::new();
         let mut layouts = Layouts::default();
         for entry in &campaign.runs {
-            match Run::read(&entry.file) {
+            match entry.run() {
                 Ok(run) => {
                     let path = self.layout.as_deref().unwrap_or(&entry.layout);
-                    let (layout, trouble) = layouts.get(path);
+                    let (layout, trouble) = layouts.get(path, self.layout.is_none().then_some(entry));
                     let mut health = health(&run, layout);
                     health.warnings.extend(trouble);
                     runs.push(Glance::new(entry, path, health));
@@ -116,17 +117,20 @@ struct Layouts {
 }
 
 impl Layouts {
-    /// The layout at a path, or what cannot be told without it.
-    fn get(&mut self, path: &Path) -> (Option<&Simulation>, Option<String>) {
+    /// The layout at a path, or what cannot be told without it. It is confined to the root of the run that names it.
+    fn get(&mut self, path: &Path, named_by: Option<&Entry>) -> (Option<&Simulation>, Option<String>) {
         if !self.read.contains_key(path) {
-            let read = if path.is_file() {
-                read::simulation(path, None, MessageFormat::Text).map_err(|_| {
+            let place = match named_by {
+                Some(entry) => named_layout(entry),
+                None if path.is_file() => Ok(path.to_owned()),
+                None => Err(format!("the layout {} is not there", path.display())),
+            };
+            let read = place.and_then(|path| {
+                read::simulation(&path, None, MessageFormat::Text).map_err(|_| {
                     self.broken = true;
                     format!("the layout {} cannot be used", path.display())
                 })
-            } else {
-                Err(format!("the layout {} is not there", path.display()))
-            };
+            });
             self.read.insert(path.to_owned(), read);
         }
         match self.read.get(path) {

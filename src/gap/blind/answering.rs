@@ -5,6 +5,9 @@ use super::score::{Score, score};
 use super::{CHALLENGE, KEY, seal};
 use crate::base::digest::sha256;
 use crate::base::disk::{Scratch, replace};
+use crate::signal::run::DATA_LIMIT;
+use crate::source::input::JSON_LIMIT;
+use crate::source::{InputError, Root};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -85,7 +88,7 @@ pub fn answer(
     let mut all = Vec::new();
     for case in &facts.cases {
         all.extend_from_slice(case.as_bytes());
-        all.extend(fs::read(folder.join(ANSWERS).join(case).join(ANSWER)).unwrap_or_default());
+        all.extend(read(folder, &Path::new(ANSWERS).join(case).join(ANSWER)).unwrap_or_default());
     }
     Ok(sha256(&all))
 }
@@ -152,7 +155,7 @@ impl Asked<'_> {
     /// Diagnoses a copy that stands alone.
     fn answered(&self, case: &str) -> Result<Answered, Trouble> {
         let (copy, out) = (self.scratch.join(case), self.scratch.join("out").join(case));
-        copied(&self.folder.join(case), &copy)?;
+        copied(self.folder, case, &copy)?;
         fs::create_dir_all(&out).map_err(|why| Trouble::File(out.clone(), why))?;
         let outcome = (self.diagnose)(&copy, &out);
         let answer = fs::read(out.join(ANSWER)).map_err(|why| format!("no {ANSWER}: {why}\n"));
@@ -164,6 +167,9 @@ impl Asked<'_> {
 
     fn keep(&self, case: &str, answered: &Answered) -> Result<(), Trouble> {
         let folder = self.folder.join(ANSWERS).join(case);
+        if let Err(why @ InputError::OutsideRoot(_)) = Root::only(self.folder).place(&folder) {
+            return Err(Trouble::File(folder, io::Error::other(why)));
+        }
         fs::create_dir_all(&folder).map_err(|why| Trouble::File(folder, why))?;
         let write = |name: &str, bytes: &[u8]| {
             let path = self.kept(case, name);
@@ -195,19 +201,33 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Trouble> {
     Ok(files)
 }
 
-/// Copies the files of a folder.
-fn copied(from: &Path, to: &Path) -> Result<(), Trouble> {
+/// Copies the files of a case. A copy of what a link leads to would look like the case's own, so none leads out of the challenge.
+fn copied(folder: &Path, case: &str, to: &Path) -> Result<(), Trouble> {
     let trouble = |path: &Path| {
         let path = path.to_owned();
         move |why| Trouble::File(path, why)
     };
+    let from = folder.join(case);
     fs::create_dir_all(to).map_err(trouble(to))?;
-    for file in files(from)? {
+    for file in files(&from)? {
         if let Some(name) = file.file_name() {
-            fs::copy(&file, to.join(name)).map_err(trouble(&file))?;
+            let bytes = read_up_to(folder, &Path::new(case).join(name), DATA_LIMIT).map_err(trouble(&file))?;
+            fs::write(to.join(name), bytes).map_err(trouble(&file))?;
         }
     }
     Ok(())
+}
+
+/// Reads a file of a challenge, which lies within its folder.
+fn read(folder: &Path, path: &Path) -> io::Result<Vec<u8>> {
+    read_up_to(folder, path, JSON_LIMIT)
+}
+
+fn read_up_to(folder: &Path, path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    Root::only(folder).read(&folder.join(path), limit).map_err(|why| match why {
+        InputError::Missing(_) => io::ErrorKind::NotFound.into(),
+        other => io::Error::other(other),
+    })
 }
 
 /// The public facts of a challenge.
@@ -217,7 +237,7 @@ fn copied(from: &Path, to: &Path) -> Result<(), Trouble> {
 /// [`Trouble`] when there are none.
 pub fn facts(folder: &Path) -> Result<Facts, Trouble> {
     let path = folder.join(CHALLENGE);
-    let bytes = fs::read(&path).map_err(|why| Trouble::File(path.clone(), why))?;
+    let bytes = read(folder, Path::new(CHALLENGE)).map_err(|why| Trouble::File(path.clone(), why))?;
     let facts: Facts = serde_json::from_slice(&bytes).map_err(|why| Trouble::Content(path.clone(), why.to_string()))?;
     // Names become paths.
     let plain =
@@ -238,7 +258,7 @@ pub fn judged(folder: &Path) -> Result<Score, Trouble> {
     let mut answers = BTreeMap::new();
     for case in &facts.cases {
         let path = folder.join(ANSWERS).join(case).join(ANSWER);
-        match fs::read(&path) {
+        match read(folder, &Path::new(ANSWERS).join(case).join(ANSWER)) {
             Ok(bytes) => {
                 let answer: Answer =
                     serde_json::from_slice(&bytes).map_err(|why| Trouble::Content(path, why.to_string()))?;
@@ -249,7 +269,7 @@ pub fn judged(folder: &Path) -> Result<Score, Trouble> {
         }
     }
     let path = folder.join(KEY);
-    let sealed = fs::read(&path).map_err(|why| Trouble::File(path.clone(), why))?;
+    let sealed = read(folder, Path::new(KEY)).map_err(|why| Trouble::File(path.clone(), why))?;
     let key = seal::open(&sealed, &facts.key_sha256).map_err(|why| Trouble::Content(path.clone(), why.to_string()))?;
     let key: Key = serde_json::from_slice(&key).map_err(|why| Trouble::Content(path, why.to_string()))?;
     Ok(score(&key.cases, &answers))

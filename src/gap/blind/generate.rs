@@ -11,6 +11,7 @@ use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
 use crate::identify::noise::mix;
 use crate::signal::{Campaign, Channel, Run, csv};
+use crate::source::root;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
@@ -73,6 +74,7 @@ struct Wish {
 /// In words, when files cannot be written or a case cannot be simulated.
 pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) -> Result<Facts, String> {
     let written = |path: &Path, bytes: &[u8]| replace(path, bytes).map_err(|error| said(path, &error.reason));
+    root::given_output(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
     if folder.join(CHALLENGE).exists() {
         return Err(format!("{} has a challenge already", folder.display()));
     }

@@ -2,10 +2,9 @@
 
 use super::Error;
 use crate::base::digest::sha256_of;
-use crate::signal::{Campaign, Entry, Problem, csv, parquet};
+use crate::signal::{Campaign, Entry, Problem, RunError, csv, parquet, run};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 /// A stretch of time of a run.
@@ -45,8 +44,9 @@ pub(super) fn read(campaign: &Path, parts: usize) -> Result<(BTreeMap<String, St
 /// A whole run.
 fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Error> {
     let path = &entry.file;
-    let unreadable = |why: std::io::Error| Error::Run(crate::signal::RunError::unreadable(path, &why));
-    let absolute = std::path::absolute(path).map_err(unreadable)?;
+    let unreadable = |why| Error::Run(RunError::unreadable(path, why));
+    let absolute = std::path::absolute(path).map_err(|why| unreadable(why.into()))?;
+    let data = entry.open().map_err(unreadable)?;
     let seen = RefCell::new(Vec::new());
     let pick = |name: &str, taken: &[String]| {
         seen.borrow_mut().push(name.to_owned());
@@ -58,9 +58,9 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     };
     let is_parquet = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
     let (time, mut columns) = if is_parquet {
-        parquet::read_as(fs::File::open(path).map_err(unreadable)?, path, &pick)?
+        parquet::read_as(data, path, &pick)?
     } else {
-        csv::read_as(&fs::read(path).map_err(unreadable)?, path, &pick)?
+        csv::read_as(&run::bytes(data, path)?, path, &pick)?
     };
     let mut channels = Vec::with_capacity(declared.len());
     for name in declared.keys() {
@@ -74,7 +74,8 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     let mut settings = entry.settings.clone();
     let nominal = [("speed", entry.speed), ("tension", entry.tension)];
     settings.extend(nominal.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))));
-    let content = fs::File::open(path).and_then(|mut file| sha256_of(&mut file)).map_err(unreadable)?;
+    let content = entry.open().map_err(unreadable)?;
+    let content = sha256_of(&mut &content).map_err(|why| unreadable(why.into()))?;
     Ok(Part {
         content,
         name: entry.name.clone(),
