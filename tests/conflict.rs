@@ -4,10 +4,15 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::diagnostic::{Code, Diagnostic, json};
-use lss::model::Layout;
+use lss::geometry::clearance::lateral_offset;
+use lss::geometry::{Corner, Point, Track, self_crossings};
+use lss::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Side, Unit};
+use lss::problem::measures::to_corners;
+use lss::problem::{Problem, Scope};
 use lss::semantics::analyse;
-use lss::solve::{self, Discretise, Options, Stage};
-use lss::source::{Loader, SourceMap};
+use lss::solve::sqp::{self, Settings};
+use lss::solve::{self, Conflict, Discretise, Kind, Member, Options, Proof, Stage, Within};
+use lss::source::{Loader, SourceMap, Span};
 
 /// A layout of four vertices, by what is said about it.
 fn hall(statements: &str) -> String {
@@ -189,3 +194,366 @@ fn what_rules_something_out_is_not_called_implied() {
         assert!(said.is_empty(), "{statements}\n{said:?}");
     }
 }
+
+/// The layout of README, with chutes that are longer than the hall.
+fn readme(straight: &str, fixed: &str) -> String {
+    format!(
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout hall {{\n  catalog standard\n  cart tilt_tray(length: 1250 mm)\n  \
+         speed 2.0 m/s\n  width 1.2 m\n  vertex P1 (3 m, 3 m) radius 3 m\n  vertex P2 (37 m, 3 m) radius 3 m\n  \
+         vertex P3 (37 m, 17 m) radius 3 m\n  vertex P4 (3 m, 17 m) radius 3 m\n  \
+         building [(0 m, 0 m), (40 m, 0 m), (40 m, 20 m), (0 m, 20 m)]\n  \
+         obstacle column [(19 m, 8 m), (21 m, 8 m), (21 m, 10 m), (19 m, 10 m)] clearance 0.5 m\n{fixed}  \
+         require length(straight(P3..P4)) >= {straight}\n  optimise length\n}}\n"
+    )
+}
+
+/// Chutes of 45 m and two curves do not fit in 40 m, and opposite sides of a loop of four right angles are equally long: two
+/// conflicts, which have only the chutes in common.
+#[test]
+fn a_hall_too_short_for_its_chutes_is_named_with_them() {
+    let (sources, layout) = check(&readme("45 m", "  fix all P1..P2\n"));
+    let stages = continuous(&layout);
+    let said = solve::diagnose(&layout, &stages);
+    let named: Vec<Vec<(&str, String)>> = said.iter().map(|d| lines(&sources, d)).collect();
+    let building = "building [(0 m, 0 m), (40 m, 0 m), (40 m, 20 m), (0 m, 20 m)]";
+    let chutes = "require length(straight(P3..P4)) >= 45 m";
+    let text = |i: usize| named[i].iter().map(|l| l.0).collect::<Vec<_>>();
+    assert_eq!(text(0), [building, chutes], "{named:?}");
+    assert_eq!(text(1), ["fix all P1..P2", chutes], "{named:?}");
+    // Without the fixed section the chutes still do not fit in the hall, so no change of it alone is called enough.
+    assert!(named[1][0].1.contains("not for the whole layout"), "{named:?}");
+    assert!(named[0][0].1.contains("not for the whole layout"), "{named:?}");
+    // 34 m between P1 and P2 less two curves of 3 m.
+    assert!(named.iter().all(|lines| lines[1].1 == "17 m less would do"), "{named:?}");
+    for diagnostic in &said {
+        assert!(diagnostic.help.as_ref().is_some_and(|help| help.contains("proven")), "{diagnostic:?}");
+    }
+    let mended = readme("28 m", "  fix all P1..P2\n");
+    assert!(solve::diagnose(&check(&mended).1, &continuous(&check(&mended).1)).is_empty());
+    for conflict in solve::conflicts(&layout, &stages) {
+        holds_up(&layout, &conflict);
+    }
+}
+
+/// Without the fixed section there is one conflict.
+#[test]
+fn walls_can_be_what_is_in_conflict() {
+    let (sources, layout) = check(&readme("45 m", ""));
+    let stages = continuous(&layout);
+    let [conflict] = &solve::conflicts(&layout, &stages)[..] else { panic!("{stages:?}") };
+    let named: Vec<&str> = conflict.members.iter().map(|m| sources.text(m.span).split(' ').next().unwrap()).collect();
+    assert_eq!(named, ["building", "require"]);
+    assert_eq!(conflict.proof, Proof::Bounds);
+    assert!(conflict.members.iter().all(|m| m.within == Within::Layout));
+    holds_up(&layout, conflict);
+}
+
+#[test]
+fn the_side_of_an_obstacle_is_said() {
+    let statements = "  obstacle rack [(20 m, 4.3 m), (30 m, 4.3 m), (30 m, 10 m), (20 m, 10 m)] clearance 0.2 m\n  \
+                      obstacle pit [(22 m, 1.4 m), (28 m, 1.4 m), (28 m, 3 m), (22 m, 3 m)] clearance 0.3 m\n  pass pit right";
+    let (sources, layout) = check(&hall(statements));
+    let said = solve::diagnose(&layout, &continuous(&layout));
+    let named = lines(&sources, &said[0]);
+    assert!(
+        named[0].1.starts_with("taken to lie to the left of travel, as the written vertices have it: "),
+        "{named:?}"
+    );
+    assert!(named[1].1.starts_with("taken to lie to the right of travel, as `pass` says: "), "{named:?}");
+    let help = said[0].help.clone().unwrap();
+    assert!(help.contains("`pass NAME either` leaves the side of an obstacle open"), "{help}");
+    assert!(help.contains("on the catalogue's grid more may be needed"), "{help}");
+    assert!(help.contains("that is no proof"), "{help}");
+}
+
+/// Two headings that no whole number of 2.5° joins.
+#[test]
+fn what_the_grid_forbids_is_proven_by_it() {
+    let text = hall("  fix rotation P1..P2\n  fix rotation P2..P3\n  require length(P3..P4) >= 10 m")
+        .replace("(57 m, 27 m)", "(58 m, 27 m)");
+    let (sources, layout) = check(&text);
+    let stages = solve::solve(&layout, &Options::default(), &|_| {});
+    assert_eq!(stages.last().unwrap().name, "stage3", "{stages:?}");
+    let [conflict] = &solve::conflicts(&layout, &stages)[..] else { panic!("{stages:?}") };
+    let named: Vec<&str> = conflict.members.iter().map(|m| sources.text(m.span)).collect();
+    assert_eq!(named, ["fix rotation P1..P2", "fix rotation P2..P3"]);
+    assert_eq!((conflict.proof, conflict.on_grid), (Proof::Grid, true));
+    assert!(conflict.members.iter().all(|m| m.relaxed.is_some() && m.within == Within::Layout), "{conflict:?}");
+    holds_up(&layout, conflict);
+    let said = solve::diagnose(&layout, &stages);
+    assert!(said[0].message.starts_with("no layout on the catalogue's grid meets"), "{said:?}");
+}
+
+/// What is wrong with a layout by evaluations that share no code with the rows of a problem: the worst excess, m or rad, over
+/// the lines that count, of which one may give way.
+fn excess(layout: &Layout, corners: &[Corner], counts: &dyn Fn(Span) -> bool, gives: Option<(Span, f64)>) -> f64 {
+    let track = Track::new(corners);
+    let n = corners.len();
+    let mut worst = if self_crossings(&track).is_empty() { 0.0f64 } else { 1.0 };
+    let mut off = |by: f64, span: Option<Span>| {
+        let give = gives.filter(|g| span == Some(g.0)).map_or(0.0, |g| g.1);
+        if span.is_none_or(counts) {
+            worst = worst.max(by - give);
+        }
+    };
+    let curve = &layout.catalog.curve;
+    let written = Track::new(&layout.corners());
+    for i in 0..n {
+        let turn = track.fillets[i].turn;
+        off(if turn * written.fillets[i].turn > 0.0 { 0.0 } else { 1.0 }, None);
+        off(turn.abs() - curve.turns.high, None);
+        off(curve.turns.low - turn.abs(), None);
+        off(turn.abs() - layout.turns.value.high, Some(layout.turns.span));
+        off(layout.turns.value.low - turn.abs(), Some(layout.turns.span));
+        off(corners[i].radius - layout.radii.value.high, Some(layout.radii.span));
+        off(layout.radii.value.low - corners[i].radius, Some(layout.radii.span));
+        off(layout.catalog.straight.shortest - straight(&track, i), None);
+    }
+    let points: Vec<Point> = (0..4000).map(|k| track.at(track.length * f64::from(k) / 4000.0).0).collect();
+    if let Some(building) = &layout.building {
+        for p in &points {
+            let inside =
+                building.polygon.distance_to_outline(*p) * if building.polygon.contains(*p) { 1.0 } else { -1.0 };
+            off(layout.width.value / 2.0 + building.clearance - inside, Some(building.span));
+        }
+    }
+    for obstacle in &layout.obstacles {
+        for p in &points {
+            let outside =
+                obstacle.polygon.distance_to_outline(*p) * if obstacle.polygon.contains(*p) { -1.0 } else { 1.0 };
+            off(layout.width.value / 2.0 + obstacle.clearance - outside, Some(obstacle.span));
+        }
+        let left = obstacle.polygon.points().iter().filter_map(|&q| lateral_offset(&track, q)).sum::<f64>() > 0.0;
+        off(if left == (obstacle.side == Side::Left) { 0.0 } else { 1e3 }, Some(obstacle.span));
+    }
+    for constraint in &layout.constraints {
+        off(broken(constraint, layout, corners, &track), Some(constraint.span));
+    }
+    worst
+}
+
+/// m: between tangent points.
+fn straight(track: &Track, i: usize) -> f64 {
+    let (a, b) = (&track.fillets[i], &track.fillets[(i + 1) % track.fillets.len()]);
+    let along = Point::unit((track.corners[(i + 1) % track.corners.len()].point - track.corners[i].point).heading());
+    along.dot(b.begin - a.end)
+}
+
+fn broken(constraint: &Constraint, layout: &Layout, corners: &[Corner], track: &Track) -> f64 {
+    let moved = |v: usize| {
+        let (a, b) = (corners[v].point, layout.vertices[v].point);
+        (a.x - b.x).abs().max((a.y - b.y).abs())
+    };
+    match &constraint.kind {
+        ConstraintKind::FixVertex { vertex } => moved(*vertex),
+        ConstraintKind::FixRadius { vertex } => (corners[*vertex].radius - layout.vertices[*vertex].radius.value).abs(),
+        ConstraintKind::FixSection { target, kinds } => {
+            let (i, j) = (target.from, (target.from + 1) % corners.len());
+            let (a, b) = (layout.vertices[i].point, layout.vertices[j].point);
+            if kinds.len() == 4 {
+                return moved(i).max(moved(j));
+            }
+            let now = corners[j].point - corners[i].point;
+            let along = Point::unit((b - a).heading());
+            let one = |kind: &FixKind| match kind {
+                FixKind::Length => (now.norm() - a.distance(b)).abs(),
+                FixKind::Rotation if now.dot(along) < 0.0 => 1e3,
+                FixKind::Rotation => along.cross(now).abs(),
+                _ => panic!("not generated"),
+            };
+            kinds.iter().map(one).fold(0.0, f64::max)
+        }
+        ConstraintKind::Require { formula, low, high, .. } => {
+            let value = value(formula, corners, track);
+            (low - value).max(value - high)
+        }
+    }
+}
+
+fn value(formula: &Formula, corners: &[Corner], track: &Track) -> f64 {
+    let next = |i: usize| (i + 1) % corners.len();
+    let of = |f: &Formula| value(f, corners, track);
+    match formula {
+        Formula::Constant(c) => *c,
+        Formula::X(i) => corners[*i].point.x,
+        Formula::Y(i) => corners[*i].point.y,
+        Formula::Radius(i) => corners[*i].radius,
+        Formula::Length(target) if target.straight => straight(track, target.from),
+        Formula::Length(target) => corners[target.from].point.distance(corners[next(target.from)].point),
+        Formula::Angle(i) => track.fillets[*i].turn,
+        Formula::DistanceVertices(a, b) => corners[*a].point.distance(corners[*b].point),
+        Formula::Sum(terms) => terms.iter().map(of).sum(),
+        Formula::Product(terms) => terms.iter().map(of).product(),
+        Formula::Negative(f) => -of(f),
+        _ => panic!("not generated"),
+    }
+}
+
+/// What is left of a violation that counts as none: rows hold to a millionth, and lengths of fixed sections are given by rows that
+/// agree to second order only.
+const MET: f64 = 5e-6;
+
+/// Each statement of a conflict, checked by evaluations of their own; how many of them were made.
+fn holds_up(layout: &Layout, conflict: &Conflict) -> usize {
+    let named = |span: Span| conflict.members.iter().any(|m| m.span == span);
+    let mut statements = 0;
+    for member in &conflict.members {
+        let others = |span: Span| member.within == Within::Layout || named(span);
+        if let Some(corners) = &member.without {
+            let left = excess(layout, corners, &|span| span != member.span && others(span), None);
+            assert!(left <= MET, "without {member:?}: {left}");
+            statements += 1;
+        }
+        if let Some(relaxed) = &member.relaxed {
+            let amount = stated(&relaxed.text, member, layout);
+            assert!((relaxed.amount - amount).abs() <= 1e-9, "{} is not {}", relaxed.text, relaxed.amount);
+            let left = excess(layout, &relaxed.corners, &others, Some((member.span, amount)));
+            assert!(left <= MET, "{member:?} relaxed by {amount}: {left}");
+            statements += 1;
+        }
+    }
+    if let Some(together) = &conflict.together {
+        let give = conflict.members.iter().map(|m| {
+            let angle =
+                constraint(layout, m).is_some_and(|c| matches!(c, ConstraintKind::Require { unit: Unit::Radian, .. }));
+            let by = if angle || m.kind == Kind::Turns { together.amount / 10.0 } else { together.amount };
+            excess(layout, &together.corners, &|span| span == m.span, Some((m.span, by)))
+        });
+        assert!(give.fold(0.0, f64::max) <= MET, "{conflict:?}");
+    }
+    assert!(!solved_from_elsewhere(layout, &named), "a layout was found for {conflict:?}");
+    statements
+}
+
+fn constraint<'l>(layout: &'l Layout, member: &Member) -> Option<&'l ConstraintKind> {
+    layout.constraints.iter().find(|c| c.span == member.span).map(|c| &c.kind)
+}
+
+/// The number that a message states, in m or rad.
+fn stated(text: &str, member: &Member, layout: &Layout) -> f64 {
+    let number = |unit: &str| text.strip_suffix(unit).and_then(|n| n.parse::<f64>().ok());
+    let angle = |degrees: f64| degrees.to_radians();
+    number("°")
+        .map(angle)
+        .or(number(" mm").map(|mm| mm / 1e3))
+        .or(number(" m"))
+        .or(number(" m²"))
+        .or(number(""))
+        .unwrap_or_else(|| panic!("{text} of {member:?} in {}", layout.name))
+}
+
+/// Whether the lines of a conflict, and no others, are met from one of several starts of this test's own.
+fn solved_from_elsewhere(layout: &Layout, named: &dyn Fn(Span) -> bool) -> bool {
+    let mut layout = layout.clone();
+    layout.constraints.retain(|c| named(c.span));
+    layout.building = layout.building.filter(|b| named(b.span));
+    layout.obstacles.retain(|o| named(o.span));
+    let problem = Problem::new(&layout, Scope::Obstacles);
+    (101..107u32).any(|seed| {
+        let start = solve::perturbed(&layout, &problem, 2.0 + f64::from(seed % 3), u64::from(seed));
+        let end = sqp::minimise(&problem, &start, &Settings::default(), &|_, _, _| {});
+        excess(&layout, &to_corners(&end.variables), &|_| true, None) <= MET
+    })
+}
+
+/// A stream of numbers (Marsaglia's xorshift, 2003).
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % end
+    }
+
+    /// A number of tenths from one to another.
+    fn tenths(&mut self, from: u64, to: u64) -> f64 {
+        (from + self.below(to - from)) as f64 / 10.0
+    }
+}
+
+/// Statements that contradict each other.
+fn contradiction(numbers: &mut Numbers) -> String {
+    let by = numbers.tenths(1, 60);
+    match numbers.below(8) {
+        0 => format!("  fix P1\n  fix P2\n  require length(P1..P2) >= {} m\n", 54.0 + by),
+        1 => format!("  fix all P3..P4\n  require x(P3) - x(P4) <= {} m\n", 54.0 - by),
+        2 => {
+            let walls = "building [(0 m, 0 m), (60 m, 0 m), (60 m, 30 m), (0 m, 30 m)]";
+            format!("  {walls}\n  require length(straight(P3..P4)) >= {} m\n", 56.0 + by)
+        }
+        3 => format!(
+            "  fix rotation P1..P2\n  require length(P1..P2) >= {} m\n  require x(P2) - x(P1) <= {} m\n",
+            30.0 + by,
+            29.0
+        ),
+        4 => format!("  require angle(P2) <= {} deg\n", 90.0 - by),
+        5 => format!(
+            "  require radius(P1) >= 5 m\n  require length(P4..P1) - length(straight(P4..P1)) <= {} m\n",
+            7.9 - by / 10.0
+        ),
+        6 => {
+            // The band needs 1.4 m between the wall and the rack.
+            let low = 0.3 + by / 6.0;
+            format!(
+                "  building [(0 m, 0 m), (60 m, 0 m), (60 m, 30 m), (0 m, 30 m)]\n  obstacle rack [(20 m, {low} m), (30 m, {low} m), \
+                 (30 m, 10 m), (20 m, 10 m)] clearance 0.2 m\n  pass rack left\n"
+            )
+        }
+        _ => format!("  radii 3 m .. 5 m\n  require radius(P2) + radius(P3) >= {} m\n", 10.0 + by / 3.0),
+    }
+}
+
+/// Statements that are met without anything else.
+fn harmless(numbers: &mut Numbers) -> &'static str {
+    match numbers.below(4) {
+        0 => "  require length(P2..P3) >= 12 m\n",
+        1 => "  require radius(P4) >= 4 m\n",
+        2 => "  obstacle far [(40 m, 10 m), (42 m, 10 m), (42 m, 12 m), (40 m, 12 m)]\n",
+        _ => "  require distance(P1, P3) >= 20 m\n",
+    }
+}
+
+/// Random contradictions, one or two of them: infeasible as they stand, feasible without any member and with any stated
+/// relaxation.
+#[test]
+fn whatever_is_said_of_a_conflict_holds() {
+    let mut numbers = Numbers(0x9E37_79B9_7F4A_7C15);
+    let (mut said, mut asked, mut proven, mut conflicts) = (0, 0, 0, 0);
+    for _ in 0..LAYOUTS {
+        let mut statements = contradiction(&mut numbers) + harmless(&mut numbers);
+        if numbers.below(3) == 0 {
+            let second = contradiction(&mut numbers);
+            let once = |word: &str| !(statements.contains(word) && second.contains(word));
+            if once("building") && once("radii") && once("fix") {
+                statements += &second;
+            }
+        }
+        let (_, layout) = check(&hall(&statements));
+        let stages = continuous(&layout);
+        let found = solve::conflicts(&layout, &stages);
+        assert!(!found.is_empty(), "{statements}\n{stages:?}");
+        for conflict in &found {
+            conflicts += 1;
+            assert!(!conflict.members.is_empty(), "{statements}");
+            println!(
+                "{statements}{:?} {:?}",
+                conflict.proof,
+                conflict
+                    .members
+                    .iter()
+                    .map(|m| (m.kind, m.within, m.relaxed.as_ref().map(|r| &r.text)))
+                    .collect::<Vec<_>>()
+            );
+            said += holds_up(&layout, conflict);
+            asked += 2 * conflict.members.len();
+            proven += usize::from(conflict.proof == Proof::Bounds);
+        }
+    }
+    // It would be easy to be right by saying nothing.
+    assert!(10 * said >= 9 * asked, "{said} of {asked} statements");
+    assert!(4 * proven >= conflicts, "{proven} of {conflicts} proven");
+}
+
+const LAYOUTS: usize = 24;

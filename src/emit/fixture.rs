@@ -17,6 +17,7 @@ pub fn compile(layout: Layout) -> Compiled {
         seconds: 0.0,
         status: Status::AsWritten,
         certificate: None,
+        refuted: false,
     };
     Compiled::new(layout, vec![stage])
 }

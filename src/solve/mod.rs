@@ -17,11 +17,11 @@ mod stages;
 mod subproblem;
 
 pub use certificate::{Certificate, Counted};
-pub use conflict::implied;
+pub use conflict::{Assumed, Conflict, Decides, Kind, Member, Proof, Relaxed, Within, implied};
 pub use exact::{Effort, discretise, unpriced, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use outcome::{Stage, Status, Violation};
 pub use pareto::{Trade, objective, pareto};
 pub use perturb::perturbed;
-pub use report::{diagnose, unclosed};
+pub use report::{conflicts, diagnose, unclosed};
 pub use stages::{Discretise, Discretised, MOST_OPEN, Options, Progress, Solver, solve, solve_with};

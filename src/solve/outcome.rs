@@ -50,4 +50,7 @@ pub struct Stage {
     /// What a search over the catalogue's grid proved; never in an output file, as seconds are.
     #[serde(skip)]
     pub certificate: Option<Certificate>,
+    /// Whether the search over the catalogue's grid proved that there is no layout on it.
+    #[serde(skip)]
+    pub refuted: bool,
 }

@@ -1,6 +1,7 @@
 //! What a solve has to say to the user: rows that no layout meets, as diagnostics on the lines they come from.
 
-use super::{Stage, Status, Violation, conflict};
+use super::conflict::{self, Conflict};
+use super::{Stage, Status, Violation};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::number::trimmed;
 use crate::geometry::trig::PI;
@@ -14,18 +15,15 @@ const MOST_RELATED: usize = 7;
 /// Diagnostics of the last stage: none for a clean result. Where constraints contradict each other, the lines that do.
 pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
     let Some(last) = stages.last() else { return Vec::new() };
-    let continuous = matches!(last.name, "stage1" | "stage2");
-    if last.status == Status::Infeasible
-        && continuous
-        && let Some(conflict) = conflict::conflict(layout, last)
-    {
-        return vec![conflict];
+    let conflicts = conflicts(layout, stages);
+    if !conflicts.is_empty() {
+        return conflicts.iter().map(conflict::said).collect();
     }
     let (code, message) = match last.status {
         Status::Infeasible => {
             let what = match last.name {
-                "stage1" => "no layout meets the constraints and the building",
-                "stage2" => "no layout meets the constraints and passes every obstacle",
+                "stage1" => "no layout was found that meets the constraints and the building",
+                "stage2" => "no layout was found that meets the constraints and passes every obstacle",
                 _ => "no layout on the catalogue's grid was found that meets every constraint",
             };
             (Code::E0601, what.to_owned())
@@ -42,11 +40,28 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
     }
     let help = match last.status {
         Status::AsWritten => "move the vertices, or let the compiler do it: `optimise length`",
+        _ if last.refuted => {
+            "the search over the catalogue's grid has proven that there is none, for turns that go the way they are \
+             written and as often around. The best layout found is written, marked NOT FEASIBLE"
+        }
         _ => {
-            "the best layout found is written, marked NOT FEASIBLE; relax one of these lines by at least what it lacks"
+            "that none was found is no proof that there is none. The best layout found is written, marked NOT FEASIBLE: \
+             relaxing one of these lines by at least what it lacks may help, or vertices written nearer to what is wanted"
         }
     };
     vec![diagnostic.help(help)]
+}
+
+/// Why the last stage found no layout: smallest sets of lines that no layout was found for. None where they are not found.
+pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
+    match stages.last() {
+        Some(last) if last.status == Status::Infeasible => match last.name {
+            "stage1" | "stage2" => conflict::conflicts(layout, last),
+            "stage3" => conflict::grid(layout, stages),
+            _ => Vec::new(),
+        },
+        _ => Vec::new(),
+    }
 }
 
 /// Why the chain does not close on a solved layout, if closing is asked for: by how much, and which sections to change.

@@ -3,7 +3,7 @@
 
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
-use super::{Certificate, Effort, Stage, Status, Violation, complex, exact, polygon};
+use super::{Certificate, Effort, Stage, Status, Violation, complex, conflict, exact, polygon};
 use crate::geometry::Track;
 use crate::model::{Layout, Side};
 use crate::problem::measures::{radius as radius_of, to_corners};
@@ -59,12 +59,14 @@ pub struct Discretised {
     pub certificate: Option<Certificate>,
     /// Why the grid itself admits no layout.
     pub refused: Vec<Violation>,
+    /// Whether it is proven that there is no layout on the grid.
+    pub refuted: bool,
 }
 
 impl From<Solution> for Discretised {
     /// A layout of which nothing was proven.
     fn from(solution: Solution) -> Self {
-        Discretised { solution, certificate: None, refused: Vec::new() }
+        Discretised { solution, certificate: None, refused: Vec::new(), refuted: false }
     }
 }
 
@@ -158,6 +160,7 @@ fn one_way(
 
     let clock = Instant::now();
     let first = run("stage1", &walls, &start);
+    let first = again(layout, options, (Scope::Building, &settings), first, &|start| run("stage1", &walls, start));
     stages.push(stage("stage1", &walls, &first, &settings, clock));
     if stages[0].status == Status::Infeasible {
         return stages;
@@ -171,6 +174,7 @@ fn one_way(
     let iterations = near.iterations + far.iterations;
     let mut second = if rank(&far, &settings) < rank(&near, &settings) { far } else { near };
     second.iterations = iterations;
+    let second = again(layout, options, (Scope::Obstacles, &settings), second, &|start| run("stage2", &full, start));
     stages.push(stage("stage2", &full, &second, &settings, clock));
     if stages[1].status == Status::Infeasible {
         return stages;
@@ -181,6 +185,7 @@ fn one_way(
     let third = discretise(layout, &full, &second, &settings, &options.effort);
     let mut last = stage("stage3", &full, &third.solution, &settings, clock);
     last.certificate = third.certificate;
+    last.refuted = third.refuted;
     let mut off = third.refused;
     off.extend(off_grid(layout, &full, &third.solution.variables, settings.feasibility));
     if !off.is_empty() {
@@ -190,6 +195,23 @@ fn one_way(
     }
     stages.push(last);
     stages
+}
+
+/// A stage that found no layout, once more from where a wider search finds one. The complex method ends as it ends.
+fn again(
+    layout: &Layout,
+    options: &Options,
+    (scope, settings): (Scope, &Settings),
+    ended: Solution,
+    run: &dyn Fn(&[f64]) -> Solution,
+) -> Solution {
+    if ended.max_violation <= settings.feasibility || options.solver == Solver::Complex {
+        return ended;
+    }
+    let Some(start) = conflict::another_start(layout, scope, &ended.variables) else { return ended };
+    let mut other = run(&start);
+    other.iterations += ended.iterations;
+    if rank(&other, settings) < rank(&ended, settings) { other } else { ended }
 }
 
 /// Turns and radii that are not the catalogue's. A radius that the layout fixes is the user's own choice.
@@ -251,6 +273,7 @@ pub(super) fn stage(name: &'static str, problem: &Problem, s: &Solution, setting
         seconds: clock.elapsed().as_secs_f64(),
         status,
         certificate: None,
+        refuted: false,
     }
 }
 
@@ -275,6 +298,7 @@ pub(super) fn as_written(problem: &Problem) -> Stage {
         seconds: 0.0,
         status: Status::AsWritten,
         certificate: None,
+        refuted: false,
     }
 }
 

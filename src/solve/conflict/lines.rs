@@ -1,7 +1,7 @@
 //! A problem's limits by the line of source that sets them, each of which can be left out or made to give way. What the
 //! catalogue offers always holds, and so do the track's own width and the order of tangent points.
 
-use crate::model::{ConstraintKind, Interval, Layout};
+use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout};
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{Elastic, Function, LEVER, Problem, Row, RowKey};
 use crate::source::Span;
@@ -35,6 +35,8 @@ pub struct Lines {
     /// Ordered by kind, then as written.
     pub list: Vec<Line>,
     problem: Problem,
+    /// Sections whose heading a line holds.
+    headings: Vec<(Span, usize)>,
 }
 
 /// What becomes of a line in a problem made from some of them.
@@ -47,7 +49,7 @@ pub enum Role {
 
 impl Lines {
     pub fn new(layout: &Layout, problem: &Problem) -> Self {
-        let mut lines = Lines { list: Vec::new(), problem: problem.clone() };
+        let mut lines = Lines { list: Vec::new(), problem: problem.clone(), headings: headings(layout) };
         let n = problem.vertices.len();
         let user = |span: Span| layout.constraints.iter().find(|c| c.span == span);
         let offered = &layout.catalog.curve;
@@ -148,6 +150,12 @@ impl Lines {
         &self.problem.rows[row]
     }
 
+    /// The written variables, with no limit on those that a statement fixes: for starts that move them.
+    pub fn unfixed(&self, problem: &Problem) -> Problem {
+        let bounds = self.problem.bounds[..problem.bounds.len()].to_vec();
+        Problem { bounds, ..problem.clone() }
+    }
+
     /// The line that a row or a region belongs to.
     pub fn owner(&self, key: RowKey) -> Option<usize> {
         self.list.iter().position(|line| match key {
@@ -183,6 +191,22 @@ impl Lines {
         problem
     }
 
+    /// The problem in which the lines that give way do so by a fixed amount (m, angles by [`LEVER`]) while others hold.
+    pub fn given_way(&self, amount: f64, role: impl Fn(usize) -> Role) -> Problem {
+        let mut problem = self.problem(role);
+        let Some(gives) = problem.elastic.take() else { return problem };
+        for &row in &gives.rows {
+            let row = &mut problem.rows[row];
+            let by = if row.angle { amount / LEVER } else { amount };
+            (row.low, row.high) = (row.low - by, row.high + by);
+        }
+        gives.keepouts.iter().for_each(|&k| problem.keepouts[k].distance -= amount);
+        if let Some(slack) = problem.bounds.last_mut() {
+            (slack.low, slack.high) = (0.0, 0.0);
+        }
+        problem
+    }
+
     /// The problem of making the lines that give way do so as little as possible while others hold.
     pub fn problem(&self, role: impl Fn(usize) -> Role) -> Problem {
         let mut problem = self.problem.clone();
@@ -199,12 +223,24 @@ impl Lines {
                         (problem.rows[row].low, problem.rows[row].high) = (f64::NEG_INFINITY, f64::INFINITY);
                     }
                     line.keepouts.iter().for_each(|&k| problem.keepouts[k].distance = f64::NEG_INFINITY);
+                    problem.rotations.retain(|section| !self.headings.contains(&(line.span, *section)));
                 }
             }
         }
         problem.elastic = Some(elastic);
         problem
     }
+}
+
+/// The sections whose heading a statement holds, with its place.
+fn headings(layout: &Layout) -> Vec<(Span, usize)> {
+    let held = |constraint: &Constraint| match &constraint.kind {
+        ConstraintKind::FixSection { target, kinds } if kinds.contains(&FixKind::Rotation) => {
+            Some((constraint.span, target.from))
+        }
+        _ => None,
+    };
+    layout.constraints.iter().filter_map(held).collect()
 }
 
 fn kind_of(constraint: &ConstraintKind) -> Kind {

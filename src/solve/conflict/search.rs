@@ -1,34 +1,57 @@
-//! The least amount by which lines must give way, and the smallest set of lines that cannot hold together.
+//! The least amount by which lines must give way, and smallest sets of lines that cannot hold together.
 //!
 //! The elastic filter (Chinneck and Dravnieks 1991) gives a small set at once: where giving way is at its minimum, the
 //! rows with a multiplier contradict each other by themselves. The deletion filter (Chinneck 2008, §6.2) then leaves a
-//! line out for good where the others cannot hold without it either; the set that is left is irreducible, and every line
-//! of it was left out once with a layout that meets the rest.
+//! line out for good where no layout was found without it either. Every line that stays was left out once with a layout
+//! that meets the rest. Solvers are local, so a layout that turns up later may meet a set that was taken for
+//! contradictory: every layout found is kept, and the filter runs again where one of them does.
 
 use super::lines::{Lines, Role};
+use crate::geometry::{Point, Track};
 use crate::model::Layout;
+use crate::problem::measures::{radius, to_corners, x, y};
 use crate::problem::{LEVER, Problem, RowKey, RowValue};
 use crate::solve::perturbed;
 use crate::solve::sqp::{self, Settings, Solution};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Limits that give way by less than this hold, m.
 pub const HOLDS: f64 = 1e-6;
-/// Iterations of one solve, and solves of one search.
+/// Iterations of one solve.
 const ITERATIONS: usize = 120;
+/// Solves of one search.
 const SOLVES: usize = 400;
+/// The same of a thorough one of up to [`SMALL`] vertices. A solve takes about the cube of them, so larger layouts get fewer.
+const THOROUGH: usize = 600;
+const FEWEST: usize = 24;
+const SMALL: usize = 10;
 /// A row with a multiplier below this is no reason; the multipliers of elastic rows add up to 1.
 const NO_WEIGHT: f64 = 1e-4;
 /// Rough starts beside the written and the failed layout: noise (m) and seeds.
 const NOISE: f64 = 1.0;
 const SEEDS: [u64; 2] = [1, 2];
+/// More of them for what is to be confirmed: with nothing fixed, and the written layout scaled about its middle.
+const WIDE: [(f64, u64); 2] = [(3.0, 3), (6.0, 4)];
+const SCALES: [f64; 2] = [1.5, 0.75];
+/// How often the filter begins again.
+const ROUNDS: usize = 3;
+/// Lines that give way by no more than this nearly hold, m: worth a solve that lets none give way.
+const NEARLY: f64 = 0.05;
+/// Of the layouts found, those from which others are tried.
+const RECENT: usize = 2;
+
+/// Indices into [`Lines::list`].
+pub type Set = BTreeSet<usize>;
 
 /// Solves for the least giving way, from several starts.
 pub struct Search<'a> {
     pub lines: &'a Lines,
     starts: Vec<Vec<f64>>,
+    /// Layouts that met some lines.
+    known: RefCell<Vec<Vec<f64>>>,
     solves: Cell<usize>,
+    most: usize,
 }
 
 /// A layout for which limits give way as little as was found.
@@ -42,17 +65,12 @@ pub struct Least {
     pub against: Vec<RowKey>,
 }
 
-/// Lines that cannot hold together.
+/// Lines for which no layout was found.
 #[derive(Clone, Debug)]
-pub struct Conflict {
-    /// Indices into [`Lines::list`].
-    pub set: Vec<usize>,
-    /// How far all of them must give way alike, m.
-    pub apart: f64,
-    /// How far each must give way while the others hold, m; `None` where none was found that does.
-    pub alone: Vec<Option<f64>>,
-    /// Whether a layout was found for every set that one of them is missing from.
-    pub confirmed: bool,
+pub struct Core {
+    pub set: Set,
+    /// By line, a layout that meets the others of the set.
+    pub without: BTreeMap<usize, Vec<f64>>,
 }
 
 impl<'a> Search<'a> {
@@ -60,7 +78,29 @@ impl<'a> Search<'a> {
     pub fn new(layout: &Layout, problem: &Problem, lines: &'a Lines, found: &[f64]) -> Self {
         let rough = SEEDS.map(|seed| perturbed(layout, problem, NOISE, seed));
         let starts = [found.to_vec(), problem.start.clone()].into_iter().chain(rough).collect();
-        Search { lines, starts, solves: Cell::new(0) }
+        Search { lines, starts, known: RefCell::default(), solves: Cell::new(0), most: SOLVES }
+    }
+
+    /// The same from more starts, for what is to be confirmed.
+    pub fn thorough(layout: &Layout, problem: &Problem, lines: &'a Lines, found: &[f64]) -> Self {
+        let mut search = Search::new(layout, problem, lines, found);
+        let n = problem.vertices.len().max(SMALL);
+        search.most = (THOROUGH * SMALL * SMALL * SMALL / (n * n * n)).max(FEWEST);
+        let unfixed = lines.unfixed(problem);
+        search.starts.extend(SCALES.map(|by| scaled(&unfixed, by)));
+        search.starts.extend(WIDE.map(|(noise, seed)| perturbed(layout, &unfixed, noise, seed)));
+        search
+    }
+
+    /// From how many starts a set is tried before it is said that no layout was found.
+    pub fn starts(&self) -> usize {
+        self.starts.len()
+    }
+
+    fn spent(&self) -> bool {
+        let solves = self.solves.get();
+        self.solves.set(solves + 1);
+        solves >= self.most
     }
 
     /// The least amount by which a problem's elastic limits give way. Stops at the first start from which `enough` is
@@ -68,10 +108,9 @@ impl<'a> Search<'a> {
     pub fn minimum(&self, problem: &Problem, enough: f64) -> Option<Least> {
         let mut best: Option<Solution> = None;
         for start in &self.starts {
-            if self.solves.get() >= SOLVES {
+            if self.spent() {
                 return None;
             }
-            self.solves.set(self.solves.get() + 1);
             let solution = give_way(problem, start);
             if solution.max_violation > HOLDS {
                 continue;
@@ -85,23 +124,19 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        best.map(|mut solution| {
-            solution.variables.pop();
-            let weighs = |m: &f64| m.abs() > NO_WEIGHT;
-            let against = solution.multipliers.iter().filter(|(_, m)| weighs(m)).map(|(key, _)| *key).collect();
-            Least { amount: solution.length, at: solution.variables, against }
-        })
+        best.map(least)
     }
 
     /// The same beginning at a layout that meets the other rows: what the limits give way by there is enough in any case.
-    fn minimum_near(&self, problem: &Problem, witness: &[f64]) -> Option<f64> {
+    pub fn minimum_near(&self, problem: &Problem, witness: &[f64]) -> Option<Least> {
         let (x, slack) = slacken(problem, witness);
         let meets = problem.evaluate(&x, 0.0).rows.iter().all(|row| row.violation() <= HOLDS);
+        let known = meets.then(|| Least { amount: slack, at: witness.to_vec(), against: Vec::new() });
         let near = give_way(problem, witness);
-        let near = (near.max_violation <= HOLDS).then_some(near.length);
-        let far = self.minimum(problem, HOLDS).map(|least| least.amount);
-        let known = meets.then_some(slack);
-        [known, near, far].into_iter().flatten().min_by(f64::total_cmp)
+        let near = (near.max_violation <= HOLDS).then(|| least(near));
+        let far = self.minimum(problem, HOLDS);
+        let sound = |least: &Least| uncrossed(problem, &least.at);
+        [known, near, far].into_iter().flatten().filter(sound).min_by(|a, b| a.amount.total_cmp(&b.amount))
     }
 
     /// The layout that the search was given.
@@ -110,7 +145,7 @@ impl<'a> Search<'a> {
     }
 
     /// The lines that rows belong to.
-    pub fn owners(&self, keys: &[RowKey]) -> BTreeSet<usize> {
+    pub fn owners(&self, keys: &[RowKey]) -> Set {
         keys.iter().filter_map(|&key| self.lines.owner(key)).collect()
     }
 
@@ -129,47 +164,118 @@ impl<'a> Search<'a> {
     }
 
     /// Lets all lines of a set give way alike, others left out.
-    fn alike(&self, set: &BTreeSet<usize>) -> Option<Least> {
-        let role = |i: usize| if set.contains(&i) { Role::Gives } else { Role::Left };
-        self.minimum(&self.lines.problem(role), HOLDS)
+    pub fn alike(&self, set: &Set) -> Option<Least> {
+        self.minimum(&self.lines.problem(only(set, Role::Gives)), HOLDS)
     }
 
-    /// The smallest set of lines in conflict; `None` where all of them can hold, or no answer was found.
-    pub fn conflict(&self) -> Option<Conflict> {
-        let all: BTreeSet<usize> = (0..self.lines.list.len()).collect();
-        let holds = |least: &Least| least.amount <= HOLDS;
-        let mut least = self.alike(&all).filter(|least| !holds(least))?;
-        let mut set = all;
-        let core = self.owners(&least.against);
-        if let Some(apart) = self.alike(&core).filter(|least| !core.is_empty() && !holds(least)) {
-            (set, least) = (core, apart);
+    /// A layout that meets the lines of a set, whatever the others; `None` where none was found from any start.
+    pub fn layout(&self, set: &Set) -> Option<Vec<f64>> {
+        let hard = self.lines.given_way(0.0, only(set, Role::Holds));
+        let known = self.known.borrow().clone();
+        if let Some(x) = known.iter().find(|x| meets(&hard, x)) {
+            return Some(x.clone());
         }
-        // Limits of the catalogue and the building come first in the list, so a user's own words stay if they can. A
-        // layout that meets all but one line of a set is a start for letting that line alone give way.
-        let mut witnesses = BTreeMap::new();
-        for line in set.clone() {
-            let mut without = set.clone();
-            without.remove(&line);
-            match self.alike(&without) {
-                Some(apart) if !holds(&apart) && !without.is_empty() => (set, least) = (without, apart),
-                Some(witness) => {
-                    witnesses.insert(line, witness.at);
-                }
-                None => {}
+        let elastic = self.lines.problem(only(set, Role::Gives));
+        let recent = &known[known.len().saturating_sub(RECENT)..];
+        for start in self.starts.iter().chain(recent) {
+            if self.spent() {
+                return None;
+            }
+            let mut x = least(give_way(&elastic, start));
+            if !meets(&hard, &x.at) && x.amount <= NEARLY {
+                x.at = settle(&hard, &x.at);
+            }
+            if meets(&hard, &x.at) {
+                return Some(self.keep(x.at));
             }
         }
-        let alone = set.iter().map(|&line| {
-            let role = |i: usize| match set.contains(&i) {
-                true if i == line => Role::Gives,
-                true => Role::Holds,
-                false => Role::Left,
-            };
-            self.minimum_near(&self.lines.problem(role), witnesses.get(&line)?)
-        });
-        let alone = alone.collect();
-        let confirmed = set.iter().all(|line| witnesses.contains_key(line));
-        Some(Conflict { set: set.into_iter().collect(), apart: least.amount, alone, confirmed })
+        // Shorter tracks lead elsewhere than limits that give way.
+        for start in self.starts.iter().take(2) {
+            let x = settle(&hard, start);
+            if !self.spent() && meets(&hard, &x) {
+                return Some(self.keep(x));
+            }
+        }
+        None
     }
+
+    fn keep(&self, x: Vec<f64>) -> Vec<f64> {
+        self.known.borrow_mut().push(x.clone());
+        x
+    }
+
+    /// A layout that meets the lines of a set with one more that gives way by a fixed amount, near one that does so already.
+    pub fn given_way(&self, role: impl Fn(usize) -> Role, amount: f64, near: &[f64]) -> Option<Vec<f64>> {
+        Search::reach(&self.lines.given_way(amount, role), near)
+    }
+
+    /// The nearest layout that a solve finds to meet a problem in which nothing gives way: the given one if it does.
+    pub fn reach(hard: &Problem, near: &[f64]) -> Option<Vec<f64>> {
+        if meets(hard, near) {
+            return Some(near.to_vec());
+        }
+        let x = settle(hard, near);
+        meets(hard, &x).then_some(x)
+    }
+
+    /// A smallest set of lines among `within` for which no layout was found; `None` where one meets them all.
+    pub fn conflict(&self, within: &Set) -> Option<Core> {
+        if self.layout(within).is_some() {
+            return None;
+        }
+        let rows = self.alike(within).map(|least| least.against).unwrap_or_default();
+        let core: Set = self.owners(&rows).intersection(within).copied().collect();
+        let first = if !core.is_empty() && self.layout(&core).is_none() { &core } else { within };
+        for _ in 0..ROUNDS {
+            let core = self.filter(first);
+            if self.layout(&core.set).is_none() {
+                return Some(core);
+            }
+        }
+        self.layout(within).is_none().then(|| Core { set: within.clone(), without: BTreeMap::new() })
+    }
+
+    /// Limits of the catalogue and the building come first in the list, so a user's own words stay if they can.
+    fn filter(&self, first: &Set) -> Core {
+        let mut core = Core { set: first.clone(), without: BTreeMap::new() };
+        for &line in first {
+            let mut without = core.set.clone();
+            without.remove(&line);
+            match self.layout(&without) {
+                Some(x) => {
+                    core.without.insert(line, x);
+                }
+                None => core.set = without,
+            }
+        }
+        core
+    }
+}
+
+/// The role of the lines of a set, others left out.
+pub fn only(set: &Set, role: Role) -> impl Fn(usize) -> Role {
+    let set = set.clone();
+    move |i| if set.contains(&i) { role } else { Role::Left }
+}
+
+/// Whether a layout meets every row of a problem in which nothing gives way, does not cross itself, and drives the way that
+/// fixed sections are written.
+pub fn meets(problem: &Problem, x: &[f64]) -> bool {
+    let at = problem.evaluate(x, 0.0);
+    at.rows.iter().all(|row| row.violation() <= HOLDS)
+        && problem.crossings(&at.track).is_empty()
+        && problem.rotations.iter().all(|&section| along(problem, x, section) > 0.0)
+}
+
+fn uncrossed(problem: &Problem, x: &[f64]) -> bool {
+    problem.crossings(&Track::new(&to_corners(x))).is_empty()
+}
+
+/// How far a section goes along its written direction, as a multiple of its written length, m.
+fn along(problem: &Problem, at: &[f64], section: usize) -> f64 {
+    let next = (section + 1) % problem.vertices.len();
+    let vector = |v: &[f64]| Point::new(v[x(next)] - v[x(section)], v[y(next)] - v[y(section)]);
+    vector(at).dot(vector(&problem.start))
 }
 
 /// A start with a slack that every elastic row holds with; the other rows may not.
@@ -184,8 +290,42 @@ fn slacken(problem: &Problem, start: &[f64]) -> (Vec<f64>, f64) {
     (x, slack)
 }
 
+// Short steps: a long one may take the track across itself or an obstacle, where rows no longer lead back.
+fn settings() -> Settings {
+    Settings { iterations: ITERATIONS, radius: 0.5, largest_radius: 1.0, ..Settings::default() }
+}
+
 fn give_way(problem: &Problem, start: &[f64]) -> Solution {
-    // Short steps: a long one may take the track across itself or an obstacle, where rows no longer lead back.
-    let settings = Settings { iterations: ITERATIONS, radius: 0.5, largest_radius: 1.0, ..Settings::default() };
-    sqp::minimise(problem, &slacken(problem, start).0, &settings, &|_, _, _| {})
+    sqp::minimise(problem, &slacken(problem, start).0, &settings(), &|_, _, _| {})
+}
+
+/// The end of a solve in which nothing gives way.
+fn settle(problem: &Problem, start: &[f64]) -> Vec<f64> {
+    let mut x = start.to_vec();
+    x.push(0.0);
+    let mut x = sqp::minimise(problem, &x, &settings(), &|_, _, _| {}).variables;
+    x.pop();
+    x
+}
+
+fn least(mut solution: Solution) -> Least {
+    solution.variables.pop();
+    let weighs = |m: &f64| m.abs() > NO_WEIGHT;
+    let against = solution.multipliers.iter().filter(|(_, m)| weighs(m)).map(|(key, _)| *key).collect();
+    Least { amount: solution.length, at: solution.variables, against }
+}
+
+/// The written layout, larger or smaller about the middle of its vertices, where nothing is fixed.
+fn scaled(problem: &Problem, by: f64) -> Vec<f64> {
+    let n = problem.vertices.len();
+    let mean = |of: fn(usize) -> usize| (0..n).map(|i| problem.start[of(i)]).sum::<f64>() / n as f64;
+    let middle = [mean(x), mean(y)];
+    let mut start = problem.start.clone();
+    for i in 0..n {
+        start[x(i)] = middle[0] + by * (start[x(i)] - middle[0]);
+        start[y(i)] = middle[1] + by * (start[y(i)] - middle[1]);
+        let limits = problem.bounds[radius(i)];
+        start[radius(i)] = (by * start[radius(i)]).clamp(limits.low, limits.high);
+    }
+    start
 }

@@ -1,62 +1,169 @@
-//! What a line would have to give way by, in words.
+//! What a conflict is called, and what its lines would have to give way by, in words.
 
-use super::lines::{Kind, Line, Lines};
+use super::lines::Kind;
+use super::{Assumed, Conflict, Decides, Member, Proof, Within};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::number::trimmed;
 use crate::geometry::trig::PI;
-use crate::model::{Constraint, ConstraintKind, Layout, Unit};
+use crate::model::{Side, Unit};
 use crate::problem::LEVER;
 
-/// `5.193 m`, `0.21 mm`: rounded up, so that giving way by it is enough.
-pub fn metres(amount: f64) -> String {
-    match amount {
-        a if a < 0.01 => format!("{} mm", up(a * 1e3)),
-        a => format!("{} m", up(a)),
+/// An amount as a message says it.
+#[derive(Clone, Debug)]
+pub struct Stated {
+    /// What the words say, m, angles by [`LEVER`].
+    pub slack: f64,
+    pub text: String,
+}
+
+/// What rounding may leave out because limits hold to more than that, in a thousandth of the unit.
+const HELD: f64 = 0.01;
+
+/// An amount rounded up to three decimals of its unit, and a thousandth more for each of `more`: `5.193 m`, `0.21 mm`, `5°`.
+pub fn stated(unit: Unit, slack: f64, more: u32) -> Stated {
+    let (scale, name) = match unit {
+        Unit::Metre if slack < 0.01 => (1e3, " mm"),
+        Unit::Metre => (1.0, " m"),
+        Unit::Radian => (180.0 / PI / LEVER, "°"),
+        Unit::SquareMetre => (1.0, " m²"),
+        Unit::One | Unit::Other => (1.0, ""),
+    };
+    let value = ((slack * scale * 1e3 - HELD).ceil().max(0.0) + f64::from(more)) / 1e3;
+    Stated { slack: value / scale, text: format!("{}{name}", trimmed(value, 3)) }
+}
+
+/// The message of a conflict.
+pub fn diagnostic(conflict: &Conflict) -> Diagnostic {
+    let members = &conflict.members;
+    let proven = matches!(conflict.proof, Proof::Bounds | Proof::Grid);
+    let these = match members.len() {
+        0 => "what the catalogue offers with these vertices".to_owned(),
+        1 => "this line within what the catalogue offers".to_owned(),
+        2 => "these two lines together".to_owned(),
+        n => format!("these {n} lines together"),
+    };
+    let grid = if conflict.on_grid { " on the catalogue's grid" } else { "" };
+    let message = match proven {
+        true => format!("no layout{grid} meets {these}"),
+        false => format!("no layout was found{grid} that meets {these}"),
+    };
+    // The user's last word is the place to look at first.
+    let last = (0..members.len()).max_by_key(|&i| (members[i].kind, i));
+    let (span, label) = match last {
+        Some(last) => (members[last].span, label(&members[last])),
+        None => (conflict.span, "more turns or fewer are needed, or more room between them".to_owned()),
+    };
+    let mut diagnostic = Diagnostic::new(Code::E0601, message, span, label);
+    for member in members {
+        diagnostic = diagnostic.related(member.span, self::label(member));
+    }
+    diagnostic.help(help(conflict))
+}
+
+/// What is said at a member's line.
+fn label(member: &Member) -> String {
+    let assumed = match member.assumed {
+        None => String::new(),
+        Some(Assumed { side, by }) => {
+            let side = if side == Side::Right { "right" } else { "left" };
+            let by = match by {
+                Decides::Pass => "as `pass` says",
+                Decides::Written => "as the written vertices have it",
+                Decides::Neither => "and no layout was found with it on the other side",
+            };
+            format!("taken to lie to the {side} of travel, {by}: ")
+        }
+    };
+    let Some(relaxed) = &member.relaxed else {
+        return assumed
+            + match (&member.without, member.within) {
+                (None, _) => "no layout was found without this line either",
+                (Some(_), Within::Layout) => "no change of this line alone was found that would do",
+                (Some(_), Within::Members) => {
+                    "left out, it leaves another conflict; how far it must give way was not found"
+                }
+            };
+    };
+    let by = &relaxed.text;
+    let would_do = match member.kind {
+        Kind::Turns => format!("turns {by} beyond these limits"),
+        Kind::Radii => format!("radii {by} beyond these limits"),
+        Kind::Building => format!("walls {by} further out"),
+        Kind::Obstacle => format!("{by} closer"),
+        Kind::Room => format!("{by} less room"),
+        Kind::Fix => format!("{by} off its written place"),
+        Kind::Require => match member.lower {
+            Some(true) => format!("{by} less"),
+            Some(false) => format!("{by} more"),
+            None => format!("{by} off"),
+        },
+    };
+    match member.within {
+        Within::Layout => format!("{assumed}{would_do} would do"),
+        Within::Members => format!("{assumed}{would_do} would do for the lines shown here, not for the whole layout"),
     }
 }
 
-fn degrees(amount: f64) -> String {
-    format!("{}°", up(amount / LEVER * 180.0 / PI))
-}
-
-/// Rounded up to three decimals.
-fn up(value: f64) -> String {
-    trimmed((value * 1e3 - 1e-3).ceil() / 1e3, 3)
-}
-
-/// How far a line must give way while the others of its set hold.
-pub fn alone(layout: &Layout, lines: &Lines, line: &Line, amount: Option<f64>) -> String {
-    let Some(amount) = amount else {
-        return "no change of this line alone was found that would do".to_owned();
-    };
-    match line.kind {
-        Kind::Turns => format!("turns {} beyond these limits would do", degrees(amount)),
-        Kind::Radii => format!("radii {} beyond these limits would do", metres(amount)),
-        Kind::Building => format!("walls {} further out would do", metres(amount)),
-        Kind::Obstacle => format!("{} closer would do", metres(amount)),
-        Kind::Room => format!("{} less room would do", metres(amount)),
-        Kind::Fix => format!("{} off its written place would do", metres(amount)),
-        Kind::Require => require(layout, lines, line, amount),
+fn help(conflict: &Conflict) -> String {
+    let mut said: Vec<String> = Vec::new();
+    said.push(match &conflict.proof {
+        Proof::Bounds => "this is proven, for turns that go the way they are written and as often around".to_owned(),
+        Proof::Grid => {
+            "this is proven by the search over the catalogue's grid, for turns that go the way they are written \
+                        and as often around"
+                .to_owned()
+        }
+        Proof::GridOfAll => {
+            "that the whole layout has none on the grid is proven; for these lines alone none was found, \
+                             which is no proof"
+                .to_owned()
+        }
+        Proof::NotFound if conflict.on_grid => {
+            "no layout was found on the grid from the continuous one; that is no proof that there is none".to_owned()
+        }
+        Proof::NotFound => {
+            format!("no layout was found from {} starts; that is no proof that there is none", conflict.starts)
+        }
+    });
+    said.extend(alternatives(conflict));
+    if let Some(together) = conflict.together.as_ref().filter(|_| conflict.members.len() > 1) {
+        said.push(format!("all of them together would have to give way by {} each", together.text));
     }
+    let amounts = conflict.members.iter().any(|m| m.relaxed.is_some());
+    if amounts && !conflict.on_grid {
+        said.push("amounts are for any turn and radius; on the catalogue's grid more may be needed".to_owned());
+    }
+    let open = conflict.members.iter().any(|m| m.assumed.is_some_and(|a| a.by != Decides::Neither));
+    if open {
+        said.push("`pass NAME either` leaves the side of an obstacle open".to_owned());
+    }
+    said.push("the best layout found is written, marked NOT FEASIBLE".to_owned());
+    said.join("; ")
 }
 
-fn require(layout: &Layout, lines: &Lines, line: &Line, amount: f64) -> String {
-    let unit = layout.constraints.iter().find(|c| c.span == line.span).map(unit);
-    let size = match unit {
-        Some(Unit::Radian) => degrees(amount),
-        Some(Unit::Metre) => metres(amount),
-        Some(Unit::SquareMetre) => format!("{} m²", up(amount)),
-        _ => up(amount),
-    };
-    let row = match line.rows[..] {
-        [row] => lines.row(row),
-        _ => return format!("{size} off would do"),
-    };
-    if row.low.is_finite() { format!("{size} less would do") } else { format!("{size} more would do") }
-}
-
-fn unit(constraint: &Constraint) -> Unit {
-    match constraint.kind {
-        ConstraintKind::Require { unit, .. } => unit,
-        _ => Unit::Metre,
+/// What holds without a member.
+fn alternatives(conflict: &Conflict) -> Option<String> {
+    let members = &conflict.members;
+    let whole = |m: &Member| m.without.is_some() && m.within == Within::Layout;
+    let known = |m: &Member| m.without.is_some();
+    match members.len() {
+        0 => None,
+        1 if members.iter().all(whole) => Some("without it a layout was found that meets all other lines".to_owned()),
+        _ if members.iter().all(whole) => {
+            Some("without any one of them a layout was found that meets all other lines".to_owned())
+        }
+        _ if members.iter().all(known) => {
+            let others = "without any one of them a layout was found that meets the others";
+            let more = match members.iter().any(whole) {
+                true => {
+                    "the layout has another conflict, too, which the lines without a remark on the whole layout settle"
+                }
+                false => "the layout has another conflict, too",
+            };
+            Some(format!("{others}; {more}"))
+        }
+        _ => {
+            Some("fewer of them may be in conflict already: not for every one a layout was found without it".to_owned())
+        }
     }
 }

@@ -49,7 +49,7 @@ pub fn discretise(
     let clock = Instant::now();
     let grid = match Grid::new(layout, problem, &rough.variables, 0.0) {
         Ok(grid) => grid,
-        Err(why) => return Discretised { refused: refusal(problem, &why), ..rough.into() },
+        Err(why) => return Discretised { refused: refusal(problem, &why), refuted: true, ..rough.into() },
     };
     let polish = |x: &[f64], straights: Option<f64>| {
         let held = discrete::hold(layout, problem, settings, x, straights)?;
@@ -76,7 +76,11 @@ pub fn discretise(
             "with turns and radii chosen, no length closes between one and the next that was found to".to_owned(),
         );
     }
-    let Some(variables) = found.variables else { return rough.into() };
+    let Some(variables) = found.variables else {
+        // Nothing was put aside undecided, and the grid lies as it must.
+        let refuted = found.bound == f64::INFINITY && (grid.held || offset::turns_freely(problem));
+        return Discretised { refuted, ..rough.into() };
+    };
     let counted = match aim {
         Aim::Length => Counted::Length,
         Aim::Price { metre } => Counted::Price { metre },
@@ -95,7 +99,7 @@ pub fn discretise(
         converged: rough.converged || certificate.proven,
         multipliers: rough.multipliers,
     };
-    Discretised { solution, certificate: Some(certificate), refused: Vec::new() }
+    Discretised { solution, certificate: Some(certificate), refused: Vec::new(), refuted: false }
 }
 
 /// What all searches of one layout share.
