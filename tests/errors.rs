@@ -71,6 +71,10 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
             diagnostics.extend(solve::unclosed(layout, &compiled.track, &compiled.space.line));
         }
+        (Code::W0712, Ok(Some(layout))) => {
+            let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
+            diagnostics.extend(solve::left_over(layout, &compiled.track, &compiled.space.line, compiled.chain));
+        }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(layout, &solve::solve(layout, &solve::Options::default(), &|_| {})));
         }

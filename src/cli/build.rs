@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::emit::pareto::Pareto;
 use crate::emit::{self, Compiled, DrawError, Files};
-use crate::kinematics::{Fit, fit};
+use crate::kinematics::Fit;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::unsupported;
@@ -133,6 +133,7 @@ struct CertificateSummary<'a> {
 struct ChainSummary {
     carts: usize,
     left_over_mm: f64,
+    take_up_mm: f64,
 }
 
 #[derive(Serialize)]
@@ -180,7 +181,8 @@ impl Build {
         let compiled = self.solve(layout);
         said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
         if !compiled.failed() {
-            said.extend(solve::unclosed(layout, &compiled.track, &compiled.space.line));
+            let unclosed = solve::unclosed(layout, &compiled.track, &compiled.space.line);
+            said.extend(unclosed.or_else(|| loose(&compiled)));
         }
         said.extend(compiled.heights.iter().cloned());
         if compiled.heights.iter().any(Diagnostic::is_error) {
@@ -283,7 +285,7 @@ impl Build {
             mass_kg: compiled.bill.mass,
             feasible: !compiled.failed(),
             certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
-            chain: fit(&compiled.space.line, compiled.layout.cart.length).map(chain),
+            chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
             pareto,
         };
         let text = match self.format {
@@ -346,8 +348,18 @@ fn certificate(c: &Certificate) -> CertificateSummary<'_> {
     }
 }
 
-fn chain(fit: Fit) -> ChainSummary {
-    ChainSummary { carts: fit.carts, left_over_mm: (fit.left_over * 1e6).round() / 1e3 + 0.0 }
+fn chain(fit: Fit, layout: &Layout) -> ChainSummary {
+    let millimetres = |metres: f64| (metres * 1e6).round() / 1e3 + 0.0;
+    ChainSummary {
+        carts: fit.carts,
+        left_over_mm: millimetres(fit.left_over),
+        take_up_mm: millimetres(layout.catalog.take_up),
+    }
+}
+
+/// The warning where the chain leaves more over than the take-up compensates.
+pub(super) fn loose(compiled: &Compiled) -> Option<Diagnostic> {
+    solve::left_over(&compiled.layout, &compiled.track, &compiled.space.line, compiled.chain)
 }
 
 /// Solves with the default options, without a word.
@@ -391,7 +403,12 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
         };
     }
     if let Some(chain) = &summary.chain {
-        out += &format!("  {} carts, {:.1} mm left over\n", chain.carts, chain.left_over_mm);
+        let beyond = if chain.left_over_mm.abs() > chain.take_up_mm + 0.01 {
+            format!(", beyond the take-up of {} mm", chain.take_up_mm)
+        } else {
+            String::new()
+        };
+        out += &format!("  {} carts, {:.1} mm left over{beyond}\n", chain.carts, chain.left_over_mm);
     }
     out += &format!(
         "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",

@@ -68,6 +68,9 @@ pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<C
     said.extend(crate::solve::diagnose(&compiled.layout, &compiled.stages));
     // The bill does not matter here.
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
+    if !compiled.failed() {
+        said.extend(build::loose(&compiled));
+    }
     match tell(&sources, &said, format) {
         Outcome::Clean => Ok(compiled),
         failed => Err(failed),

@@ -103,6 +103,7 @@ codes! {
     W0705 "implied-constraint",
     W0710 "not-in-catalog",
     W0711 "climb-not-in-catalog",
+    W0712 "chain-does-not-fit",
 
     E0801 "not-a-drawing",
     E0802 "unknown-drawing-unit",

@@ -5,6 +5,7 @@ use crate::diagnostic::Diagnostic;
 use crate::elements::{self, Bill, Sequence, Space};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Hand, Outline, Track};
+use crate::kinematics::{Fit, fit};
 use crate::model::{Layout, Side};
 use crate::solve::{Stage, Status};
 
@@ -22,6 +23,8 @@ pub struct Compiled {
     /// What of the layout's heights cannot be built, or not from the catalogue.
     pub heights: Vec<Diagnostic>,
     pub bill: Bill,
+    /// The whole number of carts that fits best, and what it leaves over; `None` where no chain closes.
+    pub chain: Option<Fit>,
     /// Contact areas and clearances per obstacle, in the order of `layout.obstacles`, then the building.
     pub contacts: Vec<Contact>,
     /// Floor covered by the track's band, m².
@@ -39,6 +42,7 @@ impl Compiled {
         heights.extend(elements::climbs_lacking(&pieces, &layout));
         Compiled {
             bill: elements::bill(&pieces, &layout),
+            chain: fit(&space.line, layout.cart.length),
             contacts: contacts(&layout, &track),
             footprint: track.footprint(layout.width.value),
             sequence,
@@ -58,6 +62,11 @@ impl Compiled {
     /// Length of the centre line, m.
     pub fn length(&self) -> f64 {
         if self.raised() { self.space.line.length } else { self.track.length }
+    }
+
+    /// Whether a whole number of carts closes within the catalogue's take-up.
+    pub fn chain_fits(&self) -> bool {
+        self.chain.is_some_and(|fit| fit.is_within(self.layout.catalog.take_up))
     }
 
     /// Whether the last stage failed: drawings then carry a watermark and the rows that are violated.

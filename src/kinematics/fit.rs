@@ -15,6 +15,16 @@ pub struct Fit {
 /// Phases that the pitch is averaged over.
 const PHASES: usize = 8;
 
+impl Fit {
+    /// Whether a take-up of this length, m, compensates what is left over. What exceeds it by less than a solver leaves does not.
+    pub fn is_within(&self, take_up: f64) -> bool {
+        self.left_over.abs() <= take_up + TOLERANCE
+    }
+}
+
+/// Left-overs are told apart from this on, m.
+const TOLERANCE: f64 = 1e-5;
+
 /// Fits carts of this length, m. `None` where no chain closes.
 pub fn fit(line: &CentreLine, length: f64) -> Option<Fit> {
     if length.is_nan() || length <= 0.0 {
@@ -22,15 +32,33 @@ pub fn fit(line: &CentreLine, length: f64) -> Option<Fit> {
     }
     // Chords cut corners: the whole number is that of the centre line, or one or two below it.
     let most = (line.length / length).round() as usize;
-    let of = |carts: usize| {
-        let first = closing(line, carts, 0.0).ok()?.pitch;
-        let phase = |k: usize| Some(closing(line, carts, first * k as f64 / PHASES as f64).ok()?.pitch);
-        let pitches: Option<Vec<f64>> = (0..PHASES).map(phase).collect();
-        let pitch = pitches?.iter().sum::<f64>() / PHASES as f64;
-        Some(Fit { carts, left_over: carts as f64 * (pitch - length) })
-    };
+    let of = |carts: usize| Some(Fit { carts, left_over: left_over(line, carts, length)? });
     let near = (most.saturating_sub(2)..=most).filter_map(of);
     near.min_by(|a, b| a.left_over.abs().total_cmp(&b.left_over.abs()))
+}
+
+/// What so many carts of this length, m, lack to close, as [`Fit::left_over`]. `None` where they do not close at all.
+pub fn left_over(line: &CentreLine, carts: usize, length: f64) -> Option<f64> {
+    let first = closing(line, carts, 0.0).ok()?.pitch;
+    let phase = |k: usize| Some(closing(line, carts, first * k as f64 / PHASES as f64).ok()?.pitch);
+    let pitches: Option<Vec<f64>> = (0..PHASES).map(phase).collect();
+    let pitch = pitches?.iter().sum::<f64>() / PHASES as f64;
+    Some(carts as f64 * (pitch - length))
+}
+
+/// Of several lengths of cart, m, the one nearest to `length` of which a whole number fits within the take-up, m. Where none does,
+/// the one that leaves the least over, if that is less than `length` leaves.
+pub fn better_length(line: &CentreLine, length: f64, offered: &[f64], take_up: f64) -> Option<(f64, Fit)> {
+    let left = fit(line, length).map_or(f64::INFINITY, |fit| fit.left_over.abs());
+    let others = offered.iter().copied().filter(|l| (l - length).abs() > 1e-9);
+    let fits: Vec<(f64, Fit)> = others.filter_map(|l| Some((l, fit(line, l)?))).collect();
+    let away = |l: f64| (l - length).abs();
+    let within = fits.iter().filter(|(_, fit)| fit.is_within(take_up));
+    let least = fits.iter().filter(|(_, fit)| fit.left_over.abs() < left - TOLERANCE);
+    within
+        .min_by(|a, b| away(a.0).total_cmp(&away(b.0)))
+        .or_else(|| least.min_by(|a, b| a.1.left_over.abs().total_cmp(&b.1.left_over.abs())))
+        .copied()
 }
 
 /// The level centre line of a track.
@@ -71,5 +99,19 @@ mod tests {
             assert!((fit.left_over - expected).abs() < 2e-3, "{} {expected}", fit.left_over);
             assert!(fit.left_over.abs() <= 0.63);
         }
+    }
+    #[test]
+    fn another_length_is_the_nearest_that_fits_or_the_one_that_leaves_least() {
+        let corner = |x, y| Corner { point: Point::new(x, y), radius: 5.0 };
+        let track = Track::new(&[corner(0.0, 0.0), corner(40.3, 0.0), corner(40.3, 10.0), corner(0.0, 10.0)]);
+        let line = level(&track);
+        let offered: Vec<f64> = (10..=25).map(|k| 0.05 * f64::from(k)).collect();
+        let left = |l: f64| fit(&line, l).unwrap().left_over.abs();
+        let (length, found) = better_length(&line, 1.25, &offered, 0.1).unwrap();
+        assert!(found.is_within(0.1) && (found.left_over.abs() - left(length)).abs() < 1e-12);
+        assert!(offered.iter().all(|&l| l <= length || l > 1.2 || left(l) > 0.1), "{length}");
+        let (length, found) = better_length(&line, 1.25, &offered, 0.0).unwrap();
+        assert!(offered.iter().all(|&l| left(l) >= found.left_over.abs() - 1e-12), "{length}");
+        assert!(better_length(&line, 1.25, &[1.25], 0.0).is_none());
     }
 }

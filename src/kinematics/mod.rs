@@ -5,4 +5,4 @@ mod fit;
 pub mod polygon;
 
 pub use closing::{Closing, Unclosed, closing};
-pub use fit::{Fit, fit, level};
+pub use fit::{Fit, better_length, fit, left_over, level};

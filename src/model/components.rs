@@ -114,6 +114,8 @@ pub struct Cart {
     pub span: Span,
     /// Distance between front and rear joint, m.
     pub length: f64,
+    /// Lengths that the product line is made in, m; empty where it does not say.
+    pub lengths: Vec<f64>,
     /// kg
     pub mass: f64,
     /// About the centre of mass, along ξ, η, ζ, kg m².

@@ -117,6 +117,7 @@ fn cart() -> Cart {
         name: "tilt_tray".to_owned(),
         span: span(),
         length: 1.25,
+        lengths: Vec::new(),
         mass: 41.0,
         inertia: [1.6, 5.6, 6.4],
         centre_of_mass: [-0.40, 0.05],

@@ -122,6 +122,9 @@ impl Printer {
         self.text.push('\n');
         self.block(format!("cart {}", cart.name), |out| {
             out.field("length", metres(cart.length));
+            if !cart.lengths.is_empty() {
+                out.field("lengths", list(&cart.lengths));
+            }
             out.field("mass", unit(cart.mass, "kg"));
             out.field("inertia", format!("({})", cart.inertia.map(|i| unit(i, "kg*m^2")).join(", ")));
             out.field("centre_of_mass", format!("({})", cart.centre_of_mass.map(metres).join(", ")));

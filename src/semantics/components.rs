@@ -75,6 +75,7 @@ pub(super) fn cart(c: &Component, span: Span) -> Option<Cart> {
         name: c.name.clone(),
         span,
         length: c.number("length")?,
+        lengths: c.numbers("lengths").map_or_else(Vec::new, <[f64]>::to_vec),
         mass: c.number("mass")?,
         inertia: [*roll, *pitch, *yaw],
         centre_of_mass: [*forward, *above],

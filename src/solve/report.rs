@@ -1,6 +1,7 @@
 //! What a solve has to say to the user: rows that no layout meets, as diagnostics on the lines they come from.
 
 use super::conflict::{self, Conflict};
+use super::left_over::lengthen;
 use super::{Stage, Status, Violation};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::number::trimmed;
@@ -74,31 +75,20 @@ pub fn unclosed(layout: &Layout, track: &Track, line: &CentreLine) -> Option<Dia
         let help = "use shorter carts, or a longer track";
         return Some(Diagnostic::new(Code::E0603, message, closes.span, label).help(help));
     };
-    if left_over.abs() <= closes.value + CLOSED {
+    if (Fit { carts, left_over }).is_within(closes.value) {
         return None;
     }
     let within = trimmed(1e3 * closes.value, 1);
     let message = format!("no whole number of carts closes the chain within {within} mm");
     let too = if left_over > 0.0 { "long" } else { "short" };
     let label = format!("for {carts} carts, the track is {} mm too {too}", trimmed(1e3 * left_over.abs(), 1));
-    let (longer, shorter) =
-        if left_over > 0.0 { (pitch - left_over, left_over) } else { (-left_over, pitch + left_over) };
-    let half = |length: f64| trimmed(0.5e3 * length, 1);
-    let help = opposite(layout, track).map_or_else(
-        || "give a section some freedom, so that the track can be lengthened".to_owned(),
-        |[a, b]| {
-            let (a, b) = (layout.section_name(a), layout.section_name(b));
-            format!("lengthen {a} and {b} by {} mm each, or shorten both by {} mm", half(longer), half(shorter))
-        },
-    );
+    let help = lengthen(layout, track, left_over)
+        .unwrap_or_else(|| "give a section some freedom, so that the track can be lengthened".to_owned());
     Some(Diagnostic::new(Code::E0603, message, closes.span, label).help(help))
 }
 
-/// A left-over that exceeds what is allowed by less does not, m.
-const CLOSED: f64 = 1e-5;
-
 /// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like pairs.
-fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
+pub(super) fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
     let held = |i: usize| {
         layout.constraints.iter().any(|c| {
             matches!(&c.kind, ConstraintKind::FixSection { target, kinds } if target.from == i && kinds.contains(&FixKind::Length))

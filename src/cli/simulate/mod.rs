@@ -1,5 +1,6 @@
 //! `lss simulate`: the chain in motion, and what its sensor cart would bring home.
 
+mod length;
 mod progress;
 mod report;
 
@@ -115,7 +116,7 @@ impl Simulate {
             }
         }
         super::report::print(&match self.format {
-            OutputFormat::Json => report::json(&outcome, wall),
+            OutputFormat::Json => report::json(&simulation, &outcome, wall),
             OutputFormat::Text => report::text(&simulation, &outcome, wall, self.output.as_deref()),
         });
         match &outcome.end {

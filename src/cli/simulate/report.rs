@@ -1,5 +1,6 @@
 //! The summary of a simulation, for people and for programs.
 
+use super::length::CartLength;
 use crate::dynamics::{Outcome, parameters};
 use crate::emit::lap::hotspots;
 use crate::emit::simulation::Simulation;
@@ -19,6 +20,7 @@ struct Summary {
     step_s: f64,
     evaluations: u64,
     cart_length_m: f64,
+    cart_length: CartLength,
     mean_tension_n: f64,
     channels: BTreeMap<&'static str, Moments>,
 }
@@ -32,7 +34,7 @@ struct Moments {
 }
 
 /// One JSON object.
-pub fn json(outcome: &Outcome, wall: f64) -> String {
+pub fn json(simulation: &Simulation, outcome: &Outcome, wall: f64) -> String {
     let moments = |(channel, samples): (&Channel, &Vec<f64>)| {
         let s = statistics(samples)?;
         Some((channel.name(), Moments { mean: s.mean, sd: s.sd, min: s.min, max: s.max }))
@@ -46,6 +48,7 @@ pub fn json(outcome: &Outcome, wall: f64) -> String {
         step_s: outcome.step,
         evaluations: outcome.evaluations,
         cart_length_m: outcome.cart_length,
+        cart_length: CartLength::new(simulation, outcome),
         mean_tension_n: outcome.mean_tension,
         channels: outcome.run.channels.iter().filter_map(moments).collect(),
     };
@@ -59,13 +62,7 @@ pub fn text(simulation: &Simulation, outcome: &Outcome, wall: f64, folder: Optio
         "{}\n  {} carts on {:.3} m, {} m/s, T0 {} N: mean tension {:.1} N\n",
         simulation.name, outcome.carts, outcome.track, chain.speed_m_s, chain.tension_n, outcome.mean_tension
     );
-    let adapted = outcome.cart_length - simulation.cart.length_m;
-    out += &format!(
-        "  cart length {:.6} m to close under tension, {:+.3} mm of the catalogue's {} m\n",
-        outcome.cart_length,
-        adapted * 1e3,
-        simulation.cart.length_m
-    );
+    out += &CartLength::new(simulation, outcome).text();
     out += &format!(
         "  {:.2} s simulated in {wall:.2} s, {} steps of {:.4} ms\n\n",
         outcome.simulated,

@@ -28,6 +28,8 @@ pub struct LayoutFile {
     pub catalog: String,
     /// The cart's name.
     pub cart: String,
+    /// How a whole number of carts fits; `null` when no chain of these carts closes.
+    pub chain: Option<Chain>,
     /// In driving order; the loop closes from the last to the first.
     pub vertices: Vec<Vertex>,
     /// Section i leads from vertex i to the next.
@@ -50,6 +52,22 @@ pub struct LayoutFile {
     pub constraints: Vec<Constraint>,
     /// The stages of optimisation.
     pub stages: Vec<Stage>,
+}
+
+/// The chain of carts on the centre line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Chain {
+    /// The whole number that fits best.
+    pub carts: usize,
+    /// Of the product line, m.
+    pub cart_length_m: f64,
+    /// What so many carts lack to close, m, the mean over phases; negative when the chain has to be compressed.
+    pub left_over_m: f64,
+    /// What the catalogue's take-up compensates, m.
+    pub take_up_m: f64,
+    /// Whether it compensates what is left over.
+    pub fits: bool,
 }
 
 /// A row that is not met.

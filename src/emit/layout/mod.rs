@@ -48,6 +48,13 @@ impl LayoutFile {
             speed_m_s: layout.speed.value,
             catalog: layout.catalog.name.clone(),
             cart: layout.cart.name.clone(),
+            chain: compiled.chain.map(|fit| Chain {
+                carts: fit.carts,
+                cart_length_m: layout.cart.length,
+                left_over_m: tidy(fit.left_over),
+                take_up_m: layout.catalog.take_up,
+                fits: compiled.chain_fits(),
+            }),
             vertices: vertices.collect(),
             sections: sections.collect(),
             centre_line: centre_line(compiled),

@@ -152,6 +152,9 @@ pub struct Chain {
     pub chord_excess_m: f64,
     /// Track length less chord excess less carts at their pitch, m; negative when the chain has to be compressed.
     pub left_over_m: f64,
+    /// What the catalogue's take-up compensates, m; `null` when not known.
+    #[serde(default)]
+    pub take_up_m: Option<f64>,
     /// Tension on the centre line, T₀, N.
     pub tension_n: f64,
     /// m/s

@@ -215,7 +215,16 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
         Some(Status::Converged) => "optimised, feasible",
         None => "",
     };
-    let cell = Field { columns: 2, warn: compiled.failed(), ..field("status", status) };
+    let fits = compiled.chain_fits();
+    let status = match compiled.stages.last().map(|stage| stage.status) {
+        Some(Status::Converged) if !fits => "optimised; chain does not fit",
+        Some(Status::Feasible) if !fits => "not converged; chain does not fit",
+        Some(Status::AsWritten) if !fits => "as written; chain does not fit",
+        _ => status,
+    };
+    let status = Field { columns: 2, warn: compiled.failed() || !fits, ..field("status", status) };
+    let (carts, left) = chain(compiled);
+    let left = Field { columns: 2, warn: !fits, ..field("left over (take-up compensates)", left) };
     vec![
         vec![
             field("length of track", format!("{} m", trimmed(compiled.length(), 3))),
@@ -231,13 +240,23 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
             field("price of elements", format!("{} EUR", trimmed(compiled.bill.price, 2))),
             field("mass of elements", format!("{} kg", trimmed(compiled.bill.mass, 1))),
         ],
+        vec![field("carts", carts), left, status],
         vec![
             field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
             field("sheet", sheet.size),
-            field("units", "m, degrees"),
-            cell,
+            Field { columns: 3, ..field("units", "m, degrees") },
         ],
     ]
+}
+
+/// How many carts the chain has, and what they leave over beside what the take-up compensates.
+fn chain(compiled: &Compiled) -> (String, String) {
+    let millimetres = |metres: f64| trimmed(1e3 * metres, 1);
+    let take_up = millimetres(compiled.layout.catalog.take_up);
+    match compiled.chain {
+        Some(fit) => (fit.carts.to_string(), format!("{} mm ({take_up} mm)", millimetres(fit.left_over))),
+        None => ("none".to_owned(), "no chain closes".to_owned()),
+    }
 }
 
 /// Height that the list of violated rows needs, mm.

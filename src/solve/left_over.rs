@@ -1,0 +1,78 @@
+//! What a whole number of carts leaves over on a solved layout, where that is more than the take-up compensates.
+
+use super::report::opposite;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::emit::number::trimmed;
+use crate::geometry::{CentreLine, Track};
+use crate::kinematics::{Fit, better_length};
+use crate::model::{Goal, Layout};
+
+/// The warning that the chain does not fit, with what would make it fit.
+pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Option<Fit>) -> Option<Diagnostic> {
+    let take_up = layout.catalog.take_up;
+    if found.is_some_and(|fit| fit.is_within(take_up)) {
+        return None;
+    }
+    let pitch = layout.cart.length;
+    let (message, label, left) = match found {
+        Some(Fit { carts, left_over }) => {
+            let (size, too) = (mm(left_over.abs()), if left_over > 0.0 { "long" } else { "short" });
+            (
+                format!("the chain does not fit: {carts} carts leave {} over", mm(left_over)),
+                format!("for {carts} carts of {}, the track is {size} too {too}", mm(pitch)),
+                format!("{} left over", mm(left_over)),
+            )
+        }
+        None => {
+            let label = format!("carts of {}", mm(pitch));
+            ("no chain of these carts closes on this track".to_owned(), label, "no chain that closes".to_owned())
+        }
+    };
+    let help = match (close(layout, track, found), other(layout, line)) {
+        (Some(close), Some(other)) => format!("{close}, or {other}"),
+        (Some(one), None) | (None, Some(one)) => one,
+        (None, None) => "give a section some freedom, so that the track can be lengthened".to_owned(),
+    };
+    let expected =
+        format!("at most {}, which the take-up of catalogue `{}` compensates", mm(take_up), layout.catalog.name);
+    Some(Diagnostic::new(Code::W0712, message, layout.cart.span, label).expected(expected, left).help(help))
+}
+
+/// How this track could get a length that closes.
+fn close(layout: &Layout, track: &Track, found: Option<Fit>) -> Option<String> {
+    let closes = format!("`chain closes within {}`", mm(layout.catalog.take_up));
+    if layout.objective.terms.is_empty() {
+        return lengthen(layout, track, found?.left_over);
+    }
+    if layout.objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost) {
+        return Some(format!("write {closes} with `optimise length`"));
+    }
+    Some(format!("write {closes}: the compiler then looks for a track that does"))
+}
+
+/// Two sections, and by how much to change them.
+pub(super) fn lengthen(layout: &Layout, track: &Track, left_over: f64) -> Option<String> {
+    let pitch = layout.cart.length;
+    let (longer, shorter) =
+        if left_over > 0.0 { (pitch - left_over, left_over) } else { (-left_over, pitch + left_over) };
+    let [a, b] = opposite(layout, track)?.map(|section| layout.section_name(section));
+    Some(format!("lengthen {a} and {b} by {} each, or shorten both by {}", mm(0.5 * longer), mm(0.5 * shorter)))
+}
+
+/// More carts than this are not tried with other lengths: each of them would have to be closed anew.
+const MOST_CARTS: f64 = 5000.0;
+
+/// Another cart of the product line that fits better.
+fn other(layout: &Layout, line: &CentreLine) -> Option<String> {
+    let cart = &layout.cart;
+    let shortest = cart.lengths.iter().copied().fold(cart.length, f64::min);
+    if line.length > MOST_CARTS * shortest {
+        return None;
+    }
+    let (length, fit) = better_length(line, cart.length, &cart.lengths, layout.catalog.take_up)?;
+    Some(format!("take carts of {}: {} of them leave {} over on this track", mm(length), fit.carts, mm(fit.left_over)))
+}
+
+fn mm(metres: f64) -> String {
+    format!("{} mm", trimmed(1e3 * metres, 1))
+}
