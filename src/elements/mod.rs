@@ -19,7 +19,7 @@ pub use lacking::lacking;
 pub use sequence::sequence;
 pub use space::{Leg, Length, Room, Space, merged, rooms};
 pub use steps::{Step, Steps};
-pub use ware::{Piece, Ware, climbs_lacking, pieces};
+pub use ware::{Piece, Place, Ware, climbs_lacking, pieces};
 
 use crate::geometry::{Point, trig};
 use serde::Serialize;

@@ -5,7 +5,7 @@ use super::sequence::{degrees, millimetres};
 use super::space::{Leg, Space};
 use super::{Cover, Sequence, Shape, cover};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{Form, trig};
+use crate::geometry::{Form, Point, trig};
 use crate::model::{Catalog, Layout};
 use serde::Serialize;
 
@@ -86,46 +86,98 @@ pub struct Piece {
     /// catalogue lacks.
     pub article: String,
     pub in_catalog: bool,
+    pub place: Place,
 }
 
-/// The pieces of a track: its elements where it lies level, else what its legs in space are made of.
+/// Where a piece lies in the plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Vertex whose section or fillet it belongs to.
+    pub vertex: usize,
+    /// Arc length of the plan where it begins, m, from vertex 0's outgoing tangent point.
+    pub s: f64,
+    /// How far it reaches in the plan, m.
+    pub run: f64,
+    /// Where it begins, m, and its heading there, rad.
+    pub position: Point,
+    pub heading: f64,
+}
+
+/// The pieces of a track in driving order: its elements where it lies level, else what its legs in space are made of.
 pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece> {
-    let element = |e: &super::Element| {
-        let ware = match e.shape {
-            Shape::Straight { length, cut } => Ware::Straight { length, cut },
-            Shape::Curve { radius, turn } => Ware::Curve { radius, turn },
-        };
-        Piece { ware, article: e.article.clone(), in_catalog: e.in_catalog }
-    };
-    let curve_of = |vertex: usize| {
-        let elements = sequence.elements.iter();
-        elements.filter(move |e| e.vertex == vertex && matches!(e.shape, Shape::Curve { .. })).map(element)
-    };
     if layout.levels.is_empty() {
-        return sequence.elements.iter().map(element).collect();
+        return sequence.elements.iter().map(|e| Piece::of(e, in_plan(e))).collect();
     }
-    let catalog = &layout.catalog;
-    let made = |ware: Ware, in_catalog: bool| Piece { article: ware.article(in_catalog, catalog), ware, in_catalog };
+    let plan = sequence.length().max(f64::MIN_POSITIVE);
     let mut list = Vec::new();
-    for Leg { vertex, form, .. } in &space.legs {
-        match *form {
-            Form::Straight { length, .. } => match cover::straight(length, &catalog.straight, Cover::of(layout)) {
-                Some(parts) => {
-                    list.extend(parts.into_iter().map(|p| made(Ware::Straight { length: p.length, cut: p.cut }, true)))
-                }
-                None => list.push(made(Ware::Straight { length, cut: true }, false)),
-            },
-            Form::Arc { .. } => list.extend(curve_of(*vertex)),
-            Form::Vertical { radius, slope_from, slope_to } => {
-                let turn = trig::atan(slope_to) - trig::atan(slope_from);
-                list.push(made(Ware::Vertical { radius, turn }, has_vertical(catalog, radius, turn)));
-            }
-            Form::Spiral { radius, turn, rise } => {
-                list.extend(spiral(catalog, radius, turn, rise).into_iter().map(|(ware, has)| made(ware, has)));
-            }
+    let mut s = space.plan_begin();
+    for (leg, stretch) in space.legs.iter().zip(&space.line.stretches) {
+        let mut within = 0.0;
+        let share = leg.form.run() / leg.form.length().max(f64::MIN_POSITIVE);
+        for (ware, article, in_catalog) in wares(leg, sequence, layout) {
+            let run = ware.length() * share;
+            let frame = stretch.at(leg.form.along(within));
+            let place = Place {
+                vertex: leg.vertex,
+                s: (s + within).rem_euclid(plan),
+                run,
+                position: Point::new(frame.position.x, frame.position.y),
+                heading: frame.heading(),
+            };
+            list.push(Piece { ware, article, in_catalog, place });
+            within += run;
         }
+        s += leg.form.run();
     }
     list
+}
+
+impl Piece {
+    fn of(e: &super::Element, place: Place) -> Self {
+        Piece { ware: ware(e), article: e.article.clone(), in_catalog: e.in_catalog, place }
+    }
+
+    /// Whether it lies on a turn of the plan.
+    pub fn turns(&self) -> bool {
+        matches!(self.ware, Ware::Curve { .. } | Ware::Spiral { .. })
+    }
+}
+
+fn in_plan(e: &super::Element) -> Place {
+    Place { vertex: e.vertex, s: e.s, run: e.length, position: e.position, heading: e.heading }
+}
+
+fn ware(e: &super::Element) -> Ware {
+    match e.shape {
+        Shape::Straight { length, cut } => Ware::Straight { length, cut },
+        Shape::Curve { radius, turn } => Ware::Curve { radius, turn },
+    }
+}
+
+/// What a leg in space is made of, with the article and whether the catalogue has it.
+fn wares(leg: &Leg, sequence: &Sequence, layout: &Layout) -> Vec<(Ware, String, bool)> {
+    let catalog = &layout.catalog;
+    let made = |ware: Ware, in_catalog: bool| (ware, ware.article(in_catalog, catalog), in_catalog);
+    match leg.form {
+        Form::Straight { length, .. } => match cover::straight(length, &catalog.straight, Cover::of(layout)) {
+            Some(parts) => {
+                parts.into_iter().map(|p| made(Ware::Straight { length: p.length, cut: p.cut }, true)).collect()
+            }
+            None => vec![made(Ware::Straight { length, cut: true }, false)],
+        },
+        Form::Arc { .. } => {
+            let curve = |e: &&super::Element| e.vertex == leg.vertex && matches!(e.shape, Shape::Curve { .. });
+            let elements = sequence.elements.iter().filter(curve);
+            elements.map(|e| (ware(e), e.article.clone(), e.in_catalog)).collect()
+        }
+        Form::Vertical { radius, slope_from, slope_to } => {
+            let turn = trig::atan(slope_to) - trig::atan(slope_from);
+            vec![made(Ware::Vertical { radius, turn }, has_vertical(catalog, radius, turn))]
+        }
+        Form::Spiral { radius, turn, rise } => {
+            spiral(catalog, radius, turn, rise).into_iter().map(|(ware, has)| made(ware, has)).collect()
+        }
+    }
 }
 
 fn has_vertical(catalog: &Catalog, radius: f64, turn: f64) -> bool {

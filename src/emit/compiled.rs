@@ -2,7 +2,7 @@
 
 use super::Contact;
 use crate::diagnostic::Diagnostic;
-use crate::elements::{self, Bill, Sequence, Space};
+use crate::elements::{self, Bill, Piece, Sequence, Space};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Hand, Outline, Track};
 use crate::kinematics::{Fit, fit};
@@ -22,6 +22,8 @@ pub struct Compiled {
     pub space: Space,
     /// What of the layout's heights cannot be built, or not from the catalogue.
     pub heights: Vec<Diagnostic>,
+    /// What the bill counts, in driving order.
+    pub pieces: Vec<Piece>,
     pub bill: Bill,
     /// The whole number of carts that fits best, and what it leaves over; `None` where no chain closes.
     pub chain: Option<Fit>,
@@ -45,6 +47,7 @@ impl Compiled {
             chain: fit(&space.line, layout.cart.length),
             contacts: contacts(&layout, &track),
             footprint: track.footprint(layout.width.value),
+            pieces,
             sequence,
             space,
             heights,

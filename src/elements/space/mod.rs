@@ -52,6 +52,11 @@ impl Space {
         (Space { line: CentreLine::new([point.x, point.y, begin, heading], &forms), legs, begin: s }, said)
     }
 
+    /// Arc length of the plan, from vertex 0's outgoing tangent point, where the legs begin, m.
+    pub fn plan_begin(&self) -> f64 {
+        self.begin
+    }
+
     /// Arc length of what lies `s` along the plan from vertex 0's outgoing tangent point, m.
     pub fn from_plan(&self, s: f64) -> f64 {
         let plan: f64 = self.line.stretches.iter().map(|stretch| stretch.form.run()).sum();

@@ -55,9 +55,9 @@ pub fn drawing(compiled: &Compiled) -> String {
     for (name, shift) in [("TRACK_CENTRE", 0.0), ("TRACK_LEFT", half), ("TRACK_RIGHT", -half)] {
         plan::side(track, shift).iter().for_each(|curve| dxf.curve(name, curve));
     }
-    for element in &compiled.sequence.elements {
-        let across = Point::unit(element.heading).left() * half;
-        dxf.line("ELEMENT_JOINTS", element.position - across, element.position + across);
+    for piece in &compiled.pieces {
+        let across = Point::unit(piece.place.heading).left() * half;
+        dxf.line("ELEMENT_JOINTS", piece.place.position - across, piece.place.position + across);
     }
     for (corner, vertex) in track.corners.iter().zip(&layout.vertices) {
         dxf.node("VERTICES", corner.point);
@@ -83,6 +83,13 @@ fn dimensions(dxf: &mut Writer, compiled: &Compiled, distance: f64) {
             PieceKind::Arc { radius, turn, .. } => format!("R{radius:.3} {:.2}°", turn.abs() * 180.0 / trig::PI),
         };
         dxf.text("TEXT", at + inside, trig::wrap(upright), &text);
+    }
+    // Outside: slopes and heights.
+    for climb in plan::climbs(compiled) {
+        let (at, heading) = track.at(climb.middle.rem_euclid(track.length));
+        let outside = Point::unit(heading).left() * (-winding * distance);
+        let upright = if trig::cos(heading) < -1e-9 { heading + trig::PI } else { heading };
+        dxf.text("TEXT", at + outside, trig::wrap(upright), &climb.text());
     }
 }
 

@@ -1,11 +1,13 @@
 //! What the drawings share, in world coordinates (metres, y up): lines and true arcs, the band's two sides, clearance
 //! outlines, and the places of the equipment.
 
+mod climbs;
 mod marks;
 mod offset;
 #[cfg(test)]
 pub mod samples;
 
+pub use climbs::{Climb, climbs};
 pub use marks::{Mark, MarkKind, marks};
 pub use offset::{inset, outset};
 

@@ -1,6 +1,6 @@
 //! The general-arrangement drawing.
 
-use crate::emit::plan::{self, Mark, MarkKind};
+use crate::emit::plan::{self, Climb, Mark, MarkKind};
 use crate::emit::{Compiled, DrawError};
 use crate::geometry::Point;
 use crate::model::ConstraintKind;
@@ -25,7 +25,8 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let failed: Option<&Stage> = compiled.stages.last().filter(|_| compiled.failed());
     let sheet = Sheet::choose(&extent(layout, &[line], strip::notes_height(failed), profile::height(compiled)))?;
     let marks = plan::marks(compiled);
-    let elements = &compiled.sequence.elements;
+    let climbs = plan::climbs(compiled);
+    let pieces = &compiled.pieces;
 
     let inside = Point::new(6.0, 6.0);
     let mut field = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
@@ -34,7 +35,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let description = format!(
         "General arrangement of {}: {} m of track in {} elements through {} vertices, band {} m wide, scale 1:{}.{}",
         layout.name,
-        trimmed(line.length, 3),
+        trimmed(compiled.length(), 3),
         compiled.bill.count,
         line.corners.len(),
         trimmed(layout.width.value, 3),
@@ -48,7 +49,10 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     }
     svg.push(track::floor(&sheet, layout));
     svg.push(track::band(&sheet, line, layout.width.value));
-    svg.push(track::joints(&sheet, elements, layout.width.value));
+    if climbs.iter().any(|climb| !climb.is_level()) {
+        svg.push(track::climbs(&sheet, line, layout.width.value, &climbs));
+    }
+    svg.push(track::joints(&sheet, pieces, layout.width.value));
     svg.push(track::fixed(&sheet, line, layout));
     let equipment = track::equipment(&sheet, line, layout, &marks, &mut field);
     svg.push(track::centre(&sheet, line));
@@ -57,7 +61,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     svg.push(track::vertices(&sheet, line, layout, &mut field));
 
     let mut labels = Labels::new(&sheet, line, layout, field);
-    labels::all(&mut labels, elements, &marks);
+    labels::all(&mut labels, pieces, &marks, &climbs);
     let omitted = labels.omitted;
     svg.push(labels.finish());
     if omitted > 0 {
@@ -72,30 +76,33 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     if let Some(stage) = failed {
         svg.push(strip::notes(&sheet, stage));
     }
-    svg.push(strip::legend(&sheet, &entries(compiled, &marks)));
+    svg.push(strip::legend(&sheet, &entries(compiled, &marks, &climbs)));
     svg.push(strip::scale_bar(&sheet));
     svg.push(strip::title(&sheet, &layout.name, "general arrangement of the track", &strip::fields(&sheet, compiled)));
     Ok(svg.document())
 }
 
 /// What appears on the drawing, in the legend's order.
-fn entries(compiled: &Compiled, marks: &[Mark]) -> Vec<(Key, String)> {
+fn entries(compiled: &Compiled, marks: &[Mark], climbs: &[Climb]) -> Vec<(Key, String)> {
     let layout = &compiled.layout;
-    let elements = &compiled.sequence.elements;
+    let pieces = &compiled.pieces;
     let mut entries = vec![(Key::Track, "band, centre line, direction of travel".to_owned())];
     let mut add = |shown: bool, key: Key, text: &str| {
         if shown {
             entries.push((key, text.to_owned()));
         }
     };
-    let n = elements.len();
-    let changes = (0..n).filter(|&i| elements[i].article != elements[(i + n - 1) % n].article).count();
+    let n = pieces.len();
+    let changes = (0..n).filter(|&i| pieces[i].article != pieces[(i + n - 1) % n].article).count();
+    let climbing = climbs.iter().any(|climb| !climb.is_level());
+    add(climbing, Key::Climb, "ramp: slope in driving direction, heights");
     add(changes < n, Key::Joint, "joint of like elements");
     add(changes > 0, Key::Change, "joint where the article changes");
-    add(elements.iter().any(|e| e.in_catalog), Key::Article, "elements: count × article");
-    add(elements.iter().any(|e| !e.in_catalog), Key::Unlisted, "elements that the catalogue lacks");
+    add(pieces.iter().any(|p| p.in_catalog), Key::Article, "elements: count × article");
+    add(pieces.iter().any(|p| !p.in_catalog), Key::Unlisted, "elements that the catalogue lacks");
     add(true, Key::Vertex, "vertex");
-    add(true, Key::Dimension, "straight: length ∠ heading");
+    let dimension = if climbing { "straight: length in the plan ∠ heading" } else { "straight: length ∠ heading" };
+    add(true, Key::Dimension, dimension);
     add(true, Key::Radius, "curve: radius, turn");
     let fixes = |kind: fn(&ConstraintKind) -> bool| layout.constraints.iter().any(|c| kind(&c.kind));
     add(fixes(|k| matches!(k, ConstraintKind::FixSection { .. })), Key::FixedSection, "section with fixed values");

@@ -1,8 +1,8 @@
 //! What is written beside the track: dimensions, radii, names, articles. Every label has candidates; the greedy
 //! choice of [`place`](super::place) keeps them off each other and off the track.
 
-use crate::elements::{Element as Piece, Shape};
-use crate::emit::plan::{self, Mark, MarkKind};
+use crate::elements::{Piece, Ware};
+use crate::emit::plan::{self, Climb, Mark, MarkKind};
 use crate::geometry::{PieceKind, Point, Track, trig};
 use crate::model::{Layout, Obstacle};
 
@@ -127,11 +127,12 @@ impl<'a> Labels<'a> {
     }
 
     /// Radius and turn of a vertex' curve.
-    pub fn curve(&mut self, vertex: usize) {
+    pub fn curve(&mut self, vertex: usize, spiral: bool) {
         let fillet = self.track.fillets[vertex];
         let turn = trimmed(fillet.turn.abs() * 180.0 / trig::PI, 2);
         let fix = if is_fixed_radius(self.layout, vertex) { " fix" } else { "" };
-        let text = format!("R{}{fix} {turn}°", trimmed(fillet.radius, 3));
+        let what = if spiral { "spiral " } else { "" };
+        let text = format!("{what}R{}{fix} {turn}°", trimmed(fillet.radius, 3));
         let size = extent(&text, Height::H25);
         let half = self.layout.width.value / 2.0;
         let outward = (self.track.corners[vertex].point - fillet.centre).heading();
@@ -216,28 +217,34 @@ impl<'a> Labels<'a> {
         }
     }
 
-    /// One label for each run of like elements, of the straights or of the curves: how many of which article.
-    pub fn runs(&mut self, elements: &[Piece], straight: bool) {
-        let n = elements.len();
+    /// Slope and heights of a climb, or the height of a level.
+    pub fn climb(&mut self, climb: &Climb) {
+        let (at, heading) = self.track.at(climb.middle.rem_euclid(self.track.length));
+        self.beside_track(at, heading, &climb.text(), "climb-text", !climb.spiral);
+    }
+
+    /// One label for each run of like pieces, on turns or elsewhere: how many of which article. The bill counts the same pieces.
+    pub fn runs(&mut self, pieces: &[Piece], turns: bool) {
+        let n = pieces.len();
         // Begin where an article begins, so that no run is cut at the end of the list.
-        let first = (0..n).find(|&i| elements[(i + n - 1) % n].article != elements[i].article).unwrap_or(0);
+        let first = (0..n).find(|&i| !same_run(&pieces[(i + n - 1) % n], &pieces[i])).unwrap_or(0);
         let mut i = 0;
         while i < n {
-            let head = &elements[(first + i) % n];
+            let head = &pieces[(first + i) % n];
             let mut count = 1;
-            while i + count < n && same_run(head, &elements[(first + i + count) % n]) {
+            while i + count < n && same_run(head, &pieces[(first + i + count) % n]) {
                 count += 1;
             }
             i += count;
-            if matches!(head.shape, Shape::Straight { .. }) != straight {
+            if head.turns() != turns {
                 continue;
             }
-            let length: f64 = (0..count).map(|k| elements[(first + i - count + k) % n].length).sum();
-            let (at, heading) = self.track.at(head.s + length / 2.0);
+            let run: f64 = (0..count).map(|k| pieces[(first + i - count + k) % n].place.run).sum();
+            let (at, heading) = self.track.at((head.place.s + run / 2.0).rem_euclid(self.track.length));
             let text = if count == 1 { head.article.clone() } else { format!("{count}× {}", head.article) };
             let class = if head.in_catalog { "quiet" } else { "warn" };
             let text = text::fitted(&text, Height::H18, false, LONGEST);
-            self.beside_track(at, heading, &text, class, straight);
+            self.beside_track(at, heading, &text, class, !turns);
         }
     }
 
@@ -266,7 +273,7 @@ impl<'a> Labels<'a> {
 }
 
 fn same_run(a: &Piece, b: &Piece) -> bool {
-    a.article == b.article && a.vertex == b.vertex
+    a.article == b.article && a.place.vertex == b.place.vertex && a.turns() == b.turns()
 }
 
 /// Width and height of a label's box, mm.
@@ -274,7 +281,8 @@ fn extent(text: &str, height: Height) -> Point {
     Point::new(text::width(text, height.size(), false) + PADDING, 1.24 * height.size())
 }
 
-/// Text along the track, beside it, shifted by up to a text's length either way.
+/// Text along the track, beside it, shifted by up to a text's length either way. Places further than a few millimetres get a
+/// leader from the anchor.
 fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     for row in 0..3 {
@@ -282,7 +290,12 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
             let across = gap + size.y * (0.5 + f64::from(row));
             let centre = anchor + side * across + along * (shift * size.x);
             let item = Box { centre, half: size * 0.5, axis: along };
-            candidates.push(Candidate::text(item, 2.0 * shift.abs() + 4.0 * f64::from(row)));
+            // The nearest point of the text.
+            let aside = (-shift * size.x).clamp(-size.x / 2.0, size.x / 2.0);
+            let near = centre + along * aside - side * (size.y / 2.0);
+            let leader = (near.distance(anchor) > gap + 2.5).then_some((anchor, near));
+            let cost = 2.0 * shift.abs() + 4.0 * f64::from(row) + if leader.is_some() { 3.0 } else { 0.0 };
+            candidates.push(Candidate { leader, ..Candidate::text(item, cost) });
         }
     }
     candidates
@@ -314,7 +327,7 @@ fn dimension_candidates(a: Point, b: Point, along: Point, out: Point, half: f64,
 }
 
 /// Every label of a drawing, the most wanted first.
-pub fn all(labels: &mut Labels, elements: &[Piece], marks: &[Mark]) {
+pub fn all(labels: &mut Labels, pieces: &[Piece], marks: &[Mark], climbs: &[Climb]) {
     let layout = labels.layout;
     for obstacle in &layout.obstacles {
         labels.obstacle(obstacle);
@@ -322,17 +335,19 @@ pub fn all(labels: &mut Labels, elements: &[Piece], marks: &[Mark]) {
     for mark in marks.iter().filter(|mark| !matches!(mark.kind, MarkKind::Motor)) {
         labels.mark(mark);
     }
+    climbs.iter().for_each(|climb| labels.climb(climb));
     let n = labels.track.corners.len();
     (0..n).for_each(|i| labels.straight(i));
     let curved = |piece: &&crate::geometry::Piece| matches!(piece.kind, PieceKind::Arc { .. }) && piece.length > 1e-9;
     let vertices: Vec<usize> = labels.track.pieces.iter().filter(curved).map(|piece| piece.vertex).collect();
-    vertices.into_iter().for_each(|i| labels.curve(i));
+    let spiral = |i: usize| pieces.iter().any(|p| p.place.vertex == i && matches!(p.ware, Ware::Spiral { .. }));
+    vertices.into_iter().for_each(|i| labels.curve(i, spiral(i)));
     (0..n).for_each(|i| labels.vertex(i));
     // Curves are short: their articles have less choice than those of the straights.
-    labels.runs(elements, false);
+    labels.runs(pieces, true);
     labels.fixes();
     for mark in marks.iter().filter(|mark| mark.kind == MarkKind::Motor) {
         labels.mark(mark);
     }
-    labels.runs(elements, true);
+    labels.runs(pieces, false);
 }

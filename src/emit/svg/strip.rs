@@ -23,6 +23,7 @@ const MOST_NOTES: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Key {
     Track,
+    Climb,
     Joint,
     Change,
     Article,
@@ -89,6 +90,7 @@ fn key_symbol(key: Key, at: Point) -> Element {
         Key::Track => band(1.6)
             .with(line("centre"))
             .with(path(&symbol::arrow(along(8.5, 0.0), Point::new(1.0, 0.0), 3.5, 1.6), "arrow")),
+        Key::Climb => band(1.6).with(rectangle(along(0.0, -1.6), along(12.0, 1.6), "climb")),
         Key::Joint => tick(1.3, "joint"),
         Key::Change => tick(2.1, "change"),
         Key::Article => sample("3× A", Height::H18, "quiet"),

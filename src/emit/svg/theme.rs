@@ -33,7 +33,7 @@ const COLOURS: [(&str, &str, &str); 15] = [
 ];
 
 /// Selector and declarations; `{name}` stands for a colour.
-const RULES: [(&str, &str); 45] = [
+const RULES: [(&str, &str); 47] = [
     ("path,circle,rect", "fill:none;stroke-linejoin:round"),
     ("text", "font-family:'DejaVu Sans',Verdana,Arial,sans-serif;fill:{ink};stroke:none"),
     (".halo", "stroke:{paper};stroke-width:.7;stroke-linejoin:round;paint-order:stroke"),
@@ -54,6 +54,8 @@ const RULES: [(&str, &str); 45] = [
     (".obstacle-line", "stroke:{solid};stroke-width:.25"),
     (".clearance", "stroke:{solid};stroke-width:.25;stroke-dasharray:2 1"),
     (".band", "fill:{band};fill-rule:evenodd"),
+    (".climb", "fill:{gold};fill-opacity:.22"),
+    (".climb-text", "fill:{gold}"),
     (".edge", "stroke:{edge};stroke-width:.5"),
     (".centre", "stroke:{centre};stroke-width:.25;stroke-dasharray:6 1.2 .6 1.2"),
     (".arrow", "fill:{centre}"),

@@ -1,7 +1,7 @@
 //! The track's own lines: band, centre line, arrows, joints, fixed sections, vertices; and the floor around it.
 
-use crate::elements::Element as Piece;
-use crate::emit::plan::{self, Curve, Mark, MarkKind};
+use crate::elements::Piece;
+use crate::emit::plan::{self, Climb, Curve, Mark, MarkKind};
 use crate::geometry::{Point, Track};
 use crate::model::{ConstraintKind, FixKind, Layout};
 
@@ -64,6 +64,16 @@ pub fn band(sheet: &Sheet, track: &Track, width: f64) -> Element {
     Element::group("track").with(path(&sides.concat(), "band")).with(path(&sides.concat(), "edge"))
 }
 
+/// The band where the track climbs.
+pub fn climbs(sheet: &Sheet, track: &Track, width: f64, climbs: &[Climb]) -> Element {
+    let mut group = Element::group("climbs");
+    for climb in climbs.iter().filter(|climb| !climb.is_level()) {
+        let side = |k: f64| plan::stretch(track, climb.s, climb.run, k * width / 2.0);
+        group.push(path(&ribbon(sheet, &side(1.0), &side(-1.0)), "climb"));
+    }
+    group
+}
+
 /// The centre line, and the lines through the vertices that its fillets round.
 pub fn centre(sheet: &Sheet, track: &Track) -> Element {
     let mut group = Element::group("centre-line");
@@ -80,15 +90,16 @@ pub fn centre(sheet: &Sheet, track: &Track) -> Element {
     group
 }
 
-/// Ticks across the band where an element begins: heavy ones where the article changes.
-pub fn joints(sheet: &Sheet, elements: &[Piece], width: f64) -> Element {
+/// Ticks across the band where a piece begins: heavy ones where the article changes.
+pub fn joints(sheet: &Sheet, pieces: &[Piece], width: f64) -> Element {
     let (mut like, mut change) = (String::new(), String::new());
-    let n = elements.len();
-    for (i, element) in elements.iter().enumerate() {
-        let changes = elements[(i + n - 1) % n].article != element.article;
-        let across = Point::unit(element.heading).left();
+    let n = pieces.len();
+    for (i, piece) in pieces.iter().enumerate() {
+        let changes = pieces[(i + n - 1) % n].article != piece.article;
+        let across = Point::unit(piece.place.heading).left();
         let reach = width / 2.0 + if changes { 0.8 * sheet.scale / 1000.0 } else { 0.0 };
-        let tick = path_line(sheet.at(element.position - across * reach), sheet.at(element.position + across * reach));
+        let at = piece.place.position;
+        let tick = path_line(sheet.at(at - across * reach), sheet.at(at + across * reach));
         if changes { &mut change } else { &mut like }.push_str(&tick);
     }
     let mut group = Element::group("joints");
