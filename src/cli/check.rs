@@ -1,6 +1,6 @@
 //! `lss check`: every mistake of a layout, without solving it.
 
-use super::{MessageFormat, Outcome, could_not, report};
+use super::{MessageFormat, Outcome, could_not, foreign, report};
 use crate::semantics::{self, analyse};
 use crate::source::{InputError, LoadError, Loader, SourceMap};
 use std::path::{Path, PathBuf};
@@ -55,6 +55,9 @@ pub enum Opened {
 
 /// Opens a main file.
 pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, crate::source::FileId), Opened> {
+    if let Some(what) = foreign::not_a_layout(path).filter(|_| path.is_file()) {
+        return Err(Opened::Unreadable(what));
+    }
     Loader::open(sources, path).map_err(|error| match semantics::unreadable(sources, &error, &path.to_string_lossy()) {
         Some(diagnostic) => Opened::Problem(Box::new(diagnostic)),
         None => Opened::Unreadable(match error {

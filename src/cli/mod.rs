@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod explain;
 mod fmt;
+mod foreign;
 mod gap;
 mod generate;
 mod identify;

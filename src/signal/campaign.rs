@@ -115,6 +115,9 @@ impl Campaign {
             let root = Root::of_campaign(&folder).and(path);
             (folder, path.to_owned(), root)
         };
+        if let Some(foreign) = Problem::foreign(&list) {
+            return Err(RunError::new(&list, foreign));
+        }
         let mut campaign = Campaign { folder, root, ..Campaign::default() };
         let listed = if run::is_data(&list) {
             vec![Listed::found(list.clone())]
@@ -126,6 +129,12 @@ impl Campaign {
             }
         };
         if listed.is_empty() {
+            if !list.exists()
+                && let Some(alone) = without_sidecar(&campaign.folder).map_err(unreadable)?
+            {
+                let missing = Problem::MissingSidecar(sidecar_path(&alone));
+                return Err(RunError::new(&alone, missing));
+            }
             return Err(RunError::new(if list.exists() { &list } else { path }, Problem::NoRuns));
         }
         let mut refused = Vec::new();
@@ -252,6 +261,22 @@ impl Entry {
     pub fn open(&self) -> Result<fs::File, InputError> {
         self.root.open(&self.file)
     }
+}
+
+/// The first data file of a folder that has no sidecar, by name; runs before other tables.
+fn without_sidecar(folder: &Path) -> std::io::Result<Option<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if run::is_data(&path) && !sidecar_path(&path).is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_by_key(|path| {
+        let run = path.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("run"));
+        (!run, path.clone())
+    });
+    Ok(files.into_iter().next())
 }
 
 /// The data files of a folder that have a sidecar, by name.
@@ -383,7 +408,9 @@ mod tests {
         }
         let twice = folder(&[("one.csv", ""), ("one.parquet", ""), ("one.toml", SIDECAR)]);
         assert!(told(&twice).starts_with("one.parquet: the run has the same name as one.csv"), "{}", told(&twice));
-        assert!(told(&folder(&[("lonely.csv", "")])).contains(": the campaign has no runs"));
+        assert!(told(&folder(&[("note.txt", "")])).contains(": the campaign has no runs"));
+        let lonely = told(&folder(&[("bom.csv", ""), ("run-01.csv", "")]));
+        assert!(lonely.starts_with("run-01.csv: there is no sidecar run-01.toml"), "{lonely}");
         assert!(Campaign::read(Path::new("no/such/folder")).expect_err("nothing").is_unreadable());
     }
 

@@ -34,6 +34,11 @@ pub enum Problem {
     TooLarge(String),
     /// None of `.csv`, `.parquet` and `.mf4`.
     UnknownFormat,
+    /// A file that other verbs read: what it is, and which they are.
+    Foreign {
+        what: &'static str,
+        help: &'static str,
+    },
     /// Not text in UTF-8, or not Parquet, MDF4 or TOML that can be read; the reason.
     Malformed(String),
     /// The first column is not `time`.
@@ -92,6 +97,21 @@ pub enum Problem {
     },
 }
 
+impl Problem {
+    /// That a file is a layout or the like, by the ending of its name.
+    pub(super) fn foreign(file: &Path) -> Option<Problem> {
+        let (what, help) = match file.extension()?.to_str()? {
+            "lss" => {
+                ("is a layout", "`lss simulate` makes a run of it (-o DIR); `lss build` and `lss check` read it, too")
+            }
+            "json" => ("is a JSON file", "`lss simulate` makes a run of a simulation.json (-o DIR)"),
+            "dxf" => ("is a drawing", "`lss import` makes a layout of it"),
+            _ => return None,
+        };
+        Some(Problem::Foreign { what, help })
+    }
+}
+
 impl RunError {
     pub(super) fn new(file: &Path, problem: Problem) -> Self {
         RunError { place: Place { file: file.to_owned(), row: None, column: None }, problem }
@@ -124,6 +144,7 @@ impl RunError {
             Problem::Unreadable(_) => "check the path and its permissions".to_owned(),
             Problem::OutsideRoot(root) => InputError::OutsideRoot(root.clone()).help().to_owned(),
             Problem::TooLarge(_) => "split it into several runs, or leave out channels that are not needed".to_owned(),
+            Problem::Foreign { help, .. } => (*help).to_owned(),
             Problem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
             Problem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
                 Some("toml") => "write it as TOML in UTF-8: lines of key = value, text in quotes".to_owned(),
@@ -208,6 +229,7 @@ impl fmt::Display for Problem {
             Problem::Unreadable(why) => write!(f, "cannot be read: {why}"),
             Problem::OutsideRoot(root) => write!(f, "{}", InputError::OutsideRoot(root.clone())),
             Problem::TooLarge(sizes) => write!(f, "is too large: {sizes}"),
+            Problem::Foreign { what, .. } => write!(f, "{what}, not a run or a campaign"),
             Problem::UnknownFormat => write!(f, "is none of CSV, Parquet and MDF4"),
             Problem::Malformed(why) => write!(f, "is malformed: {why}"),
             Problem::NoTime => write!(f, "the first column is not `time`"),

@@ -49,7 +49,7 @@ impl Run {
             Some("csv") => csv::read(&bytes(data.map_err(unreadable)?, path)?, path)?,
             Some("mf4") => mdf4::read(&bytes(data.map_err(unreadable)?, path)?, path)?,
             Some("parquet") => parquet::read(data.map_err(unreadable)?, path)?,
-            _ => return Err(error(Problem::UnknownFormat)),
+            _ => return Err(error(Problem::foreign(path).unwrap_or(Problem::UnknownFormat))),
         };
         let run = Run { time, channels, sidecar: Sidecar::beside(path, root)? };
         let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);

@@ -162,7 +162,7 @@ impl Failure {
         let token = token_at(text, self.at);
         let before = text[..self.at].trim_end();
         let replace = |with: &str| Edit { at: self.at, removed: token.len(), inserted: with.to_string() };
-        let mut edits = Vec::new();
+        let mut edits: Vec<Edit> = decimal_comma(text, self.at).into_iter().collect();
         let mut words = self.words();
         if token.starts_with(is_letter)
             && let Some(word) = nearest(token, words.iter().map(String::as_str))
@@ -229,6 +229,23 @@ impl Failure {
         }
         literals
     }
+}
+
+/// A point for the last comma between two digits up to where the grammar stopped: `2,0 m/s` means `2.0 m/s`.
+fn decimal_comma(text: &str, at: usize) -> Option<Edit> {
+    let bytes = text.as_bytes();
+    let digit = |i: Option<usize>| i.and_then(|i| bytes.get(i)).is_some_and(u8::is_ascii_digit);
+    let last = bytes.len().checked_sub(1)?.min(at);
+    let comma = (0..=last).rev().find(|&i| bytes[i] == b',' && digit(i.checked_sub(1)) && digit(Some(i + 1)))?;
+    Some(Edit { at: comma, removed: 1, inserted: ".".to_string() })
+}
+
+/// The digits before and behind a decimal comma.
+pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
+    let (before, behind) = (&text[..comma], &text[comma + 1..]);
+    let from = before.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    let to = behind.len() - behind.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    (&before[from..], &behind[..to])
 }
 
 /// The words that start a statement of a layout.

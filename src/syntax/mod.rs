@@ -22,7 +22,7 @@ mod tests;
 
 pub use format::format;
 pub use guard::{MAX_BYTES, MAX_DEPTH};
-pub use nearest::nearest;
+pub use nearest::{by_likeness, nearest};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{FileId, Span};

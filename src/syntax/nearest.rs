@@ -22,6 +22,17 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
+/// The candidates, the most like `word` first, however far they are; equals keep their order.
+pub fn by_likeness<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let letters: Vec<char> = word.chars().flat_map(char::to_lowercase).take(64).collect();
+    let mut sorted: Vec<&str> = candidates.into_iter().collect();
+    sorted.sort_by_cached_key(|other| {
+        let other: Vec<char> = other.chars().flat_map(char::to_lowercase).collect();
+        distance(&letters, &other)
+    });
+    sorted
+}
+
 /// Optimal string alignment distance (Damerau 1964).
 fn distance(a: &[char], b: &[char]) -> usize {
     let mut before: Vec<usize> = Vec::new();

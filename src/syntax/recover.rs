@@ -2,11 +2,11 @@
 //! that one slip does not bring a row of follow-up errors.
 
 use super::build::Builder;
-use super::expected::{Context, Failure};
+use super::expected::{Context, Failure, digits_around};
 use super::nearest::nearest;
 use super::origin::{Edit, Origin};
 use super::{Grammar, Rule};
-use crate::diagnostic::{Diagnostic, Label};
+use crate::diagnostic::{Code, Diagnostic, Label};
 use crate::source::Span;
 use pest::Parser;
 use pest::iterators::Pair;
@@ -157,6 +157,9 @@ fn helps(context: Context, text: &str, failure: &Failure, edit: &Edit) -> bool {
 fn with_fix(mut problem: Diagnostic, text: &str, edit: &Edit, span: Span, earlier: bool) -> Diagnostic {
     let removed = text[edit.at..edit.at + edit.removed].trim();
     let inserted = edit.inserted.trim();
+    if (removed, inserted) == (",", ".") {
+        return decimal_comma(text, edit.at, span);
+    }
     if removed.is_empty() {
         problem.message = format!("missing `{inserted}`");
         problem.label.text = format!("expected `{inserted}` before this");
@@ -172,6 +175,17 @@ fn with_fix(mut problem: Diagnostic, text: &str, edit: &Edit, span: Span, earlie
         problem.help = Some(format!("did you mean `{inserted}`?"));
     }
     problem.fix(span, edit.inserted.clone())
+}
+
+/// `2,0` for `2.0`; `span` is the comma's.
+fn decimal_comma(text: &str, comma: usize, span: Span) -> Diagnostic {
+    let (before, after) = digits_around(text, comma);
+    let whole =
+        Span { start: span.start.saturating_sub(before.len() as u32), end: span.end + after.len() as u32, ..span };
+    let (found, meant) = (format!("{before},{after}"), format!("{before}.{after}"));
+    Diagnostic::new(Code::E0108, format!("`{found}` has a decimal comma"), whole, "decimals have a point")
+        .expected(format!("`{meant}`"), format!("`{found}`"))
+        .fix(whole, meant)
 }
 
 /// The first `{` outside of other brackets and texts.

@@ -32,6 +32,7 @@ mod wheel_sliding;
 use crate::dynamics::{Deviations, Unfit};
 use crate::emit::simulation::Simulation;
 use crate::identify::noise::uniform;
+use crate::syntax::by_likeness;
 use sites::Site;
 use std::collections::BTreeMap;
 
@@ -165,8 +166,8 @@ pub fn built(simulation: &Simulation) -> Result<(Simulation, Deviations), Unfit>
     for (k, given) in simulation.effects.iter().enumerate() {
         let place = |name: &str| format!("effects.{k}.{name}");
         let Some(effect) = named(&given.name) else {
-            let names: Vec<&str> = LIBRARY.iter().chain(&BUILT).map(|e| e.name).collect();
-            let why = format!("there is no effect `{}`; there are {}", given.name, names.join(", "));
+            let names = by_likeness(&given.name, LIBRARY.iter().chain(&BUILT).map(|e| e.name));
+            let why = format!("there is no effect `{}`; the nearest first, there are {}", given.name, names.join(", "));
             return Err(Unfit { place: place("name"), why });
         };
         for (name, value) in &given.strengths {

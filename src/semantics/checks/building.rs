@@ -6,6 +6,18 @@ use crate::model::{Building, Vertex};
 use crate::semantics::scope::Context;
 use crate::semantics::value::metres;
 
+/// The vertices outside the walls and how far, m, the farthest first.
+fn vertices_outside(vertices: &[Vertex], building: &Building) -> Vec<(usize, f64)> {
+    let outline = &building.polygon;
+    let away =
+        |i: usize| (!outline.contains(vertices[i].point)).then(|| outline.distance_to_outline(vertices[i].point));
+    // On the wall is not outside.
+    let out = (0..vertices.len()).filter_map(|i| Some((i, away(i)?))).filter(|(_, by)| *by > 1e-9);
+    let mut found: Vec<(usize, f64)> = out.collect();
+    found.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    found
+}
+
 impl Context<'_> {
     /// The centre line must run inside the walls. Room for the band beside it is the optimiser's matter.
     pub(super) fn check_building(&self, vertices: &[Vertex], track: &Track, building: &Building) {
@@ -43,21 +55,31 @@ impl Context<'_> {
                 PieceKind::Arc { .. } => format!("the curve at `{at}` leaves it"),
             }
         };
-        let found = match farthest > 0.0 {
-            true => format!("tangent points up to {} outside", metres(farthest)),
-            false => "a wall in its way".to_string(),
+        let beyond = vertices_outside(vertices, building);
+        let found = match (beyond.first(), farthest > 0.0) {
+            (Some((worst, by)), _) => format!("`{}` {} outside", vertices[*worst].name, metres(*by)),
+            (None, true) => format!("tangent points up to {} outside", metres(farthest)),
+            (None, false) => "a wall in its way".to_string(),
         };
-        let mut diagnostic = Diagnostic::new(
-            Code::E0407,
-            "the written layout leaves the building",
-            vertices[first.vertex].span,
-            name(first),
-        )
-        .expected("a centre line inside the walls", found)
-        .related(building.span, "the building");
-        let mut said = vec![first.vertex];
-        for piece in outside.iter().skip(1) {
-            if !said.contains(&piece.vertex) && said.len() < 20 {
+        let lies = |i: usize, by: f64| format!("`{}` lies {} outside", vertices[i].name, metres(by));
+        let (vertex, label) = match beyond.first() {
+            Some((worst, by)) => (*worst, lies(*worst, *by)),
+            None => (first.vertex, name(first)),
+        };
+        let message = "the written layout leaves the building";
+        let mut diagnostic = Diagnostic::new(Code::E0407, message, vertices[vertex].span, label)
+            .expected("a centre line inside the walls", found)
+            .related(building.span, "the building");
+        let mut said = vec![vertex];
+        for (i, by) in beyond.iter().skip(1).take(19) {
+            said.push(*i);
+            diagnostic = diagnostic.related(vertices[*i].span, lies(*i, *by));
+        }
+        for piece in &outside {
+            // The neighbours of a vertex outside leave the building with it.
+            let told = |i: usize| said.contains(&i);
+            let straight = piece.kind == PieceKind::Straight;
+            if !told(piece.vertex) && !(straight && told((piece.vertex + 1) % vertices.len())) && said.len() < 20 {
                 said.push(piece.vertex);
                 diagnostic = diagnostic.related(vertices[piece.vertex].span, name(piece));
             }

@@ -23,17 +23,29 @@ impl Context<'_> {
             }
         };
         let found = crossings(track, &heights, headroom.max(TOUCH));
-        for (a, b) in &found {
-            let message = format!("the loop crosses itself: {} meets {}", name(a), name(b));
+        if let Some(((a, b), others)) = found.split_first() {
             let place = |piece: &Piece| vertices[piece.vertex].span;
+            let count = match (found.len(), found.len() == MOST) {
+                (1, _) => String::new(),
+                (n, false) => format!(" and {} more times", n - 1),
+                (n, true) => format!(" and {} more times or more", n - 1),
+            };
+            let message = format!("the loop crosses itself: {} meets {}{count}", name(a), name(b));
             let mut diagnostic = Diagnostic::new(Code::E0405, message, place(b), format!("{} crosses", name(b)))
                 .related(place(a), format!("{} here", name(a)))
                 .help(match headroom {
-                    h if h > 0.0 => {
-                        format!("give both sections a `level`, {} apart or more, or move a vertex", metres(h))
-                    }
-                    _ => "give both sections a `level`, at different heights, or move a vertex".to_string(),
+                    h if h > 0.0 => format!(
+                        "are the vertices in driving order? Where one section is meant to pass above the other, give both a `level`, \
+                         {} apart or more",
+                        metres(h)
+                    ),
+                    _ => "are the vertices in driving order? Where one section is meant to pass above the other, give both a \
+                          `level`, at different heights"
+                        .to_string(),
                 });
+            for (a, b) in others {
+                diagnostic = diagnostic.related(place(b), format!("{} crosses {}", name(b), name(a)));
+            }
             if let Some(point) = meeting(a, b) {
                 let found = format!("a crossing at ({}, {})", metres(point.x), metres(point.y));
                 let apart = heights.apart(a, b);

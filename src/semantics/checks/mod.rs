@@ -4,6 +4,7 @@ mod building;
 mod constraints;
 mod crossing;
 mod equipment;
+mod fixed;
 mod range;
 mod sides;
 mod vertices;
@@ -63,11 +64,17 @@ impl<'t> Context<'t> {
         if !self.check_turns(vertices, &track) {
             return;
         }
+        // A loop that crosses itself often comes from a wrong order, which bends every turn.
+        let headroom = facts.catalog.map_or(0.0, |catalog| catalog.headroom);
+        if track.pieces.iter().any(|piece| piece.length < -1e-9) {
+            let sharp: Vec<Corner> = corners.iter().map(|c| Corner { radius: 0.0, ..*c }).collect();
+            if !self.check_crossings(vertices, &Track::new(&sharp), facts.levels, headroom) {
+                return;
+            }
+        }
         if !self.check_fillets(vertices, &track) {
             return;
         }
-        // A loop that crosses itself often comes from a wrong order, which bends every turn.
-        let headroom = facts.catalog.map_or(0.0, |catalog| catalog.headroom);
         if self.check_crossings(vertices, &track, facts.levels, headroom)
             && let Some(limits) = facts.limits
         {

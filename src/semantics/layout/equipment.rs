@@ -10,6 +10,7 @@ use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, COORDINATE};
 use crate::semantics::scope::{Context, Scope};
 use crate::source::Spanned;
+use crate::syntax::by_likeness;
 use crate::syntax::tree::{self, Expr, Statement};
 
 /// Distances along a straight, m.
@@ -153,7 +154,8 @@ impl<'t> Context<'t> {
                     name.span,
                     "not known here",
                 );
-                let listed = effects::LIBRARY.map(|e| format!("`{}`", e.name)).join(", ");
+                let sorted = by_likeness(&name.text, effects::LIBRARY.into_iter().map(|e| e.name));
+                let listed = sorted.iter().map(|e| format!("`{e}`")).collect::<Vec<_>>().join(", ");
                 let names = effects::LIBRARY.into_iter().map(|e| e.name);
                 self.report(self.with_nearest(diagnostic.expected(listed, format!("`{}`", name.text)), name, names));
                 return None;

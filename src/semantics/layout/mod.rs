@@ -59,6 +59,9 @@ impl<'t> Context<'t> {
             self.check_geometry(&mut geometry, &facts);
             if let (Some(constraints), Some(vertices)) = (&constraints, &geometry.vertices) {
                 self.check_constraints(constraints, vertices, &geometry, &facts);
+                if let Some(width) = &width {
+                    self.check_fixed(constraints, vertices, &geometry, &facts, width.value);
+                }
             }
             if let (Some(equipment), Some(track)) = (&equipment, &geometry.track) {
                 self.check_equipment(equipment, &ramps, track, &geometry.named);
