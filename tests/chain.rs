@@ -433,3 +433,18 @@ fn every_cart_of_a_survey_is_a_sensor_cart() {
     let speeds = on.expect("fit").carts.into_iter().flat_map(|cart| cart.speed);
     assert!(speeds.into_iter().all(|v| (1.85..2.15).contains(&v)));
 }
+
+/// A joint breaks at 20 mm of F = K δⁿ, whatever n: what stops a run and what names the cart are one law.
+#[test]
+fn a_joint_breaks_at_one_elongation_whatever_its_exponent() {
+    for exponent in [1.0, 1.5] {
+        let plain = with(&input("reference"), &[("joint.axial.exponent", exponent)]);
+        let stiffness = plain.joint.axial.stiffness_n_per_m_n;
+        let at = |elongation: f64| stiffness * lss::geometry::trig::pow(elongation, exponent);
+        for (elongation, breaks) in [(0.012, false), (0.032, true)] {
+            let chain = chain(&with(&plain, &[("chain.tension_n", at(elongation))]), 10.0);
+            let named = (0..chain.model.carts).any(|i| chain.forces.troubled(&chain.model, i).is_some());
+            assert_eq!((chain.forces.trouble, named), (breaks, breaks), "n = {exponent}, {elongation} m");
+        }
+    }
+}

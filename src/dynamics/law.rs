@@ -85,6 +85,13 @@ pub struct Damped {
     pub viscosity: f64,
 }
 
+impl Damped {
+    /// K δⁿ, the force at rest under an indentation in m, N.
+    pub fn at_rest(&self, indentation: f64) -> f64 {
+        self.stiffness * trig::pow(indentation, self.exponent)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

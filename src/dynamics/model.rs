@@ -12,6 +12,9 @@ use std::fmt;
 /// Phases of one pitch over which the closing pitch is averaged.
 const PHASES: usize = 16;
 
+/// Elongation of a joint beyond which the chain is broken, m.
+const BROKEN: f64 = 0.02;
+
 /// A contact load at which Kelvin-Voigt is linearised at a steering wheel, N.
 const STEERING_LOAD: f64 = 100.0;
 
@@ -27,6 +30,8 @@ pub struct Model {
     pub running: Wheel,
     pub axial: Damped,
     pub radial: Damped,
+    /// Axial force at which a joint counts as broken, N: K δⁿ of the elongation that no chain survives, see [`BROKEN`].
+    pub breaking: f64,
     /// v_min, m/s
     pub floor: f64,
     pub motors: Motors,
@@ -175,6 +180,7 @@ impl Model {
             cart,
             steering: wheel(&simulation.steering_wheel, STEERING_LOAD),
             running: wheel(running, weight / 2.0),
+            breaking: axial.at_rest(BROKEN),
             axial,
             radial,
             stiffness_rate: cart.ends().rate(tangent_of(&simulation.joint.radial, weight / 2.0), wheels),

@@ -1,7 +1,7 @@
 //! Third pass: wheels, motors and weight, and with the joints the accelerations (design: chain model, wheels, rolling
 //! resistance, linear motors).
 
-use super::{BROKEN, Evaluation, OFF_RAIL, arm, axes, load};
+use super::{Evaluation, OFF_RAIL, arm, axes, load};
 use crate::dynamics::contact::{Side, contact, fresh_contact, hertz, opened, power, refreshed};
 use crate::dynamics::lanes::{Lane, Lane3, Mask, Splat};
 use crate::dynamics::model::Wheel;
@@ -201,7 +201,7 @@ impl Evaluation<'_> {
         at_front.y.put(&mut offset[0], part);
         at_front.z.put(&mut offset[1], part);
         let on_rail = at_front.y.abs().less(c.of(OFF_RAIL)).and(at_front.z.abs().less(c.of(OFF_RAIL)));
-        let whole = axial.abs().less(c.of(model.axial.stiffness * BROKEN));
+        let whole = axial.abs().less(c.of(model.breaking));
         let finite = (linear.x + angular.x).abs().less(c.of(f64::MAX));
         !on_rail.and(whole).and(finite).all()
     }

@@ -20,9 +20,6 @@ use pulp::{Simd, WithSimd};
 /// Lateral or vertical offset of a front joint from the centre line beyond which the cart is off the rail, m.
 pub const OFF_RAIL: f64 = 0.05;
 
-/// Elongation of a joint beyond which the chain is broken, m.
-pub const BROKEN: f64 = 0.02;
-
 /// What the evaluation of forces keeps from one time to the next: where each cart is on the track, and what each contact
 /// remembers.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,12 +80,11 @@ impl Forces {
         let (pack, lane) = (i / PACK, i % PACK);
         let [y, z] = self.offset[pack].map(|row| row[lane]);
         let pull = self.loads[pack].joint[0][lane];
-        let slack = crate::geometry::trig::pow(pull.abs() / model.axial.stiffness, 1.0 / model.axial.exponent);
         if !(y + z + pull).is_finite() {
             Some(Fault::NotANumber)
         } else if y.abs() >= OFF_RAIL || z.abs() >= OFF_RAIL {
             Some(Fault::OffRail)
-        } else if slack >= BROKEN {
+        } else if pull.abs() >= model.breaking {
             Some(Fault::Broken)
         } else {
             None
