@@ -130,7 +130,7 @@ impl Campaign {
         };
         if listed.is_empty() {
             if !list.exists()
-                && let Some(alone) = without_sidecar(&campaign.folder).map_err(unreadable)?
+                && let Some(alone) = without_sidecar(&campaign.folder).map_err(|why| unreadable(why.into()))?
             {
                 let missing = Problem::MissingSidecar(sidecar_path(&alone));
                 return Err(RunError::new(&alone, missing));
