@@ -76,9 +76,11 @@ fn a_file_that_is_no_layout_is_named_with_the_verb_that_reads_it() {
     fs::write(at.join("campaign.toml"), "layout = \"hall.lss\"\n\n[[run]]\nfile = \"run-01.csv\"\n").expect("written");
     fs::write(at.join("run-01.toml"), "layout = \"hall.lss\"\nsensor_cart = 1\n").expect("written");
     fs::write(at.join("run-01.csv"), "time,trigger\n0,0\n").expect("written");
+    let said = refused(at, &["simulate", "out/layout.json", "-o", "again"]);
+    assert!(said.contains("is not a simulation input: it is the result of a build"), "{said}");
     for (file, is, verb) in [
         ("out/simulation.json", "a simulation input", "`lss simulate`"),
-        ("out/layout.json", "a built layout", "`lss build`"),
+        ("out/layout.json", "the result of a build", "`lss build`"),
         ("out/bom.json", "a bill of elements", "`lss build`"),
         ("out/bom.csv", "a bill of elements", "`lss build`"),
         ("out/drawing.dxf", "a drawing", "`lss import`"),

@@ -24,6 +24,13 @@ pub fn not_a_layout(file: &Path) -> Option<String> {
 const RUN: (&str, &str) =
     ("a run", "`lss compare`, and with its folder `lss runs`, `lss identify` and `lss gap`, read it");
 
+/// What to say of JSON that is not a simulation input; `None` where it may be a broken one.
+pub fn not_a_simulation(bytes: &[u8]) -> Option<String> {
+    let (what, _) = json(std::str::from_utf8(bytes).ok()?);
+    let known = !matches!(what, "a simulation input" | "a JSON file");
+    known.then(|| format!("it is {what}\n  help: give the simulation.json beside it, or the .lss"))
+}
+
 /// The text of a file that is not too large.
 fn text(file: &Path) -> Option<String> {
     let size = std::fs::metadata(file).ok().filter(|m| m.is_file())?.len();
@@ -36,7 +43,7 @@ fn json(text: &str) -> (&'static str, &'static str) {
     if has("track") && has("chain") && has("steering_wheel") {
         ("a simulation input", "`lss simulate` and `lss polygon` read it")
     } else if has("centre_line") && has("elements") {
-        ("a built layout", "`lss build` wrote it for other programs; give the .lss that it was built from")
+        ("the result of a build", "`lss build` wrote it for other programs; give the .lss that it was built from")
     } else if has("articles") {
         ("a bill of elements", "`lss build` wrote it for other programs; give the .lss that it was built from")
     } else {

@@ -2,7 +2,7 @@
 //! that need one.
 
 use super::check::{Opened, open};
-use super::{MessageFormat, Outcome, build, could_not, report};
+use super::{MessageFormat, Outcome, build, could_not, foreign, report};
 use crate::diagnostic::Diagnostic;
 use crate::emit::Compiled;
 use crate::emit::simulation::Simulation;
@@ -50,6 +50,7 @@ pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Res
     if is_json(file) {
         let bytes = input::read_given(file, input::JSON_LIMIT).map_err(|why| could_not("read", file, why))?;
         return serde_json::from_slice(&bytes).map_err(|why| {
+            let why = foreign::not_a_simulation(&bytes).unwrap_or_else(|| why.to_string());
             report::error(&format!("{} is not a simulation input: {why}", file.display()));
             Outcome::Problems
         });

@@ -294,8 +294,12 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
             let aside = (-shift * size.x).clamp(-size.x / 2.0, size.x / 2.0);
             let near = centre + along * aside - side * (size.y / 2.0);
             let leader = (near.distance(anchor) > gap + 2.5).then_some((anchor, near));
-            let cost = 2.0 * shift.abs() + 4.0 * f64::from(row) + if leader.is_some() { 3.0 } else { 0.0 };
-            candidates.push(Candidate { leader, ..Candidate::text(item, cost) });
+            let cost = 2.0 * shift.abs() + 4.0 * f64::from(row);
+            if leader.is_some() {
+                candidates.push(Candidate { leader, ..Candidate::text(item, cost + 3.0) });
+            }
+            // Where labels stand in a leader's way, there is none.
+            candidates.push(Candidate::text(item, if leader.is_some() { cost + 9.0 } else { cost }));
         }
     }
     candidates

@@ -182,7 +182,13 @@ fn sensors_say_what_their_equations_say() {
 #[test]
 fn what_there_is_not_is_refused_with_a_way_out() {
     for (name, strengths, place, why) in [
-        ("gremlins", &[][..], "effects.0.name", "there is no effect `gremlins`; there are joint_clearance"),
+        ("gremlins", &[][..], "effects.0.name", "there is no effect `gremlins`; the nearest first, there are "),
+        (
+            "wheel_slip",
+            &[],
+            "effects.0.name",
+            "there is no effect `wheel_slip`; the nearest first, there are wheel_sliding",
+        ),
         ("joint_clearance", &[("gaps", 1e-4)], "effects.0.strengths.gaps", "`joint_clearance` has gap"),
         ("joint_clearance", &[("gap", -1.0)], "effects.0.strengths.gap", "-1 must be between 0 and 0.002 m"),
         ("sensor_gain", &[("channel", f64::NAN)], "effects.0.strengths.channel", "`sensor_gain` has gain, channel"),
