@@ -21,6 +21,8 @@
 //!
 //! [`import`] is a way in: it makes source text of a drawing from CAD.
 //!
+//! [`base`] is below all of them: hashes, and files that are replaced whole.
+//!
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod base;

@@ -267,3 +267,34 @@ fn broken_campaigns_are_told_with_a_way_out() {
     expect(broken.path(), &["--law", "hertz"], 2, &["there is no law hertz; take `all` or one of"]);
     expect(broken.path(), &["--free", "mass"], 2, &["restitution_joint_axial"]);
 }
+
+/// Runs on two layouts that are called the same, in folders of their own, outside of a project.
+#[test]
+fn layouts_of_one_name_are_kept_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let mut list = String::new();
+    for (k, radius) in ["4 m", "3 m"].into_iter().enumerate() {
+        let name = ["a", "b"][k];
+        fs::create_dir_all(at(name)).expect("a folder");
+        fs::write(at(&format!("{name}/oval.lss")), LAYOUT.replace("radius 4 m", &format!("radius {radius}")))
+            .expect("written");
+        lss().arg("build").arg(at(&format!("{name}/oval.lss"))).arg("-o").arg(at("built")).assert().success();
+        let text = fs::read(at("built/simulation.json")).expect("an input");
+        let nominal: Simulation = serde_json::from_slice(&text).expect("an input");
+        keep(&measured(&nominal, 5), folder.path(), name);
+        list += &format!("[[run]]\nfile = \"{name}.csv\"\nlayout = \"{name}/oval.lss\"\n");
+    }
+    fs::write(at("campaign.toml"), list).expect("written");
+    let out = tempfile::tempdir().expect("a folder");
+    let mut command = lss();
+    command.args(["identify", "--free", "speed", "-o"]).arg(out.path()).arg(folder.path()).assert().success();
+    let read = |path: &Path| fs::read_to_string(path).expect("a file");
+    for name in ["a", "b"] {
+        let copy = read(&out.path().join(format!("{name}-oval.lss")));
+        assert_eq!(copy, read(&at(&format!("{name}/oval.lss"))));
+        let fitted = out.path().join(format!("{name}-oval-fitted.lss"));
+        assert!(read(&fitted).contains(&format!("use \"{name}-oval.lss\"")));
+        lss().arg("check").arg(&fitted).assert().success();
+    }
+}

@@ -352,3 +352,100 @@ fn a_real_drive_misses_dry_friction() {
     assert!((all[0].2 - 20.39).abs() < 1.5, "newtons, as published: {all:?}");
     assert!(all[1].1 < all[0].1 - 0.15, "{all:?}");
 }
+
+/// A model of a line that knows two more shapes; a file says which of its effects is the sine. It notes each simulation with an effect in the
+/// file `count`, and kills `lss` once the number in the file `kill` is reached.
+const CHANGING: &str = r#"
+import json, math, os, signal, sys
+here = os.path.dirname(os.path.abspath(__file__))
+right = open(sys.argv[1] if len(sys.argv) > 1 else here + "/right").read()
+def effect(name): return {"name": name, "strengths": [{"name": "x", "trial": 0.1, "low": -9, "high": 9}]}
+for line in sys.stdin:
+    asked = json.loads(line)
+    if asked["request"] == "describe":
+        print(json.dumps({"effects": [effect("a"), effect("b")], "accuracy": {"x": 0.01}}), flush=True)
+        continue
+    time = [0.5 * i for i in range(400)]
+    said = [0.1 * t for t in time]
+    for e in asked["effects"]:
+        sine = e["name"] == right
+        said = [x + e["strengths"]["x"] * (math.sin(0.1 * t) if sine else (t / 100) ** 2) for x, t in zip(said, time)]
+    if asked["effects"]:
+        open(here + "/count", "a").write(".")
+        if os.path.exists(here + "/kill") and os.path.getsize(here + "/count") >= int(open(here + "/kill").read()):
+            os.kill(os.getppid(), signal.SIGKILL)
+    print(json.dumps({"time": time, "channels": {"x": said}}), flush=True)
+"#;
+
+/// Diagnoses with that model: effect named first, all of `gap.json`, and standard error.
+#[cfg(target_os = "linux")]
+fn diagnosed(at: &Path, named: bool, out: &str) -> Option<(String, Vec<u8>, String)> {
+    let right = if named { " right" } else { "" };
+    let output = Command::new(env!("CARGO_BIN_EXE_lss"))
+        .args(["gap", "diagnose", "runs", "--model", &format!("python3 m.py{right}"), "-o", out])
+        .current_dir(at)
+        .output()
+        .expect("lss runs");
+    output.status.code()?;
+    let json = fs::read(at.join(out).join("gap.json")).expect("a diagnosis");
+    let found: serde_json::Value = serde_json::from_slice(&json).expect("json");
+    let name = found["effects"][0]["name"].as_str().unwrap_or_default().to_owned();
+    Some((name, json, String::from_utf8_lossy(&output.stderr).into_owned()))
+}
+
+/// What a stopped diagnosis kept is of the model that it asked, whatever that is made of.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_model_that_was_changed_answers_for_itself() {
+    if !python() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let write = |name: &str, text: &str| fs::write(at.join(name), text).expect("written");
+    fs::create_dir(at.join("runs")).expect("a folder");
+    write("m.py", CHANGING);
+    let mut list = "[channels]\nx = \"m\"\n".to_owned();
+    let mut state = 7;
+    for run in ["1", "2", "3"] {
+        let mut text = "time,x\n".to_owned();
+        for i in 0..400 {
+            let t = 0.5 * f64::from(i);
+            let x = 0.1 * t + 2.0 * trig::sin(0.1 * t) + 0.05 * normal(&mut state);
+            writeln!(text, "{t},{x}").expect("written");
+        }
+        write(&format!("runs/{run}.csv"), &text);
+        writeln!(list, "[[run]]\nfile = \"{run}.csv\"").expect("written");
+    }
+    write("runs/campaign.toml", &list);
+    write("right", "a");
+    let fresh = diagnosed(at, true, "fresh-a").expect("it ends");
+    assert_eq!(fresh.0, "a");
+    let count = fs::metadata(at.join("count")).expect("a file").len();
+    write("right", "b");
+    let expected = diagnosed(at, true, "fresh-b").expect("it ends");
+    assert_eq!(expected.0, "b");
+    for (named, said) in [(true, "nothing of it is used"), (false, "the model gives another answer")] {
+        let stopped = |out: &str| {
+            write("right", "a");
+            write("count", "");
+            write("kill", &(count * 4 / 5).to_string());
+            assert_eq!(diagnosed(at, named, out), None, "it was killed");
+            assert!(fs::metadata(at.join(out).join("gap.partial")).expect("work is kept").len() > 1000);
+            fs::remove_file(at.join("kill")).expect("removed");
+            write("count", "");
+        };
+        stopped("same");
+        let same = diagnosed(at, named, "same").expect("it ends");
+        assert!(same.1 == fresh.1 && same.2.contains("of its simulations are used again"), "{}", same.2);
+        assert!(fs::metadata(at.join("count")).expect("a file").len() < count, "some was kept");
+        stopped("other");
+        write("right", "b");
+        let other = diagnosed(at, named, "other").expect("it ends");
+        assert_eq!(other.0, "b");
+        assert!(other.1 == expected.1 && other.2.contains(said), "{}", other.2);
+        for out in ["same", "other"] {
+            fs::remove_dir_all(at.join(out)).expect("removed");
+        }
+    }
+}

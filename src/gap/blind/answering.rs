@@ -162,7 +162,8 @@ impl Asked<'_> {
         // What stays behind there goes with the whole.
         let _ = fs::remove_dir_all(&copy);
         let _ = fs::remove_dir_all(&out);
-        Ok(outcome.and(answer))
+        // Where the copy stood means nothing afterwards.
+        Ok(outcome.and(answer).map_err(|why| why.replace(&*copy.to_string_lossy(), case)))
     }
 
     fn keep(&self, case: &str, answered: &Answered) -> Result<(), Trouble> {
