@@ -140,3 +140,97 @@ fn ten_thousand_unknown_names_end_quickly() {
     let analysis = run(&circle(2_000, &lines));
     assert_eq!(analysis.diagnostics.iter().filter(|d| d.code.as_str() == "E0207").count(), 8_000);
 }
+
+/// A column that repeats one value is small, however long it is.
+#[test]
+fn a_parquet_file_of_endless_columns_is_refused() {
+    use ::parquet::basic::Compression;
+    use ::parquet::data_type::DoubleType;
+    use ::parquet::file::properties::WriterProperties;
+    use ::parquet::file::writer::SerializedFileWriter;
+    use ::parquet::schema::parser::parse_message_type;
+    use lss::signal::{Problem, parquet};
+    use std::sync::Arc;
+
+    let names = ["time", "joint_xi", "joint_eta", "joint_zeta", "run_left", "run_right", "temperature"];
+    let columns: String = names.iter().map(|name| format!("required double {name};")).collect();
+    let schema = Arc::new(parse_message_type(&format!("message run {{ {columns} }}")).unwrap());
+    let properties = Arc::new(WriterProperties::builder().set_compression(Compression::SNAPPY).build());
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let mut writer = SerializedFileWriter::new(file.as_file(), schema, properties).unwrap();
+    let same = vec![1.0; 4 << 20];
+    for _ in 0..10 {
+        let mut group = writer.next_row_group().unwrap();
+        while let Some(mut column) = group.next_column().unwrap() {
+            column.typed::<DoubleType>().write_batch(&same, None, None).unwrap();
+            column.close().unwrap();
+        }
+        group.close().unwrap();
+    }
+    writer.close().unwrap();
+    assert!(file.as_file().metadata().unwrap().len() < 1 << 20, "a bomb is small");
+    let found = parquet::read(file.reopen().unwrap(), file.path()).expect_err("too large");
+    assert!(matches!(found.problem, Problem::TooLarge(_)), "{found}");
+}
+
+/// A sum of such values is infinite, and so is its square.
+#[test]
+fn absurd_numbers_in_a_run_are_refused_in_every_format() {
+    use lss::signal::{Channel, Problem, Run, csv, parquet};
+    use std::path::Path;
+
+    for value in [1e308, -1e308, 1.1e9] {
+        let mut run = Run { time: vec![0.0, 1.0, 2.0], ..Run::default() };
+        run.channels.insert(Channel::JointXi, vec![0.0, value, 0.0]);
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        std::io::Write::write_all(&mut file, &parquet::write(&run).unwrap()).unwrap();
+        let text = format!("time,joint_xi\n0,0\n1,{value}\n2,0\n");
+        let told = [
+            csv::read(text.as_bytes(), Path::new("run.csv")).expect_err("absurd"),
+            parquet::read(file.reopen().unwrap(), Path::new("run.parquet")).expect_err("absurd"),
+        ];
+        for (found, row) in told.iter().zip([3, 2]) {
+            assert!(matches!(found.problem, Problem::Beyond { .. }), "{found}");
+            assert_eq!((found.place.row, found.place.column.as_deref()), (Some(row), Some("joint_xi")), "{found}");
+        }
+    }
+}
+
+#[test]
+fn deep_nesting_of_json_and_toml_is_an_error() {
+    use lss::emit::simulation::Simulation;
+    use lss::gap::outside;
+    use lss::signal::{Campaign, Sidecar};
+    use std::path::Path;
+
+    let deep = 200_000;
+    for (open, close) in [("[", "]"), ("{\"a\":", "}"), ("{\"effects\":[", "]}")] {
+        let text = open.repeat(deep) + &close.repeat(deep);
+        assert!(Simulation::read(text.as_bytes()).is_err());
+        assert!(outside::description(&text).is_err() && outside::series(&text, &[], 0.0, 1.0).is_err());
+    }
+    for text in [
+        format!("a = {}{}", "[".repeat(deep), "]".repeat(deep)),
+        format!("a = {}1{}", "{a = ".repeat(deep), "}".repeat(deep)),
+        format!("{} = 1", "a.".repeat(deep) + "a"),
+        format!("[{}]\nb = 1", "a.".repeat(deep) + "a"),
+    ] {
+        assert!(Sidecar::read(text.as_bytes(), Path::new("run.toml")).is_err());
+        assert!(Campaign::files(text.as_bytes(), Path::new("campaign.toml")).is_err());
+    }
+}
+
+#[test]
+fn imports_without_end_are_one_message() {
+    let names: Vec<String> = (0..600).map(|i| format!("f{i}.lss")).collect();
+    let texts: Vec<String> = (0..600).map(|i| format!("use \"f{}.lss\"\n", i + 1)).collect();
+    let files: Vec<(&str, &[u8])> = names.iter().map(String::as_str).zip(texts.iter().map(String::as_bytes)).collect();
+    let mut sources = SourceMap::default();
+    let (mut loader, main) = Loader::memory(&mut sources, &files).expect("UTF-8");
+    let said = analyse(&mut sources, &mut loader, main, None).diagnostics;
+    assert!(codes(&said).contains(&"E0309"), "{:?}", codes(&said));
+    // In a circle, each is read once.
+    let (mut loader, main) =
+        Loader::memory(&mut sources, &[("f0.lss", b"use \"f1.lss\""), ("f1.lss", b"use \"f0.lss\"")]).unwrap();
+    analyse(&mut sources, &mut loader, main, None);
+}

@@ -45,6 +45,8 @@ for line in sys.stdin:
         if mode == "prints": say("Loading the model ...")
         if mode == "no effects": say(good | {"effects": []})
         if mode == "bytes": sys.stdout.buffer.write(b"\xff\n"); sys.stdout.flush()
+        if mode == "endless": sys.stdout.write("x" * (1 << 28)); sys.stdout.flush(); time.sleep(60)
+        if mode == "huge": say(good | {"effects": [{"name": "a", "strengths": [{"name": "x", "trial": 1, "low": 0, "high": 1e308}]}]})
         if mode == "no newline": sys.stdout.write("{"); sys.stdout.flush(); sys.exit(0)
         say(good)
         if mode == "chatty": say("done")
@@ -86,6 +88,8 @@ fn what_a_model_does_wrong_is_told() {
             "the model's answer to `describe` is wrong: there are no effects to choose from\n  it said: {\"nui",
         ),
         ("bytes", "which is no answer: it is not text in UTF-8"),
+        ("endless", "xxx...`, which is no answer: the line does not end"),
+        ("huge", "the model's answer to `describe` is wrong: 1e308 is beyond ±1e30"),
         ("no newline", "the model said `{`, which is no answer"),
         ("chatty", "the model said `done`"),
         ("sleeps", "the model did not answer within 1 s and was stopped"),

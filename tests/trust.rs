@@ -294,3 +294,35 @@ fn a_challenge_reads_and_writes_nothing_outside_its_folder() {
         assert!(place.keeps_quiet(&["gap", "challenge", "score", "c"]).contains("no name of a case"));
     }
 }
+
+/// A program outside is started by `--model`, which only the command line has, and `lss` starts itself for a challenge.
+#[test]
+fn processes_are_started_in_two_places_only() {
+    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => sources(&path, found),
+                false if path.extension().is_some_and(|e| e == "rs") => found.push(path),
+                false => {}
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut all = Vec::new();
+    sources(&root.join("src"), &mut all);
+    let starts = |path: &&PathBuf| {
+        let text = fs::read_to_string(path).unwrap();
+        let product = text.split("#[cfg(test)]").next().unwrap_or_default();
+        product.contains("Command::new(") && !path.ends_with("tests.rs")
+    };
+    let mut found: Vec<_> = all.iter().filter(starts).map(|p| p.strip_prefix(root).unwrap()).collect();
+    found.sort();
+    assert_eq!(found, ["src/gap/blind/answering.rs", "src/gap/outside/process.rs"].map(Path::new));
+    for key in ["model", "command", "run_before", "exec"] {
+        let place = Place::new(false);
+        place.write("p/a/campaign.toml", &format!("{key} = \"touch hit\"\n[[run]]\nfile = \"run-01.csv\"\n"));
+        place.keeps_quiet(&["runs", "p/a"]);
+        assert!(!place.path("hit").exists());
+    }
+}

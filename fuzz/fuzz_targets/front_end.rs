@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use lss::diagnostic::{json, text};
-use lss::semantics::{analyse, unsupported, unreadable};
+use lss::semantics::{analyse, unreadable, unsupported};
 use lss::source::{Loader, SourceMap};
 
 fuzz_target!(|bytes: &[u8]| {

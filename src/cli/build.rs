@@ -13,6 +13,7 @@ use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::unsupported;
 use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
+use crate::source::shown;
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -418,7 +419,7 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
         out += &format!("  {:.5} m along the slope; stages count the plan\n", summary.length_m);
     }
     if let Some(folder) = output {
-        out += &format!("  written to {}\n", folder.display());
+        out += &format!("  written to {}\n", shown(folder));
     }
     out
 }

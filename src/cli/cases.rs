@@ -6,7 +6,7 @@ use crate::emit::simulation::Simulation;
 use crate::identify::Measured;
 use crate::identify::study::Subject;
 use crate::signal::{self, Entry};
-use crate::source::InputError;
+use crate::source::{InputError, shown};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -75,7 +75,7 @@ pub fn cases(folder: &Path, layout: Option<&Path>) -> Result<(Vec<Case>, bool), 
 
 /// The file of the layout that a run's campaign or sidecar names, or why there is none to read.
 pub fn named_layout(entry: &Entry) -> Result<PathBuf, String> {
-    let name = entry.layout.display();
+    let name = shown(&entry.layout);
     match entry.layout() {
         Ok(path) if path.is_file() => Ok(path.to_owned()),
         Ok(_) | Err(InputError::Missing(_)) => Err(format!("the layout {name} is not there")),

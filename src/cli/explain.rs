@@ -2,6 +2,7 @@
 
 use super::{Outcome, report};
 use crate::diagnostic::Code;
+use crate::source::one_line;
 
 /// Explain a diagnostic code: what it means, why it matters, an example, and the way out. Without a code, list all.
 #[derive(Debug, clap::Args)]
@@ -24,7 +25,7 @@ impl Explain {
                 Outcome::Clean
             }
             None => {
-                report::error(&format!("there is no code {wanted}; `lss explain` lists them"));
+                report::error(&format!("there is no code {}; `lss explain` lists them", one_line(wanted)));
                 Outcome::CouldNotRun
             }
         }

@@ -3,7 +3,7 @@
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
 use crate::base::disk;
-use crate::source::SourceMap;
+use crate::source::{SourceMap, shown};
 use crate::syntax;
 use similar::TextDiff;
 use std::io::Read;
@@ -63,16 +63,16 @@ impl Fmt {
         let after = syntax::format(&tree, &before);
         let changed = before != after;
         if self.diff && changed {
-            report::print(&diff(path, &before, &after));
+            report::print_source(&diff(path, &before, &after));
         }
         if self.check || self.diff {
             if self.check && changed && !self.diff {
-                eprintln!("{} is not formatted", path.display());
+                report::note(&format!("{} is not formatted", shown(path)));
             }
             return if changed { Outcome::Problems } else { Outcome::Clean };
         }
         if is_stdin(path) {
-            report::print(&after);
+            report::print_source(&after);
             return Outcome::Clean;
         }
         if changed && let Err(why) = replace(path, &after) {
@@ -83,7 +83,7 @@ impl Fmt {
 }
 
 fn diff(path: &Path, before: &str, after: &str) -> String {
-    let name = path.display().to_string();
+    let name = shown(path);
     TextDiff::from_lines(before, after).unified_diff().header(&name, &format!("{name} (formatted)")).to_string()
 }
 

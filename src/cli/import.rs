@@ -7,7 +7,7 @@ use crate::emit::number::{significant, trimmed};
 use crate::geometry::trig;
 use crate::import::{self, Options, Plan, Unit, as_name};
 use crate::semantics::analyse;
-use crate::source::{self, DRAWING_LIMIT, InputError, LoadError, Loader, SourceMap};
+use crate::source::{self, DRAWING_LIMIT, InputError, LoadError, Loader, SourceMap, shown};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +87,7 @@ impl Import {
         if self.output.exists() && !self.force {
             report::error(&format!(
                 "{} exists already; nothing was changed (--force overwrites it)",
-                self.output.display()
+                shown(&self.output)
             ));
             return Outcome::CouldNotRun;
         }
@@ -182,7 +182,7 @@ impl Import {
                     plan.vertices.len(),
                     trimmed(plan.length, 6),
                     millimetres(healed.largest_shift.max(1e-9)),
-                    self.output.display()
+                    shown(&self.output)
                 )
             }
         };

@@ -23,7 +23,7 @@ mod runs;
 mod simulate;
 
 use crate::dynamics::{NoWidth, Width};
-use crate::source::Root;
+use crate::source::{Root, shown, steers};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -98,7 +98,10 @@ pub enum OutputFormat {
 
 /// Runs the command line.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(why) => return misused(&why),
+    };
     if let Err(none) = Width::asked() {
         return no_width(&none).into();
     }
@@ -126,17 +129,26 @@ pub fn main() -> ExitCode {
     outcome.into()
 }
 
+/// Says what is wrong with the command line, or helps. What is quoted of it may be the name of a file that somebody else made.
+fn misused(why: &clap::Error) -> ExitCode {
+    if !std::env::args_os().any(|word| word.to_string_lossy().contains(steers)) {
+        why.exit();
+    }
+    report::note(why.to_string().trim_end());
+    ExitCode::from(2)
+}
+
 /// Says which vector widths there are instead.
 fn no_width(none: &NoWidth) -> Outcome {
     let all: Vec<&str> = Width::all().into_iter().map(Width::name).collect();
     report::error(&none.to_string());
-    eprintln!("  help: this processor has {}; without LSS_SIMD the widest is taken", all.join(", "));
+    report::note(&format!("  help: this processor has {}; without LSS_SIMD the widest is taken", all.join(", ")));
     Outcome::CouldNotRun
 }
 
 /// Says why a run was impossible.
 fn could_not(what: &str, path: &Path, why: impl std::fmt::Display) -> Outcome {
-    report::error(&format!("could not {what} {}: {why}", path.display()));
+    report::error(&format!("could not {what} {}: {why}", shown(path)));
     Outcome::CouldNotRun
 }
 

@@ -3,6 +3,7 @@
 use super::{Outcome, could_not, report};
 use crate::emit::Files;
 use crate::import::as_name;
+use crate::source::shown;
 use std::path::PathBuf;
 
 /// Start a project: a folder with a layout that builds.
@@ -21,7 +22,7 @@ impl New {
             return Outcome::CouldNotRun;
         };
         if self.folder.exists() {
-            report::error(&format!("{} exists already; nothing was changed", self.folder.display()));
+            report::error(&format!("{} exists already; nothing was changed", shown(&self.folder)));
             return Outcome::CouldNotRun;
         }
         let file = format!("{name}.lss");
@@ -35,8 +36,8 @@ impl New {
         let layout = self.folder.join(&file);
         report::print(&format!(
             "created {0}\nnow try: lss build {0} -o {1}\n",
-            layout.display(),
-            self.folder.join("out").display()
+            shown(&layout),
+            shown(&self.folder.join("out"))
         ));
         Outcome::Clean
     }

@@ -8,7 +8,7 @@ use crate::emit::Compiled;
 use crate::emit::simulation::Simulation;
 use crate::model::Layout;
 use crate::semantics::{analyse, unsupported};
-use crate::source::{SourceMap, input};
+use crate::source::{SourceMap, input, shown};
 use std::path::Path;
 
 /// A checked layout, its sources, and what was said of it so far.
@@ -49,9 +49,11 @@ pub fn is_json(file: &Path) -> bool {
 pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Simulation, Outcome> {
     if is_json(file) {
         let bytes = input::read_given(file, input::JSON_LIMIT).map_err(|why| could_not("read", file, why))?;
-        return serde_json::from_slice(&bytes).map_err(|why| {
-            let why = foreign::not_a_simulation(&bytes).unwrap_or_else(|| why.to_string());
-            report::error(&format!("{} is not a simulation input: {why}", file.display()));
+        return Simulation::read(&bytes).map_err(|why| {
+            match foreign::not_a_simulation(&bytes) {
+                Some(what) => report::error(&format!("{} is not a simulation input: {what}", shown(file))),
+                None => report::error(&format!("{}{why}", shown(file))),
+            }
             Outcome::Problems
         });
     }

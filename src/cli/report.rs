@@ -3,7 +3,7 @@
 use super::MessageFormat;
 use crate::diagnostic::text::Style;
 use crate::diagnostic::{Diagnostic, json, text};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, visible};
 use std::io::{IsTerminal, Write};
 
 /// Writes diagnostics to a stream. Text is coloured on a terminal, unless NO_COLOR is set.
@@ -14,7 +14,7 @@ pub fn diagnostics(out: &mut dyn Write, sources: &SourceMap, diagnostics: &[Diag
         match format {
             MessageFormat::Text => said.push_str(&text::render(sources, diagnostic, style)),
             MessageFormat::Json => {
-                said.push_str(&json::line(sources, diagnostic));
+                said.push_str(&visible(&json::line(sources, diagnostic)));
                 said.push('\n');
             }
         }
@@ -29,12 +29,17 @@ pub fn diagnostics(out: &mut dyn Write, sources: &SourceMap, diagnostics: &[Diag
 
 /// A one-line error without a place in a source.
 pub fn error(message: &str) {
-    eprintln!("error: {message}");
+    eprintln!("error: {}", visible(message));
 }
 
 /// A one-line warning without a place in a source.
 pub fn warning(message: &str) {
-    eprintln!("warning: {message}");
+    eprintln!("warning: {}", visible(message));
+}
+
+/// A line that is neither.
+pub fn note(message: &str) {
+    eprintln!("{}", visible(message));
 }
 
 /// Whether a stream is a terminal that wants colour (<https://no-color.org>).
@@ -42,7 +47,15 @@ pub fn colour(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
-/// Writes a text to standard output.
+/// Writes a text or JSON to standard output. What would steer a terminal is escaped, as names and texts in it come from files.
 pub fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let _ = std::io::stdout().write_all(visible(text).as_bytes());
+}
+
+/// Writes a source's own text to standard output: byte for byte, unless somebody looks.
+pub fn print_source(text: &str) {
+    match std::io::stdout().is_terminal() {
+        true => print(text),
+        false => drop(std::io::stdout().write_all(text.as_bytes())),
+    }
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use miette::{MietteError, MietteSpanContents, SourceSpan, SpanContents};
 
-use crate::source::{SourceFile, Span};
+use crate::source::{SourceFile, Span, one_line, steers};
 
 /// Lines longer than this many bytes are cut to a window about their first label.
 const LONGEST_LINE: usize = 150;
@@ -49,8 +49,12 @@ impl Excerpt {
             .collect();
         numbers.sort_unstable();
         numbers.dedup();
-        let mut excerpt =
-            Excerpt { name: file.name.clone(), text: String::new(), lines: Vec::new(), columns: Vec::new() };
+        let mut excerpt = Excerpt {
+            name: one_line(&file.name).into_owned(),
+            text: String::new(),
+            lines: Vec::new(),
+            columns: Vec::new(),
+        };
         let mut found = vec![SourceSpan::from(0..0); spans.len()];
         for number in numbers {
             let Some((offset, line)) = file.line(number) else { continue };
@@ -98,9 +102,8 @@ fn window(line: &str, label: usize) -> Range<usize> {
 fn visible(c: char) -> char {
     match c {
         '\t' => ' ',
-        c if c.is_ascii_control() => '?',
-        c if c.is_control() => '¿',
-        c => c,
+        c if !steers(c) => c,
+        c => ['?', '¿', '\u{fffd}'][c.len_utf8() - 1],
     }
 }
 

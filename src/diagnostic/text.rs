@@ -6,7 +6,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan};
 
 use super::excerpt::Excerpt;
 use super::{Diagnostic, Label, Severity};
-use crate::source::{FileId, SourceMap};
+use crate::source::{FileId, SourceMap, one_line, visible};
 
 /// Width of a report, columns.
 const WIDTH: usize = 100;
@@ -71,8 +71,8 @@ impl Report {
                 Severity::Error => miette::Severity::Error,
                 Severity::Warning => miette::Severity::Warning,
             },
-            message: diagnostic.message.clone(),
-            help: help(sources, diagnostic),
+            message: one_line(&diagnostic.message).into_owned(),
+            help: help(sources, diagnostic).map(|help| visible(&help).into_owned()),
             ..Report::excerpt(sources, home, &labels, true)
         }];
         let mut others: Vec<FileId> = shown.iter().map(|l| l.span.file).filter(|f| *f != home).collect();
@@ -81,7 +81,7 @@ impl Report {
         for file in others {
             let labels: Vec<&Label> = shown.iter().filter(|l| l.span.file == file).collect();
             reports.push(Report {
-                message: format!("in {}", sources.file(file).name),
+                message: format!("in {}", one_line(&sources.file(file).name)),
                 ..Report::excerpt(sources, file, &labels, false)
             });
         }
@@ -92,7 +92,7 @@ impl Report {
         let spans: Vec<_> = labels.iter().map(|l| l.span).collect();
         let (excerpt, places) = Excerpt::new(sources.file(file), &spans);
         let labels = labels.iter().zip(places).enumerate().map(|(i, (label, place))| {
-            let text = (!label.text.is_empty()).then(|| label.text.clone());
+            let text = (!label.text.is_empty()).then(|| one_line(&label.text).into_owned());
             if i == 0 && primary_first {
                 LabeledSpan::new_primary_with_span(text, place)
             } else {

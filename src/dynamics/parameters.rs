@@ -62,6 +62,9 @@ pub fn set(simulation: &Simulation, changes: &[(String, String)]) -> Result<Simu
     if (touches("cart.length_m") || touches("track.")) && !touches("chain.carts") {
         changed.chain.carts = carts(&changed);
     }
+    if touches("cart.length_m") || touches("track.") || touches("chain.carts") {
+        changed.derive();
+    }
     Ok(changed)
 }
 

@@ -2,6 +2,7 @@
 
 use crate::signal::Place;
 use crate::signal::csv::line;
+use crate::source::one_line;
 use crate::syntax::nearest;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -41,6 +42,9 @@ pub struct Mistake {
     pub what: String,
     pub help: String,
 }
+
+/// Beyond this no number of a test means anything, m or N.
+const FARTHEST: f64 = 1e12;
 
 const COLUMNS: [&str; 3] = ["direction", "deformation", "force"];
 
@@ -98,9 +102,10 @@ pub fn read(bytes: &[u8], file: &Path, given: Option<Direction>) -> Result<BTree
         }
         let number = |column: usize, name| {
             let text = record.get(column).unwrap_or_default();
-            let help = if text.contains(',') { "write decimals with a point" } else { "write a finite number" };
-            let wrong = || at(row, Some(name), &format!("`{text}` is not a number"), help);
-            text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong)
+            let help =
+                if text.contains(',') { "write decimals with a point" } else { "write a finite number, in m and N" };
+            let wrong = || at(row, Some(name), &format!("`{}` is not a number", one_line(text)), help);
+            text.parse::<f64>().ok().filter(|x| x.abs() <= FARTHEST).ok_or_else(wrong)
         };
         let (d, f) = (number(deformation, "deformation")?, number(force, "force")?);
         if d < 0.0 {

@@ -11,7 +11,7 @@
 
 use super::keys::{self, Reader, Table, Text};
 use super::{Place, Problem, Run, RunError, Sidecar, run, sidecar_path};
-use crate::source::{InputError, Root, SIZE_LIMIT, root};
+use crate::source::{InputError, Root, SIZE_LIMIT, one_line, root, steers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
@@ -33,7 +33,7 @@ pub struct Campaign {
 /// A run of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The data file's name without its ending; no other run of the campaign has it.
+    /// The data file's name without its ending, and without control characters; no other run of the campaign has it.
     pub name: String,
     /// The data file.
     pub file: PathBuf,
@@ -140,7 +140,7 @@ impl Campaign {
         let mut refused = Vec::new();
         let mut names: BTreeMap<String, PathBuf> = BTreeMap::new();
         for run in listed {
-            let name = run.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let name = one_line(&run.file.file_stem().unwrap_or_default().to_string_lossy()).into_owned();
             if let Some(other) = names.insert(name.clone(), run.file.clone()) {
                 return Err(RunError { place: run.place, problem: Problem::DuplicateRun(other) });
             }
@@ -151,6 +151,15 @@ impl Campaign {
             }
         }
         Ok((campaign, refused))
+    }
+
+    /// The data files that a `campaign.toml` lists, seen from its folder, without looking for them; `file` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Campaign::read`] that concern the text.
+    pub fn files(bytes: &[u8], file: &Path) -> Result<Vec<PathBuf>, RunError> {
+        Ok(Campaign::default().listed(bytes, file)?.into_iter().map(|run| run.file).collect())
     }
 
     /// The runs of a `campaign.toml`; its channels are kept.
@@ -167,7 +176,12 @@ impl Campaign {
         let names: Vec<String> = channels.keys().cloned().collect();
         let mut reader = text.reader(channels);
         for name in names {
-            let unit = reader.take(&name, "a unit in quotes", |v| v.as_str().map(str::to_owned))?;
+            if name.contains(steers) {
+                let problem = Problem::Malformed("the name of a channel holds a control character".to_owned());
+                return Err(RunError::new(file, problem).column(&name));
+            }
+            let unit = |v: &Value| v.as_str().filter(|unit| !unit.contains(steers)).map(str::to_owned);
+            let unit = reader.take(&name, "a unit in quotes", unit)?;
             self.channels.insert(name, unit);
         }
         let runs = run.into_iter().map(|table| {

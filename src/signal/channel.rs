@@ -85,6 +85,22 @@ impl Channel {
         self.words().1
     }
 
+    /// Beyond this, in the channel's unit, a number is no measurement: far above what any sensor of the kind has, and far below where
+    /// squares and sums of a long run would overflow.
+    pub const fn farthest(self) -> f64 {
+        match self {
+            // That it is 0 or 1 is told in words of its own.
+            Channel::Trigger => f64::MAX,
+            Channel::Temperature => 1e4,
+            Channel::ForkLeft | Channel::ForkRight => 1e3,
+            Channel::WheelSpeedSteerLeft
+            | Channel::WheelSpeedSteerRight
+            | Channel::WheelSpeedRunLeft
+            | Channel::WheelSpeedRunRight => 1e6,
+            _ => 1e9,
+        }
+    }
+
     /// In plain English.
     pub const fn label(self) -> &'static str {
         self.words().2

@@ -3,7 +3,6 @@
 use super::{Channel, Problem, Run, RunError, digits, run};
 use crate::emit::number::shortest;
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::path::Path;
 
 /// The columns of a data file: time, and the channels over it.
@@ -52,12 +51,12 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
 /// # Errors
 ///
 /// As [`read`], and what `pick` says.
-pub fn read_as<C: Ord + Display>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
+pub fn read_as<C: run::Column>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
     Ok(table(bytes, file, pick)?.0)
 }
 
 /// The columns that are picked, and the line of each sample.
-fn table<C: Ord + Display>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<(Columns<C>, Vec<usize>), RunError> {
+fn table<C: run::Column>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<(Columns<C>, Vec<usize>), RunError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let error = |problem| RunError::new(file, problem);
     let mut reader =
@@ -172,7 +171,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_told_with_row_column_and_a_way_out() {
-        let cases: [(&[u8], &str); 14] = [
+        let cases: [(&[u8], &str); 18] = [
             (b"", "run.csv: the first column is not `time`"),
             (b"time;joint_xi\n0;1\n", "run.csv, row 1: the first column is not `time`"),
             (
@@ -190,6 +189,13 @@ mod tests {
             (b"time,joint_xi\n0,1\n\n2,2\n1,3\n", "run.csv, row 5, `time`: 1 s does not come after 2 s"),
             (b"time,joint_xi\n0,1\n,2\n", "run.csv, row 3, `time`: the time is missing"),
             (b"time,joint_xi\n0,1\n1,1e999\n", "run.csv, row 3, `joint_xi`: the number is not finite"),
+            (
+                b"time,joint_xi\n0,1\n\n1,-1e308\n",
+                "run.csv, row 4, `joint_xi`: -1e308 is beyond ±1e9 N\n  help: leave the field of a lost sample empty",
+            ),
+            (b"time,temperature\n0,1\n1,10001\n", "run.csv, row 3, `temperature`: 1.0001e4 is beyond ±1e4 °C"),
+            (b"time,joint_xi\n0,1\n1e300,1\n", "run.csv, row 3, `time`: 1e300 is beyond ±1e12 s"),
+            (b"time,joint_xi\n0,1\n1e-300,1\n", "run.csv, row 3, `time`: 0."),
             (b"time,trigger\n0,1\n1,0.5\n", "run.csv, row 3, `trigger`: 0.5 is neither 0 nor 1"),
             (b"time,joint_xi\n0,1\n", "run.csv: there are fewer than two samples"),
             (b"time,joint_xi\n0,1\n1,\xff\n", "run.csv, row 3: is malformed: this is not text in UTF-8"),

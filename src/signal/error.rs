@@ -1,7 +1,7 @@
 //! Why a run cannot be read: where, what, and a way out.
 
 use super::Channel;
-use crate::source::InputError;
+use crate::source::{InputError, one_line, shown};
 use crate::syntax::nearest;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -56,6 +56,12 @@ pub enum Problem {
     NotANumber(String),
     /// A number too large, or infinite.
     NotFinite,
+    /// A number that no such channel has.
+    Beyond {
+        found: f64,
+        farthest: f64,
+        unit: &'static str,
+    },
     /// A trigger that is neither 0 nor 1.
     NotATrigger(f64),
     /// A sample without a time.
@@ -163,6 +169,9 @@ impl RunError {
             Problem::NotANumber(_) | Problem::NotFinite => {
                 "leave the field of a lost sample empty, or write NaN".to_owned()
             }
+            Problem::Beyond { .. } => {
+                "leave the field of a lost sample empty, and export numbers in SI units".to_owned()
+            }
             Problem::NotATrigger(_) => "write 1 while the cart passes the photocell, and 0 elsewhere".to_owned(),
             Problem::LostTime => "every sample needs its time; remove the row if it is not known".to_owned(),
             Problem::TimeStandsStill { .. } => {
@@ -200,6 +209,13 @@ impl RunError {
     }
 }
 
+/// Text of a file, cut where it is long.
+fn quoted(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let begin: String = text.chars().take(LONGEST).collect();
+    format!("{}{}", one_line(&begin), if begin.len() < text.len() { "..." } else { "" })
+}
+
 impl From<InputError> for Problem {
     fn from(why: InputError) -> Self {
         match why {
@@ -212,12 +228,12 @@ impl From<InputError> for Problem {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
+        write!(f, "{}", shown(&self.file))?;
         if let Some(row) = self.row {
             write!(f, ", row {row}")?;
         }
         if let Some(column) = &self.column {
-            write!(f, ", `{column}`")?;
+            write!(f, ", `{}`", quoted(column))?;
         }
         Ok(())
     }
@@ -231,7 +247,7 @@ impl fmt::Display for Problem {
             Problem::TooLarge(sizes) => write!(f, "is too large: {sizes}"),
             Problem::Foreign { what, .. } => write!(f, "{what}, not a run or a campaign"),
             Problem::UnknownFormat => write!(f, "is none of CSV, Parquet and MDF4"),
-            Problem::Malformed(why) => write!(f, "is malformed: {why}"),
+            Problem::Malformed(why) => write!(f, "is malformed: {}", one_line(why)),
             Problem::NoTime => write!(f, "the first column is not `time`"),
             Problem::UnknownColumn => write!(f, "there is no such column"),
             Problem::DuplicateColumn => write!(f, "the column is there twice"),
@@ -239,20 +255,23 @@ impl fmt::Display for Problem {
             Problem::Length { expected, found } => {
                 write!(f, "{found} field{} where the first row has {expected}", if *found == 1 { "" } else { "s" })
             }
-            Problem::NotANumber(text) => write!(f, "`{text}` is not a number"),
+            Problem::NotANumber(text) => write!(f, "`{}` is not a number", quoted(text)),
             Problem::NotFinite => write!(f, "the number is not finite"),
+            Problem::Beyond { found, farthest, unit } => {
+                write!(f, "{found:e} is beyond ±{}", format!("{farthest:e} {unit}").trim_end())
+            }
             Problem::NotATrigger(value) => write!(f, "{value} is neither 0 nor 1"),
             Problem::LostTime => write!(f, "the time is missing"),
             Problem::TimeStandsStill { before, found } => write!(f, "{found} s does not come after {before} s"),
-            Problem::MissingSidecar(path) => write!(f, "there is no sidecar {}", path.display()),
+            Problem::MissingSidecar(path) => write!(f, "there is no sidecar {}", shown(path)),
             Problem::MissingKey => write!(f, "the key is missing"),
             Problem::WrongValue { expected } => write!(f, "the value is not {expected}"),
             Problem::UnknownKey { .. } => write!(f, "there is no such key"),
-            Problem::MissingRun(path) => write!(f, "there is no file {}", path.display()),
-            Problem::DuplicateRun(other) => write!(f, "the run has the same name as {}", other.display()),
+            Problem::MissingRun(path) => write!(f, "there is no file {}", shown(path)),
+            Problem::DuplicateRun(other) => write!(f, "the run has the same name as {}", shown(other)),
             Problem::NoRuns => write!(f, "the campaign has no runs"),
             Problem::OtherTimeBase => write!(f, "the channel is written in a group with another time base"),
-            Problem::OtherUnit { expected, found } => write!(f, "the unit is {found}, not {expected}"),
+            Problem::OtherUnit { expected, found } => write!(f, "the unit is {}, not {expected}", quoted(found)),
             Problem::Undersampled { rate_hz, lowpass_hz } => {
                 write!(f, "sampled at {rate_hz:.1} Hz, less than twice the low-pass of {lowpass_hz} Hz")
             }

@@ -71,6 +71,9 @@ impl Reader<'_> {
         read: impl Fn(&Value) -> Option<T>,
     ) -> Result<Option<T>, RunError> {
         let Some(value) = self.keys.remove(key) else { return Ok(None) };
+        if plain_number(value.get_ref()).is_some_and(|x| x.is_finite() && x.abs() > FARTHEST) {
+            return Err(self.error(Problem::WrongValue { expected: "a number within ±1e12" }, key, &value));
+        }
         match read(value.get_ref()) {
             Some(value) => Ok(Some(value)),
             None => Err(self.error(Problem::WrongValue { expected }, key, &value)),
@@ -112,12 +115,18 @@ pub(super) fn text(value: &Value) -> Option<String> {
 
 /// A finite number, written with or without a point.
 pub(super) fn number(value: &Value) -> Option<f64> {
-    let number = match value {
-        Value::Integer(n) => *n as f64,
-        Value::Float(x) => *x,
-        _ => return None,
-    };
-    number.is_finite().then_some(number)
+    plain_number(value).filter(|x| x.is_finite())
+}
+
+/// Beyond this no setting of a machine means anything.
+const FARTHEST: f64 = 1e12;
+
+fn plain_number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Integer(n) => Some(*n as f64),
+        Value::Float(x) => Some(*x),
+        _ => None,
+    }
 }
 
 /// A finite number above 0.

@@ -7,12 +7,10 @@ use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use ::parquet::data_type::{DataType, DoubleType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::properties::WriterProperties;
-use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 use std::collections::BTreeMap;
-use std::fmt::Display;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -52,7 +50,7 @@ pub fn write(run: &Run) -> Result<Vec<u8>, ParquetError> {
 /// # Errors
 ///
 /// The first of what [`Problem`] lists, with its row and column.
-pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
+pub fn read<R: ChunkReader + 'static>(data: R, file: &Path) -> Result<Columns, RunError> {
     let columns = read_as(data, file, &|name, taken| run::channel(name, taken).map(Some))?;
     run::check_trigger(&columns.1, file, 1)?;
     Ok(columns)
@@ -63,7 +61,11 @@ pub fn read(data: File, file: &Path) -> Result<Columns, RunError> {
 /// # Errors
 ///
 /// As [`read`], and what `pick` says.
-pub fn read_as<C: Ord + Display>(data: File, file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
+pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
+    data: R,
+    file: &Path,
+    pick: Pick<C>,
+) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
     let malformed = |why: ParquetError| error(Problem::Malformed(why.to_string()));
     let reader = SerializedFileReader::new(data).map_err(malformed)?;
@@ -93,20 +95,26 @@ pub fn read_as<C: Ord + Display>(data: File, file: &Path, pick: Pick<C>) -> Resu
         }
     }
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + channels.len()];
+    // A column that repeats one value takes some bytes, however long it is.
+    let most = VALUES / columns.len();
+    let too_many = || error(Problem::TooLarge(format!("it holds more than {VALUES} numbers")));
     for g in 0..reader.num_row_groups() {
         let group = reader.get_row_group(g).map_err(malformed)?;
         for (k, (column, &i)) in columns.iter_mut().zip(&taken).enumerate() {
             let name = k.checked_sub(1).and_then(|k| channels.get(k)).map_or_else(|| "time".to_owned(), C::to_string);
             let pages = group.get_column_reader(i).map_err(malformed)?;
             let read = match pages {
-                ColumnReader::DoubleColumnReader(r) => append(r, column, |x| x),
-                ColumnReader::FloatColumnReader(r) => append(r, column, f64::from),
-                ColumnReader::Int32ColumnReader(r) => append(r, column, f64::from),
-                ColumnReader::Int64ColumnReader(r) => append(r, column, |x| x as f64),
-                ColumnReader::BoolColumnReader(r) => append(r, column, |x| f64::from(u8::from(x))),
+                ColumnReader::DoubleColumnReader(r) => append(r, column, most, |x| x),
+                ColumnReader::FloatColumnReader(r) => append(r, column, most, f64::from),
+                ColumnReader::Int32ColumnReader(r) => append(r, column, most, f64::from),
+                ColumnReader::Int64ColumnReader(r) => append(r, column, most, |x| x as f64),
+                ColumnReader::BoolColumnReader(r) => append(r, column, most, |x| f64::from(u8::from(x))),
                 _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(&name)),
             };
             read.map_err(|why| malformed(why).column(&name))?;
+            if column.len() > most {
+                return Err(too_many());
+            }
         }
     }
     let mut columns = columns.into_iter();
@@ -116,10 +124,14 @@ pub fn read_as<C: Ord + Display>(data: File, file: &Path, pick: Pick<C>) -> Resu
     Ok((time, channels))
 }
 
-/// Reads a column of a row group to its end.
+/// Most numbers that are read of a file.
+const VALUES: usize = 1 << 28;
+
+/// Reads a column of a row group to its end, or until it is beyond the `most` that it may hold.
 fn append<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     column: &mut Vec<f64>,
+    most: usize,
     number: impl Fn(T::T) -> f64,
 ) -> Result<(), ParquetError> {
     const BATCH: usize = 8192;
@@ -128,7 +140,7 @@ fn append<T: DataType>(
         values.clear();
         levels.clear();
         let (records, _, _) = reader.read_records(BATCH, Some(&mut levels), None, &mut values)?;
-        if records == 0 {
+        if records == 0 || column.len() > most {
             return Ok(());
         }
         let mut numbers = values.drain(..).map(&number);

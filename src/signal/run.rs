@@ -8,8 +8,40 @@ use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+/// Beyond this no number of another machine's channel is a measurement: its fourth power, over a long run, still is a number.
+pub const FARTHEST: f64 = 1e30;
+
+/// Latest time of a sample, s; far beyond one that counts from 1970. And the shortest step between two.
+const LATEST: f64 = 1e12;
+const SHORTEST: f64 = 1e-9;
+
 /// Largest data file, bytes.
 pub const DATA_LIMIT: u64 = 4 << 30;
+
+/// What is measured in a column of a data file.
+pub trait Column: Ord + Display {
+    /// The largest number that is no mistake, in the column's unit.
+    fn farthest(&self) -> f64 {
+        FARTHEST
+    }
+
+    /// Empty where it is not known.
+    fn unit(&self) -> &'static str {
+        ""
+    }
+}
+
+impl Column for String {}
+
+impl Column for Channel {
+    fn farthest(&self) -> f64 {
+        Channel::farthest(*self)
+    }
+
+    fn unit(&self) -> &'static str {
+        Channel::unit(*self)
+    }
+}
 
 /// What a sensor cart brought home, or a simulation wrote in its stead.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -143,7 +175,7 @@ pub(super) fn channel(name: &str, taken: &[Channel]) -> Result<Channel, Problem>
 
 /// What holds of every run's columns, whatever the format: times increase, nothing is infinite.
 /// `row` is the number of the first sample's row.
-pub(super) fn check<C: Ord + Display>(
+pub(super) fn check<C: Column>(
     time: &[f64],
     channels: &BTreeMap<C, Vec<f64>>,
     file: &Path,
@@ -158,8 +190,11 @@ pub(super) fn check<C: Ord + Display>(
             return error(Problem::NotFinite, i, "time");
         }
         match i.checked_sub(1).and_then(|b| time.get(b)) {
-            Some(&before) if found <= before => {
+            Some(&before) if !(found - before >= SHORTEST) => {
                 return error(Problem::TimeStandsStill { before, found }, i, "time");
+            }
+            _ if found.abs() > LATEST => {
+                return error(Problem::Beyond { found, farthest: LATEST, unit: "s" }, i, "time");
             }
             _ => {}
         }
@@ -172,6 +207,10 @@ pub(super) fn check<C: Ord + Display>(
         for (i, &x) in samples.iter().enumerate() {
             if x.is_infinite() {
                 return error(Problem::NotFinite, i, &channel.to_string());
+            }
+            if x.abs() > channel.farthest() {
+                let problem = Problem::Beyond { found: x, farthest: channel.farthest(), unit: channel.unit() };
+                return error(problem, i, &channel.to_string());
             }
         }
     }

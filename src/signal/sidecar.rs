@@ -124,6 +124,10 @@ hall = 3
                 "run-01.toml, row 2, `sensor_cart`: the value is not a whole number from 1\n  help: change the value",
             ),
             (
+                WRITTEN.replace("lowpass = 100.0", "lowpass = 1e308"),
+                "run-01.toml, row 5, `lowpass`: the value is not a number within ±1e12\n  help: change the value",
+            ),
+            (
                 WRITTEN.replace("laps = 1", "laps = nan"),
                 "run-01.toml, row 6, `laps`: the value is not a whole number\n  help: change the value",
             ),

@@ -6,10 +6,12 @@
 pub mod input;
 mod loader;
 pub mod root;
+mod visible;
 
 pub use input::InputError;
 pub use loader::{DRAWING_LIMIT, LoadError, Loader, SIZE_LIMIT, STDLIB, drawing};
 pub use root::Root;
+pub use visible::{one_line, shown, steers, visible};
 
 use serde::Serialize;
 

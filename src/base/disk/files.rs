@@ -2,7 +2,7 @@
 
 use super::manifest::Manifest;
 use super::temporary::{Temporary, folder_of, sweep, sync_folder};
-use crate::source::root;
+use crate::source::{root, shown};
 use std::fmt;
 use std::fs;
 use std::io;
@@ -23,7 +23,7 @@ pub struct WriteError {
 
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot write {}: {}", self.path.display(), self.reason)
+        write!(f, "cannot write {}: {}", shown(&self.path), self.reason)
     }
 }
 

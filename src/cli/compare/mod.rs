@@ -7,6 +7,7 @@ use super::{Outcome, OutputFormat, build, report};
 use crate::signal::compare::{Deviation, compare};
 use crate::signal::measures::Statistics;
 use crate::signal::{Channel, Run};
+use crate::source::shown;
 use scale::Known;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -98,7 +99,7 @@ impl Compare {
         known.warnings.iter().for_each(|w| report::warning(w));
         for (path, run) in sides {
             for warning in run.warnings(known.lap()) {
-                report::warning(&format!("{}: {warning}", path.display()));
+                report::warning(&format!("{}: {warning}", shown(path)));
             }
         }
         let channels = compare(&a, &b, &known.scale(self.slope));

@@ -5,7 +5,7 @@ use crate::emit::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::signal::compare::Scale;
 use crate::signal::{Run, position};
-use crate::source::{Root, input};
+use crate::source::{Root, input, shown};
 use std::path::Path;
 
 /// Lap and pitch in metres, each with where it was found.
@@ -23,7 +23,7 @@ impl Known {
         for (data, run) in sides {
             let path = beside(data, &run.sidecar.layout);
             if path.extension().is_some_and(|e| e == "json") {
-                let name = path.display().to_string();
+                let name = shown(&path);
                 match read(data, &path) {
                     Ok(layout) => layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, name)),
                     Err(why) => {
@@ -70,5 +70,5 @@ impl Known {
 fn read(data: &Path, path: &Path) -> Result<Simulation, String> {
     let root = Root::of_campaign(data.parent().unwrap_or(Path::new("")));
     let bytes = root.read(path, input::JSON_LIMIT).map_err(|why| why.to_string())?;
-    serde_json::from_slice(&bytes).map_err(|why| why.to_string())
+    Simulation::read(&bytes).map_err(|why| format!("it{why}"))
 }

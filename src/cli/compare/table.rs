@@ -2,6 +2,7 @@
 
 use super::{Moments, Report, Side};
 use crate::emit::number::{fixed, trimmed};
+use crate::source::one_line;
 
 /// Two lines a channel: the reference, and what the other run has more.
 pub fn text(report: &Report) -> String {
@@ -55,7 +56,12 @@ damage    damage-equivalent load of B over A for the same distance, slope {}
 
 fn side(letter: char, side: &Side) -> String {
     let laps = side.laps.map_or(String::new(), |laps| format!(", {} laps", fixed(laps, 2)));
-    format!("{letter}      {}: {} s at {} Hz{laps}\n", side.file, fixed(side.duration_s, 1), trimmed(side.rate_hz, 2))
+    format!(
+        "{letter}      {}: {} s at {} Hz{laps}\n",
+        one_line(side.file),
+        fixed(side.duration_s, 1),
+        trimmed(side.rate_hz, 2)
+    )
 }
 
 fn scale(what: &str, value: Option<f64>, from: Option<&str>, without: &str) -> String {

@@ -6,6 +6,7 @@ use crate::emit::json::to_json;
 use crate::gap::blind::answering::{Before, Step, answer, child, facts, judged};
 use crate::gap::blind::generate::{Order, generate};
 use crate::gap::blind::{Kind, table};
+use crate::source::{one_line, shown};
 use clap::{Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -105,7 +106,7 @@ impl New {
         }
         match made {
             Ok(facts) => {
-                report::print(&format!("{} cases in {}\n", facts.cases.len(), self.output.display()));
+                report::print(&format!("{} cases in {}\n", facts.cases.len(), shown(&self.output)));
                 report::print(&format!("key SHA-256 {}\n", facts.key_sha256));
                 Outcome::Clean
             }
@@ -125,9 +126,11 @@ impl Score {
             match &bar {
                 Some(bar) => {
                     bar.set_position(step.number as u64);
-                    bar.set_message(step.case.to_owned());
+                    bar.set_message(one_line(step.case).into_owned());
                 }
-                None if step.before != Before::Kept => eprintln!("{} ({} of {})", step.case, step.number + 1, step.of),
+                None if step.before != Before::Kept => {
+                    report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
+                }
                 None => {}
             }
             let say = |why: &str| match &bar {
@@ -148,7 +151,7 @@ impl Score {
             bar.finish_and_clear();
         }
         match answered {
-            Ok(hash) => eprintln!("answers SHA-256 {hash}"),
+            Ok(hash) => report::note(&format!("answers SHA-256 {hash}")),
             Err(why) => return could_not("answer the challenge", &self.folder, why),
         }
         let score = match judged(&self.folder) {

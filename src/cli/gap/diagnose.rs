@@ -10,6 +10,7 @@ use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
 use crate::gap::{Diagnosis, Left, Remembered, Simulator, Stage, diagnose};
 use crate::identify::study::Subject;
+use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -123,9 +124,11 @@ impl Diagnose {
         let known = Remembered::new(model, &self.output.join(PARTIAL), origin);
         match known.left() {
             Left::Nothing => {}
-            Left::Used(count) => eprintln!("a diagnosis was stopped here: {count} of its simulations are used again"),
-            Left::OfOthers => eprintln!(
-                "a diagnosis was stopped here, but of another version of lss, model, layout, run or seed: nothing of it is used"
+            Left::Used(count) => {
+                report::note(&format!("a diagnosis was stopped here: {count} of its simulations are used again"));
+            }
+            Left::OfOthers => report::note(
+                "a diagnosis was stopped here, but of another version of lss, model, layout, run or seed: nothing of it is used",
             ),
             Left::Contradicted(count) => report::warning(&format!(
                 "a diagnosis was stopped here, but asked again the model gives another answer: its {count} simulations are not used"
@@ -158,7 +161,7 @@ impl Diagnose {
         known.forget();
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(found).unwrap_or_default() + "\n",
-            OutputFormat::Text => format!("{}written to {}\n", text::text(found), self.output.display()),
+            OutputFormat::Text => format!("{}written to {}\n", text::text(found), shown(&self.output)),
         });
         if broken { Outcome::Problems } else { Outcome::Clean }
     }
@@ -183,7 +186,7 @@ impl Progress {
 
     fn say(&self, what: &str) {
         if let Some(bar) = &self.0 {
-            bar.set_message(what.to_owned());
+            bar.set_message(one_line(what).into_owned());
         }
     }
 

@@ -9,7 +9,7 @@ use crate::emit::{Files, identification, json};
 use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, CONFIDENCE, Estimate, Fitted, carry, fit_run};
 use crate::identify::{Measured, Model, Parameter, Settings, interval};
-use crate::source::{SIZE_LIMIT, input};
+use crate::source::{SIZE_LIMIT, input, one_line, shown};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -157,7 +157,7 @@ impl Campaign {
                 let line = |law: &LawReport| serde_json::to_string(law).unwrap_or_default() + "\n";
                 reports.iter().map(line).collect::<String>()
             }
-            OutputFormat::Text => format!("{}written to {}\n", table::text(&reports), output.display()),
+            OutputFormat::Text => format!("{}written to {}\n", table::text(&reports), shown(output)),
         });
         if failed { Outcome::Problems } else { Outcome::Clean }
     }
@@ -232,7 +232,7 @@ impl Work<'_> {
             }
         };
         if let Some(bar) = self.bar {
-            bar.set_message(format!("{}, {}", subject.name, law_name(self.law)));
+            bar.set_message(one_line(&format!("{}, {}", subject.name, law_name(self.law))).into_owned());
             bar.inc(1);
         }
         fit

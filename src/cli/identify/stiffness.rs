@@ -5,7 +5,7 @@ use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::number::{fixed, shortest, trimmed};
 use crate::identify::static_test::{self, Direction, Points};
 use crate::identify::stiffness::{Estimate, Fixed, Unfit, fit, fit_with};
-use crate::source::{SIZE_LIMIT, input};
+use crate::source::{SIZE_LIMIT, input, shown};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -83,7 +83,7 @@ impl Stiffness {
                     directions.insert(direction.name(), fit);
                 }
                 Err(unfit) => {
-                    report::error(&format!("{}, {}: {unfit}", self.file.display(), direction.name()));
+                    report::error(&format!("{}, {}: {unfit}", shown(&self.file), direction.name()));
                     return Outcome::Problems;
                 }
             }
@@ -98,7 +98,7 @@ impl Stiffness {
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
             OutputFormat::Text => match &self.output {
-                Some(path) => format!("{}\nwritten to {}\n", report.table(), path.display()),
+                Some(path) => format!("{}\nwritten to {}\n", report.table(), shown(path)),
                 None => format!("{}\n{declaration}", report.table()),
             },
         });

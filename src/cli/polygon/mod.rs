@@ -9,6 +9,7 @@ use crate::emit::simulation::Simulation;
 use crate::emit::{DrawError, Files, json, png, svg};
 use crate::geometry::CentreLine;
 use crate::kinematics::polygon::{Objective, Unsuited};
+use crate::source::shown;
 use std::path::{Path, PathBuf};
 
 /// Show the polygon action of a layout: how much its chain leads and lags on each straight, and which curves cancel.
@@ -97,7 +98,7 @@ impl Polygon {
     }
 
     fn unsuited(&self, why: Unsuited) -> Outcome {
-        report::error(&format!("{}: {why}", self.file.display()));
+        report::error(&format!("{}: {why}", shown(&self.file)));
         Outcome::Problems
     }
 }
@@ -112,5 +113,5 @@ fn files(report: &Report, line: &CentreLine) -> Result<Files, DrawError> {
 
 /// The folder as a reader of messages sees it.
 fn written_to(folder: Option<&Path>) -> String {
-    folder.map_or_else(String::new, |folder| format!("  written to {}\n", folder.display()))
+    folder.map_or_else(String::new, |folder| format!("  written to {}\n", shown(folder)))
 }

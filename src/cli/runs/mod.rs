@@ -8,6 +8,7 @@ use crate::emit::simulation::Simulation;
 use crate::signal::health::{Health, health};
 use crate::signal::measures::Statistics;
 use crate::signal::{Campaign, Entry, RunError};
+use crate::source::shown;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -123,12 +124,12 @@ impl Layouts {
             let place = match named_by {
                 Some(entry) => named_layout(entry),
                 None if path.is_file() => Ok(path.to_owned()),
-                None => Err(format!("the layout {} is not there", path.display())),
+                None => Err(format!("the layout {} is not there", shown(path))),
             };
             let read = place.and_then(|path| {
                 read::simulation(&path, None, MessageFormat::Text).map_err(|_| {
                     self.broken = true;
-                    format!("the layout {} cannot be used", path.display())
+                    format!("the layout {} cannot be used", shown(&path))
                 })
             });
             self.read.insert(path.to_owned(), read);

@@ -9,6 +9,7 @@ use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::emit::simulation::{ContactLaw, Simulation};
 use crate::emit::{Files, json, lap};
 use crate::signal::{csv, parquet};
+use crate::source::shown;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -131,8 +132,8 @@ impl Simulate {
             End::Trouble(trouble) => {
                 let kept = outcome.run.time.len();
                 super::report::error(&format!("the simulation stopped: {trouble}"));
-                eprintln!("  help: {}", trouble.advice());
-                eprintln!("  {kept} samples recorded before are kept");
+                super::report::note(&format!("  help: {}", trouble.advice()));
+                super::report::note(&format!("  {kept} samples recorded before are kept"));
                 Outcome::Problems
             }
         }
@@ -202,5 +203,5 @@ fn assignment(text: &str) -> Result<(String, String), String> {
 
 /// The folder as a reader of messages sees it.
 fn written_to(folder: Option<&Path>) -> String {
-    folder.map_or_else(String::new, |folder| format!("  written to {}\n", folder.display()))
+    folder.map_or_else(String::new, |folder| format!("  written to {}\n", shown(folder)))
 }

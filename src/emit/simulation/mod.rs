@@ -1,8 +1,10 @@
 //! `simulation.json`: everything the dynamic simulator needs, without any `.lss` (design: chain model).
 
+mod check;
 mod document;
 mod track;
 
+pub use check::{Contradiction, Unusable};
 pub use document::*;
 
 use super::number::tidy;
@@ -68,6 +70,19 @@ impl Simulation {
             supports_every_m: layout.equipment.supports.map(|s| s.value),
             effects: layout.effects.iter().map(effect).collect(),
         }
+    }
+}
+
+impl Simulation {
+    /// Writes anew what of the chain follows from track, cart and number of carts.
+    pub fn derive(&mut self) {
+        let forms: Vec<Form> = self.track.elements.iter().map(Piece::form).collect();
+        let (length, pitch) = (forms.iter().map(Form::length).sum::<f64>(), self.cart.length_m);
+        let chord_excess: f64 = forms.iter().map(|form| chord_excess(form, pitch)).sum();
+        self.chain.pitch_m = pitch;
+        self.chain.track_length_m = tidy(length);
+        self.chain.chord_excess_m = tidy(chord_excess);
+        self.chain.left_over_m = tidy(length - chord_excess - self.chain.carts as f64 * pitch);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::base::digest::sha256;
 use crate::base::disk::{Scratch, replace};
 use crate::signal::run::DATA_LIMIT;
 use crate::source::input::JSON_LIMIT;
-use crate::source::{InputError, Root};
+use crate::source::{InputError, Root, shown};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -37,8 +37,8 @@ pub enum Trouble {
 impl fmt::Display for Trouble {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Trouble::File(path, why) => write!(f, "{}: {why}", path.display()),
-            Trouble::Content(path, why) => write!(f, "{}: {why}", path.display()),
+            Trouble::File(path, why) => write!(f, "{}: {why}", shown(path)),
+            Trouble::Content(path, why) => write!(f, "{}: {why}", shown(path)),
             Trouble::Stopped => f.write_str("stopped; what is answered is kept"),
         }
     }

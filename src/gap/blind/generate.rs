@@ -11,7 +11,7 @@ use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
 use crate::identify::noise::mix;
 use crate::signal::{Campaign, Channel, Run, csv};
-use crate::source::root;
+use crate::source::{root, shown};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
@@ -74,9 +74,9 @@ struct Wish {
 /// In words, when files cannot be written or a case cannot be simulated.
 pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) -> Result<Facts, String> {
     let written = |path: &Path, bytes: &[u8]| replace(path, bytes).map_err(|error| said(path, &error.reason));
-    root::given_output(folder).map_err(|why| format!("{}: {why}", folder.display()))?;
+    root::given_output(folder).map_err(|why| format!("{}: {why}", shown(folder)))?;
     if folder.join(CHALLENGE).exists() {
-        return Err(format!("{} has a challenge already", folder.display()));
+        return Err(format!("{} has a challenge already", shown(folder)));
     }
     fs::create_dir_all(folder).map_err(|why| said(folder, &why))?;
     let tracks = match &order.layout {
@@ -113,7 +113,7 @@ pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) ->
 }
 
 fn said(path: &Path, why: &io::Error) -> String {
-    format!("{}: {why}", path.display())
+    format!("{}: {why}", shown(path))
 }
 
 /// The cases: kinds, effects and levels in their shares, in an order by chance.

@@ -3,6 +3,7 @@
 use super::Error;
 use crate::base::digest::sha256_of;
 use crate::signal::{Campaign, Entry, Problem, RunError, csv, parquet, run};
+use crate::source::shown;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -64,11 +65,8 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     };
     let mut channels = Vec::with_capacity(declared.len());
     for name in declared.keys() {
-        let missing = || Error::NoSuchChannel {
-            file: path.display().to_string(),
-            channel: name.clone(),
-            columns: seen.borrow().clone(),
-        };
+        let missing =
+            || Error::NoSuchChannel { file: shown(path), channel: name.clone(), columns: seen.borrow().clone() };
         channels.push(columns.remove(name).ok_or_else(missing)?);
     }
     let mut settings = entry.settings.clone();

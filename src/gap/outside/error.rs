@@ -1,6 +1,7 @@
 //! What can go wrong with a model outside and its runs: what was said, and a way out.
 
 use crate::signal::RunError;
+use crate::source::{one_line, steers};
 use std::fmt;
 
 /// Why a model outside cannot be used.
@@ -77,7 +78,7 @@ impl Error {
                 "add to campaign.toml a table [channels] with lines of name = \"unit\" for what is compared".to_owned()
             }
             Error::NoSuchChannel { columns, .. } => {
-                format!("[channels] names columns of the data; this file has {}", columns.join(", "))
+                format!("[channels] names columns of the data; this file has {}", one_line(&columns.join(", ")))
             }
             Error::Short { .. } => "give longer runs, sampled faster, or fewer lost samples".to_owned(),
             Error::Nothing { .. } => "check that the channel is measured, and that the model answers numbers".to_owned(),
@@ -89,7 +90,7 @@ impl Error {
 fn shown(line: &str) -> String {
     const LONGEST: usize = 120;
     let line = line.trim_end();
-    let begin: String = line.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let begin: String = line.chars().take(LONGEST).map(|c| if steers(c) { ' ' } else { c }).collect();
     if line.chars().nth(LONGEST).is_some() { format!("{begin}...") } else { begin }
 }
 
@@ -102,16 +103,20 @@ impl fmt::Display for Error {
             Error::Deaf(why) => write!(f, "the model does not take requests: {why}"),
             Error::Silent { seconds } => write!(f, "the model did not answer within {seconds} s and was stopped"),
             Error::Ended { status } => write!(f, "the model ended instead of answering ({status})"),
-            Error::NotJson { line, why } => write!(f, "the model said `{}`, which is no answer: {why}", shown(line)),
+            Error::NotJson { line, why } => {
+                write!(f, "the model said `{}`, which is no answer: {}", shown(line), one_line(why))
+            }
             Error::Unasked { line } => write!(f, "the model said `{}` without being asked", shown(line)),
             Error::Answer { request, line, why } => {
-                write!(f, "the model's answer to `{request}` is wrong: {why}\n  it said: {}", shown(line))
+                write!(f, "the model's answer to `{request}` is wrong: {}\n  it said: {}", one_line(why), shown(line))
             }
             Error::Refused(why) => write!(f, "the model refused: {}", shown(why)),
             Error::GivenUp(last) => write!(f, "the model failed too often; at last: {last}"),
             Error::Run(error) => write!(f, "{}: {}", error.place, error.problem),
             Error::NoChannels => write!(f, "the campaign declares no channels to compare"),
-            Error::NoSuchChannel { file, channel, .. } => write!(f, "{file}: there is no column `{channel}`"),
+            Error::NoSuchChannel { file, channel, .. } => {
+                write!(f, "{file}: there is no column `{}`", one_line(channel))
+            }
             Error::Short { run, samples, needed } => {
                 write!(f, "{run}: {samples} samples are too few, it takes {needed}")
             }

@@ -27,6 +27,24 @@ use std::thread;
 use std::time::Duration;
 use windows::Windows;
 
+/// Whether a line answers `describe`; how many effects it has.
+///
+/// # Errors
+///
+/// What is wrong with it.
+pub fn description(line: &str) -> Result<usize, Error> {
+    protocol::description(line).map(|description| description.effects.len())
+}
+
+/// Whether a line answers `simulate` of these channels from one time to another, s. The channels at some times between them.
+///
+/// # Errors
+///
+/// What is wrong with it.
+pub fn series(line: &str, channels: &[String], from: f64, to: f64) -> Result<Vec<Vec<f64>>, Error> {
+    Ok(protocol::series(line, channels, from, to)?.at(&[from, 0.5 * from + 0.5 * to, to]))
+}
+
 /// How a program is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {

@@ -3,6 +3,8 @@
 
 use super::Error;
 use crate::gap::{Candidate, Strength};
+use crate::signal::run::FARTHEST;
+use crate::source::steers;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -144,6 +146,16 @@ fn around(line: &str, column: usize) -> String {
 pub(super) fn description(line: &str) -> Result<Description, Error> {
     let Described { nuisances, effects, accuracy } = read(line, "describe")?;
     let wrong = |why: String| Err(Error::Answer { request: "describe", line: line.to_owned(), why });
+    let strengths = effects.iter().flat_map(|e| &e.strengths);
+    let texts = nuisances.iter().map(|n| &n.name).chain(effects.iter().flat_map(|e| [&e.name, &e.place]));
+    if let Some(text) = texts.chain(strengths.flat_map(|s| [&s.name, &s.unit])).find(|t| t.contains(steers)) {
+        return wrong(format!("`{text}` holds a control character"));
+    }
+    let numbers = nuisances.iter().flat_map(|n| [n.nominal, n.low, n.high]).chain(accuracy.values().copied());
+    let strengths = effects.iter().flat_map(|e| &e.strengths).flat_map(|s| [s.trial, s.low, s.high]);
+    if let Some(x) = numbers.chain(strengths).find(|x| x.abs() > FARTHEST) {
+        return wrong(format!("{x:e} is beyond ±{FARTHEST:e}"));
+    }
     let mut names = BTreeSet::new();
     for n in &nuisances {
         if n.name.is_empty() || !names.insert(n.name.as_str()) {
@@ -210,8 +222,15 @@ pub(super) fn series(line: &str, channels: &[String], from: f64, to: f64) -> Res
         }
         _ => return wrong("there are no samples".to_owned()),
     }
+    let far = |x: &f64| x.abs() > FARTHEST;
+    if let Some(t) = time.iter().find(|t| far(t)) {
+        return wrong(format!("time holds {t:e}, which is beyond ±{FARTHEST:e}"));
+    }
     let mut all = Vec::with_capacity(channels.len());
     for name in channels {
+        if let Some(x) = said.get(name).and_then(|x| x.iter().flatten().find(|x| far(x))) {
+            return wrong(format!("`{name}` holds {x:e}, which is beyond ±{FARTHEST:e}"));
+        }
         match said.remove(name) {
             Some(x) if x.len() == time.len() => all.push(x.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect()),
             Some(x) => return wrong(format!("`{name}` has {} samples where time has {}", x.len(), time.len())),
@@ -263,6 +282,8 @@ mod tests {
             ("\"high\": 3", "\"hihg\": 3", "unknown field `hihg`, expected one of"),
             ("\"trial\": 0.1", "\"trial\": NaN", "which is no answer: expected value at line"),
             ("\"drag\"", "\"\"", "an effect needs a name of its own"),
+            ("\"high\": 1}", "\"high\": 1e308}", "1e308 is beyond ±1e30"),
+            ("\"drag\"", "\"\\u001b[2J\"", "holds a control character"),
         ];
         for (from, to, expected) in cases {
             let told = description(&GOOD.replace(from, to)).expect_err(to).to_string();
@@ -282,6 +303,8 @@ mod tests {
             (r#"{"time": [0, 1], "channels": {"x": [1, 2]}}"#, "covers 0 s to 1 s, but 0 s to 2 s were asked for"),
             (r#"{"time": [0, 2, 2], "channels": {"x": [1, 2, 3]}}"#, "2 s comes before 2 s"),
             (r#"{"time": [0, 2], "channels": {"x": [1]}}"#, "`x` has 1 samples where time has 2"),
+            (r#"{"time": [0, 2], "channels": {"x": [1, -1e308]}}"#, "`x` holds -1e308, which is beyond ±1e30"),
+            (r#"{"time": [0, 1e300], "channels": {"x": [1, 2]}}"#, "time holds 1e300"),
             (r#"{"time": [0, 2], "channels": {"y": [1, 2]}}"#, "the channel `x` is missing"),
             (r#"{"time": [], "channels": {"x": []}}"#, "there are no samples"),
             (r#"{"time": [0, 2]}"#, "missing field `channels`"),

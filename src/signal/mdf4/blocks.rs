@@ -17,6 +17,9 @@ pub struct Block<'a> {
     data: &'a [u8],
 }
 
+/// Most that compressed blocks may hold together, bytes: a file of a megabyte could hold a thousand.
+const INFLATED: u64 = 2 << 30;
+
 /// Where the header block stands, behind the identification.
 const HEADER: u64 = 64;
 
@@ -165,6 +168,9 @@ fn inflate(block: &Block, bytes: &mut Vec<u8>) -> Result<(), Torn> {
         return Err(format!("compression of kind {method} is not known"));
     }
     let length = block.u64(8).ok_or_else(torn)?;
+    if length.saturating_add(bytes.len() as u64) > INFLATED {
+        return Err(format!("its compressed blocks hold more than {} MiB", INFLATED >> 20));
+    }
     let packed = block.data.get(24..).ok_or_else(torn)?;
     let packed =
         usize::try_from(block.u64(16).ok_or_else(torn)?).ok().and_then(|n| packed.get(..n)).ok_or_else(torn)?;

@@ -165,6 +165,16 @@ mod tests {
     }
 
     #[test]
+    fn blocks_that_unpack_to_more_than_the_limit_are_refused() {
+        let mut bytes = DEFLATED.to_vec();
+        let block = bytes.windows(4).position(|w| w == b"##DZ").expect("a compressed block");
+        // What it holds unpacked.
+        bytes[block + 32..block + 40].copy_from_slice(&(3_u64 << 30).to_le_bytes());
+        let told = back(&bytes).expect_err("too large").to_string();
+        assert!(told.contains("its compressed blocks hold more than 2048 MiB"), "{told}");
+    }
+
+    #[test]
     fn mistakes_are_told_with_their_channel_and_a_way_out() {
         let cases: [(&[u8], &str); 6] = [
             (

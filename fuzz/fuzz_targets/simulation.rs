@@ -1,0 +1,21 @@
+//! Any bytes as an input of a simulation: what is read has a centre line, parameters, and a model or a reason why not.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use lss::dynamics::{Model, parameters};
+use lss::emit::simulation::Simulation;
+
+fuzz_target!(|bytes: &[u8]| {
+    match Simulation::read(bytes) {
+        Ok(mut simulation) => {
+            assert!(simulation.track.centre_line().length.is_finite());
+            parameters::parameters(&simulation);
+            if simulation.chain.carts < 1_000 && simulation.track.elements.len() < 100 {
+                let _ = Model::new(&simulation).map_err(|why| why.to_string());
+            }
+            simulation.derive();
+            assert!(simulation.chain.left_over_m.is_finite());
+        }
+        Err(why) => drop(why.to_string()),
+    }
+});
