@@ -8,7 +8,7 @@ use super::filter::moving_mean;
 use super::gaps::{Bridged, bridge};
 use super::measures::{Statistics, rmsd, statistics};
 use super::order::resample;
-use super::position::{Position, position};
+use super::position::{Position, position_from};
 use super::rainflow::{damage_equivalent, rainflow};
 use super::spectrum::{log_distance, welch};
 use super::{Channel, Run};
@@ -54,7 +54,18 @@ pub struct Deviation {
 
 /// Compares every channel that both runs have, but the trigger.
 pub fn compare(reference: &Run, other: &Run, scale: &Scale) -> BTreeMap<Channel, Deviation> {
-    let sides = [Side::new(reference, scale), Side::new(other, scale)];
+    compare_from(reference, reference.sidecar.trigger_position, other, scale)
+}
+
+/// The same with the reference's photocell at another place than its sidecar has it, m.
+pub fn compare_from(
+    reference: &Run,
+    trigger_position: f64,
+    other: &Run,
+    scale: &Scale,
+) -> BTreeMap<Channel, Deviation> {
+    let sides =
+        [Side::new(reference, trigger_position, scale), Side::new(other, other.sidecar.trigger_position, scale)];
     let grid = Grid::new(&sides, scale);
     let shared = reference.channels.keys().filter(|c| **c != Channel::Trigger && other.channels.contains_key(c));
     shared.filter_map(|&channel| Some((channel, deviation(channel, &sides, grid, scale)?))).collect()
@@ -69,8 +80,8 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(run: &'a Run, scale: &Scale) -> Self {
-        let place = scale.lap.and_then(|lap| position(run, lap));
+    fn new(run: &'a Run, trigger_position: f64, scale: &Scale) -> Self {
+        let place = scale.lap.and_then(|lap| position_from(run, lap, trigger_position));
         let speed = place.as_ref().map_or(run.sidecar.speed_setpoint, |p| p.speed);
         Side { run, place, travelled: speed * run.duration() }
     }

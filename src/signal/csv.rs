@@ -2,7 +2,9 @@
 
 use super::{Channel, Problem, Run, RunError, digits, run};
 use crate::emit::number::shortest;
+use crate::source::InputError;
 use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// The columns of a data file: time, and the channels over it.
@@ -41,8 +43,18 @@ pub fn write(run: &Run) -> Vec<u8> {
 ///
 /// The first of what [`Problem`] lists, with its row and column.
 pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
-    let (columns, rows) = table(bytes, file, &|name, taken| run::channel(name, taken).map(Some))?;
-    run::check_trigger(&columns.1, file, 0).map_err(|error| on_line(error, &rows))?;
+    read_from(Cursor::new(bytes), file)
+}
+
+/// The same of a file or whatever can be read twice: where a mistake is, is looked up when there is one.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_from(source: impl Read + Seek, file: &Path) -> Result<Columns, RunError> {
+    let mut source = BufReader::with_capacity(BUFFER, source);
+    let columns = table(&mut source, file, &|name, taken| run::channel(name, taken).map(Some), run::MOST_NUMBERS)?;
+    run::check_trigger(&columns.1, file, 0).map_err(|error| on_line(error, &mut source))?;
     Ok(columns)
 }
 
@@ -51,61 +63,123 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
 /// # Errors
 ///
 /// As [`read`], and what `pick` says.
-pub fn read_as<C: run::Column>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
-    Ok(table(bytes, file, pick)?.0)
+pub fn read_as<C: run::Column>(source: impl Read + Seek, file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
+    table(&mut BufReader::with_capacity(BUFFER, source), file, pick, run::MOST_NUMBERS)
 }
 
-/// The columns that are picked, and the line of each sample.
-fn table<C: run::Column>(bytes: &[u8], file: &Path, pick: Pick<C>) -> Result<(Columns<C>, Vec<usize>), RunError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+/// Bytes that are read at a time.
+const BUFFER: usize = 1 << 20;
+
+fn parser<R: Read>(source: R) -> ::csv::Reader<R> {
+    ::csv::ReaderBuilder::new().flexible(true).has_headers(false).buffer_capacity(BUFFER).from_reader(source)
+}
+
+/// Where the text begins, behind a byte order mark.
+fn begin<R: Read + Seek>(source: &mut BufReader<R>) -> std::io::Result<()> {
+    source.rewind()?;
+    if source.fill_buf()?.starts_with(MARK) {
+        source.consume(MARK.len());
+    }
+    Ok(())
+}
+
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The columns that are picked. The text is read piece by piece and never held.
+fn table<C: run::Column, R: Read + Seek>(
+    source: &mut BufReader<R>,
+    file: &Path,
+    pick: Pick<C>,
+    most: usize,
+) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
-    let mut reader =
-        ::csv::ReaderBuilder::new().flexible(true).has_headers(false).trim(::csv::Trim::All).from_reader(bytes);
+    let unreadable = |why: std::io::Error| RunError::unreadable(file, InputError::from(why));
+    begin(source).map_err(unreadable)?;
+    let mut reader = parser(&mut *source);
     let mut record = ::csv::StringRecord::new();
-    let mut next = |record: &mut ::csv::StringRecord| {
-        reader.read_record(record).map_err(|why| {
-            let row = why.position().map(|p| p.line() as usize);
-            let error = error(Problem::Malformed(match why.kind() {
-                ::csv::ErrorKind::Utf8 { .. } => "this is not text in UTF-8".to_owned(),
-                _ => why.to_string(),
-            }));
-            row.into_iter().fold(error, RunError::row)
-        })
-    };
-    if !next(&mut record)? {
+    if !next(&mut reader, &mut record, file)? {
         return Err(error(Problem::NoTime));
     }
     let width = record.len();
     let (header, taken) = header(&record, file, pick)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + header.len()];
-    let mut rows = Vec::new();
-    while next(&mut record)? {
-        let row = record.position().map_or(0, |p| line(bytes, p));
+    let mut samples = 0;
+    let wrong = loop {
+        if !next(&mut reader, &mut record, file)? {
+            break None;
+        }
         if record.len() != width {
-            let problem = Problem::Length { expected: width, found: record.len() };
-            return Err(error(problem).row(row));
+            break Some(error(Problem::Length { expected: width, found: record.len() }));
         }
-        let fields = record.iter().zip(&taken).filter(|(_, taken)| **taken).map(|(text, _)| text);
+        if let Err(problem) = run::room(samples + 1, columns.len(), most) {
+            break Some(error(problem));
+        }
+        let fields = record.iter().zip(&taken).filter(|(_, taken)| **taken).map(|(text, _)| text.trim());
+        let mut mistake = None;
         for (i, (text, column)) in fields.zip(&mut columns).enumerate() {
-            column.push(sample(text).ok_or_else(|| {
-                let name = i.checked_sub(1).and_then(|i| header.get(i)).map_or_else(|| "time".into(), C::to_string);
-                error(Problem::NotANumber(text.to_owned())).row(row).column(&name)
-            })?);
+            match sample(text) {
+                Some(x) => column.push(x),
+                None => mistake = mistake.or(Some((i, text))),
+            }
         }
-        rows.push(row);
+        if let Some((i, text)) = mistake {
+            let name = i.checked_sub(1).and_then(|i| header.get(i)).map_or_else(|| "time".into(), C::to_string);
+            break Some(error(Problem::NotANumber(text.to_owned())).column(&name));
+        }
+        samples += 1;
+    };
+    drop(reader);
+    if let Some(error) = wrong {
+        return Err(on_line(error.row(samples), source));
     }
+    columns.iter_mut().for_each(Vec::shrink_to_fit);
     let mut columns = columns.into_iter();
     let time = columns.next().unwrap_or_default();
     let channels = header.into_iter().zip(columns).collect();
-    // Fields may hold line breaks, and empty lines are passed over, so the row is not the number of the sample.
-    run::check(&time, &channels, file, 0).map_err(|error| on_line(error, &rows))?;
-    Ok(((time, channels), rows))
+    run::check(&time, &channels, file, 0).map_err(|error| on_line(error, source))?;
+    Ok((time, channels))
 }
 
-/// An error that names a sample, with the sample's line instead.
-fn on_line(mut error: RunError, rows: &[usize]) -> RunError {
-    error.place.row = error.place.row.and_then(|i| rows.get(i).copied());
+/// The next record; `false` at the end.
+fn next<R: Read>(
+    reader: &mut ::csv::Reader<R>,
+    record: &mut ::csv::StringRecord,
+    file: &Path,
+) -> Result<bool, RunError> {
+    reader.read_record(record).map_err(|why| {
+        let row = why.position().map(|p| p.line() as usize);
+        let problem = match why.kind() {
+            ::csv::ErrorKind::Utf8 { .. } => Problem::Malformed("this is not text in UTF-8".to_owned()),
+            ::csv::ErrorKind::Io(why) => Problem::Unreadable(why.to_string()),
+            _ => Problem::Malformed(why.to_string()),
+        };
+        row.into_iter().fold(RunError::new(file, problem), RunError::row)
+    })
+}
+
+/// An error whose row is the number of a sample, from 0, with the sample's line instead. Fields may hold line breaks, and empty lines
+/// are passed over, so the source is gone through again.
+fn on_line<R: Read + Seek>(mut error: RunError, source: &mut BufReader<R>) -> RunError {
+    error.place.row = error.place.row.and_then(|sample| line_of(source, sample));
     error
+}
+
+/// The line on which a sample begins, from 0 behind the header.
+fn line_of<R: Read + Seek>(source: &mut BufReader<R>, sample: usize) -> Option<usize> {
+    begin(source).ok()?;
+    let mark = source.stream_position().ok()?;
+    let mut reader = parser(&mut *source);
+    let mut record = ::csv::ByteRecord::new();
+    for _ in 0..sample + 2 {
+        if !reader.read_byte_record(&mut record).ok()? {
+            return None;
+        }
+    }
+    drop(reader);
+    let position = record.position()?;
+    source.seek(SeekFrom::Start(mark + position.byte())).ok()?;
+    let ends = source.bytes().map_while(Result::ok).take_while(|b| matches!(b, b'\r' | b'\n'));
+    Some(position.line() as usize + ends.filter(|b| *b == b'\n').count())
 }
 
 /// The line on which a record begins: its position is where the one before ended, and empty lines are passed over.
@@ -118,12 +192,12 @@ pub(crate) fn line(bytes: &[u8], position: &::csv::Position) -> usize {
 /// The channels behind `time`, and of each column whether it is taken.
 fn header<C: Ord>(record: &::csv::StringRecord, file: &Path, pick: Pick<C>) -> Result<(Vec<C>, Vec<bool>), RunError> {
     let error = |problem| RunError::new(file, problem).row(1);
-    if record.get(0) != Some("time") {
+    if record.get(0).map(str::trim) != Some("time") {
         return Err(error(Problem::NoTime));
     }
     let mut channels = Vec::with_capacity(record.len());
     let mut taken = vec![true];
-    for name in record.iter().skip(1) {
+    for name in record.iter().skip(1).map(str::trim) {
         let channel = pick(name, &channels).map_err(|problem| error(problem).column(name))?;
         taken.push(channel.is_some());
         channels.extend(channel);
@@ -158,6 +232,17 @@ mod tests {
         assert_eq!(time, run.time);
         assert!(channels[&Channel::JointXi][0].is_nan());
         assert_eq!(write(&Run { time, channels, ..Run::default() }), text);
+    }
+
+    #[test]
+    fn beyond_the_limit_the_way_out_is_told() {
+        let text = b"time,joint_xi\n0,1\n1,2\n\n2,3\n";
+        let pick = |name: &str, taken: &[Channel]| run::channel(name, taken).map(Some);
+        let within = |most| table(&mut BufReader::new(Cursor::new(text)), Path::new("run.csv"), &pick, most);
+        assert!(within(6).is_ok());
+        let told = within(5).expect_err("too long").to_string();
+        let expected = "run.csv, row 5: the run has more than 5 numbers, in 2 columns: that is the limit\n  help: split the file into runs of 2 rows or fewer";
+        assert!(told.starts_with(expected), "{told}");
     }
 
     #[test]

@@ -47,6 +47,11 @@ pub enum Problem {
     DuplicateColumn,
     /// Fewer than two samples.
     TooFewSamples,
+    /// More numbers than are read at once.
+    TooLong {
+        limit: usize,
+        columns: usize,
+    },
     /// A row or column of another length than the first.
     Length {
         expected: usize,
@@ -164,6 +169,10 @@ impl RunError {
             },
             Problem::DuplicateColumn => "keep one of the two".to_owned(),
             Problem::TooFewSamples => "a run needs two samples or more".to_owned(),
+            Problem::TooLong { limit, columns } => format!(
+                "split the file into runs of {} rows or fewer, or leave out columns: a run may begin and end anywhere",
+                limit / columns.max(&1)
+            ),
             Problem::Length { .. } => "leave the field of a lost sample empty, but keep its comma".to_owned(),
             Problem::NotANumber(text) if text.contains(',') => "write decimals with a point".to_owned(),
             Problem::NotANumber(_) | Problem::NotFinite => {
@@ -252,6 +261,9 @@ impl fmt::Display for Problem {
             Problem::UnknownColumn => write!(f, "there is no such column"),
             Problem::DuplicateColumn => write!(f, "the column is there twice"),
             Problem::TooFewSamples => write!(f, "there are fewer than two samples"),
+            Problem::TooLong { limit, columns } => {
+                write!(f, "the run has more than {limit} numbers, in {columns} columns: that is the limit")
+            }
             Problem::Length { expected, found } => {
                 write!(f, "{found} field{} where the first row has {expected}", if *found == 1 { "" } else { "s" })
             }

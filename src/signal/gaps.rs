@@ -16,34 +16,65 @@ pub struct Bridged {
     pub masked: Vec<bool>,
 }
 
-/// Bridges gaps up to [`BRIDGED`] by straight lines over time. A gap lasts from the last sample before it to the first one
-/// after it, less one step: 25 lost samples at 500 Hz are 50 ms. Gaps at the ends stay. Not for the trigger, which has
-/// nothing between 0 and 1.
-pub fn bridge(time: &[f64], samples: &[f64]) -> Bridged {
-    let mut out = samples.to_vec();
-    let (mut filled, mut bridged) = (0, 0);
-    let mut before: Option<usize> = None;
-    for (i, x) in samples.iter().enumerate() {
-        if x.is_nan() {
-            continue;
-        }
-        if let Some(b) = before
-            && i > b + 1
-            && let (Some(&from), Some(&to)) = (time.get(b), time.get(i))
-        {
-            let lost = (to - from) * (i - b - 1) as f64 / (i - b) as f64;
-            if lost <= BRIDGED * (1.0 + 1e-9) {
-                for (&t, y) in time[b..i].iter().zip(&mut out[b..i]).skip(1) {
-                    *y = samples[b] + (x - samples[b]) * (t - from) / (to - from);
+/// Gaps of a channel that are short enough to be bridged. The samples are not copied.
+#[derive(Clone, Debug)]
+pub struct Gaps<'a> {
+    time: &'a [f64],
+    samples: &'a [f64],
+    /// The last sample before and the first one after each.
+    bridged: Vec<(usize, usize)>,
+}
+
+impl<'a> Gaps<'a> {
+    /// A gap lasts from the last sample before it to the first one after it, less one step: 25 lost samples at 500 Hz are 50 ms. Gaps at
+    /// the ends stay.
+    pub fn new(time: &'a [f64], samples: &'a [f64]) -> Self {
+        let mut bridged = Vec::new();
+        let mut before: Option<usize> = None;
+        for (i, _) in samples.iter().enumerate().filter(|(_, x)| !x.is_nan()) {
+            if let Some(b) = before
+                && i > b + 1
+                && let (Some(&from), Some(&to)) = (time.get(b), time.get(i))
+            {
+                let lost = (to - from) * (i - b - 1) as f64 / (i - b) as f64;
+                if lost <= BRIDGED * (1.0 + 1e-9) {
+                    bridged.push((b, i));
                 }
-                filled += i - b - 1;
-                bridged += 1;
             }
+            before = Some(i);
         }
-        before = Some(i);
+        Gaps { time, samples, bridged }
     }
+
+    /// Samples that are filled in.
+    pub fn filled(&self) -> usize {
+        self.bridged.iter().map(|(before, after)| after - before - 1).sum()
+    }
+
+    /// The samples, with straight lines over time across the gaps; NaN where a gap was too long.
+    pub fn iter(&self) -> impl Iterator<Item = f64> + Clone + '_ {
+        let mut next = 0;
+        self.samples.iter().enumerate().map(move |(i, &x)| {
+            while self.bridged.get(next).is_some_and(|(_, after)| *after <= i) {
+                next += 1;
+            }
+            match self.bridged.get(next) {
+                Some(&(b, a)) if b < i => {
+                    let (from, to) = (self.time[b], self.time[a]);
+                    self.samples[b] + (self.samples[a] - self.samples[b]) * (self.time[i] - from) / (to - from)
+                }
+                _ => x,
+            }
+        })
+    }
+}
+
+/// Bridges gaps up to [`BRIDGED`] by straight lines over time (see [`Gaps`]). Not for the trigger, which has nothing between 0 and 1.
+pub fn bridge(time: &[f64], samples: &[f64]) -> Bridged {
+    let gaps = Gaps::new(time, samples);
+    let out: Vec<f64> = gaps.iter().collect();
     let masked = out.iter().map(|x| x.is_nan()).collect();
-    Bridged { samples: out, filled, bridged, masked }
+    Bridged { samples: out, filled: gaps.filled(), bridged: gaps.bridged.len(), masked }
 }
 
 #[cfg(test)]

@@ -18,9 +18,14 @@ pub struct Statistics {
 
 /// `None` when every sample is lost.
 pub fn statistics(x: &[f64]) -> Option<Statistics> {
+    statistics_of(x.iter().copied())
+}
+
+/// The same of samples that are gone through twice.
+pub fn statistics_of(x: impl Iterator<Item = f64> + Clone) -> Option<Statistics> {
     let (mut count, mut sum, mut squares) = (0_usize, 0.0, 0.0);
     let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-    for &x in x.iter().filter(|x| !x.is_nan()) {
+    for x in x.clone().filter(|x| !x.is_nan()) {
         count += 1;
         sum += x;
         squares += x * x;
@@ -33,7 +38,7 @@ pub fn statistics(x: &[f64]) -> Option<Statistics> {
     let n = count as f64;
     let mean = sum / n;
     // A second pass: the difference of two large sums would lose the digits.
-    let spread: f64 = x.iter().filter(|x| !x.is_nan()).map(|x| (x - mean) * (x - mean)).sum();
+    let spread: f64 = x.filter(|x| !x.is_nan()).map(|x| (x - mean) * (x - mean)).sum();
     Some(Statistics { count, mean, sd: (spread / n).sqrt(), min, max, rms: (squares / n).sqrt() })
 }
 

@@ -39,6 +39,6 @@ mod supports;
 pub use campaign::{Campaign, Entry};
 pub use channel::Channel;
 pub use error::{Place, Problem, RunError};
-pub use run::{Column, Run, sidecar_path};
+pub use run::{Column, MOST_NUMBERS, Run, sidecar_path};
 pub use sidecar::Sidecar;
 pub use supports::SupportLoad;

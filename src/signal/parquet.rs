@@ -95,9 +95,10 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
         }
     }
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + channels.len()];
-    // A column that repeats one value takes some bytes, however long it is.
-    let most = VALUES / columns.len();
-    let too_many = || error(Problem::TooLarge(format!("it holds more than {VALUES} numbers")));
+    // What the file says of its rows, and what it holds: a column that repeats one value takes some bytes, however long it is.
+    let rows = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
+    run::room(rows, columns.len(), run::MOST_NUMBERS).map_err(error)?;
+    let most = run::MOST_NUMBERS / columns.len();
     for g in 0..reader.num_row_groups() {
         let group = reader.get_row_group(g).map_err(malformed)?;
         for (k, (column, &i)) in columns.iter_mut().zip(&taken).enumerate() {
@@ -112,11 +113,10 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
                 _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(&name)),
             };
             read.map_err(|why| malformed(why).column(&name))?;
-            if column.len() > most {
-                return Err(too_many());
-            }
+            run::room(column.len(), 1 + channels.len(), run::MOST_NUMBERS).map_err(error)?;
         }
     }
+    columns.iter_mut().for_each(Vec::shrink_to_fit);
     let mut columns = columns.into_iter();
     let time = columns.next().unwrap_or_default();
     let channels: BTreeMap<_, _> = channels.into_iter().zip(columns).collect();
@@ -124,10 +124,7 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
     Ok((time, channels))
 }
 
-/// Most numbers that are read of a file.
-const VALUES: usize = 1 << 28;
-
-/// Reads a column of a row group to its end, or until it is beyond the `most` that it may hold.
+/// Reads a column of a row group to its end, or until it holds more than `most`: what the file says of its rows may be wrong.
 fn append<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     column: &mut Vec<f64>,

@@ -35,6 +35,11 @@ impl Position {
 /// at the mean speed. An edge is midway between the last 0 and the first 1. `None` without an edge, or for a lap that has
 /// no length.
 pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
+    position_from(run, lap_length, run.sidecar.trigger_position)
+}
+
+/// The same with the photocell at another place than the sidecar has it, m.
+pub fn position_from(run: &Run, lap_length: f64, trigger_position: f64) -> Option<Position> {
     let edges = edges(run);
     let (&first, &last) = (edges.first()?, edges.last()?);
     let laps = (edges.len() - 1) as f64;
@@ -52,9 +57,10 @@ pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
             Some(next) if t >= begin => lap_length * (t - begin) / (next - begin),
             _ => speed * (t - begin),
         };
-        run.sidecar.trigger_position + lap as f64 * lap_length + travelled
+        trigger_position + lap as f64 * lap_length + travelled
     });
-    Some(Position { s: s.collect(), speed, lap: lap_length, edges: edges.clone() })
+    let s = s.collect();
+    Some(Position { s, speed, lap: lap_length, edges })
 }
 
 /// Mean time of a lap between the first and the last of two or more edges, s.

@@ -89,16 +89,25 @@ pub(super) fn read(place: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
 ///
 /// [`InputError::TooLarge`] beyond `limit` bytes; [`InputError::Unreadable`].
 pub fn all(file: File, limit: u64) -> Result<Vec<u8>, InputError> {
-    let bytes = file.metadata()?.len();
-    if bytes > limit {
-        return Err(InputError::TooLarge { bytes, limit });
-    }
+    let bytes = within(&file, limit)?;
     let mut all = Vec::with_capacity(bytes as usize);
     // It may grow meanwhile.
     file.take(limit.saturating_add(1)).read_to_end(&mut all)?;
     match all.len() as u64 {
         bytes if bytes > limit => Err(InputError::TooLarge { bytes, limit }),
         _ => Ok(all),
+    }
+}
+
+/// The size of a file that was opened here, bytes.
+///
+/// # Errors
+///
+/// [`InputError::TooLarge`] beyond `limit` bytes; [`InputError::Unreadable`].
+pub fn within(file: &File, limit: u64) -> Result<u64, InputError> {
+    match file.metadata()?.len() {
+        bytes if bytes > limit => Err(InputError::TooLarge { bytes, limit }),
+        bytes => Ok(bytes),
     }
 }
 

@@ -61,7 +61,7 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     let (time, mut columns) = if is_parquet {
         parquet::read_as(data, path, &pick)?
     } else {
-        csv::read_as(&run::bytes(data, path)?, path, &pick)?
+        csv::read_as(run::bounded(data, path)?, path, &pick)?
     };
     let mut channels = Vec::with_capacity(declared.len());
     for name in declared.keys() {

@@ -20,8 +20,8 @@
 
 mod suspect;
 
-use super::gaps::bridge;
-use super::measures::{Statistics, statistics};
+use super::gaps::Gaps;
+use super::measures::{Statistics, statistics, statistics_of};
 use super::position::{self, Position};
 use super::{Channel, Run};
 use crate::emit::simulation::Simulation;
@@ -73,35 +73,32 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         channels: BTreeMap::new(),
         warnings: run.warnings(layout.map(|l| l.chain.track_length_m)),
     };
-    let mut channels: BTreeMap<Channel, Vec<f64>> = BTreeMap::new();
+    // A run may fill most of the memory, so that no channel is copied.
     for (&channel, samples) in &run.channels {
-        let lost = samples.iter().filter(|x| x.is_nan()).count();
-        health.lost += lost;
-        let samples = if channel == Channel::Trigger {
-            samples.clone()
+        health.lost += samples.iter().filter(|x| x.is_nan()).count();
+        let level = if channel == Channel::Trigger {
+            statistics_of(samples.iter().copied())
         } else {
-            let bridged = bridge(&run.time, samples);
-            health.bridged += bridged.filled;
-            bridged.samples
+            let gaps = Gaps::new(&run.time, samples);
+            health.bridged += gaps.filled();
+            statistics_of(gaps.iter())
         };
-        match statistics(&samples) {
+        match level {
             Some(level) => {
                 health.channels.insert(channel, level);
                 let idle = level.rms == 0.0 && layout.is_some_and(|layout| !suspect::loaded(channel, layout));
                 // What was filled in is no measurement, so that values are looked at as they were recorded.
-                let recorded = run.channels.get(&channel).filter(|_| !idle);
+                let recorded = Some(samples).filter(|_| !idle);
                 health.warnings.extend(recorded.and_then(|recorded| suspect::channel(channel, recorded)));
             }
             None => health.warnings.push(format!("{channel} is empty: every sample is lost")),
         }
-        channels.insert(channel, samples);
     }
     health.masked = health.lost - health.bridged;
-    if let Some(exchanged) = suspect::joint(&health.channels) {
-        health.warnings.push(exchanged);
-        // Then it is no tension that curves could be judged by.
-        channels.remove(&Channel::JointXi);
-    }
+    let exchanged = suspect::joint(&health.channels);
+    // Then joint_xi is no tension that curves could be judged by.
+    let tension = Some(Channel::JointXi).filter(|_| exchanged.is_none());
+    health.warnings.extend(exchanged);
     if let Some(layout) = layout {
         let place = position::position(run, layout.chain.track_length_m);
         health.laps = place.as_ref().map(Position::laps);
@@ -111,7 +108,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         if let Some(place) = &place {
             health.warnings.extend(suspect::laps(place));
             let speed = health.speed_trigger.or(health.speed_wheels).unwrap_or(place.speed);
-            health.warnings.extend(suspect::sides(&channels, place, speed, layout));
+            health.warnings.extend(suspect::sides(run, tension, place, speed, layout));
         }
     }
     health

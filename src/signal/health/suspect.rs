@@ -1,8 +1,9 @@
 //! The rules by which a channel looks wrong.
 
-use super::super::Channel;
+use super::super::gaps::Gaps;
 use super::super::measures::Statistics;
 use super::super::position::Position;
+use super::super::{Channel, Run};
 use crate::emit::number::{fixed, shortest, trimmed};
 use crate::emit::simulation::Simulation;
 use crate::geometry::Form;
@@ -26,10 +27,10 @@ pub fn channel(channel: Channel, samples: &[f64]) -> Option<String> {
     // How often each value was recorded, in order; negative zero is zero.
     let mut sorted: Vec<f64> = samples.iter().filter(|x| !x.is_nan()).map(|x| x + 0.0).collect();
     sorted.sort_by(f64::total_cmp);
-    let counts: Vec<(f64, usize)> = sorted.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect();
-    if sorted.len() >= 100 && counts.len() <= DEAD {
+    let counts = || sorted.chunk_by(|a, b| a == b).map(|same| (same[0], same.len()));
+    if sorted.len() >= 100 && counts().take(DEAD + 1).count() <= DEAD {
         let unit = channel.unit();
-        let (low, high) = (shortest(counts.first()?.0), shortest(counts.last()?.0));
+        let (low, high) = (shortest(*sorted.first()?), shortest(*sorted.last()?));
         let stays = if low == high {
             format!("stays at {low} {unit}")
         } else {
@@ -37,9 +38,9 @@ pub fn channel(channel: Channel, samples: &[f64]) -> Option<String> {
         };
         return Some(format!("{channel} looks dead: it {stays}"));
     }
-    let ends = [counts.iter().take(2).collect::<Vec<_>>(), counts.iter().rev().take(2).collect()];
+    let ends = [counts().take(2).collect::<Vec<_>>(), counts().rev().take(2).collect()];
     ends.iter().find_map(|end| {
-        let [&(value, times), &(_, beside)] = end[..] else { return None };
+        let [(value, times), (_, beside)] = end[..] else { return None };
         let row = samples.chunk_by(|a, b| a == b).filter(|same| same[0] == value).map(<[f64]>::len).max()?;
         let limit = value != 0.0 && row >= CLIPPED_ROW && times >= CLIPPED && times > 3 * beside;
         limit.then(|| {
@@ -107,32 +108,35 @@ struct Pair<'a> {
     expected: Box<dyn Fn(f64, f64) -> f64 + 'a>,
 }
 
-/// Whether left and right are what curves make of them.
-pub fn sides(channels: &BTreeMap<Channel, Vec<f64>>, place: &Position, speed: f64, layout: &Simulation) -> Vec<String> {
+/// Whether left and right are what curves make of them; `tension` is the channel that measures it.
+pub fn sides(run: &Run, tension: Option<Channel>, place: &Position, speed: f64, layout: &Simulation) -> Vec<String> {
     let line = layout.track.centre_line();
     if line.stretches.is_empty() {
         return Vec::new();
     }
-    let curvature = |sample: usize| {
-        let s = place.on_track(sample)?;
-        match line.stretches.get(line.stretch_at(s))?.form {
-            Form::Arc { radius, turn } | Form::Spiral { radius, turn, .. } => Some(turn.signum() / radius),
-            Form::Straight { .. } | Form::Vertical { .. } => None,
-        }
+    let curvature = |stretch: usize| match line.stretches.get(stretch)?.form {
+        Form::Arc { radius, turn } | Form::Spiral { radius, turn, .. } => Some(turn.signum() / radius),
+        Form::Straight { .. } | Form::Vertical { .. } => None,
     };
-    let curves: Vec<(usize, f64)> = (0..place.s.len()).filter_map(|i| Some((i, curvature(i)?))).collect();
-    let tension = channels.get(&Channel::JointXi);
+    let stretch = |sample| place.on_track(sample).map_or(usize::MAX, |s| line.stretch_at(s));
+    // Of each sample the stretch; more than these bits hold are in none.
+    let stretches: Vec<u32> =
+        (0..place.s.len()).map(|sample| u32::try_from(stretch(sample)).unwrap_or(u32::MAX)).collect();
+    let gaps = |channel: Channel| run.channels.get(&channel).map(|samples| Gaps::new(&run.time, samples));
+    let tension = tension.and_then(gaps);
     pairs(speed, layout)
         .iter()
         .filter_map(|pair| {
-            let (left, right) = (channels.get(&pair.left)?, channels.get(&pair.right)?);
-            let points = curves.iter().filter_map(|&(i, curvature)| {
-                let tension = tension.map_or(layout.chain.tension_n, |xi| xi[i]);
-                Some(((pair.expected)(curvature, tension), left.get(i)? - right.get(i)?))
+            let (left, right) = (gaps(pair.left)?, gaps(pair.right)?);
+            let tensions: Box<dyn Iterator<Item = f64>> = match &tension {
+                Some(xi) => Box::new(xi.iter()),
+                None => Box::new(std::iter::repeat(layout.chain.tension_n)),
+            };
+            let samples = stretches.iter().zip(left.iter().zip(right.iter())).zip(tensions);
+            let points = samples.filter_map(|((stretch, (left, right)), tension)| {
+                Some(((pair.expected)(curvature(*stretch as usize)?, tension), left - right))
             });
-            let points: Vec<_> = points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-            let (slope, correlation) = regression(&points)?;
-
+            let (slope, correlation) = regression(points.filter(|(x, y)| x.is_finite() && y.is_finite()))?;
             let (left, right) = (pair.left, pair.right);
             if slope < -0.5 && correlation < -0.2 {
                 Some(format!("{left} and {right} look exchanged: in curves the wrong one is the larger"))
@@ -179,8 +183,7 @@ fn pairs(speed: f64, layout: &Simulation) -> [Pair<'_>; 4] {
 }
 
 /// Slope through the origin, Σxy/Σx², and correlation about it, Σxy/√(Σx² Σy²).
-fn regression(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let sum = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>();
-    let (xx, xy, yy) = (sum(|p| p.0 * p.0), sum(|p| p.0 * p.1), sum(|p| p.1 * p.1));
+fn regression(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    let (xx, xy, yy) = points.fold((0.0, 0.0, 0.0), |(xx, xy, yy), (x, y)| (xx + x * x, xy + x * y, yy + y * y));
     (xx > 0.0).then(|| (xy / xx, if yy > 0.0 { xy / (xx * yy).sqrt() } else { 0.0 }))
 }

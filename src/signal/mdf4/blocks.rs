@@ -1,6 +1,7 @@
 //! The blocks of an MDF4 file: an identifier, links to other blocks, and data.
 
 use super::Torn;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::io::Read;
 
@@ -91,8 +92,14 @@ impl<'a> Blocks<'a> {
         Ok(text.trim().to_owned())
     }
 
-    /// What is recorded from an address on: one block or lists of them, plain or compressed.
-    pub fn recorded(&self, first: u64) -> Result<Vec<u8>, Torn> {
+    /// What is recorded from an address on: one block or lists of them, plain or compressed. What stands in one plain block is not
+    /// copied.
+    pub fn recorded(&self, first: u64) -> Result<Cow<'a, [u8]>, Torn> {
+        if let Some(block) = Some(first).filter(|first| *first != 0).map(|first| self.any(first)).transpose()?
+            && matches!(&block.kind, b"##DT" | b"##DV")
+        {
+            return Ok(Cow::Borrowed(block.data));
+        }
         let mut bytes = Vec::new();
         // Every block is read once, so that lists that name one again and again fill no more than the file can.
         let mut seen = BTreeSet::new();
@@ -119,7 +126,7 @@ impl<'a> Blocks<'a> {
                 kind => return Err(format!("data in blocks {} are not known", String::from_utf8_lossy(kind))),
             }
         }
-        Ok(bytes)
+        Ok(Cow::Owned(bytes))
     }
 }
 

@@ -53,6 +53,8 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
     for group in &groups {
         let Some((first, _)) = group.channels.first() else { continue };
         let at = |problem| RunError::new(file, problem).column(first.name());
+        let rows = usize::try_from(group.records.count).unwrap_or(usize::MAX);
+        run::room(rows, taken.len() + 1, run::MOST_NUMBERS).map_err(at)?;
         let bytes = group.records.bytes(&blocks).map_err(|why| torn(why).column(first.name()))?;
         let Some(time) = &group.time else {
             return Err(at(Problem::Malformed("its group has no channel of time".to_owned())));

@@ -2,6 +2,7 @@
 
 use super::blocks::{Block, Blocks};
 use super::{Problem, Torn};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub const MASTER: u8 = 2;
@@ -54,19 +55,24 @@ impl<'a> Records<'a> {
     }
 
     /// The records, one behind the other.
-    pub fn bytes(&self, blocks: &Blocks) -> Result<Vec<u8>, Torn> {
+    pub fn bytes(&self, blocks: &Blocks<'a>) -> Result<Cow<'a, [u8]>, Torn> {
         let torn = || "the data end before the last record".to_owned();
         let length = usize::try_from(self.count).ok().and_then(|n| n.checked_mul(self.size())).ok_or_else(torn)?;
         let mut bytes = blocks.recorded(self.home.link(2))?;
         if self.home.u8(0) != Some(0) {
-            bytes = self.sorted(blocks, &bytes)?;
+            bytes = Cow::Owned(self.sorted(blocks, &bytes)?);
         }
         // Records without a byte, of channels that are only counted, would have no end.
         if bytes.len() < length || self.size() == 0 {
             return Err(torn());
         }
-        bytes.truncate(length);
-        Ok(bytes)
+        Ok(match bytes {
+            Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
+            Cow::Owned(mut bytes) => {
+                bytes.truncate(length);
+                Cow::Owned(bytes)
+            }
+        })
     }
 
     /// This group's records of those of several groups, each behind its mark.
