@@ -2,7 +2,7 @@
 
 use super::progress::Line;
 use super::read::{Read, read, tell};
-use super::{MessageFormat, Outcome, OutputFormat, could_not, report};
+use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
 use crate::base::disk::{Found, survey};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
@@ -17,6 +17,7 @@ use crate::source::shown;
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Optimise a layout and write its elements, drawings and simulation input.
 ///
@@ -54,15 +55,15 @@ pub struct Build {
     /// Seed of --perturb.
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
-    /// Threads to use; the result does not depend on it. All cores when not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
-    threads: Option<u64>,
     /// Stop the search for the best layout on the grid when the proven gap is no larger: 0.1% or 0.001.
     #[arg(long, value_name = "GAP", value_parser = gap, default_value = "0")]
     gap: f64,
     /// Most nodes of that search; then the best layout found is returned with the gap that is left.
     #[arg(long, value_name = "N", default_value_t = Effort::default().nodes as u64)]
     nodes: u64,
+    /// End after this time (30, 30s, 2min) with the best layout so far, and with what is proven of it.
+    #[arg(long, value_name = "TIME", value_parser = limits::time)]
+    time_limit: Option<Duration>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -103,6 +104,9 @@ struct Summary<'a> {
     price_eur: f64,
     mass_kg: f64,
     feasible: bool,
+    /// What ended the search before it was done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut: Option<solve::Cut>,
     certificate: Option<CertificateSummary<'a>>,
     chain: Option<ChainSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -149,6 +153,7 @@ struct StageSummary<'a> {
 
 impl Build {
     pub fn run(&self) -> Outcome {
+        limits::set_time(self.time_limit);
         let Read { sources, layout, mut said } = match read(&self.file, self.layout.as_deref(), self.message_format) {
             Ok(read) => read,
             Err(outcome) => return outcome,
@@ -231,15 +236,15 @@ impl Build {
     }
 
     fn options(&self) -> Options {
-        let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
         Options {
             solver: match self.solver {
                 SolverName::Sqp => Solver::Sqp,
                 SolverName::Complex => Solver::Complex,
             },
             perturb: self.perturb.map(|size| (size, self.seed)),
-            threads: self.threads.map_or_else(cores, |n| n as usize),
+            threads: limits::threads(),
             effort: Effort { gap: self.gap, nodes: self.nodes as usize },
+            stop: limits::stop(),
         }
     }
 
@@ -285,6 +290,7 @@ impl Build {
             price_eur: compiled.bill.price,
             mass_kg: compiled.bill.mass,
             feasible: !compiled.failed(),
+            cut: compiled.stages.last().and_then(|s| s.cut),
             certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
             chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
             pareto,
@@ -365,8 +371,8 @@ pub(super) fn loose(compiled: &Compiled) -> Option<Diagnostic> {
 
 /// Solves with the default options, without a word.
 pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let stages = solve::solve(layout, &Options { threads, ..Options::default() }, &|_| ());
+    let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
+    let stages = solve::solve(layout, &options, &|_| ());
     Compiled::new(layout.clone(), stages)
 }
 
@@ -376,6 +382,7 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
     for stage in &summary.stages {
         let state = match stage.status {
             solve::Status::Converged => "optimal",
+            solve::Status::Feasible if summary.cut.is_some() => "feasible, not optimal",
             solve::Status::Feasible => "feasible, but out of iterations before it was optimal",
             solve::Status::Infeasible => "NOT FEASIBLE",
             solve::Status::AsWritten => "as written",
@@ -384,6 +391,9 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
             "  {:<8} {:>12.5} m  {state}, violation {:.1e}, {} iterations, {:.3} s\n",
             stage.name, stage.length_m, stage.max_violation_m, stage.iterations, stage.seconds
         );
+    }
+    if summary.cut == Some(solve::Cut::Time) {
+        out += "  cut: time; this is the best layout so far, and more time may find a better one or prove more\n";
     }
     if let Some(c) = &summary.certificate {
         let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };

@@ -14,6 +14,7 @@ mod generate;
 mod identify;
 mod import;
 mod layouts;
+mod limits;
 mod new;
 mod polygon;
 mod progress;
@@ -25,6 +26,7 @@ mod simulate;
 use crate::dynamics::{NoWidth, Width};
 use crate::source::{Root, shown, steers};
 use clap::{Parser, Subcommand, ValueEnum};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -40,6 +42,9 @@ pub struct Cli {
     root: Option<PathBuf>,
     #[command(subcommand)]
     verb: Verb,
+    /// Threads to use; no result depends on it. All cores when not given.
+    #[arg(long, global = true, value_name = "N", value_parser = limits::count)]
+    threads: Option<NonZeroUsize>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -102,6 +107,7 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(why) => return misused(&why),
     };
+    limits::set_threads(cli.threads);
     if let Err(none) = Width::asked() {
         return no_width(&none).into();
     }

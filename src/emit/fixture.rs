@@ -16,6 +16,7 @@ pub fn compile(layout: Layout) -> Compiled {
         iterations: 0,
         seconds: 0.0,
         status: Status::AsWritten,
+        cut: None,
         certificate: None,
         refuted: false,
     };

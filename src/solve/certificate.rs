@@ -42,6 +42,14 @@ impl Certificate {
         Certificate { counted, value, lower_bound, gap, proven, nodes, seconds: 0.0, assumed }
     }
 
+    /// Of layouts of which some were not looked at.
+    pub fn know_nothing(&mut self) {
+        *self = Certificate {
+            seconds: self.seconds,
+            ..Self::new(self.counted, self.value, 0.0, self.nodes, std::mem::take(&mut self.assumed))
+        };
+    }
+
     /// What several searches prove together of the best of their layouts, which is this one's.
     pub fn combine(&mut self, all: &[Certificate]) {
         let bound = all.iter().map(|c| c.lower_bound).fold(f64::INFINITY, f64::min);

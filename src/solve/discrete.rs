@@ -57,6 +57,9 @@ pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings
             }
         }
         search.look(grid.nearest(&x), &x);
+        if settings.stop.now() {
+            break;
+        }
     }
     search.run();
     let mut best = search.best.unwrap_or_else(|| start.clone());
@@ -120,6 +123,11 @@ impl Search<'_> {
         let rank = |s: &(Headings, Solution)| self.grid.rank(&s.1);
         while let Some(next) = (0..self.open.len()).min_by(|&a, &b| rank(&self.open[a]).total_cmp(&rank(&self.open[b])))
         {
+            // Before that there would be nothing to keep.
+            let settings = &self.grid.settings;
+            if self.best.as_ref().is_some_and(|s| s.max_violation <= settings.feasibility) && settings.stop.now() {
+                break;
+            }
             let (headings, relaxed) = self.open.swap_remove(next);
             // Where even free radii are no shorter than the best, the neighbours hardly are.
             if self.grid.rank(&relaxed) >= self.rank_of_best() {

@@ -15,6 +15,7 @@ pub mod polygon;
 mod report;
 pub mod sqp;
 mod stages;
+mod stop;
 mod subproblem;
 
 pub use certificate::{Certificate, Counted};
@@ -27,3 +28,4 @@ pub use pareto::{Trade, objective, pareto};
 pub use perturb::perturbed;
 pub use report::{conflicts, diagnose, unclosed};
 pub use stages::{Discretise, Discretised, MOST_OPEN, Options, Progress, Solver, solve, solve_with};
+pub use stop::{Cut, Stop};

@@ -1,6 +1,6 @@
 //! What a solve returns: plain data, best layout first, and what is wrong with it if anything is.
 
-use super::Certificate;
+use super::{Certificate, Cut};
 use crate::geometry::Corner;
 use crate::source::Span;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use serde::Serialize;
 pub enum Status {
     /// First-order optimal and feasible to 1e-6.
     Converged,
-    /// Feasible, but the iteration limit came first.
+    /// Feasible, but a limit of iterations or of time came first.
     Feasible,
     /// No feasible layout found; the corners are the least infeasible ones.
     Infeasible,
@@ -47,6 +47,9 @@ pub struct Stage {
     #[serde(skip)]
     pub seconds: f64,
     pub status: Status,
+    /// What ended the solve before it was done, of its last stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut: Option<Cut>,
     /// What a search over the catalogue's grid proved; never in an output file, as seconds are.
     #[serde(skip)]
     pub certificate: Option<Certificate>,

@@ -5,6 +5,7 @@
 //! that would flip a turn or come near a half turn, where a vertex runs to infinity and the model is
 //! unbounded below.
 
+use super::Stop;
 use super::convex::{ActiveRow, Quadratic, Symmetric, convexify};
 use super::subproblem::{self, LinearRow, Step};
 use crate::problem::{Evaluation, Problem, RowKey, RowValue};
@@ -22,11 +23,20 @@ pub struct Settings {
     pub feasibility: f64,
     /// How dear a metre of violation may become before a run gives up on feasibility.
     pub dearest: f64,
+    /// When a run that is feasible ends early.
+    pub stop: Stop,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { iterations: 200, radius: 1.0, largest_radius: 4.0, feasibility: 1e-6, dearest: 2e5 }
+        Settings {
+            iterations: 200,
+            radius: 1.0,
+            largest_radius: 4.0,
+            feasibility: 1e-6,
+            dearest: 2e5,
+            stop: Stop::NEVER,
+        }
     }
 }
 
@@ -81,6 +91,10 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Wa
     let mut iterations = 0;
     let mut converged = false;
     while iterations < settings.iterations {
+        // Before that there would be nothing to keep.
+        if run.max_violation(&run.here) <= settings.feasibility && settings.stop.now() {
+            break;
+        }
         iterations += 1;
         watch(iterations, run.here.length, run.max_violation(&run.here));
         match run.step() {

@@ -3,7 +3,7 @@
 
 use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
-use super::{Certificate, Effort, Stage, Status, Violation, complex, conflict, exact, polygon};
+use super::{Certificate, Effort, Stage, Status, Stop, Violation, complex, conflict, exact, polygon};
 use crate::geometry::Track;
 use crate::model::{Layout, Side};
 use crate::problem::measures::{radius as radius_of, to_corners};
@@ -30,11 +30,13 @@ pub struct Options {
     pub threads: usize,
     /// When the search of stage 3 ends.
     pub effort: Effort,
+    /// When all of it ends with the best so far.
+    pub stop: Stop,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { solver: Solver::Sqp, perturb: None, threads: 2, effort: Effort::default() }
+        Options { solver: Solver::Sqp, perturb: None, threads: 2, effort: Effort::default(), stop: Stop::NEVER }
     }
 }
 
@@ -82,6 +84,15 @@ pub fn solve_with(
     discretise: Discretise,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Vec<Stage> {
+    let mut stages = ways(layout, options, discretise, watch);
+    if let Some(last) = stages.last_mut() {
+        last.cut = options.stop.cut();
+    }
+    stages
+}
+
+/// A solve for each way past the obstacles whose side is open.
+fn ways(layout: &Layout, options: &Options, discretise: Discretise, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
     if let Some(goal) = polygon::Smooth::of(&layout.objective) {
         return polygon::solve(layout, goal, options, discretise, watch);
     }
@@ -89,15 +100,30 @@ pub fn solve_with(
     if open.is_empty() || layout.objective.terms.is_empty() {
         return one_way(layout, options, discretise, watch);
     }
-    let ways = (0..1u32 << open.len().min(MOST_OPEN)).map(|way| {
+    let count = 1u32 << open.len().min(MOST_OPEN);
+    let mut ways: Vec<Vec<Stage>> = Vec::new();
+    for way in 0..count {
+        if ways.iter().any(|stages| ended_well(stages)) && options.stop.now() {
+            break;
+        }
         let mut layout = layout.clone();
         for (bit, &i) in open.iter().enumerate() {
             let right = bit < MOST_OPEN && way >> bit & 1 == 1;
             layout.obstacles[i].side = if right { Side::Right } else { Side::Left };
         }
-        one_way(&layout, options, discretise, watch)
-    });
-    best_of(ways.collect())
+        ways.push(one_way(&layout, options, discretise, watch));
+    }
+    let whole = ways.len() == count as usize;
+    let mut best = best_of(ways);
+    if let Some(certificate) = best.last_mut().and_then(|stage| stage.certificate.as_mut()).filter(|_| !whole) {
+        certificate.know_nothing();
+    }
+    best
+}
+
+/// Whether a solve came to a layout on the grid.
+fn ended_well(stages: &[Stage]) -> bool {
+    stages.last().is_some_and(|last| last.name == "stage3" && last.status != Status::Infeasible)
 }
 
 /// Obstacles whose side is tried both ways; `unsupported` refuses more.
@@ -141,7 +167,7 @@ fn one_way(
     if layout.objective.terms.is_empty() {
         return vec![as_written(&full)];
     }
-    let settings = Settings::default();
+    let settings = Settings { stop: options.stop, ..Settings::default() };
     let run = |stage: &'static str, problem: &Problem, start: &[f64]| {
         let tell: Watch = &|iteration, length, max_violation| {
             watch(Progress { stage, iteration, length, max_violation });
@@ -272,6 +298,7 @@ pub(super) fn stage(name: &'static str, problem: &Problem, s: &Solution, setting
         iterations: s.iterations,
         seconds: clock.elapsed().as_secs_f64(),
         status,
+        cut: None,
         certificate: None,
         refuted: false,
     }
@@ -297,6 +324,7 @@ pub(super) fn as_written(problem: &Problem) -> Stage {
         iterations: 0,
         seconds: 0.0,
         status: Status::AsWritten,
+        cut: None,
         certificate: None,
         refuted: false,
     }

@@ -1,7 +1,7 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
 use crate::base::disk::Files;
-use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
+use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::emit::json::to_json;
 use crate::gap::blind::answering::{Before, Step, answer, child, facts, judged};
 use crate::gap::blind::generate::{Order, generate};
@@ -89,7 +89,7 @@ impl New {
             Only::Unknown => Kind::Unknown,
             Only::Sensor => Kind::Sensor,
         });
-        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let threads = limits::threads();
         let layout = match self.layout.as_ref().map(|file| read::simulation(file, None, MessageFormat::Text)) {
             Some(Err(outcome)) => return outcome,
             given => given.and_then(Result::ok),

@@ -168,7 +168,7 @@ impl Diagnose {
 }
 
 fn threads() -> usize {
-    std::thread::available_parallelism().map_or(1, |n| n.get())
+    crate::cli::limits::threads()
 }
 
 /// A line on the terminal that says what is going on.

@@ -3,7 +3,7 @@
 mod sweep;
 mod verify;
 
-use super::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
+use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::emit::polygon::{self, Names, Report};
 use crate::emit::simulation::Simulation;
 use crate::emit::{DrawError, Files, json, png, svg};
@@ -11,6 +11,7 @@ use crate::geometry::CentreLine;
 use crate::kinematics::polygon::{Objective, Unsuited};
 use crate::source::shown;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Show the polygon action of a layout: how much its chain leads and lags on each straight, and which curves cancel.
 ///
@@ -35,6 +36,9 @@ pub struct Polygon {
     /// Optimise the layout for each objective instead, and run it before and after in the dynamic model.
     #[arg(long, conflicts_with_all = ["sweep", "objective"])]
     verify: bool,
+    /// End searches after this time (30, 30s, 2min) with the best layout so far.
+    #[arg(long, value_name = "TIME", value_parser = limits::time)]
+    time_limit: Option<Duration>,
     /// How the result is written to standard output.
     #[arg(long, value_enum, default_value_t)]
     format: OutputFormat,
@@ -54,6 +58,7 @@ struct Subject {
 
 impl Polygon {
     pub fn run(&self) -> Outcome {
+        limits::set_time(self.time_limit);
         if self.verify {
             return self.verify();
         }

@@ -1,7 +1,7 @@
 //! `lss polygon FILE --verify`: the layout before and after, run in the dynamic model.
 
 use super::{Polygon, written_to};
-use crate::cli::{Outcome, OutputFormat, could_not, read, report};
+use crate::cli::{Outcome, OutputFormat, could_not, limits, read, report};
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::{self, End, Plan, Width};
 use crate::emit::polygon::{Case, Names, Report, Values, Verification, case_name, page, verify_text};
@@ -53,7 +53,7 @@ impl Polygon {
     }
 
     fn compare(&self, subjects: &[Subject]) -> Outcome {
-        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let threads = limits::threads();
         let inputs: Vec<(Simulation, Plan)> =
             subjects.iter().map(|s| (s.simulation.clone(), Plan::default())).collect();
         let mut laps = Vec::new();
@@ -124,8 +124,8 @@ fn smooth(layout: &Layout) -> Layout {
 
 /// The base, and a layout for each objective; the stages of a solve that failed.
 fn subjects(layout: &Layout) -> Result<Vec<Subject>, Vec<Stage>> {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let options = Options { threads, ..Options::default() };
+    let threads = limits::threads();
+    let options = Options { threads, stop: limits::stop(), ..Options::default() };
     let subject = |name: &'static str, stages: Vec<Stage>| {
         let compiled = Compiled::new(layout.clone(), stages);
         Subject { name, simulation: Simulation::new(&compiled), compiled }

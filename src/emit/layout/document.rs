@@ -256,6 +256,9 @@ pub struct Stage {
     pub status: Status,
     /// Length of the centre line, m.
     pub length_m: f64,
+    /// `time` where a limit of time ended the solve before it was done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cut: Option<String>,
     /// Largest violation, m (angles as rad).
     pub max_violation_m: f64,
     /// Number of iterations.

@@ -238,6 +238,7 @@ fn step(stage: &solve::Stage) -> Stage {
         name: stage.name.to_owned(),
         status: stage.status.into(),
         length_m: tidy(stage.length),
+        cut: stage.cut.map(|solve::Cut::Time| "time".to_owned()),
         max_violation_m: normal(stage.max_violation),
         iterations: stage.iterations,
         vertices_m: stage.corners.iter().map(|c| [tidy(c.point.x), tidy(c.point.y), tidy(c.radius)]).collect(),

@@ -3,7 +3,7 @@
 use crate::emit::Compiled;
 use crate::emit::plan::MarkKind;
 use crate::geometry::Point;
-use crate::solve::{Stage, Status};
+use crate::solve::{Cut, Stage, Status};
 
 use super::place::Box;
 use super::sheet::{Area, Sheet, path, path_line, polygon, rectangle};
@@ -223,6 +223,10 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
         Some(Status::Feasible) if !fits => "not converged; chain does not fit",
         Some(Status::AsWritten) if !fits => "as written; chain does not fit",
         _ => status,
+    };
+    let status = match compiled.stages.last().and_then(|stage| stage.cut) {
+        Some(Cut::Time) => format!("{status}, cut: time"),
+        None => status.to_owned(),
     };
     let status = Field { columns: 2, warn: compiled.failed() || !fits, ..field("status", status) };
     let (carts, left) = chain(compiled);

@@ -22,7 +22,7 @@ pub use tariff::{unpriced, worth};
 
 use super::sqp::{Settings, Solution};
 use super::stages::Discretised;
-use super::{Certificate, Counted, Violation, discrete};
+use super::{Certificate, Counted, Stop, Violation, discrete};
 use crate::geometry::{Point, bounds};
 use crate::model::Layout;
 use crate::problem::Problem;
@@ -56,7 +56,15 @@ pub fn discretise(
         sound(problem, &held.variables).then_some(held.variables)
     };
     let aim = Aim::of(layout);
-    let task = Task { layout, problem, effort: *effort, polish: &polish, aim, cheapest: RefCell::new(None) };
+    let task = Task {
+        layout,
+        problem,
+        effort: *effort,
+        stop: settings.stop,
+        polish: &polish,
+        aim,
+        cheapest: RefCell::new(None),
+    };
     let fits = parts::place(&grid, &rough.variables).is_some() && sound(problem, &rough.variables);
     let incumbent = fits.then(|| (rough.variables.clone(), task.worth(&rough.variables))).filter(|i| i.1.is_finite());
     let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
@@ -107,6 +115,7 @@ struct Task<'a> {
     layout: &'a Layout,
     problem: &'a Problem,
     effort: Effort,
+    stop: Stop,
     polish: &'a Polish<'a>,
     aim: Aim,
     /// The cheapest layout that any search came by, with what it is worth.
@@ -209,14 +218,14 @@ impl Task<'_> {
             Some((x, value))
         };
         let metre = tariff::least_rate(self.layout, self.aim);
-        offset::search(self.problem, grid.step, incumbent.clone(), effort, metre, &at, &improve)
+        offset::search(self.problem, grid.step, incumbent.clone(), (effort, self.stop), metre, &at, &improve)
     }
 
     /// The shortest layout whose chain closes, from what is known of all.
     fn closing(&self, grid: &Grid, any: Found, closes: Closes) -> Found {
         let Some(x) = any.variables else { return any };
         let written = search::track(&self.problem.start);
-        let bound = closes.next(self.layout, &written, any.bound);
+        let bound = closes.next(self.layout, &written, any.bound.max(0.0));
         let best = closes.stretch(&x, self.polish).map(|x| {
             let length = self.problem.evaluate(&x, 0.0).length;
             (x, length)
@@ -272,6 +281,7 @@ impl Task<'_> {
             rows: stated.rows.clone(),
             beside: Beside { problem, grid, known },
             effort: self.effort,
+            stop: self.stop,
             open,
             coupled: None,
             fixed: stated.fixed.clone(),

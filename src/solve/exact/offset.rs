@@ -7,6 +7,7 @@
 use super::search::{Effort, Found};
 use crate::model::Interval as Bounds;
 use crate::problem::{Function, Problem, Row};
+use crate::solve::Stop;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -66,7 +67,7 @@ pub fn search(
     problem: &Problem,
     step: f64,
     incumbent: (Vec<f64>, f64),
-    effort: Effort,
+    (effort, stop): (Effort, Stop),
     metre: f64,
     at: &At,
     improve: &Improve,
@@ -76,7 +77,7 @@ pub fn search(
     let (mut nodes, mut left) = (0, f64::INFINITY);
     while let Some(interval) = heap.pop() {
         let cutoff = best.1 - (1e-7f64).max(effort.gap * best.1);
-        if interval.bound >= cutoff || nodes >= effort.nodes {
+        if interval.bound >= cutoff || nodes >= effort.nodes || stop.now() {
             left = left.min(interval.bound);
             break;
         }

@@ -10,6 +10,7 @@ use super::tariff::{Tariff, on_hull};
 use crate::geometry::{Corner, Point, Track};
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
+use crate::solve::Stop;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
@@ -56,6 +57,8 @@ pub struct Setting<'a> {
     pub rows: Vec<Row>,
     pub beside: Beside<'a>,
     pub effort: Effort,
+    /// When it ends early.
+    pub stop: Stop,
     /// What is open at first.
     pub open: Open,
     /// Straights (by section) that couple what is searched with what is not: their limits, the track's own width and crossings
@@ -139,7 +142,7 @@ pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
             search.left = search.left.min(node.bound);
             break;
         }
-        if nodes >= setting.effort.nodes {
+        if nodes >= setting.effort.nodes || setting.stop.now() {
             search.left = search.left.min(node.bound);
             break;
         }

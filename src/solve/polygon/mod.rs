@@ -79,7 +79,7 @@ pub fn run(
         });
     };
     let problem = Problem::new(&base.layout, Scope::Obstacles);
-    let best = turns::best(&base, &problem, goal, &mut effort, &tell);
+    let best = turns::best(&base, &problem, goal, (&mut effort, options.stop), &tell);
     let mut last = stage("polygon", &problem, &best.solution, &Settings::default(), clock);
     // The budget and the closing are rows of ours: elsewhere the layout's own count.
     let off =

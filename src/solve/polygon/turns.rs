@@ -4,6 +4,7 @@ use super::base::Base;
 use super::candidate::{Candidate, POLISHED, best as best_of};
 use super::{Effort, Smooth};
 use crate::problem::{Aim, Problem};
+use crate::solve::Stop;
 use crate::solve::sqp::{self, Settings, Solution};
 use std::collections::BTreeSet;
 
@@ -17,7 +18,7 @@ pub fn best(
     base: &Base,
     problem: &Problem,
     goal: Smooth,
-    effort: &mut Effort,
+    (effort, stop): (&mut Effort, Stop),
     tell: &dyn Fn(usize, &Candidate),
 ) -> Candidate {
     let pitch = base.layout.cart.length;
@@ -25,13 +26,16 @@ pub fn best(
     let mut best = Candidate::at(problem, goal, pitch, Solution::at(problem, &base.variables));
     let held = base.problem(problem, &turns, &base.variables);
     tell(0, &best);
-    take(&mut best, best_of(base, &held, goal, &base.variables, POLISHED, effort));
+    // The base is a layout already.
+    if !stop.now() {
+        take(&mut best, best_of(base, &held, goal, &base.variables, POLISHED, effort));
+    }
     let mut seen: BTreeSet<Vec<i64>> = BTreeSet::from([turns.clone()]);
     // One move after another, over and over, until none of them helps.
     let moves = moves(problem);
     let mut idle = 0;
     for (section, by) in moves.iter().cycle() {
-        if idle == moves.len() || effort.choices >= CHOICES {
+        if idle == moves.len() || effort.choices >= CHOICES || stop.now() {
             break;
         }
         idle += 1;
