@@ -108,6 +108,11 @@ fn truths_are_found_again_in_every_law_and_work_is_kept() {
     };
     let first = identify();
     let laws = json(&first);
+    // The model that made the run fits it.
+    let goodness = &laws[0]["runs"]["run-01"]["goodness"]["limit"];
+    assert!(laws[0]["objective"].as_f64() < goodness["objective"].as_f64(), "{goodness}");
+    let (_, said) = told(&["--law", "all"], folder.path(), out.path());
+    assert!(!said.contains("herbert_mcwhannell: the model does not fit"), "{said}");
     assert_eq!(laws.len(), 8);
     assert_eq!(laws[0]["law"], "herbert_mcwhannell");
     for law in &laws {
@@ -219,6 +224,106 @@ fn exchanged_sensors_do_not_lead_the_fit_astray() {
         let found = parameters[name]["value"].as_f64().expect("a number");
         assert!((found - truth).abs() < near, "{name}: {}", parameters[name]);
     }
+}
+
+/// The words of ticks in each picture of a page that has an axis.
+fn tick_labels(page: &str) -> Vec<Vec<&str>> {
+    let pictures = page.split("<svg").skip(1).map(|svg| svg.split("</svg>").next().unwrap_or_default());
+    pictures
+        .map(|svg| {
+            let texts = svg.split("<text").skip(1).filter(|text| text.contains("text-anchor=\"middle\""));
+            texts.map(|text| text.split('>').nth(1).unwrap_or_default().split('<').next().unwrap_or_default()).collect()
+        })
+        .collect()
+}
+
+/// Force that is measured on a tenth of the lap and that no parameter makes, N.
+const BUMP: f64 = 40.0;
+
+#[test]
+fn a_bad_fit_is_told_where_it_is_and_set_points_are_not_mixed() {
+    let (folder, nominal) = campaign();
+    let two = tempfile::tempdir().expect("a folder");
+    fs::copy(folder.path().join("small.lss"), two.path().join("small.lss")).expect("copied");
+    keep(&measured(nominal, 5), two.path(), "run-01");
+    let mut off = measured(nominal, 6);
+    let lap = nominal.chain.track_length_m;
+    let place = lss::signal::position::position(&off, lap).expect("a place");
+    let joint = off.channels.get_mut(&Channel::JointZeta).expect("samples");
+    for (i, x) in joint.iter_mut().enumerate() {
+        let s = place.on_track(i).expect("a sample");
+        *x += if (0.5 * lap..0.6 * lap).contains(&s) { BUMP } else { 0.0 };
+    }
+    keep(&off, two.path(), "run-02");
+    let list = "[[run]]\nfile = \"run-01.csv\"\nspeed = 2\n\n[[run]]\nfile = \"run-02.csv\"\nspeed = 2.1\n";
+    fs::write(two.path().join("campaign.toml"), list).expect("written");
+    let out = tempfile::tempdir().expect("a folder");
+    let (code, said) = told(&["--free", "speed,tension,rolling_resistance,trigger_position"], two.path(), out.path());
+    assert_eq!(code, Some(0), "{said}");
+    // The good run is none to warn of.
+    assert!(!said.contains("run-01"), "{said}");
+    for part in [
+        "run-02, herbert_mcwhannell: the model does not fit: the objective is",
+        "what: means along the track of joint_zeta",
+        "lss gap diagnose",
+    ] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+    let read = |name: &str| fs::read_to_string(out.path().join(name)).unwrap_or_else(|_| panic!("{name} is not there"));
+    let study: Value = serde_json::from_str(&read("identification.json")).expect("a study");
+    let law = &study["laws"]["herbert_mcwhannell"];
+    assert_eq!(law["warnings"].as_array().map(Vec::len), Some(1));
+    let report: Value = serde_json::from_str(&read("herbert_mcwhannell.json")).expect("a law");
+    // The first stretch is the bump's, to two cells.
+    let stretch = &report["runs"]["run-02"]["goodness"]["stretches"][0];
+    assert_eq!(stretch["channel"], "joint_zeta", "{stretch}");
+    let ends = ["from_m", "to_m"].map(|end| stretch[end].as_f64().expect("a place"));
+    assert!((ends[0] - 0.5 * lap).abs() < 5.0 && (ends[1] - 0.6 * lap).abs() < 5.0, "{stretch} of {lap} m");
+    // A group's median is its own run's value.
+    let groups = law["groups"].as_array().expect("groups");
+    assert_eq!(groups.len(), 2);
+    for (group, (run, speed)) in groups.iter().zip([("run-01", 2.0), ("run-02", 2.1)]) {
+        assert_eq!((&group["runs"][0], group["speed"].as_f64()), (&Value::from(run), Some(speed)));
+        let own = &report["runs"][run]["parameters"]["tension"]["value"];
+        assert_eq!(&group["parameters"]["tension"]["median"], own);
+    }
+    let fitted = |speed: &str| read(&format!("small-{speed}mps-{}N-fitted.lss", nominal.chain.tension_n));
+    let (good, bad) = (fitted("2"), fitted("2.1"));
+    assert!(!good.contains("WARNING"), "{good}");
+    let head: Vec<&str> = bad.lines().take(3).collect();
+    assert!(
+        head[1].starts_with("// WARNING: the model does not fit 1 of the 1 run: the objective of run-02 is"),
+        "{head:?}"
+    );
+    assert!(head[2].contains("lss gap diagnose"), "{head:?}");
+    let page = read("identification.html");
+    assert!(
+        page.contains("the model does not fit 1 of them")
+            && page.contains("class=\"warning\"")
+            && !page.contains("NaN")
+    );
+    // Bars of both runs for each of four fitted parameters, and seven forces of each run.
+    assert_eq!(page.matches("class=\"bar\"").count(), 3 * 2 * 4);
+    assert_eq!(page.matches("class=\"measured\"").count(), 14);
+    assert!(page.contains("class=\"off\""));
+    for labels in tick_labels(&page) {
+        let mut different = labels.clone();
+        different.dedup();
+        assert_eq!(different, labels);
+        assert!(labels.len() > 1, "{labels:?}");
+    }
+    let again = tempfile::tempdir().expect("a folder");
+    let one = ["--threads", "1", "--free", "speed,tension,rolling_resistance,trigger_position"];
+    assert_eq!(told(&one, two.path(), again.path()).0, Some(0));
+    for name in ["herbert_mcwhannell.json", "identification.json", "identification.html"] {
+        let other = fs::read_to_string(again.path().join(name)).expect("written");
+        assert!(other == read(name), "{name} depends on the number of threads");
+    }
+    lss()
+        .arg("check")
+        .arg(out.path().join(format!("small-2mps-{}N-fitted.lss", nominal.chain.tension_n)))
+        .assert()
+        .success();
 }
 
 /// Exit code and standard error.

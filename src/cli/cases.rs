@@ -4,6 +4,7 @@ use super::{MessageFormat, Outcome, read, report};
 use crate::emit::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::identify::Measured;
+use crate::identify::groups::SetPoint;
 use crate::identify::study::Subject;
 use crate::signal::{self, Entry};
 use crate::source::{InputError, shown};
@@ -18,6 +19,8 @@ pub struct Case {
     pub subject: Subject,
     /// The layout's file.
     pub layout: PathBuf,
+    /// As the campaign has it, else the sidecar and the layout.
+    pub set_point: SetPoint,
 }
 
 /// The runs that can be read, and whether some cannot.
@@ -67,8 +70,14 @@ pub fn cases(folder: &Path, layout: Option<&Path>) -> Result<(Vec<Case>, bool), 
         for warning in warnings {
             report::warning(&format!("{}: {warning}", entry.name));
         }
+        let set_point = SetPoint {
+            run: entry.name.clone(),
+            layout: path.display().to_string(),
+            speed: entry.speed.unwrap_or(run.sidecar.speed_setpoint),
+            tension: simulation.chain.tension_n,
+        };
         let subject = Subject { name: entry.name.clone(), run, simulation };
-        cases.push(Case { subject, layout: path });
+        cases.push(Case { subject, layout: path, set_point });
     }
     Ok((cases, broken))
 }

@@ -59,9 +59,38 @@ pub fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
     (first..).map(|k| k as f64 * step).take_while(|t| *t <= high).take(50).collect()
 }
 
+/// Ticks in words: with as many decimals as the steps between them need, so that no two are the same.
+pub fn tick_labels(ticks: &[f64]) -> Vec<String> {
+    let step = ticks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    let needed = |decimals: &usize| {
+        let parts = step * trig::pow(10.0, *decimals as f64);
+        parts > 0.5 && (parts - parts.round()).abs() < 1e-3
+    };
+    let decimals = if step.is_finite() { (0..15).find(needed).unwrap_or(15) } else { 4 };
+    ticks.iter().map(|t| fixed(*t, decimals)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ticks_differ_from_one_another_in_words_too() {
+        for (low, high) in [(0.0, 1.0), (-0.2, 0.9), (2.01997, 2.02003), (0.0, 60.0), (-1e-5, 1e-5), (1000.0, 1003.0)] {
+            let ticks = ticks(low, high, 6.0);
+            let labels = tick_labels(&ticks);
+            let mut different = labels.clone();
+            different.dedup();
+            assert!(ticks.len() > 2 && different == labels, "{labels:?}");
+            for (label, tick) in labels.iter().zip(&ticks) {
+                let read: f64 = label.parse().unwrap();
+                assert!((read - tick).abs() < 1e-3 * (high - low), "{label} for {tick}");
+            }
+        }
+        assert_eq!(tick_labels(&[0.0, 0.2, 0.4]), ["0.0", "0.2", "0.4"]);
+        assert_eq!(tick_labels(&[0.0, 10.0]), ["0", "10"]);
+        assert_eq!(tick_labels(&[0.5]), ["0.5000"]);
+    }
 
     #[test]
     fn zeros_have_no_sign() {

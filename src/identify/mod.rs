@@ -11,6 +11,9 @@ pub mod coverage;
 mod design;
 pub mod fit;
 pub mod floor;
+pub mod goodness;
+pub mod groups;
+pub mod lack_of_fit;
 pub mod local;
 mod measured;
 pub mod model;
@@ -28,6 +31,7 @@ pub mod summary;
 mod words;
 
 pub use fit::{Fit, Settings};
+pub use goodness::Goodness;
 pub use measured::Measured;
 pub use model::{Coordinates, Model};
 pub use parameter::{COUNT, Parameter, damping, restitution};

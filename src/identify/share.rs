@@ -118,6 +118,7 @@ mod tests {
                 bound: vec![0; COUNT],
                 objective: 1.0,
                 blocks: BTreeMap::new(),
+                goodness: None,
                 information: DMatrix::zeros(0, 0),
                 own: Information { matrix, pull: DVector::zeros(COUNT) },
                 steps: 1,

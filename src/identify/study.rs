@@ -4,6 +4,7 @@
 //! only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is another model.
 
 use super::fit::{Fit, Settings, fit};
+use super::goodness::{Goodness, is_wrong};
 use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter, damping};
@@ -16,7 +17,7 @@ use crate::dynamics::law::achieved_restitution;
 use crate::dynamics::{self, Plan, Width};
 use crate::emit::number::tidy;
 use crate::emit::simulation::{ContactLaw, Simulation};
-use crate::signal::compare::{Scale, compare};
+use crate::signal::compare::{Scale, compare_from};
 use crate::signal::{Channel, Run};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -68,6 +69,8 @@ pub struct Fitted {
     pub identifiability: Vec<String>,
     /// Blocks of features whose residuals are far over the floor: what the model misses, or an effect it lacks.
     pub misfits: BTreeMap<String, f64>,
+    /// What repeatability allows the objective to be, and where the model is off.
+    pub goodness: Goodness,
     /// Of the sensors' white noise, N.
     pub noise: BTreeMap<String, f64>,
     pub laps: f64,
@@ -93,6 +96,7 @@ impl Fitted {
             bound: vec![0; COUNT],
             objective: self.objective,
             blocks: BTreeMap::new(),
+            goodness: None,
             information: DMatrix::zeros(0, 0),
             own: Information { matrix: square(&self.information), pull: DVector::from_row_slice(&self.pull) },
             steps: self.steps,
@@ -103,6 +107,11 @@ impl Fitted {
 
     pub fn at(&self) -> Coordinates {
         std::array::from_fn(|k| self.coordinates.get(k).copied().unwrap_or(0.0))
+    }
+
+    /// Whether the model fits the run as well as repeatability allows.
+    pub fn fits(&self) -> bool {
+        self.objective <= self.goodness.limit.objective
     }
 
     /// Whether what stands in a file is whole.
@@ -170,7 +179,7 @@ pub fn fit_run(
     let mut model = Model::new(&subject.simulation, law, &measured, width);
     let start = start.map(|(from, at)| carried(&model, from, at));
     let found = fit(&mut model, &measured, start, settings)?;
-    Ok(fitted(subject, &model, &measured, &found, settings, key))
+    fitted(subject, &model, &measured, &found, settings, key)
 }
 
 /// Carries a fit over to another law of the same model. `None` where a restitution would be beyond its bounds, or to or from
@@ -306,7 +315,8 @@ fn fitted(
     found: &Fit,
     settings: &Settings,
     key: String,
-) -> Fitted {
+) -> Result<Fitted, String> {
+    let goodness = found.goodness.clone().ok_or("the fit has no residuals")?;
     let (parameters, damping, achieved) = estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
     let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
     let names = |values: [f64; FORCES]| {
@@ -314,7 +324,7 @@ fn fitted(
         all.map(|(_, (c, x))| (c.name().to_owned(), tidy(x))).collect()
     };
     let rows = |m: &DMatrix<f64>| m.transpose().as_slice().iter().map(|x| tidy(*x)).collect::<Vec<f64>>();
-    let misfits = found.blocks.iter().filter(|(_, x)| **x > 2.0).map(|(block, x)| (block_name(*block), tidy(*x)));
+    let misfits = found.blocks.iter().filter(|(_, x)| is_wrong(**x)).map(|(block, x)| (block_name(*block), tidy(*x)));
     let mut out = Fitted {
         run: subject.name.clone(),
         law: model.law,
@@ -328,6 +338,7 @@ fn fitted(
         nrmsd_two_carts: BTreeMap::new(),
         identifiability: identifiability(&found.information, &prior, super::fit::FLOOR_SCALE, &settings.free),
         misfits: misfits.collect(),
+        goodness,
         noise: names(found.noise),
         laps: tidy(measured.laps),
         filled: measured.filled,
@@ -340,7 +351,7 @@ fn fitted(
         pull: found.own.pull.iter().map(|x| tidy(*x)).collect(),
     };
     (out.nrmsd, out.nrmsd_two_carts) = deviations(subject, &out, model.recipe.places.lap, model.width);
-    out
+    Ok(out)
 }
 
 /// By channel.
@@ -352,10 +363,9 @@ fn deviations(subject: &Subject, fit: &Fitted, lap: f64, width: Width) -> (Devia
     let scale = Scale { lap: Some(lap), pitch: Some(lap / subject.simulation.chain.carts as f64), exponent: 3.0 };
     let input = fit.input(subject);
     if let Ok(lap) = dynamics::simulate(&input, &Plan::default(), width, &mut |_| true) {
-        // The measured run with its trigger where the fit puts it.
-        let mut placed = subject.run.clone();
-        placed.sidecar.trigger_position = input.sensor.photocell_s_m;
-        for (channel, deviation) in compare(&placed, &lap.run, &scale).into_iter().filter(|(c, _)| c.is_force()) {
+        // The measured run has its trigger where the fit puts it.
+        let compared = compare_from(&subject.run, input.sensor.photocell_s_m, &lap.run, &scale);
+        for (channel, deviation) in compared.into_iter().filter(|(c, _)| c.is_force()) {
             let name = channel.name().to_owned();
             samples.extend(deviation.nrmsd.map(|x| (name.clone(), tidy(x))));
             two_carts.extend(deviation.nrmsd_two_carts.map(|x| (name, tidy(x))));

@@ -1,19 +1,19 @@
 //! `lss identify CAMPAIGN`: every run, every law.
 
+use super::reports::{LawReport, Study};
 use super::{fitted, table};
 use crate::cli::cases::{Case, cases};
-use crate::cli::{Outcome, OutputFormat, could_not, report};
+use crate::cli::{Outcome, OutputFormat, could_not, limits, report};
 use crate::dynamics::{Width, parallel};
 use crate::emit::simulation::ContactLaw;
 use crate::emit::{Files, identification, json};
+use crate::identify::groups::{Group, SetPoint};
 use crate::identify::share::{Shared, combine};
-use crate::identify::study::{self, CONFIDENCE, Estimate, Fitted, carry, fit_run};
-use crate::identify::{Measured, Model, Parameter, Settings, interval};
+use crate::identify::study::{self, Fitted, carry, fit_run};
+use crate::identify::{Measured, Model, Parameter, Settings};
 use crate::source::{SIZE_LIMIT, input, one_line, shown};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
-use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -69,16 +69,6 @@ pub fn law_name(law: ContactLaw) -> String {
     law.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
 }
 
-/// What a law's fits amount to: the interface of `--format json`.
-#[derive(Serialize)]
-pub struct LawReport<'a> {
-    pub law: String,
-    /// Root mean square over runs.
-    pub objective: f64,
-    pub shared: BTreeMap<String, Estimate>,
-    pub runs: BTreeMap<&'a str, &'a Fitted>,
-}
-
 impl Campaign {
     pub fn run(&self) -> Outcome {
         let (Some(folder), Some(output)) = (&self.campaign, &self.output) else { return Outcome::CouldNotRun };
@@ -94,7 +84,7 @@ impl Campaign {
             report::error("no run is left to fit");
             return Outcome::Problems;
         }
-        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let threads = limits::threads();
         let free = std::array::from_fn(|k| self.free.is_empty() || self.free.contains(&Parameter::ALL[k]));
         let settings =
             Settings { free, seed: self.seed, threads: (threads / cases.len()).max(1), ..Settings::default() };
@@ -136,15 +126,20 @@ impl Campaign {
         if let Some(bar) = &bar {
             bar.finish_and_clear();
         }
-        let reports: Vec<LawReport> = done.iter().map(|(law, fits, shared)| report_of(*law, fits, shared)).collect();
+        let points: Vec<SetPoint> = cases.iter().map(|case| case.set_point.clone()).collect();
+        let groups = Group::all(&points);
+        let reports: Vec<LawReport> =
+            done.iter().map(|(law, fits, shared)| LawReport::new(*law, fits, shared)).collect();
+        let study = Study::new(&reports, &groups);
         let mut files = Files::default();
         for law in &reports {
             files.push(format!("{}.json", law.law), json::to_json(law));
         }
+        files.push("identification.json", json::to_json(&study));
         let pages: Vec<(ContactLaw, &[Fitted])> = done.iter().map(|(law, fits, _)| (*law, fits.as_slice())).collect();
-        files.push("identification.html", identification::page(&pages, &self.share));
+        files.push("identification.html", identification::page(&pages, &self.share, &groups));
         if let Some((_, fits, _)) = done.first() {
-            match fitted::files(&cases, fits, output) {
+            match fitted::files(&cases, &groups, fits, output) {
                 Ok(more) => files.extend(more),
                 Err(outcome) => return outcome,
             }
@@ -152,12 +147,13 @@ impl Campaign {
         if let Err(error) = files.write_set(output, "identify") {
             return could_not("write", &error.path, &error.reason);
         }
+        study.warnings().iter().for_each(|warning| report::warning(warning));
         report::print(&match self.format {
             OutputFormat::Json => {
                 let line = |law: &LawReport| serde_json::to_string(law).unwrap_or_default() + "\n";
                 reports.iter().map(line).collect::<String>()
             }
-            OutputFormat::Text => format!("{}written to {}\n", table::text(&reports), shown(output)),
+            OutputFormat::Text => format!("{}written to {}\n", table::text(&reports, &groups), shown(output)),
         });
         if failed { Outcome::Problems } else { Outcome::Clean }
     }
@@ -310,32 +306,6 @@ impl Work<'_> {
         });
         *fits = again.into_iter().collect::<Result<_, String>>()?;
         Ok(Some(shared))
-    }
-}
-
-fn report_of<'a>(law: ContactLaw, fits: &'a [Fitted], shared: &[Shared]) -> LawReport<'a> {
-    let squares: f64 = fits.iter().map(|f| f.objective * f.objective).sum();
-    let mut estimates = BTreeMap::new();
-    for shared in shared {
-        for (i, p) in shared.parameters.iter().enumerate() {
-            // Every run keeps the shared value, so any of them has it.
-            let Some(own) = fits.first().and_then(|f| f.parameters.get(p.name())) else { continue };
-            let bounds = p.bounds(own.value);
-            let (a, b) = interval(shared.at[i], shared.deviation[i], (f64::NEG_INFINITY, f64::INFINITY), CONFIDENCE);
-            let value = |x: f64| p.value(law, x, if p.is_restitution() { bounds } else { (f64::MIN, f64::MAX) });
-            let (a, b) = (value(a), value(b));
-            let at_bound = shared.bound[i] != 0;
-            estimates.insert(
-                p.name().to_owned(),
-                Estimate { value: own.value, low: a.min(b), high: a.max(b), at_bound, fitted: true },
-            );
-        }
-    }
-    LawReport {
-        law: law_name(law),
-        objective: crate::emit::number::tidy((squares / fits.len().max(1) as f64).sqrt()),
-        shared: estimates,
-        runs: fits.iter().map(|f| (f.run.as_str(), f)).collect(),
     }
 }
 

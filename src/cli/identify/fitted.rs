@@ -4,8 +4,10 @@ use crate::cli::cases::Case;
 use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
 use crate::emit::json;
-use crate::emit::number::shortest;
+use crate::emit::number::{fixed, shortest};
 use crate::emit::simulation::{Contact, ContactLaw, Simulation, Wheel};
+use crate::identify::groups::{Group, quartiles};
+use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::Fitted;
 use crate::identify::{Parameter, damping, restitution};
 use crate::model::Layout;
@@ -14,41 +16,89 @@ use crate::source::{SIZE_LIMIT, input};
 use std::fmt::Write;
 use std::path::{Component, Path};
 
-/// For each layout of the campaign `NAME-fitted.json`, and `NAME-fitted.lss` where it came as `.lss`.
-pub fn files(cases: &[Case], fits: &[Fitted], output: &Path) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
-    let mut out = Vec::new();
-    let mut seen: Vec<&Path> = Vec::new();
+/// For each layout and set point of the campaign `NAME-fitted.json`, and `NAME-fitted.lss` where it came as `.lss`. The set point
+/// is in the name where a layout has several.
+pub fn files(
+    cases: &[Case],
+    groups: &[Group],
+    fits: &[Fitted],
+    output: &Path,
+) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
+    let mut out: Vec<(String, Vec<u8>)> = Vec::new();
     let names = layouts::names(cases.iter().map(|c| c.layout.as_path()), "-fitted");
-    for case in cases {
-        if seen.contains(&case.layout.as_path()) {
-            continue;
-        }
-        seen.push(&case.layout);
-        let own: Vec<&Fitted> =
-            fits.iter().filter(|f| cases.iter().any(|c| c.layout == case.layout && c.subject.name == f.run)).collect();
-        let Some(first) = own.first() else { continue };
+    for group in groups {
+        let own: Vec<&Fitted> = fits.iter().filter(|fit| group.has(&fit.run)).collect();
+        let of_first = |first: &&Fitted| cases.iter().find(|case| case.subject.name == first.run);
+        let Some((first, case)) = own.first().and_then(|first| Some((first, of_first(first)?))) else { continue };
         let mut simulation = first.input(&case.subject);
         for p in Parameter::ALL {
-            let mut values: Vec<f64> = own.iter().filter_map(|f| f.parameters.get(p.name())).map(|e| e.value).collect();
-            values.sort_by(f64::total_cmp);
-            if let Some(middle) = values.get(values.len() / 2) {
-                p.set(&mut simulation, *middle);
+            let values = own.iter().filter_map(|fit| fit.parameters.get(p.name())).map(|e| e.value);
+            let [_, middle, _] = quartiles(values);
+            if middle.is_finite() {
+                p.set(&mut simulation, middle);
             }
         }
         let Some(own_name) = names.get(&case.layout) else { continue };
-        let name = format!("{own_name}-fitted");
+        let name = name(own_name, group, groups);
         out.push((format!("{name}.json"), json::to_json(&simulation)));
         if case.layout.extension().is_some_and(|e| e == "lss") {
             let layout = read::read(&case.layout, None, MessageFormat::Text)?.layout;
             let (import, copy) = import(&case.layout, output, own_name);
-            if let Some(bytes) = copy {
-                out.push((import.clone(), bytes));
-            }
+            let copy = copy.map(|bytes| (import.clone(), bytes));
+            out.extend(copy.filter(|copy| !out.contains(copy)));
             let shift = simulation.sensor.photocell_s_m - case.subject.simulation.sensor.photocell_s_m;
-            out.push((format!("{name}.lss"), text(&layout, &simulation, &import, shift, own.len()).into_bytes()));
+            let head = head(&layout, group, &own) + &law_note(simulation.contact_law);
+            out.push((format!("{name}.lss"), (head + &text(&layout, &simulation, &import, shift)).into_bytes()));
         }
     }
     Ok(out)
+}
+
+/// What a group's fitted files are called, after what its layout is.
+fn name(layout: &str, group: &Group, groups: &[Group]) -> String {
+    let alone = groups.iter().filter(|g| g.layout == group.layout).count() == 1;
+    let part = if alone { String::new() } else { format!("-{}", group.file_part()) };
+    format!("{layout}{part}-fitted")
+}
+
+/// What the file is, and whether its values may be believed.
+fn head(layout: &Layout, group: &Group, fits: &[&Fitted]) -> String {
+    let runs = fits.len();
+    let mut out = format!(
+        "// `{}` at {} with the parameters that {runs} measured {} for, by `lss identify`.\n",
+        layout.name,
+        group.set_point(),
+        if runs == 1 { "run speaks" } else { "runs speak" }
+    );
+    let bad: Vec<_> = fits.iter().filter(|fit| !fit.fits()).collect();
+    if let Some(worst) = bad.iter().max_by(|a, b| a.objective.total_cmp(&b.objective)) {
+        let _ = writeln!(
+            out,
+            "// WARNING: the model does not fit {} of the {runs} {}: the objective of {} is {}, repeatability allows {}.\n\
+             // These values make up for something that the model lacks. Look for it with `lss gap diagnose` before you use them.",
+            bad.len(),
+            if runs == 1 { "run" } else { "runs" },
+            worst.run,
+            fixed(worst.objective, 2),
+            fixed(worst.goodness.limit.objective, 2),
+        );
+    }
+    for p in Parameter::ALL {
+        let held = fits.iter().filter(|fit| at_bounds(fit).contains(&p.name())).count();
+        if held > 0 {
+            let _ = writeln!(out, "// WARNING: {} is at a bound in {held} of {runs} runs.", p.name());
+        }
+    }
+    out
+}
+
+/// What the restitutions of a layout mean.
+fn law_note(law: ContactLaw) -> String {
+    match law {
+        ContactLaw::HerbertMcwhannell => String::new(),
+        ContactLaw::KelvinVoigt => "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
+        _ => "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
+    }
 }
 
 /// How a file in `output` names the layout: by its relative path inside one project, else by a copy beside it that is called `name`.
@@ -84,22 +134,9 @@ fn relative(to: &Path, from: &Path) -> String {
 
 /// The layout's declaration. A layout always has Herbert and McWhannell's law: restitutions of another law are written as those of
 /// this one with the same damping.
-fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64, runs: usize) -> String {
+fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> String {
     let mut out = String::new();
     let law = simulation.contact_law;
-    let _ = writeln!(
-        out,
-        "// `{}` with the parameters that {runs} measured {} for, by `lss identify`.",
-        layout.name,
-        if runs == 1 { "run speaks" } else { "runs speak" }
-    );
-    match law {
-        ContactLaw::HerbertMcwhannell => {}
-        ContactLaw::KelvinVoigt => {
-            out.push_str("// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n");
-        }
-        _ => out.push_str("// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n"),
-    }
     let _ = writeln!(out, "\nuse \"{import}\"\n");
     let equal = |e: f64| {
         let same = law == ContactLaw::HerbertMcwhannell || law == ContactLaw::KelvinVoigt;

@@ -2,6 +2,7 @@
 
 mod campaign;
 pub mod fitted;
+mod reports;
 mod stiffness;
 mod table;
 

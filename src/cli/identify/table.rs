@@ -1,9 +1,10 @@
 //! Fits as a terminal shows them.
 
-use super::campaign::LawReport;
-use crate::emit::identification::{digits, quantile};
+use super::reports::LawReport;
+use crate::emit::identification::digits;
 use crate::emit::number::fixed;
 use crate::identify::Parameter;
+use crate::identify::groups::{Group, quartiles};
 use crate::identify::study::Fitted;
 use std::fmt::Write;
 
@@ -11,7 +12,7 @@ use std::fmt::Write;
 const ONE_BY_ONE: usize = 3;
 
 /// All laws.
-pub fn text(laws: &[LawReport]) -> String {
+pub fn text(laws: &[LawReport], groups: &[Group]) -> String {
     let mut out = String::new();
     for law in laws {
         let carried = law.runs.values().find_map(|f| f.carried_from).is_some();
@@ -20,7 +21,7 @@ pub fn text(laws: &[LawReport]) -> String {
         if law.runs.len() <= ONE_BY_ONE {
             law.runs.values().for_each(|fit| out.push_str(&run(fit)));
         } else {
-            out.push_str(&summary(law));
+            groups.iter().for_each(|group| out.push_str(&summary(law, group)));
         }
         for (name, estimate) in &law.shared {
             let _ = writeln!(
@@ -67,7 +68,7 @@ fn run(fit: &Fitted) -> String {
     }
     if !fit.misfits.is_empty() {
         let all: Vec<String> = fit.misfits.iter().map(|(c, x)| format!("{c} ({})", fixed(*x, 1))).collect();
-        let _ = writeln!(out, "    over twice the floor: {}", all.join("; "));
+        let _ = writeln!(out, "    over twice the repeatability: {}", all.join("; "));
     }
     for line in &fit.identifiability {
         let _ = writeln!(out, "    {line}");
@@ -75,26 +76,32 @@ fn run(fit: &Fitted) -> String {
     out
 }
 
-/// Median, quartiles and bounds met over the runs.
-fn summary(law: &LawReport) -> String {
+/// Median, quartiles and bounds met over the runs of a group.
+fn summary(law: &LawReport, group: &Group) -> String {
+    let fits: Vec<&Fitted> = law.of(group).collect();
+    if fits.is_empty() {
+        return String::new();
+    }
+    let bad = fits.iter().filter(|fit| !fit.fits()).count();
+    let not = if bad > 0 { format!(", {bad} not fitted") } else { String::new() };
+    let [_, objective, _] = quartiles(fits.iter().map(|fit| fit.objective));
+    let runs = if fits.len() == 1 { "run" } else { "runs" };
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "  {:<26}{:>11}{:>11}{:>11}  {} runs",
-        "parameter",
-        "median",
-        "quartile",
-        "quartile",
-        law.runs.len()
+        "  {} at {}: {} {runs}, median objective {}{not}",
+        group.layout,
+        group.set_point(),
+        fits.len(),
+        fixed(objective, 3)
     );
+    let _ = writeln!(out, "    {:<26}{:>11}{:>11}{:>11}", "parameter", "median", "quartile", "quartile");
     for p in Parameter::ALL {
-        let all: Vec<_> = law.runs.values().filter_map(|f| f.parameters.get(p.name())).collect();
-        let mut values: Vec<f64> = all.iter().map(|e| e.value).collect();
-        values.sort_by(f64::total_cmp);
+        let all: Vec<_> = fits.iter().filter_map(|f| f.parameters.get(p.name())).collect();
         let bound = all.iter().filter(|e| e.at_bound).count();
         let note = if bound > 0 { format!("{bound} at a bound") } else { String::new() };
-        let [low, middle, high] = [0.25, 0.5, 0.75].map(|q| digits(quantile(&values, q)));
-        let line = format!("  {:<26}{middle:>11}{low:>11}{high:>11}  {note}", p.name());
+        let [low, middle, high] = quartiles(all.iter().map(|e| e.value)).map(digits);
+        let line = format!("    {:<26}{middle:>11}{low:>11}{high:>11}  {note}", p.name());
         let _ = writeln!(out, "{}", line.trim_end());
     }
     out

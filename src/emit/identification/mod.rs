@@ -1,117 +1,146 @@
 //! `identification.html`: what measured laps say of the model, in every law, on one page that stands on its own.
 
-mod boxes;
+mod along;
+mod intervals;
+mod laws;
 
 use super::number::{fixed, trimmed};
 use super::simulation::ContactLaw;
 use super::style::document;
+use crate::identify::Parameter;
+use crate::identify::groups::{Group, quartiles};
+use crate::identify::lack_of_fit::{Warning, warning};
 use crate::identify::study::{Estimate, Fitted};
-use crate::identify::{Parameter, damping};
-pub use boxes::quantile;
-use boxes::{Group, boxes};
 use clap::ValueEnum;
+use intervals::{Band, Row, intervals};
 use maud::{Markup, html};
 
-/// The page of a study: laws in the order they were fitted, each with its runs.
-pub fn page(laws: &[(ContactLaw, &[Fitted])], shared: &[Parameter]) -> String {
-    let runs = laws.first().map_or(0, |(_, fits)| fits.len());
+/// Runs up to this many have their pictures open; of more, those that the model does not fit.
+const OPEN: usize = 3;
+
+/// The page of a study: laws in the order they were fitted, each with its runs; `groups` are the runs by set point.
+pub fn page(laws: &[(ContactLaw, &[Fitted])], shared: &[Parameter], groups: &[Group]) -> String {
+    let Some((law, fits)) = laws.first() else { return document("Identification", "", &html! {}) };
+    let of = |group: &Group| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&Fitted>>();
+    let bands: Vec<(&Group, Vec<&Fitted>)> =
+        groups.iter().map(|group| (group, of(group))).filter(|(_, fits)| !fits.is_empty()).collect();
+    let limits: Vec<f64> = fits.iter().map(|fit| fit.goodness.limit.objective).collect();
+    let limit = limits.iter().copied().fold(f64::INFINITY, f64::min);
     let body = html! {
         h1 { "Identification" }
-        p.lead { (lead(laws, runs)) }
-        @if laws.len() > 1 { (comparison(laws)) }
+        p.lead { (lead(*law, fits)) }
+        @for warning in fits.iter().filter_map(warning) { (told(&warning)) }
+        @if laws.len() > 1 { (laws::comparison(laws, groups)) }
         h2 { "Objective" }
-        p { "Root mean square of the residuals, each over the distance of two honest laps: 1 is as near as laps are to each other." }
-        (boxes(&groups(laws, |f| Some(f.objective)), None, ""))
-        h2 { "Restitution" }
-        p { "One dot a run, box from the lower to the upper quartile with the median, whiskers to the farthest run within one and a half boxes. "
-            "Dotted: the bounds of the fit. Restitution is what the law is asked for; damping χ (Kelvin-Voigt: ζ) is what the force has, and what "
-            "a free impact achieves is given in the tables." }
-        @for p in Parameter::RESTITUTIONS {
-            figure {
-                figcaption { b { (p.name()) } }
-                (boxes(&groups(laws, |f| value(f, p)), Some(p.bounds(0.6)), ""))
-            }
-            @if laws.len() > 1 {
-                figure {
-                    figcaption { "damping of " (p.name()) }
-                    (boxes(&groups(laws, |f| f.damping.get(p.name()).copied()), None, ""))
-                }
-            }
-        }
-        h2 { "Other parameters" }
-        @for p in Parameter::ALL.into_iter().filter(|p| !p.is_restitution()) {
+        p { "Root mean square of the residuals, each over the deviation of replicate laps: 1 is as near as two laps are to each other. Dotted: 1, and the "
+            (if limits.len() > 1 { "least" } else { "" }) " limit that repeatability allows." }
+        (intervals(&objectives(&bands), &[1.0, limit]))
+        h2 { "Parameters, " (name(*law)) }
+        p { "A dot and a bar a run: the estimate and its 90 % interval. Hollow: not fitted by this run. Shaded, where a set point has three "
+            "runs or more: from the lower to the upper quartile of its runs, with their median. No set points are mixed. Dotted: the bounds of a restitution." }
+        @for p in Parameter::ALL {
             figure {
                 figcaption { b { (p.name()) } @if !p.unit().is_empty() { ", " (p.unit()) } @if shared.contains(&p) { ", shared by all runs" } }
-                (boxes(&groups(laws, |f| value(f, p)), None, p.unit()))
+                (intervals(&estimates(&bands, p), &bounds(p)))
             }
         }
-        @if let Some((law, fits)) = laws.first() {
-            h2 { "Runs, " (name(*law)) }
-            @for fit in *fits { (run(fit)) }
-        }
+        h2 { "Measured against simulated" }
+        p { "Means of each force over cells of two carts' length along the track." }
+        (along::legend())
+        @for fit in *fits { (pictures(fit, fits.len())) }
+        h2 { "Runs" }
+        @for fit in *fits { (run(fit)) }
     };
-    document("Identification", "", &body)
+    document("Identification", &format!("{}{}", intervals::RULES, along::RULES), &body)
 }
 
 fn name(law: ContactLaw) -> String {
     law.to_possible_value().map_or_else(String::new, |v| v.get_name().replace('_', " "))
 }
 
-fn value(fit: &Fitted, p: Parameter) -> Option<f64> {
-    fit.parameters.get(p.name()).filter(|e| e.fitted).map(|e| e.value)
+fn bounds(p: Parameter) -> Vec<f64> {
+    if p.is_restitution() { [p.bounds(0.6).0, p.bounds(0.6).1].to_vec() } else { Vec::new() }
 }
 
-fn groups(laws: &[(ContactLaw, &[Fitted])], of: impl Fn(&Fitted) -> Option<f64>) -> Vec<Group> {
-    laws.iter().map(|(law, fits)| Group { name: name(*law), values: fits.iter().filter_map(&of).collect() }).collect()
+/// A heading for a set point, where there are several.
+fn heading(groups: &[(&Group, Vec<&Fitted>)], group: &Group) -> String {
+    if groups.len() > 1 { format!("{}, {}", group.layout, group.set_point()) } else { String::new() }
 }
 
-fn lead(laws: &[(ContactLaw, &[Fitted])], runs: usize) -> String {
-    let objective = |fits: &[Fitted]| quantile(&sorted(fits.iter().map(|f| f.objective)), 0.5);
-    let first = laws.first().map_or_else(String::new, |(law, fits)| {
-        format!("{} {}: median objective {}.", runs, if runs == 1 { "run" } else { "runs" }, fixed(objective(fits), 2))
-            + &format!(" Law: {}.", name(*law))
-    });
-    let bounds: usize = laws
-        .first()
-        .map_or(0, |(_, fits)| fits.iter().flat_map(|f| f.parameters.values()).filter(|e| e.at_bound).count());
-    if bounds > 0 { format!("{first} {bounds} values are at a bound.") } else { first }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values
-}
-
-/// All laws on the same footing, and what that can show.
-fn comparison(laws: &[(ContactLaw, &[Fitted])]) -> Markup {
-    let spread = |fits: &[Fitted], p: Parameter| {
-        let all = sorted(fits.iter().filter_map(|f| value(f, p)));
-        quantile(&all, 0.75) - quantile(&all, 0.25)
+fn objectives(groups: &[(&Group, Vec<&Fitted>)]) -> Vec<Band> {
+    let row = |fit: &&Fitted| Row {
+        name: fit.run.clone(),
+        value: fit.objective,
+        interval: None,
+        note: format!("{}, limit {}", fixed(fit.objective, 2), fixed(fit.goodness.limit.objective, 2)),
+        hollow: false,
+        warned: !fit.fits(),
     };
+    let band = |(group, fits): &(&Group, Vec<&Fitted>)| Band {
+        name: heading(groups, group),
+        quartiles: quartiles(fits.iter().map(|fit| fit.objective)),
+        rows: fits.iter().map(row).collect(),
+    };
+    groups.iter().map(band).collect()
+}
+
+fn estimates(groups: &[(&Group, Vec<&Fitted>)], p: Parameter) -> Vec<Band> {
+    let row = |fit: &&Fitted| {
+        let e = fit.parameters.get(p.name())?;
+        let held = e.at_bound && e.fitted;
+        Some(Row {
+            name: fit.run.clone(),
+            value: e.value,
+            interval: e.fitted.then_some((e.low, e.high)),
+            note: format!("{} ({}){}", digits(e.value), interval(e), if held { ", at its bound" } else { "" }),
+            hollow: !e.fitted,
+            warned: held,
+        })
+    };
+    let band = |(group, fits): &(&Group, Vec<&Fitted>)| {
+        let values = fits.iter().filter_map(|fit| fit.parameters.get(p.name())).map(|e| e.value);
+        Band { name: heading(groups, group), quartiles: quartiles(values), rows: fits.iter().filter_map(row).collect() }
+    };
+    groups.iter().map(band).collect()
+}
+
+fn lead(law: ContactLaw, fits: &[Fitted]) -> String {
+    let runs = fits.len();
+    let bad = fits.iter().filter(|fit| !fit.fits()).count();
+    let held: usize = fits.iter().map(|fit| crate::identify::lack_of_fit::at_bounds(fit).len()).sum();
+    let verdict = match (bad, runs) {
+        (0, 1) => "the model fits it as well as repeatability allows".to_owned(),
+        (0, _) => "the model fits all of them as well as repeatability allows".to_owned(),
+        (_, 1) => "the model does not fit it".to_owned(),
+        (bad, _) => format!("the model does not fit {bad} of them"),
+    };
+    let at = match held {
+        0 => String::new(),
+        1 => " 1 value is at a bound.".to_owned(),
+        n => format!(" {n} values are at a bound."),
+    };
+    format!("{runs} {}, law {}: {verdict}.{at}", if runs == 1 { "run" } else { "runs" }, name(law))
+}
+
+/// A warning with what, where and the way out.
+fn told(warning: &Warning) -> Markup {
     html! {
-        h2 { "Laws" }
-        p { "At equal stiffness, exponent and approach speed all laws but Kelvin and Voigt's are one law in other coordinates: what χ one finds, "
-            "another finds too, at another restitution. Their objectives can differ only where a restitution meets its bound, and the spread of "
-            "restitution over runs says how a law stretches its scale, not how well it describes the contact. Runs that no bound stopped were therefore "
-            "carried over through χ, and the others fitted anew from there." }
-        div.scroll { table {
-            thead { tr {
-                th { "law" } th { "median objective" } th { "fitted anew" } th { "restitutions at a bound" }
-                @for p in Parameter::RESTITUTIONS { th { "quartile range of " (p.name().trim_start_matches("restitution_").replace('_', " ")) } }
-                th { "χ at e = 0.6" }
-            } }
-            tbody { @for (law, fits) in laws {
-                tr {
-                    td { (name(*law)) }
-                    td.number { (fixed(quantile(&sorted(fits.iter().map(|f| f.objective)), 0.5), 3)) }
-                    td.number { (fits.iter().filter(|f| f.carried_from.is_none()).count()) }
-                    td.number { (fits.iter().flat_map(|f| Parameter::RESTITUTIONS.map(|p| f.parameters.get(p.name()))).flatten().filter(|e| e.at_bound).count()) }
-                    @for p in Parameter::RESTITUTIONS { td.number { (fixed(spread(fits, p), 3)) } }
-                    td.number { (fixed(damping(*law, 0.6), 3)) }
-                }
-            } }
-        } }
+        div.warning {
+            p { b { (warning.run) ": " } (warning.message) "." }
+            @if let Some(what) = &warning.what { p { "What: " (what) "." } }
+            @if let Some(place) = &warning.place { p { "Where: " (place) "." } }
+            p.note { (warning.help) "." }
+        }
+    }
+}
+
+/// Means along the track of all channels.
+fn pictures(fit: &Fitted, runs: usize) -> Markup {
+    html! {
+        details open[runs <= OPEN || !fit.fits()] {
+            summary { b { (fit.run) } ", objective " (fixed(fit.objective, 2)) }
+            @for (channel, profile) in &fit.goodness.profiles { (along::along(channel, profile, &fit.goodness)) }
+        }
     }
 }
 
@@ -126,7 +155,9 @@ fn run(fit: &Fitted) -> Markup {
     };
     html! {
         h3 { (fit.run) }
-        p { "Objective " (fixed(fit.objective, 3)) ", " (fixed(fit.laps, 2)) " laps, " (fit.simulations) " simulations in " (fit.steps) " steps"
+        p { "Objective " (fixed(fit.objective, 3)) " (limit " (fixed(fit.goodness.limit.objective, 3)) ", "
+            (trimmed(fit.goodness.limit.degrees_of_freedom, 0)) " effective degrees of freedom), " (fixed(fit.laps, 2)) " laps, "
+            (fit.simulations) " simulations in " (fit.steps) " steps"
             @if fit.filled + fit.masked > 0 { "; lost samples: " (fit.filled) " bridged, " (fit.masked) " left out" } "." }
         div.scroll { table {
             thead { tr { th { "parameter" } th { "value" } th { "90 % interval" } th { "" } th { "damping" } th { "achieved" } th { "strongest correlation" } } }
@@ -134,7 +165,7 @@ fn run(fit: &Fitted) -> Markup {
                 tr {
                     td { (p.name()) }
                     td.number { (digits(e.value)) }
-                    td { (interval(e)) " " (p.unit()) }
+                    td { (interval(e)) @if e.fitted { " " (p.unit()) } }
                     td { @if e.at_bound { "at its bound" } }
                     td.number { @if let Some(x) = fit.damping.get(p.name()) { (fixed(*x, 3)) } }
                     td.number { @if let Some(x) = fit.achieved.get(p.name()) { (fixed(*x, 3)) } }
@@ -151,7 +182,7 @@ fn run(fit: &Fitted) -> Markup {
         }
         @if !fit.identifiability.is_empty() { ul { @for line in &fit.identifiability { li { (line) } } } }
         @if !fit.misfits.is_empty() {
-            p { "Farther from the model than twice the floor: "
+            p { "Farther from the model than twice the repeatability: "
                 @for (k, (what, x)) in fit.misfits.iter().enumerate() { @if k > 0 { ", " } (what) " (" (fixed(*x, 1)) ")" } "." }
         }
     }

@@ -5,6 +5,7 @@ mod global;
 mod residuals;
 
 use super::floor::{Floor, Numerics};
+use super::goodness::{Goodness, Left};
 use super::local::{Centre, Sensitivity};
 use super::measured::Measured;
 use super::model::{Coordinates, Model};
@@ -56,6 +57,8 @@ pub struct Fit {
     pub objective: f64,
     /// The same of each block of features.
     pub blocks: BTreeMap<Block, f64>,
+    /// What the objective may be, and where the model is off; none of a fit that was read back.
+    pub goodness: Option<Goodness>,
     /// What the run says of the parameters near `at`, in coordinates divided by their reach; the floor of approach speeds is
     /// the last.
     pub information: DMatrix<f64>,
@@ -207,6 +210,14 @@ pub fn land(
             }
             let bare = fitter.residuals(model, &at, &centre, &floor, &numerics);
             let (objective, blocks) = fitter.objective(&bare);
+            let left = Left {
+                residual: &bare.of,
+                variance: &bare.variance,
+                predicted: &bare.predicted,
+                passes: &bare.passes,
+                blocks: &fitter.blocks,
+            };
+            let goodness = Some(Goodness::new(&left, &floor, &numerics, &model.recipe.places));
             let landing = Landing {
                 at,
                 measured: fitter.measure(model, &at).0,
@@ -229,6 +240,7 @@ pub fn land(
                 bound: found.bound.clone(),
                 objective,
                 blocks,
+                goodness,
                 information: whole,
                 own: information,
                 steps,
