@@ -269,8 +269,11 @@ fn the_side_of_an_obstacle_is_said() {
 /// Two headings that no whole number of 2.5° joins.
 #[test]
 fn what_the_grid_forbids_is_proven_by_it() {
-    let text = hall("  fix rotation P1..P2\n  fix rotation P2..P3\n  require length(P3..P4) >= 10 m")
-        .replace("(57 m, 27 m)", "(58 m, 27 m)");
+    let text = hall(
+        "  vertex P5 (0 m, 15 m) radius 4 m\n  fix rotation P1..P2\n  fix rotation P2..P3\n  \
+         require length(P3..P4) >= 10 m",
+    )
+    .replace("(57 m, 27 m)", "(58 m, 27 m)");
     let (sources, layout) = check(&text);
     let stages = solve::solve(&layout, &Options::default(), &|_| {});
     assert_eq!(stages.last().unwrap().name, "stage3", "{stages:?}");
@@ -312,8 +315,9 @@ fn excess(layout: &Layout, corners: &[Corner], counts: &dyn Fn(Span) -> bool, gi
     let points: Vec<Point> = (0..4000).map(|k| track.at(track.length * f64::from(k) / 4000.0).0).collect();
     if let Some(building) = &layout.building {
         for p in &points {
-            let inside =
-                building.polygon.distance_to_outline(*p) * if building.polygon.contains(*p) { 1.0 } else { -1.0 };
+            // The distance from the nearest wall's line: buildings here are rectangles.
+            let wall = |(a, b): (Point, Point)| Point::unit((b - a).heading()).cross(*p - a);
+            let inside = building.polygon.edges().map(wall).fold(f64::INFINITY, f64::min);
             off(layout.width.value / 2.0 + building.clearance - inside, Some(building.span));
         }
     }
@@ -421,8 +425,23 @@ fn holds_up(layout: &Layout, conflict: &Conflict) -> usize {
         });
         assert!(give.fold(0.0, f64::max) <= MET, "{conflict:?}");
     }
-    assert!(!solved_from_elsewhere(layout, &named), "a layout was found for {conflict:?}");
+    if conflict.on_grid {
+        let layouts = |m: &Member| [m.without.clone(), m.relaxed.as_ref().map(|r| r.corners.clone())];
+        conflict.members.iter().flat_map(layouts).flatten().for_each(|corners| on_grid(layout, &corners));
+    } else {
+        assert!(!solved_from_elsewhere(layout, &named), "a layout was found for {conflict:?}");
+    }
     statements
+}
+
+/// Every turn a whole number of angle steps, every radius one of the catalogue's.
+fn on_grid(layout: &Layout, corners: &[Corner]) {
+    let curve = &layout.catalog.curve;
+    for fillet in &Track::new(corners).fillets {
+        let steps = fillet.turn / curve.angle_step;
+        assert!((steps - steps.round()).abs() < 1e-5, "{corners:?}");
+        assert!(curve.radii.iter().any(|r| (r - fillet.radius).abs() < 1e-6), "{corners:?}");
+    }
 }
 
 fn constraint<'l>(layout: &'l Layout, member: &Member) -> Option<&'l ConstraintKind> {
@@ -478,7 +497,8 @@ fn contradiction(numbers: &mut Numbers) -> String {
     let by = numbers.tenths(1, 60);
     match numbers.below(8) {
         0 => format!("  fix P1\n  fix P2\n  require length(P1..P2) >= {} m\n", 54.0 + by),
-        1 => format!("  fix all P3..P4\n  require x(P3) - x(P4) <= {} m\n", 54.0 - by),
+        // Opposite sides of a loop of four right angles.
+        1 => format!("  fix all P3..P4\n  require length(straight(P1..P2)) >= {} m\n", 48.0 + by),
         2 => {
             let walls = "building [(0 m, 0 m), (60 m, 0 m), (60 m, 30 m), (0 m, 30 m)]";
             format!("  {walls}\n  require length(straight(P3..P4)) >= {} m\n", 56.0 + by)
@@ -501,7 +521,10 @@ fn contradiction(numbers: &mut Numbers) -> String {
                  (30 m, 10 m), (20 m, 10 m)] clearance 0.2 m\n  pass rack left\n"
             )
         }
-        _ => format!("  radii 3 m .. 5 m\n  require radius(P2) + radius(P3) >= {} m\n", 10.0 + by / 3.0),
+        _ => format!(
+            "  radii 3 m .. 5 m\n  require length(P2..P3) - length(straight(P2..P3)) >= {} m\n",
+            10.0 + by / 3.0
+        ),
     }
 }
 
@@ -537,15 +560,6 @@ fn whatever_is_said_of_a_conflict_holds() {
         for conflict in &found {
             conflicts += 1;
             assert!(!conflict.members.is_empty(), "{statements}");
-            println!(
-                "{statements}{:?} {:?}",
-                conflict.proof,
-                conflict
-                    .members
-                    .iter()
-                    .map(|m| (m.kind, m.within, m.relaxed.as_ref().map(|r| &r.text)))
-                    .collect::<Vec<_>>()
-            );
             said += holds_up(&layout, conflict);
             asked += 2 * conflict.members.len();
             proven += usize::from(conflict.proof == Proof::Bounds);

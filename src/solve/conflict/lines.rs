@@ -1,6 +1,7 @@
 //! A problem's limits by the line of source that sets them, each of which can be left out or made to give way. What the
 //! catalogue offers always holds, and so do the track's own width and the order of tangent points.
 
+use crate::geometry::{Point, Polygon};
 use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout};
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{Elastic, Function, LEVER, Problem, Row, RowKey};
@@ -200,7 +201,15 @@ impl Lines {
             let by = if row.angle { amount / LEVER } else { amount };
             (row.low, row.high) = (row.low - by, row.high + by);
         }
-        gives.keepouts.iter().for_each(|&k| problem.keepouts[k].distance -= amount);
+        for &k in &gives.keepouts {
+            let keepout = &mut problem.keepouts[k];
+            // Walls move as they are; past a corner of the hall its outline is no measure of how far out the track is.
+            let moved = keepout.region.outside.then(|| further_out(&keepout.region.polygon, amount)).flatten();
+            match moved {
+                Some(polygon) => keepout.region.polygon = polygon,
+                None => keepout.distance -= amount,
+            }
+        }
         if let Some(slack) = problem.bounds.last_mut() {
             (slack.low, slack.high) = (0.0, 0.0);
         }
@@ -230,6 +239,20 @@ impl Lines {
         problem.elastic = Some(elastic);
         problem
     }
+}
+
+/// A polygon with every edge moved out by as much, m; `None` where it would cross itself.
+fn further_out(polygon: &Polygon, by: f64) -> Option<Polygon> {
+    let points = polygon.points();
+    let n = points.len();
+    let along = |i: usize| Point::unit((points[(i + 1) % n] - points[i]).heading());
+    let corner = |i: usize| {
+        let (before, behind) = (along((i + n - 1) % n), along(i));
+        // Both edges' outward normals have a product of `by` with the shift.
+        let out = -(before.left() + behind.left());
+        points[i] + out * (by / (1.0 + before.dot(behind)))
+    };
+    Polygon::new((0..n).map(corner).collect()).ok()
 }
 
 /// The sections whose heading a statement holds, with its place.

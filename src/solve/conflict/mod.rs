@@ -77,10 +77,12 @@ pub struct Member {
 }
 
 /// The side that an obstacle is taken to lie on, and what says so.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Assumed {
     pub side: Side,
     pub by: Decides,
+    /// m
+    pub clearance: f64,
 }
 
 /// What decides on which side an obstacle lies.
@@ -241,7 +243,7 @@ impl Examiner<'_> {
             Some(_) => Decides::Pass,
             None => Decides::Written,
         };
-        Some(Assumed { side: obstacle.side, by })
+        Some(Assumed { side: obstacle.side, by, clearance: obstacle.clearance })
     }
 }
 

@@ -7,10 +7,10 @@
 //! contradictory: every layout found is kept, and the filter runs again where one of them does.
 
 use super::lines::{Lines, Role};
-use crate::geometry::{Point, Track};
+use crate::geometry::{Fillet, Point, Track};
 use crate::model::Layout;
 use crate::problem::measures::{radius, to_corners, x, y};
-use crate::problem::{LEVER, Problem, RowKey, RowValue};
+use crate::problem::{Keepout, LEVER, Problem, RowKey, RowValue};
 use crate::solve::perturbed;
 use crate::solve::sqp::{self, Settings, Solution};
 use std::cell::{Cell, RefCell};
@@ -264,7 +264,14 @@ pub fn meets(problem: &Problem, x: &[f64]) -> bool {
     let at = problem.evaluate(x, 0.0);
     at.rows.iter().all(|row| row.violation() <= HOLDS)
         && problem.crossings(&at.track).is_empty()
+        && problem.keepouts.iter().all(|keepout| within(keepout, &at.track))
         && problem.rotations.iter().all(|&section| along(problem, x, section) > 0.0)
+}
+
+/// Whether the ends of all arcs are within a building; rows watch how near the walls are.
+fn within(keepout: &Keepout, track: &Track) -> bool {
+    let inside = |f: &Fillet| [f.begin, f.end].iter().all(|&p| keepout.region.polygon.contains(p));
+    !(keepout.region.outside && keepout.distance > 0.0) || track.fillets.iter().all(inside)
 }
 
 fn uncrossed(problem: &Problem, x: &[f64]) -> bool {

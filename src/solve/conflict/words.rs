@@ -64,7 +64,7 @@ pub fn diagnostic(conflict: &Conflict) -> Diagnostic {
 fn label(member: &Member) -> String {
     let assumed = match member.assumed {
         None => String::new(),
-        Some(Assumed { side, by }) => {
+        Some(Assumed { side, by, .. }) => {
             let side = if side == Side::Right { "right" } else { "left" };
             let by = match by {
                 Decides::Pass => "as `pass` says",
@@ -98,10 +98,15 @@ fn label(member: &Member) -> String {
             None => format!("{by} off"),
         },
     };
-    match member.within {
-        Within::Layout => format!("{assumed}{would_do} would do"),
-        Within::Members => format!("{assumed}{would_do} would do for the lines shown here, not for the whole layout"),
-    }
+    let whole = match member.within {
+        Within::Layout => "",
+        Within::Members => " for the lines shown here, not for the whole layout",
+    };
+    let smaller = match member.assumed {
+        Some(assumed) if relaxed.amount > assumed.clearance => ", which is more than its clearance",
+        _ => "",
+    };
+    format!("{assumed}{would_do} would do{whole}{smaller}")
 }
 
 fn help(conflict: &Conflict) -> String {
