@@ -1,12 +1,16 @@
 //! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
 //! runs scatter by white noise.
 
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
 use lss::gap::{
-    Applied, Band, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose,
+    Applied, Band, Bound, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict,
+    diagnose,
 };
 use lss::geometry::trig;
 use lss::identify::noise::normal;
 use nalgebra::DMatrix;
+use std::sync::Mutex;
 
 const FEATURES: usize = 120;
 const RUNS: usize = 3;
@@ -20,6 +24,17 @@ struct Made {
     tells: bool,
     /// What the first run's nuisance does beside its slope, by its square.
     bent: f64,
+    /// A candidate that fails, and how.
+    fails: Option<(usize, Failure)>,
+    /// All strengths that were asked for, by candidate.
+    asked: Mutex<Vec<(usize, f64)>>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Failure {
+    NoAnswer,
+    NotFinite,
+    InOneRun,
 }
 
 const ROUGH: usize = 8;
@@ -155,7 +170,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             }
         })
         .collect();
-    Made { candidates, frames, tells: true, bent: 0.0 }
+    Made { candidates, frames, tells: true, bent: 0.0, fails: None, asked: Mutex::default() }
 }
 
 impl Simulator for Made {
@@ -168,6 +183,18 @@ impl Simulator for Made {
     }
 
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let strengths = effects.iter().map(|e| (e.candidate, e.strengths[0]));
+        self.asked.lock().unwrap().extend(strengths);
+        if let Some((candidate, how)) = self.fails
+            && effects.iter().any(|e| e.candidate == candidate)
+        {
+            match how {
+                Failure::NoAnswer => return None,
+                Failure::InOneRun if run == 1 => return None,
+                Failure::InOneRun => {}
+                Failure::NotFinite => return Some(vec![f64::INFINITY; FEATURES]),
+            }
+        }
         let moved = step.first().copied().unwrap_or(0.0);
         let all = |k: usize| effects.iter().map(|e| done(e.candidate, e.strengths[0], run, k)).sum::<f64>();
         let bent = if run == 0 { self.bent * moved * moved } else { 0.0 };
@@ -268,7 +295,10 @@ fn effects_with_one_signature_are_a_group() {
 fn the_gap_lies_where_it_was_put() {
     let found = found(&[(4, 6.0)], 0.0, 9);
     let worst = &found.places[0];
-    assert!((worst.from_m - 30.0).abs() <= 2.0 && (worst.to_m - 45.0).abs() <= 2.0 && worst.share > 0.2, "{worst:?}");
+    assert!(
+        (worst.extent.ends().0 - 30.0).abs() <= 2.0 && (worst.extent.ends().1 - 45.0).abs() <= 2.0 && worst.share > 0.2,
+        "{worst:?}"
+    );
     let shares: f64 = found.places.iter().map(|p| p.share).sum();
     assert!(shares <= 1.0 + 1e-9);
 }
@@ -332,4 +362,98 @@ fn a_nuisance_that_is_not_linear_does_not_bend_strengths() {
     assert!(["wave", "twin"].contains(&first.name.as_str()) && first.probability > 0.4, "{}", found.summary);
     assert!((amount.value / 4.0 - 1.0).abs() < 0.15, "{amount:?}");
     assert!(first.gap_closed.expect("runs left out") > 0.9, "{first:?}");
+}
+
+/// What is asked keeps to the bounds, where they hold less than the truth, one sign only, or hardly more than the trial.
+#[test]
+fn no_strength_beyond_its_bounds_is_ever_asked_for() {
+    for (low, high, trial) in
+        [(-10.0, 10.0, 1.0), (0.0, 10.0, 1.0), (-10.0, 0.0, -1.0), (0.0, 1.1, 1.0), (-0.3, 0.9, 0.9)]
+    {
+        for truth in [&[(0, 30.0)][..], &[(0, -30.0)], &[(1, 25.0), (6, -20.0)], &[(0, 1.3)]] {
+            let mut made = made(truth, 0.0, 21);
+            for strength in made.candidates.iter_mut().flat_map(|c| &mut c.strengths) {
+                (strength.low, strength.high, strength.trial) = (low, high, trial);
+            }
+            let found = diagnose(&made, &mut |_| {});
+            for (candidate, x) in made.asked.lock().unwrap().iter() {
+                assert!((low..=high).contains(x), "candidate {candidate} at {x} of {low} to {high}");
+            }
+            for amount in found.effects.iter().flat_map(|f| f.strength.values()) {
+                let at = amount.value != 0.0 && (amount.value == high || amount.value == low);
+                assert!((low..=high).contains(&amount.value) && at == amount.at_bound.is_some(), "{amount:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_strength_at_its_bound_says_so() {
+    let mut made = made(&[(0, 30.0)], 0.0, 21);
+    made.candidates[0].strengths[0].high = 25.0;
+    let found = diagnose(&made, &mut |_| {});
+    let first = &found.effects[0];
+    assert_eq!((first.name.as_str(), first.strength["size"].value), ("slope", 25.0), "{}", found.summary);
+    assert_eq!(first.strength["size"].at_bound, Some(Bound::Upper));
+    assert!(found.summary.contains("slope is at its upper bound, 25 m"), "{}", found.summary);
+    assert!(!found.summary.contains("explains the gap"), "{}", found.summary);
+}
+
+/// The cause cannot be simulated: nothing else is sure, and it is named with what was asked.
+#[test]
+fn what_cannot_be_simulated_is_not_ruled_out() {
+    let sure = found(&[(1, 4.0)], 0.0, 8);
+    let twin = |d: &Diagnosis| d.effects.iter().find(|f| f.name == "twin").cloned().expect("an effect");
+    assert!(!twin(&sure).untested() && sure.lost.is_empty() && sure.untested_probability == 0.0);
+    for how in [Failure::NoAnswer, Failure::NotFinite, Failure::InOneRun] {
+        let mut made = made(&[(1, 4.0)], 0.0, 8);
+        made.fails = Some((1, how));
+        let found = diagnose(&made, &mut |_| {});
+        let wave = found.effects.iter().find(|f| f.name == "wave").expect("an effect");
+        assert!(wave.untested() && wave.strength.is_empty(), "{wave:?}");
+        // Both have one place and one strength: the untested one has as much as the best.
+        let others = found.effects.iter().filter(|f| f.name != "wave").map(|f| f.probability);
+        assert!(others.fold(0.0, f64::max) < 0.55 && wave.probability > 0.3, "{:#?}", found.effects);
+        let lost = found.lost.first().expect("a loss");
+        assert_eq!(
+            (lost.effect.as_str(), lost.strength["size"], lost.run.is_empty()),
+            ("wave", 1.0, false),
+            "{lost:?}"
+        );
+        assert!(found.summary.contains("Not ruled out, as it could not be simulated: wave"), "{}", found.summary);
+        assert!(!found.named().iter().any(|f| f.name == "wave"));
+    }
+}
+
+/// A second member of which the interval holds 0 is none: the first one stands alone.
+#[test]
+fn a_member_that_may_be_absent_is_not_named() {
+    let pair = |doubt: f64| {
+        let mut made = made(&[(0, 8.0), (6, 3.0)], 0.0, 6);
+        made.candidates[6].doubt = doubt;
+        diagnose(&made, &mut |_| {})
+    };
+    assert_eq!(pair(0.0).verdict, Verdict::Pair);
+    let found = pair(2.0);
+    let names: Vec<&str> = found.named().iter().map(|f| f.name.as_str()).collect();
+    assert!(!names.contains(&"sensor") && found.verdict != Verdict::Pair, "{}", found.summary);
+    assert!(
+        !found.summary.contains("explains the gap") && !found.summary.contains("explain the gap"),
+        "{}",
+        found.summary
+    );
+    for finding in found.named() {
+        assert!(finding.strength.values().any(|a| !a.may_be_zero()), "{finding:?}");
+    }
+}
+
+#[test]
+fn what_is_drawn_is_what_ranks_first() {
+    for (truth, first) in [(&[(0, 8.0)][..], "a"), (&[(6, 6.0)], "b"), (&[(4, 6.0)], "a")] {
+        let found = found(truth, 0.0, 15);
+        let ranked: Vec<String> = found.channels().into_iter().map(|(channel, _)| channel).collect();
+        let drawn: Vec<&String> = found.overlays.iter().map(|o| &o.channel).collect();
+        assert_eq!(drawn, ranked.iter().take(4).collect::<Vec<_>>());
+        assert_eq!(ranked.first().map(String::as_str), Some(first), "{:?}", found.places);
+    }
 }

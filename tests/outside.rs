@@ -214,7 +214,6 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
     assert!(all.iter().all(Option::is_some) && all == other.simulate_all(&requests));
     assert_eq!(outside.simulate(9, &[0.0, 0.0], &[]), None);
     assert_eq!(outside.simulate(0, &[0.0, 0.0], &[Applied { candidate: 99, strengths: vec![1.0] }]), None);
-    assert_eq!(outside.trouble(), None);
 }
 
 /// A frame with its nuisances moved and an effect added: what is left, whitened, and how it answers the nuisances and, last, the strength.

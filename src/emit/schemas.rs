@@ -5,16 +5,20 @@ use super::json;
 use super::layout::LayoutFile;
 use super::pareto::Pareto;
 use super::polygon::Report;
+use super::polygon::Verification;
 use super::simulation::Simulation;
+use crate::gap::Diagnosis;
 
 /// Names and contents of `docs/schemas/`.
-pub fn schemas() -> [(&'static str, Vec<u8>); 5] {
+pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
     [
         ("layout.schema.json", json::schema::<LayoutFile>()),
         ("simulation.schema.json", json::schema::<Simulation>()),
         ("bom.schema.json", json::schema::<Bom>()),
         ("pareto.schema.json", json::schema::<Pareto>()),
         ("polygon.schema.json", json::schema::<Report>()),
+        ("verify.schema.json", json::schema::<Verification>()),
+        ("gap.schema.json", json::schema::<Diagnosis>()),
     ]
 }
 
@@ -50,7 +54,7 @@ mod tests {
             let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
             for (name, schema) in schemas() {
-                // Of `lss polygon` and `--emit pareto`, not of every build.
+                // Of `lss polygon`, `lss gap` and `--emit pareto`, not of every build.
                 let Some((_, content)) = files.iter().find(|(n, _)| *n == name.replace(".schema", "")) else {
                     continue;
                 };
@@ -63,5 +67,25 @@ mod tests {
                 assert!(!validator.is_valid(&serde_json::json!({ "name": 1 })));
             }
         }
+    }
+
+    #[test]
+    fn a_diagnosis_is_valid_and_its_places_name_their_unit() {
+        let [.., (_, schema)] = schemas();
+        let validator = jsonschema::validator_for(&serde_json::from_slice(&schema).unwrap()).unwrap();
+        for seed in 0..200 {
+            let found = crate::gap::random_reports::report(seed);
+            let document: Value = serde_json::from_slice(&json::to_json(&found)).unwrap();
+            let errors: Vec<String> = validator.iter_errors(&document).map(|e| e.to_string()).collect();
+            assert!(errors.is_empty(), "{errors:?}\n{document}");
+            assert_eq!(serde_json::from_value::<Diagnosis>(document.clone()).unwrap(), found);
+            let has = |name: &str| document["where"].as_array().unwrap().iter().all(|p| p.get(name).is_some());
+            let time = document["axis"] == "s";
+            assert!(if time { has("from_s") && has("to_s") } else { has("from_m") && has("to_m") });
+            if !found.places.is_empty() {
+                assert!(!has(if time { "from_m" } else { "from_s" }));
+            }
+        }
+        assert!(!validator.is_valid(&serde_json::json!({ "verdict": "effect" })));
     }
 }

@@ -25,7 +25,7 @@ const NEAR: (f64, f64) = (0.8, 1.25);
 const WORTH: f64 = 0.1;
 
 /// Deviation of the logarithm of a strength that is found by scatter.
-const SURE: f64 = 0.3;
+pub const SURE: f64 = 0.3;
 
 /// Where such effects are looked for.
 pub struct Chance<'a> {

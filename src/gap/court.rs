@@ -138,7 +138,7 @@ impl Court<'_> {
     }
 
     /// Logarithm of what a hypothesis weighs before the runs: effects share their weight, and places of an effect.
-    fn prior(&self, hypothesis: &Hypothesis) -> f64 {
+    pub fn prior(&self, hypothesis: &Hypothesis) -> f64 {
         let candidates = self.candidates();
         let effects = {
             let mut names: Vec<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();

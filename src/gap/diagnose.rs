@@ -1,6 +1,7 @@
 //! The diagnosis: screen, re-fit, judge.
 
 use super::chance::Chance;
+use super::checked::Checked;
 use super::court::{Court, Judged, mean_excess};
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
@@ -39,6 +40,8 @@ pub enum Stage {
 
 /// Diagnoses the gap between a model and its runs.
 pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagnosis {
+    let checked = Checked::new(simulator);
+    let simulator: &dyn Simulator = &checked;
     let frames = simulator.frames();
     let evidence: Vec<Evidence> = frames.iter().map(|f| Evidence::new(f, &[])).collect();
     let candidates = simulator.candidates();
@@ -97,7 +100,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     court.settle(&mut judged);
     court.unknown = court.unknown(&judged);
     court.judged = judged;
-    report(&court)
+    report(&mut court, checked.lost())
 }
 
 impl Court<'_> {

@@ -1,14 +1,21 @@
 //! What a diagnosis found, as `gap.json` has it.
 
+use super::simulator::Axis;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// The answer to a gap.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "lss gap diagnosis")]
 pub struct Diagnosis {
     pub verdict: Verdict,
-    /// The verdict in two sentences.
+    /// The verdict in a few sentences.
     pub summary: String,
+    /// Effects with which `after`, the overlays and the closures are: those that the verdict names, or else the best.
+    #[serde(rename = "with")]
+    pub shown: Vec<String>,
     /// All effects of the library, the most probable first.
     pub effects: Vec<Finding>,
     /// Where the gap lies, the largest share first.
@@ -18,27 +25,29 @@ pub struct Diagnosis {
     pub unknown_probability: f64,
     /// Probability that there is no gap.
     pub none_probability: f64,
-    /// Of each channel, how far the two-cart means of two honest laps are apart (root mean square), in its unit.
+    /// Probability of effects that could not be simulated: nothing is known of it but what was believed before.
+    pub untested_probability: f64,
+    /// Of each channel, how far two repeated measurements of the same are apart (root mean square of the means by place), in its unit.
     pub floor: BTreeMap<String, f64>,
     pub next_experiment: String,
     /// Effects that these runs cannot tell apart.
     pub groups: Vec<Group>,
-    /// Gap of the runs, as mean square residual over the floor's: 1 is none.
+    /// Gap of the runs, as mean square residual over that of repeated measurements: 1 is none.
     pub runs: Vec<RunGap>,
-    /// Gap closed on held-out runs by a black box that names nothing.
+    /// Gap closed on held-out runs by a black box that names nothing; null where no run is over its limit.
     pub gap_closed_black_box: Option<f64>,
-    /// Of the verdict's effects together, in all and by channel.
+    /// Of the shown effects together, in all and by channel; null where no run is over its limit.
     pub gap_closed: Option<f64>,
     pub gap_closed_channels: BTreeMap<String, f64>,
-    /// What the data lacked.
-    pub lost: Vec<String>,
-    /// Measured and simulated, before and after, where the gap is largest.
+    /// What the data lacked, and what could not be simulated.
+    pub lost: Vec<Lost>,
+    /// Measured and simulated, before and after, of the channels with the largest shares of the gap.
     pub overlays: Vec<Overlay>,
-    /// `m` along the track, or `s`.
-    pub axis: String,
+    /// What places are counted in: `m` along the track, or `s`.
+    pub axis: Axis,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// One effect of the machine.
@@ -54,15 +63,17 @@ pub enum Verdict {
 }
 
 /// An effect and what speaks for it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Finding {
     pub name: String,
     /// Name of the group of effects that it cannot be told from; its own when it can.
     pub group: String,
     /// Of its being present.
     pub probability: f64,
+    /// The part of it that was never compared with the runs, as the effect could not be simulated.
+    pub untested_probability: f64,
     pub strength: BTreeMap<String, Amount>,
-    /// Of the gap on runs that took no part in fitting it.
+    /// Of the gap on runs that took no part in fitting it; null where no run is over its limit.
     pub gap_closed: Option<f64>,
     pub gap_closed_placebo: Option<f64>,
     /// Where it sits, in words; empty when it has no place.
@@ -72,27 +83,74 @@ pub struct Finding {
 }
 
 /// A fitted strength with its 90 % interval.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Amount {
     pub value: f64,
     pub low: f64,
     pub high: f64,
     pub unit: String,
+    /// Which of its declared bounds the value is at, if it is: the truth may lie beyond.
+    pub at_bound: Option<Bound>,
+}
+
+/// An end of what a strength may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    Lower,
+    Upper,
 }
 
 /// A part of the gap.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Place {
     pub channel: String,
-    pub from_m: f64,
-    pub to_m: f64,
+    #[serde(flatten)]
+    pub extent: Extent,
     pub band: String,
     /// Of the whole gap.
     pub share: f64,
 }
 
+/// A stretch of the axis; the names of its ends say the unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Extent {
+    /// Along the track.
+    Track { from_m: f64, to_m: f64 },
+    /// In time.
+    Time { from_s: f64, to_s: f64 },
+}
+
+impl Extent {
+    pub fn new(axis: Axis, from: f64, to: f64) -> Extent {
+        match axis {
+            Axis::Track => Extent::Track { from_m: from, to_m: to },
+            Axis::Time => Extent::Time { from_s: from, to_s: to },
+        }
+    }
+
+    /// m or s
+    pub fn length(&self) -> f64 {
+        self.ends().1 - self.ends().0
+    }
+
+    /// m or s
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.ends().0 + self.ends().1)
+    }
+
+    /// First and last place, m or s.
+    pub fn ends(&self) -> (f64, f64) {
+        match *self {
+            Extent::Track { from_m, to_m } => (from_m, to_m),
+            Extent::Time { from_s, to_s } => (from_s, to_s),
+        }
+    }
+}
+
 /// Effects that these runs cannot tell apart.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Group {
     pub name: String,
     pub members: Vec<String>,
@@ -101,28 +159,147 @@ pub struct Group {
 }
 
 /// The gap of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunGap {
     pub run: String,
-    /// Mean square residual over the floor's, of the nominal model and with the verdict's effects.
+    /// Mean square residual over that of repeated measurements, of the nominal model and with the shown effects.
     pub before: f64,
     pub after: f64,
-    /// What honest laps have, mean and upper 95 %.
+    /// What repeated measurements have, mean and upper 95 %: the limit over which there is a gap.
     pub honest: f64,
     pub honest_high: f64,
 }
 
-/// A channel of a run over a stretch: two-cart means.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A channel of a run over a stretch: the features of one kind of deviation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlay {
     pub run: String,
     pub channel: String,
+    /// Which kind of deviation, as in `where`.
+    pub band: String,
     pub unit: String,
-    /// Places, m along the track, or s.
+    /// Places in the unit of `axis`, or numbers of the features, from 1, of what belongs to no place.
     pub at: Vec<f64>,
     pub measured: Vec<f64>,
     pub before: Vec<f64>,
     pub after: Vec<f64>,
-    /// Deviation of honest laps.
+    /// Deviation of repeated measurements.
     pub floor: Vec<f64>,
+}
+
+/// What cannot be told, and why. Of an effect that could not be simulated, the first request that failed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Lost {
+    /// Empty where it is the data that lack something.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub effect: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub place: String,
+    /// Strengths that were asked for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub strength: BTreeMap<String, f64>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub run: String,
+    pub why: String,
+}
+
+impl Lost {
+    /// Of the data, in a sentence.
+    pub fn data(why: impl Into<String>) -> Lost {
+        Lost { why: why.into(), ..Lost::default() }
+    }
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.effect.is_empty() && self.run.is_empty() {
+            return f.write_str(&self.why);
+        }
+        let number = crate::emit::number::shortest;
+        let strengths = self.strength.iter().map(|(name, x)| format!("{name} {}", number(*x)));
+        let with: Vec<String> =
+            Some(self.place.clone()).filter(|p| !p.is_empty()).into_iter().chain(strengths).collect();
+        f.write_str(if self.effect.is_empty() { "the model" } else { &self.effect })?;
+        if !with.is_empty() {
+            write!(f, " ({})", with.join(", "))?;
+        }
+        write!(f, " could not be simulated in run {}: {}", self.run, self.why)
+    }
+}
+
+impl Amount {
+    /// Whether its interval holds 0, so that the effect may not be there.
+    pub fn may_be_zero(&self) -> bool {
+        self.low <= 0.0 && 0.0 <= self.high
+    }
+}
+
+impl RunGap {
+    /// Whether it is farther off than 95 % of repeated measurements: only then it has a gap.
+    pub fn over(&self) -> bool {
+        self.before > self.honest_high
+    }
+
+    /// Whether the shown effects leave no more than that.
+    pub fn settled(&self) -> bool {
+        self.after <= self.honest_high
+    }
+}
+
+impl Finding {
+    /// Whether a part of it could not be simulated.
+    pub fn untested(&self) -> bool {
+        self.untested_probability > 0.0
+    }
+
+    /// Whether none of its strengths is known not to be 0.
+    pub fn may_be_absent(&self) -> bool {
+        !self.strength.is_empty() && self.strength.values().all(Amount::may_be_zero)
+    }
+}
+
+impl Diagnosis {
+    /// The effects that the verdict names; never one that may be absent.
+    pub fn named(&self) -> Vec<&Finding> {
+        match self.verdict {
+            Verdict::None | Verdict::Unknown => Vec::new(),
+            _ => self.with().into_iter().filter(|f| !f.may_be_absent()).collect(),
+        }
+    }
+
+    /// The effects that are shown, whether the verdict names them or not.
+    pub fn with(&self) -> Vec<&Finding> {
+        self.shown.iter().filter_map(|name| self.effects.iter().find(|f| f.name == *name)).collect()
+    }
+
+    /// Whether a run is over its limit: without that there is nothing to close.
+    pub fn has_gap(&self) -> bool {
+        self.runs.iter().any(RunGap::over)
+    }
+
+    /// Whether what is named explains the gap: it leaves no run over its limit, and closes something on runs that were left out.
+    pub fn explained(&self) -> bool {
+        let closes = self.gap_closed.is_some_and(|closed| closed > 0.0);
+        self.has_gap() && closes && self.runs.iter().all(RunGap::settled) && !self.named().is_empty()
+    }
+
+    /// Effects of which something could not be simulated.
+    pub fn untested(&self) -> Vec<&Finding> {
+        self.effects.iter().filter(|f| f.untested()).collect()
+    }
+
+    /// Shares of the gap by channel, the largest first.
+    pub fn channels(&self) -> Vec<(String, f64)> {
+        ranked(&self.places)
+    }
+}
+
+/// Shares of the gap by channel, the largest first.
+pub fn ranked(places: &[Place]) -> Vec<(String, f64)> {
+    let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
+    let known = places.iter().filter(|p| p.share > 0.0);
+    known.for_each(|p| *shares.entry(&p.channel).or_default() += p.share);
+    let mut all: Vec<(String, f64)> = shares.into_iter().map(|(channel, share)| (channel.to_owned(), share)).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all
 }

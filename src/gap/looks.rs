@@ -111,7 +111,7 @@ impl Court<'_> {
                 }
             };
             if room {
-                trials.extend(again(signature, candidate, *size));
+                trials.extend(again(signature, candidates, *size));
                 trials.extend(beside(signature, candidates, *size));
             }
         }
@@ -181,7 +181,7 @@ impl Court<'_> {
             };
             pairs += usize::from(hypothesis.members.len() > 1);
             if hypothesis.members.len() == 1 || pairs <= TURNED_PAIRS {
-                ways.push((hypothesis, k, Trial { size: -fitting(signature, *size), ..signature.trial() }));
+                ways.push((hypothesis, k, Trial { size: -fitting(signature, candidates, *size), ..signature.trial() }));
             }
         }
         let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
@@ -197,15 +197,18 @@ impl Court<'_> {
     }
 }
 
-/// The strength that fits, no smaller than a signature is clear at: one that is not tells of the simulation's own chance.
-fn fitting(signature: &Signature, size: f64) -> f64 {
+/// The strength that fits, no smaller than a signature is clear at, as one that is not tells of the simulation's own chance; but never
+/// beyond its bounds.
+fn fitting(signature: &Signature, candidates: &[Candidate], size: f64) -> f64 {
     let clear = signature.clear() * size.signum();
-    if size.abs() < clear.abs() { clear } else { size }
+    let fits = if size.abs() < clear.abs() { clear } else { size };
+    candidates[signature.candidate].strengths[signature.strength].bounded(fits)
 }
 
 /// A signature at the strength that fits, where that is another than it was taken at.
-fn again(signature: &Signature, candidate: &Candidate, size: f64) -> Option<Trial> {
-    let (fits, before) = (fitting(signature, size), signature.size);
+fn again(signature: &Signature, candidates: &[Candidate], size: f64) -> Option<Trial> {
+    let candidate = &candidates[signature.candidate];
+    let (fits, before) = (fitting(signature, candidates, size), signature.size);
     let (near, again) = match candidate.sensor {
         // Between both, as a signature of too much asks for too little, and the other way round.
         true if fits * before > 0.0 => (NEAR_SENSOR, fits.signum() * (fits * before).sqrt()),
@@ -218,7 +221,7 @@ fn again(signature: &Signature, candidate: &Candidate, size: f64) -> Option<Tria
 
 /// The same strength at the places beside, of either sign where it has one.
 fn beside(signature: &Signature, candidates: &[Candidate], size: f64) -> Vec<Trial> {
-    let size = if size == 0.0 { signature.size } else { fitting(signature, size) };
+    let size = if size == 0.0 { signature.size } else { fitting(signature, candidates, size) };
     let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;
     let places = (0..candidates.len()).filter(|c| candidates[*c].beside == Some(signature.candidate));
     let at = |candidate: usize| {

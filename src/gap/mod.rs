@@ -6,6 +6,7 @@
 pub mod blind;
 pub mod chain;
 mod chance;
+mod checked;
 mod court;
 mod diagnose;
 mod diagnosis;
@@ -15,6 +16,9 @@ mod floor;
 mod judge;
 mod looks;
 pub mod outside;
+mod overlays;
+#[cfg(test)]
+pub(crate) mod random_reports;
 mod refit;
 mod remembered;
 mod report;
@@ -23,9 +27,11 @@ mod second;
 mod significance;
 mod simulator;
 mod tune;
+mod untested;
 mod words;
 
 pub use diagnose::{Stage, diagnose};
-pub use diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
+pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Overlay, Place, RunGap, Verdict};
 pub use remembered::{Left, Remembered};
-pub use simulator::{Applied, Band, Candidate, Differs, Frame, Label, Laps, Request, Simulator, Strength};
+pub use simulator::{Applied, Axis, Band, Candidate, Differs, Frame, Label, Laps, Request, Simulator, Strength};
+pub use words::{bound, percent};

@@ -74,7 +74,7 @@ impl Hypothesis {
                     own[signatures[*k].strength] = *x;
                 }
             }
-            Applied { candidate, strengths: own }
+            Applied { candidate, strengths: candidates[candidate].bounded(&own) }
         };
         self.members.iter().map(one).collect()
     }
@@ -300,12 +300,14 @@ impl Fitted {
 
     /// To where it fits best from the best that was simulated; whether that is hardly another place.
     fn step(&mut self, best: &Point, candidates: &[Candidate], signatures: &[Signature]) -> bool {
-        let bounds = self.hypothesis.bounds(candidates, signatures);
+        let within = self.hypothesis.bounds(candidates, signatures);
         let bounds: Vec<(f64, f64)> =
-            bounds.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
+            within.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
         let by: Vec<&[DVector<f64>]> = self.columns.iter().map(|c| &c[..]).collect();
         let step = explain(&best.residuals, &by, &bounds, None);
-        self.strengths = best.strengths.iter().zip(&step.strengths).map(|(x, d)| x + d).collect();
+        // A sum may be beyond its bound by rounding.
+        let further = best.strengths.iter().zip(&step.strengths).map(|(x, d)| x + d);
+        self.strengths = further.zip(&within).map(|(x, (low, high))| x.clamp(*low, *high)).collect();
         let gained = best.square - norm_squared(&step.residuals);
         self.residuals = step.residuals;
         self.covariance = step.covariance;

@@ -6,7 +6,7 @@
 //! A hash cannot see everything (a module that a model's program loads, a remote server), so a few of the kept answers are asked again
 //! before any is used. Where one differs, none is used. What could not be simulated is not kept: the reason may have been outside.
 
-use super::simulator::{Applied, Candidate, Frame, Laps, Request, Simulator};
+use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::base::disk::{Temporary, sweep, sync_folder};
 use crate::signal::run::DATA_LIMIT;
@@ -100,6 +100,14 @@ impl Simulator for Remembered<'_> {
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
         self.simulate_all(&[request]).pop().flatten()
+    }
+
+    fn axis(&self) -> Axis {
+        self.simulator.axis()
+    }
+
+    fn reason(&self, request: &Request) -> Option<String> {
+        self.simulator.reason(request)
     }
 
     fn hears(&self) -> bool {
@@ -379,6 +387,8 @@ mod tests {
         assert_eq!(bits(&again[..3]), bits(&whole));
         // Only the first was known; what could not be simulated is asked for again.
         assert_eq!(counting.asked(), 7);
+        assert_eq!(second.simulate(9, &[0.0], &[]), None);
+        assert_eq!(counting.asked(), 8, "a failure is never kept");
         let third = Remembered::new(&counting, &path, "a");
         assert_eq!(third.left(), Left::Used(3));
         third.forget();

@@ -1,13 +1,16 @@
 //! The judged hypotheses as a diagnosis: probabilities, closures on runs left out, places, words.
 
+use super::chance::SURE;
 use super::court::{Court, Judged};
-use super::diagnosis::{Amount, Diagnosis, Finding, Group, Overlay, Place, RunGap, Verdict};
+use super::diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Place, RunGap, Verdict};
 use super::evidence::Evidence;
 use super::judge;
 use super::looks::UNSETTLED;
+use super::overlays::overlays;
 use super::screen::explain;
 use super::significance::Score;
-use super::simulator::{Band, Frame};
+use super::simulator::{Axis, Band, Frame, Strength};
+use super::untested::Untested;
 use super::words;
 use crate::emit::number::tidy;
 use crate::geometry::trig;
@@ -25,9 +28,6 @@ const APART: f64 = 3.0;
 /// Share of what is left of the gap, as an amplitude, that is believed to be the effect's own.
 const MISSED: f64 = 0.5;
 
-/// A score from which on the closure along a signature is told.
-const CLEAR: f64 = 3.0;
-
 /// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a place beside that was
 /// really fitted that it is told instead.
 const NOT_MUCH: f64 = 3.0;
@@ -36,18 +36,45 @@ const HARDLY: f64 = 1.0;
 /// Places that are told.
 const PLACES: usize = 24;
 
-pub fn report(court: &Court) -> Diagnosis {
+/// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is the other one alone.
+pub fn report(court: &mut Court, lost: Vec<Lost>) -> Diagnosis {
+    let untested = court.untested();
+    loop {
+        let chosen = choose(court, &untested);
+        match chosen.absent {
+            Some(at) => drop(court.judged.remove(at)),
+            None => return told(court, &chosen, &untested, lost),
+        }
+    }
+}
+
+/// Probabilities, and what they choose.
+struct Choice {
+    verdict: Verdict,
+    /// Of no gap, something unknown, each hypothesis, and each effect that was not tested.
+    none: f64,
+    unknown: f64,
+    judged: Vec<f64>,
+    untested: Vec<f64>,
+    /// The hypothesis that is shown, and one that is none, as a member of it may be absent.
+    shown: Option<usize>,
+    absent: Option<usize>,
+}
+
+fn choose(court: &Court, untested: &[Untested]) -> Choice {
     let logs = [trig::ln(judge::NONE) + judge::likelihood(court.excess, court.freedom), court.unknown];
-    let weights: Vec<f64> = logs.into_iter().chain(once(court)).collect();
+    let weights: Vec<f64> = logs.into_iter().chain(once(court)).chain(untested.iter().map(|u| u.weight)).collect();
     let probability = judge::normalised(&weights);
     let (none, unknown) = (probability[0], probability[1]);
-    let of = |wanted: &dyn Fn(&Judged) -> bool| -> f64 {
-        court.judged.iter().zip(&probability[2..]).filter(|(j, _)| wanted(j)).map(|(_, p)| p).sum()
+    let (judged, untested) = probability[2..].split_at(court.judged.len());
+    let count = |j: &Judged| j.fitted.hypothesis.members.len();
+    let of = |members: usize| -> f64 {
+        court.judged.iter().zip(judged).filter(|(j, _)| count(j) == members).map(|(_, p)| p).sum()
     };
-    let alone = of(&|j| j.fitted.hypothesis.members.len() == 1);
-    let pair = of(&|j| j.fitted.hypothesis.members.len() == 2);
+    let (alone, pair) = (of(1), of(2));
     let best = |members: usize| {
-        court.judged.iter().find(|j| j.fitted.hypothesis.members.len() == members).map(|j| as_fitted(court, j))
+        let first = court.judged.iter().position(|j| count(j) == members)?;
+        Some((first, as_fitted(court, first)))
     };
     let candidates = court.candidates();
     let (verdict, chosen) = match [none, unknown, alone, pair] {
@@ -55,9 +82,34 @@ pub fn report(court: &Court) -> Diagnosis {
         [_, u, a, p] if u >= a && u >= p => (Verdict::Unknown, best(1)),
         [_, _, a, p] if p > a => (Verdict::Pair, best(2)),
         _ => {
-            let sensor = best(1).is_some_and(|j| candidates[j.fitted.hypothesis.members[0]].sensor);
+            let first = best(1).map(|(_, k)| court.judged[k].fitted.hypothesis.members[0]);
+            let sensor = first.is_some_and(|c| candidates[c].sensor);
             (if sensor { Verdict::Sensor } else { Verdict::Effect }, best(1))
         }
+    };
+    let named = chosen.filter(|_| !matches!(verdict, Verdict::None | Verdict::Unknown));
+    let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(court, *k)));
+    let (judged, untested) = (judged.to_vec(), untested.to_vec());
+    Choice { verdict, none, unknown, judged, untested, shown: chosen.map(|(_, k)| k), absent }
+}
+
+/// Whether a member of a hypothesis may be absent: the intervals of all its strengths hold 0.
+fn may_lack(court: &Court, judged: usize) -> bool {
+    let judged = &court.judged[judged];
+    let names = judged.fitted.hypothesis.members.iter().map(|c| court.candidates()[*c].effect.as_str());
+    let mut each = names.map(|name| amounts(court, whole(court, judged), name));
+    each.any(|own| !own.is_empty() && own.values().all(Amount::may_be_zero))
+}
+
+fn told(court: &Court, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) -> Diagnosis {
+    let candidates = court.candidates();
+    let chosen = choice.shown.map(|k| &court.judged[k]);
+    let of = |wanted: &dyn Fn(&Judged) -> bool| -> f64 {
+        court.judged.iter().zip(&choice.judged).filter(|(j, _)| wanted(j)).map(|(_, p)| p).sum()
+    };
+    let never = |name: &str| -> f64 {
+        let own = untested.iter().zip(&choice.untested).filter(|(u, _)| candidates[u.candidate].effect == name);
+        own.map(|(_, p)| p).sum()
     };
     let names: BTreeSet<&str> = candidates.iter().map(|c| c.effect.as_str()).collect();
     let mut effects: Vec<Finding> = names
@@ -65,11 +117,12 @@ pub fn report(court: &Court) -> Diagnosis {
         .map(|name| {
             let has = |j: &Judged| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
             // What the effect does alone, unless the verdict has it beside another one.
-            let alone = |j: &&Judged| has(j) && j.fitted.hypothesis.members.len() == 1;
-            let alone = || court.judged.iter().find(alone).map(|j| as_fitted(court, j));
+            let alone = |j: &Judged| has(j) && j.fitted.hypothesis.members.len() == 1;
+            let alone = || court.judged.iter().position(alone).map(|k| &court.judged[as_fitted(court, k)]);
             let told = chosen.filter(|j| has(j)).or_else(alone);
             let mut finding = finding(court, name, told);
-            finding.probability = tidy(of(&has));
+            finding.untested_probability = tidy(never(name));
+            finding.probability = tidy(of(&has) + never(name));
             finding
         })
         .collect();
@@ -91,24 +144,32 @@ pub fn report(court: &Court) -> Diagnosis {
         by.then(b.probability.total_cmp(&a.probability))
     });
     let groups = groups(court, &mut effects);
+    let verdict = choice.verdict;
     let shown = chosen.filter(|_| !matches!(verdict, Verdict::None));
-    let closed = shown.and_then(|j| closed(court, j, false));
+    let axis = court.simulator.axis();
+    let runs = runs(court, shown);
+    let gap = runs.iter().any(RunGap::over);
+    let closed = shown.filter(|_| gap).and_then(|j| closed(court, j, false));
+    let places = places(court, shown.filter(|_| verdict != Verdict::Unknown), axis);
+    let with = shown.map_or(&[][..], |j| &j.fitted.hypothesis.members);
     let mut out = Diagnosis {
         verdict,
         summary: String::new(),
-        places: places(court, shown.filter(|_| verdict != Verdict::Unknown)),
-        unknown_probability: tidy(unknown),
-        none_probability: tidy(none),
+        shown: with.iter().map(|c| candidates[*c].effect.clone()).collect(),
+        overlays: overlays(court, shown, &places),
+        places: if court.excess > 1.0 { places } else { Vec::new() },
+        unknown_probability: tidy(choice.unknown),
+        none_probability: tidy(choice.none),
+        untested_probability: tidy(choice.untested.iter().sum()),
         floor: floor(court.simulator.frames()),
         next_experiment: String::new(),
         groups,
-        runs: runs(court, shown),
-        gap_closed_black_box: black_box(court).map(tidy),
+        gap_closed_black_box: black_box(court).filter(|_| gap).map(tidy),
         gap_closed: closed.map(tidy),
-        gap_closed_channels: shown.map_or_else(BTreeMap::new, |j| by_channel(court, j)),
-        lost: Vec::new(),
-        overlays: overlays(court, shown),
-        axis: "m".into(),
+        gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(court, j)),
+        runs,
+        lost,
+        axis,
         effects,
     };
     out.summary = words::summary(&out);
@@ -121,6 +182,7 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         name: name.to_owned(),
         group: name.to_owned(),
         probability: 0.0,
+        untested_probability: 0.0,
         strength: BTreeMap::new(),
         gap_closed: None,
         gap_closed_placebo: None,
@@ -128,47 +190,96 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         fixed: BTreeMap::new(),
     };
     let Some(judged) = best else { return out };
-    let candidates = court.candidates();
     // Strengths are told with those beside them that may be there, too.
-    let told = whole(court, judged);
-    let fitted = &told.fitted;
-    // A gap that is left makes every strength less sure.
-    let scale = told.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
-    // What the effect's equation misses of its own pattern may be as much of its strength.
-    let missed = MISSED * ((told.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
-    for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
-        let signature = &court.signatures[*k];
-        let candidate = &candidates[signature.candidate];
-        if candidate.effect != name {
-            continue;
-        }
-        let strength = &candidate.strengths[signature.strength];
-        let value = fitted.strengths[i];
-        let own = scale * told.covariance()[(i, i)].max(0.0).sqrt();
-        let own = own.max(scattered(court, &fitted.columns[i]));
-        let half = NINETY * trig::hypot(own, trig::hypot(missed, candidate.doubt) * value);
-        let amount = Amount {
-            value: tidy(value),
-            low: tidy((value - half).max(strength.low)),
-            high: tidy((value + half).min(strength.high)),
-            unit: strength.unit.clone(),
-        };
-        out.strength.insert(strength.name.clone(), amount);
+    out.strength = amounts(court, whole(court, judged), name);
+    let own = |c: &&usize| court.candidates()[**c].effect == name;
+    if let Some(candidate) = judged.fitted.hypothesis.members.iter().find(own) {
+        let candidate = &court.candidates()[*candidate];
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    if judged.fitted.features.is_some() || court.excess <= 1.0 && court.score(&judged.fitted).z() > CLEAR {
+    let gap = (0..court.evidence.len()).any(|run| over(court, run));
+    if gap && judged.fitted.features.is_some() {
         out.gap_closed = closed(court, judged, false).map(tidy);
         out.gap_closed_placebo = closed(court, judged, true).map(tidy);
     }
     out
 }
 
+/// Strengths of an effect with their intervals.
+fn amounts(court: &Court, told: &Judged, name: &str) -> BTreeMap<String, Amount> {
+    let fitted = &told.fitted;
+    // A gap that is left makes every strength less sure.
+    let scale = told.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
+    // What the effect's equation misses of its own pattern may be as much of its strength.
+    let missed = MISSED * ((told.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
+    let mut out = BTreeMap::new();
+    for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
+        let signature = &court.signatures[*k];
+        let candidate = &court.candidates()[signature.candidate];
+        if candidate.effect != name {
+            continue;
+        }
+        let strength = &candidate.strengths[signature.strength];
+        let value = fitted.strengths[i];
+        let own = told.covariance()[(i, i)].max(0.0).sqrt();
+        let by_scatter = candidate.differs.is_some() && (own - SURE * value.abs()).abs() <= 1e-9 * own;
+        let size = value.abs();
+        let error = match by_scatter {
+            true => Error { sum: missed * size, factor: trig::hypot(SURE, candidate.doubt) },
+            false => {
+                let own = (scale * own).max(scattered(court, &fitted.columns[i]));
+                // Beside another effect it may as a whole be what that one's equation misses; alone it is there.
+                let beside = fitted.hypothesis.members.len() > 1;
+                let (doubt, factor) = if beside { (candidate.doubt, 0.0) } else { (0.0, candidate.doubt) };
+                Error { sum: trig::hypot(own, trig::hypot(missed, doubt) * size), factor }
+            }
+        };
+        let (less, more) = error.either_way(size);
+        let (less, more) = if value < 0.0 { (more, less) } else { (less, more) };
+        let amount = Amount {
+            value: tidy(value),
+            low: tidy((value - less).max(strength.low)),
+            high: tidy((value + more).min(strength.high)),
+            unit: strength.unit.clone(),
+            at_bound: at_bound(strength, value),
+        };
+        out.insert(strength.name.clone(), amount);
+    }
+    out
+}
+
+/// How far a strength may be off: a deviation, and one of its logarithm.
+struct Error {
+    sum: f64,
+    factor: f64,
+}
+
+impl Error {
+    /// Half widths of the 90 % interval of a size, towards 0 and away from it.
+    fn either_way(&self, size: f64) -> (f64, f64) {
+        let far = NINETY * self.factor;
+        let half = |by_factor: f64| trig::hypot(NINETY * self.sum, size * by_factor);
+        (half(1.0 - trig::exp(-far)), half(trig::exp(far) - 1.0))
+    }
+}
+
+/// Which of its bounds a strength is at, to rounding; 0 is none, as it is no effect.
+fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
+    let near = |bound: f64| value != 0.0 && (value - bound).abs() <= 1e-6 * bound.abs();
+    match (near(strength.low), near(strength.high)) {
+        (_, true) => Some(Bound::Upper),
+        (true, _) => Some(Bound::Lower),
+        _ => None,
+    }
+}
+
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
-fn as_fitted<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
-    let likely = |j: &&Judged| judged.weight - j.weight < HARDLY;
-    let mut fitted = court.judged.iter().take_while(likely).filter(|j| j.fitted.simulated());
-    fitted.find(|j| sites(court, j) == sites(court, judged)).unwrap_or(judged)
+fn as_fitted(court: &Court, first: usize) -> usize {
+    let judged = &court.judged[first];
+    let likely = |(_, j): &(usize, &Judged)| judged.weight - j.weight < HARDLY;
+    let mut fitted = court.judged.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
+    fitted.find(|(_, j)| sites(court, j) == sites(court, judged)).map_or(first, |(k, _)| k)
 }
 
 /// Where a hypothesis' effects are.
@@ -197,26 +308,7 @@ fn whole<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
 fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
     let after = left_out(court, judged, placebo)?;
-    if judged.fitted.features.is_none() {
-        return along(court, judged, &after);
-    }
     share(&court.evidence, |run| judged.excess_of(court, run, &after[run]))
-}
-
-/// The same of a gap that is seen only along the hypothesis' signature: squares of scores along it, of which chance makes 1.
-fn along(court: &Court, judged: &Judged, after: &[DVector<f64>]) -> Option<f64> {
-    let direction = judged.fitted.direction();
-    let (mut before_sum, mut after_sum) = (0.0, 0.0);
-    for (run, evidence) in court.evidence.iter().enumerate() {
-        let score = |residual: &DVector<f64>| {
-            let one = |x: &DVector<f64>| [x.clone()];
-            Score::new(std::slice::from_ref(evidence), &one(residual), &one(&direction[run])).z()
-        };
-        let (before, after) = (score(&evidence.residual), score(&after[run]));
-        before_sum += before * before - 1.0;
-        after_sum += after * after - 1.0;
-    }
-    (before_sum > 0.0).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
 }
 
 /// How far a strength is off by what scatters along its signature.
@@ -319,7 +411,7 @@ fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
 /// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is over the floor.
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
-fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
+fn places(court: &Court, shown: Option<&Judged>, axis: Axis) -> Vec<Place> {
     let mut excess: BTreeMap<(String, Band, u64, u64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in court.simulator.frames().iter().enumerate() {
@@ -340,8 +432,7 @@ fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
     let mean = total / excess.len().max(1) as f64;
     for ((channel, band, from, to), over) in excess {
         let place = Place {
-            from_m: tidy(from as f64 / 1e3),
-            to_m: tidy(to as f64 / 1e3),
+            extent: Extent::new(axis, tidy(from as f64 / 1e3), tidy(to as f64 / 1e3)),
             band: band.name().to_owned(),
             share: over / total.max(1e-12),
             channel: channel.clone(),
@@ -351,10 +442,10 @@ fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
         match found.last_mut() {
             Some(open)
                 if last.as_ref() == Some(&key)
-                    && (open.to_m - place.from_m).abs() < 1e-6
+                    && (open.extent.ends().1 - place.extent.ends().0).abs() < 1e-6
                     && (over > mean) == (open.share * total > mean) =>
             {
-                open.to_m = place.to_m;
+                open.extent = Extent::new(axis, open.extent.ends().0, place.extent.ends().1);
                 open.share += place.share;
             }
             _ => found.push(place),
@@ -364,7 +455,7 @@ fn places(court: &Court, shown: Option<&Judged>) -> Vec<Place> {
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     found.truncate(PLACES);
     found.iter_mut().for_each(|p| p.share = tidy(p.share));
-    if court.excess > 1.0 { found } else { Vec::new() }
+    found
 }
 
 /// Of each channel, the root mean square of the floor of its means along the track.
@@ -379,6 +470,12 @@ fn floor(frames: &[Frame]) -> BTreeMap<String, f64> {
         }
     }
     sums.into_iter().map(|(c, (sum, n))| (c, tidy((sum / n).sqrt()))).collect()
+}
+
+/// Whether a run is farther off than 95 % of repeated measurements.
+fn over(court: &Court, run: usize) -> bool {
+    let evidence = &court.evidence[run];
+    evidence.excess(&evidence.residual) > evidence.honest_high / evidence.honest
 }
 
 fn runs(court: &Court, shown: Option<&Judged>) -> Vec<RunGap> {
@@ -411,13 +508,16 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
         let Some(own) = single(&effects[i].name) else { continue };
         let likely = effects[i].probability > 0.05;
         let explains = |j: &Judged| j.excess < 0.5 * (court.excess + 1.0);
-        if !likely || grouped.contains(&effects[i].name) || !explains(own) {
+        if !likely || effects[i].may_be_absent() || grouped.contains(&effects[i].name) || !explains(own) {
             continue;
         }
         let mut members = vec![effects[i].name.clone()];
         for other in effects.iter().skip(i + 1) {
             let Some(judged) = single(&other.name) else { continue };
             let near = (own.weight - judged.weight).abs() < APART;
+            if other.may_be_absent() {
+                continue;
+            }
             let settled = explains(judged) && own.excess.max(judged.excess) < UNSETTLED;
             if near && (settled || alike(&own.fitted.direction(), &judged.fitted.direction()) > PARALLEL) {
                 members.push(other.name.clone());
@@ -441,39 +541,4 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
 fn alike(a: &[DVector<f64>], b: &[DVector<f64>]) -> f64 {
     let dot = |x: &[DVector<f64>], y: &[DVector<f64>]| x.iter().zip(y).map(|(x, y)| x.dot(y)).sum::<f64>();
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-300)
-}
-
-/// Means of the channels with the largest gaps.
-fn overlays(court: &Court, shown: Option<&Judged>) -> Vec<Overlay> {
-    let mut gaps: BTreeMap<(usize, String), f64> = BTreeMap::new();
-    let frames = court.simulator.frames();
-    for (run, frame) in frames.iter().enumerate() {
-        let evidence = &court.evidence[run];
-        for (k, x) in evidence.each(&evidence.residual).filter(|(k, _)| frame.labels[*k].band == Band::Track) {
-            *gaps.entry((run, frame.labels[k].channel.clone())).or_default() += x * x;
-        }
-    }
-    let mut worst: Vec<((usize, String), f64)> = gaps.into_iter().collect();
-    worst.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let one = |((run, channel), _): ((usize, String), f64)| {
-        let frame = &frames[run];
-        let rows: Vec<usize> = (0..frame.labels.len())
-            .filter(|k| frame.labels[*k].band == Band::Track && frame.labels[*k].channel == channel)
-            .collect();
-        let pick = |x: &dyn Fn(usize) -> f64| rows.iter().map(|k| tidy(x(*k))).collect::<Vec<f64>>();
-        let steps = DVector::from_vec(court.evidence[run].steps(&vec![0.0; frame.nominal.len()]));
-        let shift = &frame.slopes * steps;
-        let after = shown.and_then(|j| j.fitted.features.as_ref()).map(|f| &f[run]);
-        Overlay {
-            run: frame.run.clone(),
-            unit: words::unit(&channel).to_owned(),
-            at: pick(&|k| 0.5e-3 * (frame.labels[k].from + frame.labels[k].to) as f64),
-            measured: pick(&|k| frame.measured[k]),
-            before: pick(&|k| frame.nominal[k] + shift[k]),
-            after: pick(&|k| after.map_or(frame.nominal[k] + shift[k], |f| f[k])),
-            floor: pick(&|k| frame.laps.variance[k].sqrt()),
-            channel,
-        }
-    };
-    worst.into_iter().take(4).map(one).collect()
 }

@@ -74,13 +74,15 @@ pub fn signatures(
     let mut small = Vec::new();
     let taken = take(simulator, evidence, &trials, Runs::All, &mut |done| tell(before + done, all));
     for ((signature, whole), first) in taken.into_iter().zip(firsts) {
-        if whole || signature.size == first.size {
+        if whole {
             found.push(signature);
-        } else {
+        } else if signature.size != first.size {
             small.push(first);
         }
     }
-    found.extend(take(simulator, evidence, &small, Runs::All, &mut |_| tell(all, all)).into_iter().map(|(s, _)| s));
+    // What cannot be simulated in every run has no signature: it was not tested.
+    let again = take(simulator, evidence, &small, Runs::All, &mut |_| tell(all, all));
+    found.extend(again.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature));
     found.sort_by_key(|s| (s.candidate, s.strength));
     // A blow at a place has no sign as long as the place is not known.
     let signed = |s: &&Signature| {
@@ -205,6 +207,11 @@ impl Trial {
         Trial { size: low * trig::exp(share * trig::ln(high / low)), ..self }
     }
 
+    /// At the nearest size that is declared.
+    fn bounded(self, candidates: &[Candidate]) -> Trial {
+        Trial { size: candidates[self.candidate].strengths[self.strength].bounded(self.size), ..self }
+    }
+
     /// With the other sign.
     pub fn other(self) -> Trial {
         Trial { size: -self.size, ..self }
@@ -220,8 +227,9 @@ fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<
     let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
     let now = signature.size.abs();
     let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
-    let against = column.dot(left) < 0.0;
-    if against && low < 0.0 { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
+    // A strength that has one sign only keeps it.
+    let negative = if high > 0.0 { low < 0.0 && column.dot(left) < 0.0 } else { true };
+    if negative { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
 }
 
 /// Which runs a signature is taken of.
@@ -231,7 +239,8 @@ pub enum Runs {
     One(usize),
 }
 
-/// The signature of each trial, 0 in runs of which it is not taken, and whether every run could be simulated with it.
+/// The signature of each trial, at the nearest size that is declared: 0 in runs of which it is not taken, and whether every run could be
+/// simulated with it.
 pub fn take(
     simulator: &dyn Simulator,
     evidence: &[Evidence],
@@ -244,6 +253,7 @@ pub fn take(
         Runs::All => (0..evidence.len()).collect(),
         Runs::One(run) => vec![run],
     };
+    let trials: Vec<Trial> = trials.iter().map(|trial| trial.bounded(candidates)).collect();
     let mut found = Vec::with_capacity(trials.len());
     for part in trials.chunks(PART.div_ceil(runs.len().max(1))) {
         tell(found.len() + part.len());
@@ -251,9 +261,14 @@ pub fn take(
             let effects = vec![applied(candidates, trial)];
             runs.iter().map(move |run| Request { run: *run, step: Vec::new(), effects: effects.clone() })
         };
-        let requests: Vec<Request> = part.iter().flat_map(with).collect();
-        let answers = simulator.simulate_all(&requests);
-        for (trial, answers) in part.iter().zip(answers.chunks(runs.len().max(1))) {
+        // The other sign of a strength that has one only is nothing.
+        let something = |trial: &&Trial| trial.size != 0.0;
+        let requests: Vec<Request> = part.iter().filter(something).flat_map(with).collect();
+        let all = simulator.simulate_all(&requests);
+        let mut all = all.chunks(runs.len().max(1));
+        let nothing = vec![None; runs.len()];
+        for trial in part {
+            let answers = if trial.size == 0.0 { None } else { all.next() }.unwrap_or(&nothing);
             let mut change: Vec<Vec<f64>> = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
             for (run, answer) in runs.iter().zip(answers) {
                 let rows = answer.iter().flatten().zip(&frames[*run].nominal);

@@ -38,7 +38,8 @@ impl Court<'_> {
         let room: Vec<(f64, f64)> = bounds.iter().zip(&strengths).map(|((low, high), x)| (low - x, high - x)).collect();
         let by: Vec<_> = columns.iter().map(|c| &c[..]).collect();
         let step = explain(&first.residuals, &by, &room, None);
-        strengths.iter_mut().zip(&step.strengths).for_each(|(x, more)| *x += more);
+        let further = strengths.iter_mut().zip(&step.strengths).zip(&bounds);
+        further.for_each(|((x, more), (low, high))| *x = (*x + more).clamp(*low, *high));
         let moved = |(run, change): (usize, &Vec<f64>)| -> Vec<f64> {
             let more = hypothesis.change(&self.signatures, &step.strengths, run);
             change.iter().zip(more).map(|(c, m)| c + m).collect()

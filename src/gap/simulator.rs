@@ -2,6 +2,8 @@
 //! such model, any program outside is another.
 
 use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
@@ -14,6 +16,16 @@ pub trait Simulator: Sync {
     /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels. `None` where
     /// nothing can be simulated.
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>>;
+
+    /// What places are counted in.
+    fn axis(&self) -> Axis {
+        Axis::Track
+    }
+
+    /// Why a request had no answer, in words, where that is known.
+    fn reason(&self, _: &Request) -> Option<String> {
+        None
+    }
 
     /// Whether effects of sensors cost no simulation where nuisances are not moved.
     fn hears(&self) -> bool {
@@ -28,6 +40,27 @@ pub trait Simulator: Sync {
     /// Features of several requests, in order; the answer does not depend on how many threads are used.
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
         requests.iter().map(|r| self.simulate(r.run, &r.step, &r.effects)).collect()
+    }
+}
+
+/// What places are counted in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Axis {
+    /// Metres along the track.
+    #[default]
+    #[serde(rename = "m")]
+    Track,
+    /// Seconds.
+    #[serde(rename = "s")]
+    Time,
+}
+
+impl Axis {
+    pub fn unit(self) -> &'static str {
+        match self {
+            Axis::Track => "m",
+            Axis::Time => "s",
+        }
     }
 }
 
@@ -93,7 +126,19 @@ pub struct Strength {
     pub high: f64,
 }
 
+impl Candidate {
+    /// The nearest strengths that are declared.
+    pub fn bounded(&self, strengths: &[f64]) -> Vec<f64> {
+        self.strengths.iter().zip(strengths).map(|(own, x)| own.bounded(*x)).collect()
+    }
+}
+
 impl Strength {
+    /// The nearest strength that is declared; 0 stays, as it is no effect.
+    pub fn bounded(&self, x: f64) -> f64 {
+        if x == 0.0 { 0.0 } else { x.max(self.low).min(self.high) }
+    }
+
     /// Whether the effect is there as a whole or not at all.
     pub fn whole(&self) -> bool {
         self.low > 0.0
@@ -167,6 +212,10 @@ pub enum Band {
 }
 
 impl Band {
+    /// The kinds that count in mean squares; of equals the last is taken first.
+    pub const ALL: [Band; 7] =
+        [Band::Drift, Band::Motor, Band::Wheel, Band::Cart, Band::Distribution, Band::Fluctuation, Band::Track];
+
     pub fn name(self) -> &'static str {
         match self {
             Band::Track => "track",
@@ -202,6 +251,12 @@ impl Frame {
     /// have it.
     pub fn moved(&self, features: &[f64], step: &[f64]) -> Vec<f64> {
         features.iter().zip(self.at(step)).map(|(f, n)| f - n).collect()
+    }
+
+    /// How many features are not finite though measured and nominal ones are: such an answer cannot be compared.
+    pub fn lacking(&self, features: &[f64]) -> usize {
+        let known = self.measured.iter().zip(&self.nominal).map(|(m, n)| (m - n).is_finite());
+        known.zip(features).filter(|(known, x)| *known && !x.is_finite()).count()
     }
 
     /// Residual of features, NaN where one is missing or tells nothing.

@@ -9,7 +9,7 @@ use crate::emit::number::shortest;
 use crate::emit::simulation::Effect;
 use crate::gap::chain::Chains;
 use crate::gap::effects::{named, spelled};
-use crate::gap::{Diagnosis, Finding, Verdict};
+use crate::gap::{Diagnosis, Finding};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -21,18 +21,13 @@ pub fn files(
     found: &Diagnosis,
     output: &Path,
 ) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
-    let count = match found.verdict {
-        Verdict::None | Verdict::Unknown => 0,
-        Verdict::Pair => 2,
-        Verdict::Effect | Verdict::Sensor => 1,
-    };
-    let effects = &found.effects[..count.min(found.effects.len())];
+    let effects = &found.named()[..];
     let mut out: BTreeMap<String, Vec<u8>> = BTreeMap::new();
     let names = layouts::names(cases.iter().map(|c| c.layout.as_path()), "-gap");
     for (run, case) in cases.iter().enumerate() {
         let Some(own_name) = names.get(&case.layout) else { continue };
         let mut simulation = chains.simulation(run).clone();
-        simulation.effects = effects.iter().map(effect).collect();
+        simulation.effects = effects.iter().map(|finding| effect(finding)).collect();
         let name = format!("{own_name}-gap");
         out.entry(format!("{name}.json")).or_insert_with(|| json::to_json(&simulation));
         if case.layout.extension().is_some_and(|e| e == "lss") && !out.contains_key(&format!("{name}.lss")) {
@@ -53,7 +48,7 @@ fn effect(finding: &Finding) -> Effect {
     Effect { name: finding.name.clone(), strengths: strengths.chain(places).collect() }
 }
 
-fn text(layout: &str, import: &str, effects: &[Finding]) -> String {
+fn text(layout: &str, import: &str, effects: &[&Finding]) -> String {
     let mut out = format!(
         "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\nlayout {layout}_gap from {layout} {{\n"
     );

@@ -8,7 +8,7 @@ use crate::emit::simulation::Track;
 use crate::emit::{Files, json};
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
-use crate::gap::{Diagnosis, Left, Remembered, Simulator, Stage, diagnose};
+use crate::gap::{Diagnosis, Left, Lost, Remembered, Simulator, Stage, diagnose};
 use crate::identify::study::Subject;
 use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -80,7 +80,7 @@ impl Diagnose {
         };
         let known = self.remembered(&chains, &self.origin(&subjects));
         let mut found = bar.diagnose(&known);
-        found.lost = chains.lost();
+        found.lost.extend(chains.lost().into_iter().map(Lost::data));
         let mut files = Files::default();
         if self.apply {
             match apply::files(&cases, &chains, &found, &self.output) {
@@ -109,14 +109,12 @@ impl Diagnose {
         };
         let known = self.remembered(&model, &model.origin());
         let mut found = bar.diagnose(&known);
-        found.axis = "s".into();
-        found.lost = model.lost().to_vec();
+        found.lost.extend(model.lost());
         found.overlays.iter_mut().for_each(|o| o.unit = model.channels().get(&o.channel).cloned().unwrap_or_default());
-        let trouble = model.trouble();
-        if let Some(error) = &trouble {
-            report::error(&error.to_string());
-        }
-        self.finish(&found, None, Files::default(), trouble.is_some(), known)
+        found.lost.iter().filter(|lost| !lost.effect.is_empty()).for_each(|lost| report::warning(&lost.to_string()));
+        // Without an effect that might be the cause the answer is not complete.
+        let incomplete = !found.untested().is_empty();
+        self.finish(&found, None, Files::default(), incomplete, known)
     }
 
     /// A model with what a stopped diagnosis left.

@@ -1,7 +1,7 @@
 //! A diagnosis for the terminal.
 
 use crate::emit::number::{fixed, significant};
-use crate::gap::{Amount, Diagnosis, Finding};
+use crate::gap::{Amount, Diagnosis, Finding, bound, percent};
 use std::fmt::Write;
 
 /// Effects that are listed.
@@ -9,8 +9,8 @@ const LISTED: usize = 6;
 
 pub fn text(found: &Diagnosis) -> String {
     let mut out = format!("{}\n\n", found.summary);
-    let percent = |x: f64| format!("{} %", fixed(100.0 * x, 0));
-    let closed = |x: Option<f64>| x.map_or("-".to_owned(), percent);
+    let gap = found.has_gap();
+    let closed = |x: Option<f64>| x.filter(|_| gap).map_or("-".to_owned(), percent);
     let _ = writeln!(
         out,
         "  {:<24}{:>12}{:>9}{:>9}  strength, 90 % interval",
@@ -20,7 +20,8 @@ pub fn text(found: &Diagnosis) -> String {
         let _ = write!(out, "  {name:<24}{:>12}", percent(p));
         if let Some(finding) = finding {
             let (own, placebo) = (closed(finding.gap_closed), closed(finding.gap_closed_placebo));
-            let strengths: Vec<String> = finding.strength.iter().map(|(n, a)| amount(n, a)).collect();
+            let untested = finding.untested().then(|| "not simulated".to_owned());
+            let strengths: Vec<String> = finding.strength.iter().map(|(n, a)| amount(n, a)).chain(untested).collect();
             let place = if finding.place.is_empty() { String::new() } else { format!(" ({})", finding.place) };
             let _ = write!(out, "{own:>9}{placebo:>9}  {}{place}", strengths.join(", "));
         }
@@ -32,15 +33,17 @@ pub fn text(found: &Diagnosis) -> String {
     row(&mut out, "no gap", found.none_probability, None);
     row(&mut out, "none of these effects", found.unknown_probability, None);
     if !found.places.is_empty() {
-        let _ = writeln!(out, "\n  where the gap lies");
+        let what = if gap { "where the gap lies" } else { "where what little differs lies" };
+        let _ = writeln!(out, "\n  {what}");
         for p in found.places.iter().take(LISTED) {
-            let extent = format!("{} to {} {}", fixed(p.from_m, 1), fixed(p.to_m, 1), found.axis);
+            let (from, to) = p.extent.ends();
+            let extent = format!("{} to {} {}", fixed(from, 1), fixed(to, 1), found.axis.unit());
             let _ = writeln!(out, "  {:<14}{:<14}{extent:<22}{:>6}", p.channel, p.band, percent(p.share));
         }
     }
     let _ = writeln!(
         out,
-        "\n  run                  before    after    (1: as near as honest laps are; 95 % of them below)"
+        "\n  run                  before    after    (1: the repeatability; limit: 95 % of repeated measurements)"
     );
     for run in &found.runs {
         let [a, b, c] = [run.before, run.after, run.honest_high].map(|x| fixed(x, 2));
@@ -58,5 +61,21 @@ pub fn text(found: &Diagnosis) -> String {
 
 fn amount(name: &str, a: &Amount) -> String {
     let [value, low, high] = [a.value, a.low, a.high].map(|x| significant(x, 3));
-    format!("{name} {value} {} [{low}, {high}]", a.unit).replace("  ", " ")
+    let bound = bound(a);
+    let bound = if bound.is_empty() { bound } else { format!(", {bound}") };
+    format!("{name} {value} {} [{low}, {high}]{bound}", a.unit).replace("  ", " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::random_reports::{hold, report};
+
+    #[test]
+    fn every_sentence_on_the_terminal_agrees_with_its_numbers() {
+        for seed in 0..2000 {
+            let found = report(seed);
+            hold(&text(&found), &found).unwrap_or_else(|wrong| panic!("{seed}: {wrong}"));
+        }
+    }
 }

@@ -49,9 +49,10 @@ pub fn probabilities(diagnosis: &Diagnosis) -> Markup {
     let likely = diagnosis.effects.iter().filter(|e| e.probability >= LIKELY).count().clamp(LEAST_ROWS, MOST_ROWS);
     let shown = likely.min(diagnosis.effects.len());
     let machine = |e: &Finding| if e.name.starts_with("sensor_") { "bar sensor" } else { "bar" };
+    let simulated = |e: &Finding| if e.untested() { "  not simulated".to_owned() } else { String::new() };
     let mut bars: Vec<Bar> = diagnosis.effects[..shown]
         .iter()
-        .map(|e| Bar { class: machine(e), name: heading(&e.name), share: e.probability, note: String::new() })
+        .map(|e| Bar { class: machine(e), name: heading(&e.name), share: e.probability, note: simulated(e) })
         .collect();
     let other = |name: &str, share: f64| Bar { class: "bar other", name: name.to_owned(), share, note: String::new() };
     bars.push(other("An effect not in the library", diagnosis.unknown_probability));
@@ -90,14 +91,14 @@ pub fn closed(diagnosis: &Diagnosis, named: &[&Finding]) -> Markup {
             figure {
                 figcaption { b { "Gap closed" } ", on runs that took no part in the choice" }
                 (chart(&bars))
-                p.note { "100 % leaves what two honest laps differ by. The placebo is the same effect with as many strengths, its places "
+                p.note { "With all of it closed, what repeated measurements differ by is left. The placebo is the same effect with as many strengths, its places "
                     "permuted or its phase scrambled; the black box fits residuals and names nothing." }
             }
         }
     }
 }
 
-/// The gap of each run, before and after, on a logarithmic axis with what honest laps have.
+/// The gap of each run, before and after, on a logarithmic axis with what repeated measurements have.
 pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
     let all =
         runs.iter().flat_map(|r| [r.before, r.after, r.honest, r.honest_high]).filter(|x| *x > 0.0 && x.is_finite());
@@ -139,7 +140,7 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
         p.legend.note {
             span { i.dot-before {} @if changed { "before" } @else { "the model as it is" } }
             @if changed { span { i.dot-after {} "with the named effect" } }
-            span { i.dot-honest {} "95 % of honest laps" }
+            span { i.dot-honest {} "95 % of repeated measurements" }
         }
     }
 }

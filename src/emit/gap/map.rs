@@ -3,7 +3,7 @@
 use super::words::{band, percent, stretch};
 use crate::emit::lap::lap_track::{Kind, LapTrack};
 use crate::emit::number::{fixed, ticks, trimmed};
-use crate::gap::{Diagnosis, Place};
+use crate::gap::{Axis, Diagnosis, Place};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
 
@@ -18,14 +18,14 @@ const WIDTH: f64 = 1100.0;
 
 /// How long the track, or the longest run, is.
 fn extent(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> f64 {
-    let seen = diagnosis.places.iter().map(|p| p.to_m).filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let seen = diagnosis.places.iter().map(|p| p.extent.ends().1).filter(|x| x.is_finite()).fold(0.0, f64::max);
     track.map_or(seen, |t| t.line.length)
 }
 
 /// Parts of the gap that belong to a place.
 fn local(diagnosis: &Diagnosis, extent: f64) -> Vec<&Place> {
     let somewhere = |p: &&Place| {
-        let length = p.to_m - p.from_m;
+        let length = p.extent.length();
         p.share > 0.0 && length > 0.0 && length <= LOCAL * extent
     };
     diagnosis.places.iter().filter(somewhere).collect()
@@ -36,10 +36,11 @@ fn density(places: &[&Place], extent: f64, pieces: usize) -> Vec<f64> {
     let step = extent / pieces as f64;
     let mut found = vec![0.0; pieces];
     for place in places {
+        let ends = place.extent.ends();
         for (k, value) in found.iter_mut().enumerate() {
             let (from, to) = (k as f64 * step, (k + 1) as f64 * step);
-            let common = (to.min(place.to_m) - from.max(place.from_m)).max(0.0);
-            *value += place.share * common / (place.to_m - place.from_m) / step;
+            let common = (to.min(ends.1) - from.max(ends.0)).max(0.0);
+            *value += place.share * common / (place.extent.length()) / step;
         }
     }
     found
@@ -53,10 +54,10 @@ pub fn section(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
     html! {
         @if !places.is_empty() {
             @if let Some(track) = track { (view(track, &places)) }
-            (strip(&places, extent, track, &diagnosis.axis))
+            (strip(&places, extent, track, diagnosis.axis))
         }
         @if !all.is_empty() {
-            (worst(&all, extent, track, &diagnosis.axis))
+            (worst(&all, extent, track, diagnosis.axis))
             (table(&all))
         }
     }
@@ -118,20 +119,20 @@ fn view(track: &LapTrack, places: &[&Place]) -> Markup {
                 circle.badge cx=(fixed(px, 1)) cy=(fixed(py, 1)) r="9" {}
                 text.badge-text x=(fixed(px, 1)) y=(fixed(py + 4.0, 1)) text-anchor="middle" { (k + 1) }
             }
-            (key(margin, height - 20.0, largest, "m"))
+            (key(margin, height - 20.0, largest, Axis::Track))
         }
     }
 }
 
 /// The colours' meaning.
-fn key(x: f64, y: f64, largest: f64, axis: &str) -> Markup {
+fn key(x: f64, y: f64, largest: f64, axis: Axis) -> Markup {
     html! {
         @for k in 0..32 {
             @let share = f64::from(k) / 31.0;
             rect.gap-fill x=(fixed(x + f64::from(k) * 5.0, 1)) y=(fixed(y, 1)) width="5" height="10" fill-opacity=(opacity(share, 1.0)) {}
         }
         text.number-label x=(fixed(x + 168.0, 1)) y=(fixed(y + 9.0, 1)) {
-            "0 … " (percent(largest)) " of the gap per " (if axis == "m" { "metre" } else { "second" })
+            "0 … " (percent(largest)) " of the gap per " (if axis == Axis::Track { "metre" } else { "second" })
         }
     }
 }
@@ -140,7 +141,7 @@ fn key(x: f64, y: f64, largest: f64, axis: &str) -> Markup {
 fn spots(places: &[&Place], lap: f64) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     for place in places {
-        let middle = 0.5 * (place.from_m + place.to_m);
+        let middle = place.extent.middle();
         let near = |other: &f64| {
             let apart = (middle - other).abs();
             apart.min(lap - apart) < 0.02 * lap
@@ -154,7 +155,7 @@ fn spots(places: &[&Place], lap: f64) -> Vec<f64> {
 }
 
 /// Channels over the axis, the one with most of the gap first.
-fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: &str) -> Markup {
+fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
     const LEFT: f64 = 150.0;
     const RIGHT: f64 = 70.0;
     const ROW: f64 = 22.0;
@@ -177,7 +178,7 @@ fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: &str) -
     let step = extent / PIECES as f64;
     html! {
         figure {
-            figcaption { b { "Channel by channel" } ", share of the gap over " (if axis == "m" { "arc length, m" } else { "time, s" })
+            figcaption { b { "Channel by channel" } ", share of the gap over " (if axis == Axis::Track { "arc length, m" } else { "time, s" })
                 @if track.is_some() { "; shaded above: curves, ramps and spirals" } }
             svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
                 @for part in track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != Kind::Straight) {
@@ -195,7 +196,7 @@ fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: &str) -
                 }
                 @for t in ticks(0.0, extent, 12.0) {
                     line.axis x1=(fixed(x(t), 1)) x2=(fixed(x(t), 1)) y1=(top) y2=(fixed(bottom, 1)) {}
-                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" { (trimmed(t, 3)) " " (axis) }
+                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" { (trimmed(t, 3)) " " (axis.unit()) }
                 }
                 (key(LEFT, bottom + 28.0, largest, axis))
             }
@@ -216,13 +217,13 @@ fn runs(values: &[f64]) -> Vec<(usize, usize, f64)> {
 }
 
 /// The largest parts, in words.
-fn worst(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: &str) -> Markup {
-    let whole = |p: &Place| p.to_m - p.from_m > LOCAL * extent;
+fn worst(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
+    let whole = |p: &Place| p.extent.length() > LOCAL * extent;
     let spots = track.map_or_else(Vec::new, |t| {
         spots(&places.iter().filter(|p| !whole(p)).copied().collect::<Vec<_>>(), t.line.length)
     });
-    let number = |p: &Place| spots.iter().position(|s| !whole(p) && p.from_m <= *s && *s <= p.to_m);
-    let part = |p: &Place| track.and_then(|t| t.part(0.5 * (p.from_m + p.to_m))).map(|part| part.name.clone());
+    let number = |p: &Place| spots.iter().position(|s| !whole(p) && p.extent.ends().0 <= *s && *s <= p.extent.ends().1);
+    let part = |p: &Place| track.and_then(|t| t.part(p.extent.middle())).map(|part| part.name.clone());
     html! {
         h3 { "Largest parts" }
         div.scroll { table {
@@ -235,9 +236,9 @@ fn worst(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: &str) -
                     @if !spots.is_empty() { td { @if let Some(k) = number(p) { span.badge { (k + 1) } } } }
                     td.number { (percent(p.share)) }
                     td { (p.channel) }
-                    td { @if whole(p) { @if axis == "m" { "all along the track" } @else { "all the time" } }
-                        @else { (stretch(p.from_m, p.to_m, axis)) @if let Some(name) = part(p) { ", " (name) } } }
-                    td { (p.band) @if !band(&p.band).is_empty() { ": " (band(&p.band)) } }
+                    td { @if whole(p) { @if axis == Axis::Track { "all along the track" } @else { "all the time" } }
+                        @else { (stretch(p.extent.ends().0, p.extent.ends().1, axis)) @if let Some(name) = part(p) { ", " (name) } } }
+                    td { @if axis == Axis::Track { (p.band) @if !band(&p.band, axis).is_empty() { ": " } } (band(&p.band, axis)) }
                 }
             } }
         } }
@@ -291,9 +292,10 @@ fn table(places: &[&Place]) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::Extent;
 
     fn place(from_m: f64, to_m: f64, share: f64) -> Place {
-        Place { channel: "steer_left".into(), from_m, to_m, band: "track".into(), share }
+        Place { channel: "steer_left".into(), extent: Extent::Track { from_m, to_m }, band: "track".into(), share }
     }
 
     #[test]

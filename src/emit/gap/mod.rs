@@ -13,7 +13,7 @@ use super::lap::lap_track::LapTrack;
 use super::number::trimmed;
 use super::simulation::Track;
 use super::style::document;
-use crate::gap::{Diagnosis, Finding, Verdict};
+use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
 use maud::{Markup, html};
 use words::{amount, heading, list, percent, plain, significant};
 
@@ -22,8 +22,9 @@ const PRESENT: f64 = 0.5;
 
 /// The page of a diagnosis; with a track, the gap is drawn on it. `title` names the campaign.
 pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String {
-    let track = track.filter(|_| diagnosis.axis == "m").map(LapTrack::without_motors).filter(|t| t.line.length > 0.0);
-    let named = named(diagnosis);
+    let track =
+        track.filter(|_| diagnosis.axis == Axis::Track).map(LapTrack::without_motors).filter(|t| t.line.length > 0.0);
+    let (named, gap) = (diagnosis.named(), diagnosis.has_gap());
     let changed = !named.is_empty();
     let body = html! {
         p.kicker { "The gap between simulation and reality · " (title) }
@@ -33,12 +34,14 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         figure { figcaption { b { "Probability" } " that each is present" } (bars::probabilities(diagnosis)) }
         @if changed {
             (strengths(&claims(diagnosis, &named)))
-            (bars::closed(diagnosis, &named))
-            (closed_by_channel(diagnosis))
+            @if gap {
+                (bars::closed(diagnosis, &named))
+                (closed_by_channel(diagnosis))
+            }
         }
         @if !diagnosis.runs.is_empty() {
             figure {
-                figcaption { b { "Gap of each run" } ", mean square residual over that of honest laps: 1 is none" }
+                figcaption { b { "Gap of each run" } ", mean square residual over that of repeated measurements: 1 is none" }
                 (bars::runs(&diagnosis.runs, changed))
             }
         }
@@ -50,27 +53,12 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
             p.next { (diagnosis.next_experiment) }
         }
         @if !diagnosis.lost.is_empty() {
-            h2 { "What the data lacked" }
+            h2 { "What cannot be told, and why" }
             ul.lost { @for line in &diagnosis.lost { li { (line) } } }
         }
         (floor(diagnosis))
     };
     document(&format!("{title}: the gap"), style::STYLE, &body)
-}
-
-/// The effects that the verdict names.
-fn named(diagnosis: &Diagnosis) -> Vec<&Finding> {
-    let most = match diagnosis.verdict {
-        Verdict::None | Verdict::Unknown => 0,
-        Verdict::Effect | Verdict::Sensor => 1,
-        Verdict::Pair => 2,
-    };
-    let mut all: Vec<&Finding> = diagnosis.effects.iter().collect();
-    all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    let present = all.iter().filter(|e| e.probability >= PRESENT).count();
-    // A verdict stands for a group where no member of it reaches that.
-    all.truncate(most.min(present.max(1)));
-    all
 }
 
 fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
@@ -83,11 +71,19 @@ fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
             _ => plain(&finding.name),
         }
     };
-    match diagnosis.verdict {
-        Verdict::None => "No gap".to_owned(),
-        Verdict::Unknown => "A gap that no known effect explains".to_owned(),
-        kind if named.is_empty() => heading(words::verdict(kind)),
-        _ => heading(&list(&named.iter().map(with_group).collect::<Vec<_>>())),
+    let all = || heading(&list(&named.iter().map(with_group).collect::<Vec<_>>()));
+    match (diagnosis.verdict, diagnosis.has_gap()) {
+        (Verdict::None, false) => "No gap".to_owned(),
+        (Verdict::None, true) => "No gap established".to_owned(),
+        (Verdict::Unknown, true) => "A gap that no known effect explains".to_owned(),
+        (Verdict::Unknown, false) => "Within repeatability, but not like any known effect".to_owned(),
+        _ if named.is_empty() => "No effect is sure to be there".to_owned(),
+        _ if diagnosis.explained() => all(),
+        (_, true) => format!("{}: the best of the known effects", all()),
+        (_, false) => format!(
+            "Within repeatability, but like {}",
+            plain(&list(&named.iter().map(with_group).collect::<Vec<_>>()))
+        ),
     }
 }
 
@@ -111,7 +107,8 @@ fn strengths(named: &[&Finding]) -> Markup {
                     tr {
                         td { @if k == 0 { (heading(&finding.name)) } }
                         td { @if k == 0 { @if finding.place.is_empty() { "everywhere" } @else { (finding.place) } } }
-                        td { (plain(name)) } td.number { (value) } td { (interval) }
+                        td { (plain(name)) } td.number { (value) }
+                        td { (interval) @if strength.at_bound.is_some() { ", " b { (bound(strength)) } } }
                     }
                 }
                 @if finding.strength.is_empty() {
@@ -137,9 +134,9 @@ fn closed_by_channel(diagnosis: &Diagnosis) -> Markup {
 fn places(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
     let some = diagnosis.places.iter().any(|p| p.share > 0.0);
     html! {
-        @if some && diagnosis.verdict == Verdict::None {
+        @if some && !diagnosis.has_gap() {
             h2 { "Where what little there is lies" }
-            p { "No more than honest laps differ by; shares are of that remainder." }
+            p { "No more than repeated measurements differ by; shares are of that remainder." }
             (map::section(diagnosis, track))
         } @else if some {
             h2 { "Where the gap lies" }
@@ -148,14 +145,17 @@ fn places(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
     }
 }
 
+/// The channels with the largest shares of the gap, each measured against simulated and as a difference.
 fn overlays(diagnosis: &Diagnosis) -> Markup {
+    let shares = diagnosis.channels();
+    let share = |o: &Overlay| shares.iter().find(|(channel, _)| *channel == o.channel).map(|(_, share)| *share);
     let charts: Vec<(bool, Markup)> =
-        diagnosis.overlays.iter().map(|o| (overlay::changed(o), overlay::chart(o, &diagnosis.axis))).collect();
+        diagnosis.overlays.iter().map(|o| (overlay::changed(o), overlay::chart(o, diagnosis.axis, share(o)))).collect();
     let drawn = charts.iter().any(|(_, chart)| !chart.0.is_empty());
     let changed = charts.iter().any(|(changed, _)| *changed);
     html! {
         @if drawn {
-            h2 { @if changed { "Before and after, where the gap is largest" } @else { "Measured and simulated" } }
+            h2 { @if changed { "Before and after, in the channels that differ most" } @else { "Measured and simulated, in the channels that differ most" } }
             (overlay::legend(changed))
             @for (_, chart) in &charts { (chart) }
         }
@@ -183,16 +183,19 @@ fn floor(diagnosis: &Diagnosis) -> Markup {
     };
     html! {
         @if !diagnosis.floor.is_empty() {
-            h2 { "The floor" }
-            p { "Two laps of the same system are this far apart by chaos alone (root mean square of their "
-                @if diagnosis.axis == "m" { "two-cart means" } @else { "window means" } "). It counts as no gap: "
+            h2 { "Repeatability" }
+            p { @if diagnosis.axis == Axis::Track {
+                    "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart means). "
+                } @else {
+                    "The same measured again would be this far apart (root mean square of the means over windows). "
+                } "It counts as no gap: "
                 @for (k, (channel, x)) in diagnosis.floor.iter().enumerate() {
                     @if k > 0 { ", " } (channel) " " (significant(*x, 3)) " " (unit(channel))
                 } "." }
         }
         @if !diagnosis.runs.is_empty() {
             @let high = diagnosis.runs.iter().map(|r| r.honest_high).filter(|x| x.is_finite()).fold(0.0, f64::max);
-            @if high > 0.0 { p.note { "95 % of honest laps stay under " (trimmed(high, 2)) " times the floor's mean square." } }
+            @if high > 0.0 { p.note { "95 % of repeated measurements stay under " (trimmed(high, 2)) " times its mean square." } }
         }
     }
 }

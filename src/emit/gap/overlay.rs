@@ -1,12 +1,12 @@
-//! A channel over a stretch: measured, simulated before and after, and how far honest laps stray.
+//! A channel over a stretch: measured, simulated before and after, their difference, and how far repeated measurements stray.
 
-use super::words::stretch;
+use super::words::{band, percent, scale_of, stretch};
 use crate::emit::lap::chart::{HEIGHT, Scale, WIDTH, frame};
 use crate::emit::number::fixed;
-use crate::gap::Overlay;
+use crate::gap::{Axis, Overlay};
 use maud::{Markup, html};
 
-/// Deviations of honest laps that the floor's band is wide to either side.
+/// Deviations of repeated measurements that the band is wide to either side.
 const BAND: f64 = 2.0;
 
 /// Whether the simulation with the effect differs from that without.
@@ -20,55 +20,102 @@ pub fn legend(changed: bool) -> Markup {
         p.legend.note {
             span { i.line-measured {} "measured" }
             span { i.line-before {} @if changed { "simulated before" } @else { "simulated" } }
-            @if changed { span { i.line-after {} "with the named effect" } }
-            span { i.line-floor {} "twice the deviation of honest laps" }
+            @if changed { span { i.line-after {} "with the effect" } }
+            span { i.line-floor {} "repeatability: twice its deviation" }
+        }
+        p.note { "Below each, the difference, measured less simulated: what is beyond the band is gap." }
+    }
+}
+
+/// Measured against simulated, and below it the difference of both with the band of repeatability; nothing where no number can be drawn.
+/// `share` is the channel's share of the gap.
+pub fn chart(overlay: &Overlay, axis: Axis, share: Option<f64>) -> Markup {
+    let (from, to) = bounds(overlay.at.iter().filter(|x| x.is_finite()).copied());
+    let less = |simulated: &[f64]| overlay.measured.iter().zip(simulated).map(|(m, s)| m - s).collect::<Vec<f64>>();
+    let (before, after) = (less(&overlay.before), less(&overlay.after));
+    let zero = vec![0.0; overlay.at.len()];
+    let both = Panel { overlay, band: &overlay.measured, before: &overlay.before, after: &overlay.after };
+    let difference = Panel { overlay, band: &zero, before: &before, after: &after };
+    let placed = overlay.band == "track" || overlay.band == "fluctuation";
+    let unit = if placed { axis.unit() } else { "" };
+    let (Some(above), Some(below)) = (both.draw(from, to, unit, true), difference.draw(from, to, unit, false)) else {
+        return html! {};
+    };
+    html! {
+        figure {
+            figcaption {
+                b { (overlay.channel) } @if let Some(share) = share { ", " (percent(share)) " of the gap" }
+                " — " (overlay.run) ", "
+                @if placed { (stretch(from, to, axis)) } @else { "feature by feature" }
+                @if !band(&overlay.band, axis).is_empty() { "; " (band(&overlay.band, axis)) }
+                @let unit = scale_of(&overlay.band, &overlay.unit);
+                @if !unit.is_empty() { ", " (unit) }
+            }
+            (above)
+            p.note.difference { "measured less simulated" }
+            (below)
         }
     }
 }
 
-/// The chart; nothing where no number can be drawn.
-pub fn chart(overlay: &Overlay, axis: &str) -> Markup {
-    let finite = |x: &&f64| x.is_finite();
-    let (from, to) = bounds(overlay.at.iter().filter(finite).copied());
-    let edges = |sign: f64| overlay.measured.iter().zip(&overlay.floor).map(move |(m, f)| m + sign * BAND * f);
-    let drawn = [&overlay.measured, &overlay.before, &overlay.after];
-    let (low, high) = bounds(drawn.into_iter().flatten().copied().chain(edges(1.0)).chain(edges(-1.0)));
-    if !(from < to && low <= high) {
-        return html! {};
-    }
-    let scale = Scale::new(from, to, low, high);
-    let point = |s: f64, y: f64| format!("{} {}", fixed(scale.x(s), 1), fixed(scale.y(y), 1));
-    let paths = |values: &[f64]| -> String {
-        let mut path = String::new();
-        for part in known(&overlay.at, values) {
-            path += &format!("M{}", part.iter().map(|(s, y)| point(*s, *y)).collect::<Vec<_>>().join("L"));
-            if part.len() == 1 {
-                path += "h0.1";
-            }
+/// What is drawn in one system of axes.
+struct Panel<'a> {
+    overlay: &'a Overlay,
+    /// The middle of the band of repeatability.
+    band: &'a [f64],
+    before: &'a [f64],
+    after: &'a [f64],
+}
+
+impl Panel<'_> {
+    fn draw(&self, from: f64, to: f64, unit: &str, measured: bool) -> Option<Markup> {
+        let Panel { overlay, band, before, after } = *self;
+        let edge =
+            |sign: f64| -> Vec<f64> { band.iter().zip(&overlay.floor).map(|(m, f)| m + sign * BAND * f).collect() };
+        let (lower, upper) = (edge(-1.0), edge(1.0));
+        let drawn = [before, after, &lower, &upper].into_iter().flatten().copied();
+        let own = overlay.measured.iter().filter(|_| measured).copied();
+        let (low, high) = bounds(drawn.chain(own));
+        if !(from < to && low <= high) {
+            return None;
         }
-        path
-    };
-    let (lower, upper): (Vec<f64>, Vec<f64>) = (edges(-1.0).collect(), edges(1.0).collect());
-    let band: String = known(&overlay.at, &lower)
-        .into_iter()
-        .zip(known(&overlay.at, &upper))
-        .map(|(below, above)| {
-            let outline: Vec<String> = below.iter().chain(above.iter().rev()).map(|(s, y)| point(*s, *y)).collect();
-            format!("M{}Z", outline.join("L"))
-        })
-        .collect();
-    html! {
-        figure {
-            figcaption { b { (overlay.channel) } @if !overlay.unit.is_empty() { ", " (overlay.unit) } " — " (overlay.run) ", " (stretch(from, to, axis)) }
+        let scale = Scale::new(from, to, low, high);
+        let changed = changed(overlay);
+        let line = |values: &[f64]| path(overlay, &scale, values);
+        Some(html! {
             svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
-                (frame(&scale, axis))
-                path.floor d=(band) {}
-                path.measured d=(paths(&overlay.measured)) {}
-                path.before d=(paths(&overlay.before)) {}
-                @if changed(overlay) { path.after d=(paths(&overlay.after)) {} }
+                (frame(&scale, unit))
+                path.floor d=(outline(overlay, &scale, &lower, &upper)) {}
+                @if measured { path.measured d=(line(&overlay.measured)) {} }
+                path.before d=(line(before)) {}
+                @if changed { path.after d=(line(after)) {} }
             }
+        })
+    }
+}
+
+fn point(scale: &Scale, (s, y): &(f64, f64)) -> String {
+    format!("{} {}", fixed(scale.x(*s), 1), fixed(scale.y(*y), 1))
+}
+
+fn path(overlay: &Overlay, scale: &Scale, values: &[f64]) -> String {
+    let mut path = String::new();
+    for part in known(&overlay.at, values) {
+        path += &format!("M{}", part.iter().map(|p| point(scale, p)).collect::<Vec<_>>().join("L"));
+        if part.len() == 1 {
+            path += "h0.1";
         }
     }
+    path
+}
+
+fn outline(overlay: &Overlay, scale: &Scale, lower: &[f64], upper: &[f64]) -> String {
+    let parts = known(&overlay.at, lower).into_iter().zip(known(&overlay.at, upper));
+    let one = |(below, above): (Vec<(f64, f64)>, Vec<(f64, f64)>)| {
+        let around: Vec<String> = below.iter().chain(above.iter().rev()).map(|p| point(scale, p)).collect();
+        format!("M{}Z", around.join("L"))
+    };
+    parts.map(one).collect()
 }
 
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -108,6 +155,7 @@ mod tests {
         let nothing = Overlay {
             run: String::new(),
             channel: String::new(),
+            band: "track".into(),
             unit: String::new(),
             at: vec![0.0, 1.0],
             measured: vec![f64::NAN; 2],
@@ -115,6 +163,6 @@ mod tests {
             after: Vec::new(),
             floor: Vec::new(),
         };
-        assert_eq!(chart(&nothing, "m").into_string(), "");
+        assert_eq!(chart(&nothing, Axis::Track, None).into_string(), "");
     }
 }

@@ -17,7 +17,7 @@ th.number { text-align: right; } table.heat td, table.heat th { padding: 3px 10p
 .before { fill: none; stroke: var(--gap); stroke-width: 1.6; stroke-dasharray: 5 3; } .after { fill: none; stroke: var(--trace); stroke-width: 1.6; }
 .floor { fill: var(--quiet); fill-opacity: 0.4; } .honest { fill: var(--quiet); fill-opacity: 0.35; }
 circle.before { fill: var(--paper); stroke-dasharray: none; stroke-width: 2; } circle.after { fill: var(--trace); stroke: none; }
-.way { stroke: var(--soft); stroke-width: 1; }
+.difference { margin: 2px 0 0 52px; } .way { stroke: var(--soft); stroke-width: 1; }
 .legend i.line-measured, .legend i.line-before, .legend i.line-after { height: 0; vertical-align: 4px; border: 0; border-top: 2px solid var(--ink); }
 .legend i.line-before { border-top: 2px dashed var(--gap); } .legend i.line-after { border-color: var(--trace); }
 .legend i.line-floor, .legend i.dot-honest { background: var(--quiet); opacity: 0.6; }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::emit::simulation::Piece;
-use crate::gap::{Amount, Group, Overlay, Place, RunGap};
+use crate::gap::random_reports::{hold, report};
+use crate::gap::{Amount, Extent, Group, Lost, Overlay, Place, RunGap};
 use crate::geometry::trig;
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ fn oval() -> Track {
 }
 
 fn amount_of(value: f64, width: f64, unit: &str) -> Amount {
-    Amount { value, low: value - width, high: value + width, unit: unit.into() }
+    Amount { value, low: value - width, high: value + width, unit: unit.into(), at_bound: None }
 }
 
 fn finding(name: &str, probability: f64) -> Finding {
@@ -19,6 +20,7 @@ fn finding(name: &str, probability: f64) -> Finding {
         name: name.into(),
         group: name.into(),
         probability,
+        untested_probability: 0.0,
         strength: BTreeMap::new(),
         gap_closed: None,
         gap_closed_placebo: None,
@@ -28,7 +30,7 @@ fn finding(name: &str, probability: f64) -> Finding {
 }
 
 fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> Place {
-    Place { channel: channel.into(), from_m, to_m, band: band.into(), share }
+    Place { channel: channel.into(), extent: Extent::Track { from_m, to_m }, band: band.into(), share }
 }
 
 fn run(run: &str, before: f64, after: f64) -> RunGap {
@@ -44,6 +46,7 @@ fn overlay(run: &str, channel: &str, unit: &str, from: f64) -> Overlay {
     Overlay {
         run: run.into(),
         channel: channel.into(),
+        band: "track".into(),
         unit: unit.into(),
         measured,
         after: at.iter().zip(&base).map(|(s, b)| b + 0.95 * bump(s)).collect(),
@@ -66,6 +69,8 @@ fn placed() -> Diagnosis {
         summary: "A rail step of 0.82 mm at 41.2 m on the left rail explains the gap with a probability of 96 %. Adding it closes 93 % of \
                   the gap on a run that took no part in the choice, where a placebo closes 11 %."
             .into(),
+        shown: vec!["rail_step".into()],
+        untested_probability: 0.0,
         effects: [step].into_iter().chain(others.map(|(name, p)| finding(name, p))).collect(),
         places: vec![
             place("steer_left", 40.0, 42.5, "track", 0.46),
@@ -84,9 +89,9 @@ fn placed() -> Diagnosis {
         gap_closed_black_box: Some(0.41),
         gap_closed: Some(0.93),
         gap_closed_channels: [("steer_left".to_owned(), 0.95), ("joint_eta".to_owned(), 0.71)].into(),
-        lost: vec!["run-02 lost 3 % of steer_right, so that nothing is known of it from 60 m to 64 m.".into()],
+        lost: vec![Lost::data("run-02 lost 3 % of steer_right, so that nothing is known of it from 60 m to 64 m.")],
         overlays: vec![overlay("run-02", "steer_left", "N", 36.0), overlay("run-02", "joint_eta", "N", 36.0)],
-        axis: "m".into(),
+        axis: Axis::Track,
     }
 }
 
@@ -102,6 +107,7 @@ fn grouped() -> Diagnosis {
         summary:
             "Joint friction or joint clearance is present; these runs cannot tell which. Either closes 60 % of the gap."
                 .into(),
+        shown: vec!["joint_friction".into()],
         effects: vec![friction, clearance, finding("sensor_lag", 0.12)],
         groups: vec![Group {
             name: "joint".into(),
@@ -118,6 +124,8 @@ fn nothing() -> Diagnosis {
     Diagnosis {
         verdict: Verdict::None,
         summary: "Measured and simulated laps differ by no more than two honest laps do. No effect is needed.".into(),
+        shown: Vec::new(),
+        untested_probability: 0.0,
         effects: [("rail_step", 0.013), ("sensor_gain", 0.011), ("motor_ripple", 0.009), ("pitch_wear", 0.004)]
             .map(|(name, p)| finding(name, p))
             .into(),
@@ -133,7 +141,7 @@ fn nothing() -> Diagnosis {
         gap_closed_channels: BTreeMap::new(),
         lost: Vec::new(),
         overlays: Vec::new(),
-        axis: "m".into(),
+        axis: Axis::Track,
     }
 }
 
@@ -156,11 +164,17 @@ fn outside() -> Diagnosis {
     coulomb.gap_closed = Some(0.88);
     Diagnosis {
         summary: "Coulomb friction of 20.4 N explains the gap. It closes 88 % of it.".into(),
+        shown: vec!["coulomb".into()],
         effects: vec![coulomb, finding("stribeck", 0.2), finding("quadratic", 0.01)],
-        places: vec![place("force", 2.0, 3.0, "track", 0.5), place("force", 5.0, 6.5, "track", 0.3)],
+        places: [(2.0, 3.0, 0.5), (5.0, 6.5, 0.3)]
+            .map(|(from_s, to_s, share)| Place {
+                extent: Extent::Time { from_s, to_s },
+                ..place("force", 0.0, 0.0, "track", share)
+            })
+            .into(),
         overlays: vec![overlay("test", "force", "N", 1.0)],
         floor: [("force".to_owned(), 0.4)].into(),
-        axis: "s".into(),
+        axis: Axis::Time,
         ..placed()
     }
 }
@@ -195,7 +209,11 @@ fn nothing_is_promised_that_a_diagnosis_does_not_have() {
         let page = page(&diagnosis, Some(&oval()), name);
         assert!(!page.contains("NaN") && !page.contains("inf"), "{name}");
         assert_eq!(page.contains("Next experiment"), !diagnosis.next_experiment.is_empty(), "{name}");
-        assert_eq!(page.contains("class=\"track\""), diagnosis.axis == "m" && !diagnosis.places.is_empty(), "{name}");
+        assert_eq!(
+            page.contains("class=\"track\""),
+            diagnosis.axis == Axis::Track && !diagnosis.places.is_empty(),
+            "{name}"
+        );
         assert_eq!(page.contains("Not told apart"), !diagnosis.groups.is_empty(), "{name}");
         assert_eq!(
             page.contains("90 % interval"),
@@ -209,8 +227,8 @@ fn nothing_is_promised_that_a_diagnosis_does_not_have() {
 #[test]
 fn a_group_is_the_headline_where_no_member_stands_out() {
     let diagnosis = grouped();
-    assert_eq!(headline(&diagnosis, &named(&diagnosis)), "Joint friction or joint clearance");
-    assert_eq!(headline(&nothing(), &named(&nothing())), "No gap");
+    assert_eq!(headline(&diagnosis, &diagnosis.named()), "Joint friction or joint clearance");
+    assert_eq!(headline(&nothing(), &[]), "No gap");
 }
 
 #[test]
@@ -222,4 +240,22 @@ fn broken_numbers_break_no_page() {
     diagnosis.effects.clear();
     let page = page(&diagnosis, None, "<b>");
     assert!(page.contains("&lt;b&gt;") && !page.contains("NaN"));
+}
+
+#[test]
+fn every_sentence_of_the_page_agrees_with_its_numbers() {
+    for seed in 0..600 {
+        let diagnosis = report(seed);
+        let page = page(&diagnosis, None, "random");
+        hold(&text(&page), &diagnosis).unwrap_or_else(|wrong| panic!("{seed}: {wrong}"));
+    }
+}
+
+#[test]
+fn a_picture_shows_the_difference_beside_both() {
+    let page = page(&placed(), Some(&oval()), "hall 3");
+    let bands = page.matches("class=\"floor\"").count();
+    // Measured against simulated, and the difference, of each of two channels; one curve of what was measured in each.
+    assert_eq!((bands, page.matches("class=\"measured\"").count()), (4, 2));
+    assert!(text(&page).contains("63 % of the gap"), "the share of the table stands at the picture");
 }

@@ -1,7 +1,8 @@
 //! Names, numbers and units as the page writes them.
 
 use crate::emit::number::{fixed, trimmed};
-use crate::gap::{Amount, Verdict};
+pub use crate::gap::percent;
+use crate::gap::{Amount, Axis};
 use crate::geometry::trig;
 use crate::signal::Channel;
 
@@ -23,20 +24,6 @@ pub fn list(words: &[String]) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
-/// A share in per cent, two digits where it is small; no more than can be known near 0 and 1.
-pub fn percent(share: f64) -> String {
-    if !share.is_finite() {
-        return "unknown".to_owned();
-    }
-    let value = 100.0 * share;
-    match value {
-        x if x > 0.0 && x < 0.1 => "under 0.1 %".to_owned(),
-        x if x > 99.9 && x < 100.0 => "over 99.9 %".to_owned(),
-        x if (10.0..99.0).contains(&x.abs()) || x.abs() >= 100.0 => format!("{} %", fixed(x, 0)),
-        x => format!("{} %", trimmed(x, 1)),
     }
 }
 
@@ -76,13 +63,14 @@ pub fn amount(amount: &Amount) -> (String, String) {
 }
 
 /// A stretch of the axis: `12.5 … 15 m`.
-pub fn stretch(from: f64, to: f64, axis: &str) -> String {
-    format!("{} … {} {axis}", trimmed(from, 1), trimmed(to, 1))
+pub fn stretch(from: f64, to: f64, axis: Axis) -> String {
+    format!("{} … {} {}", trimmed(from, 1), trimmed(to, 1), axis.unit())
 }
 
 /// What a band tells of, as a column's head and in words.
-pub fn band(name: &str) -> &'static str {
+pub fn band(name: &str, axis: Axis) -> &'static str {
     match name {
+        "track" if axis == Axis::Time => "means over windows in time",
         "track" => "means that belong to a place",
         "fluctuation" => "how much a channel fluctuates at a place",
         "distribution" => "how often it is low or high",
@@ -94,20 +82,19 @@ pub fn band(name: &str) -> &'static str {
     }
 }
 
+/// The scale of a kind of deviation of a channel with a unit: powers and fluctuations are logarithms.
+pub fn scale_of(band: &str, unit: &str) -> String {
+    match band {
+        "distribution" => "share of the time".to_owned(),
+        "fluctuation" | "cart" | "wheel" | "motor" if !unit.is_empty() => format!("ln({unit})"),
+        "fluctuation" | "cart" | "wheel" | "motor" => "logarithm".to_owned(),
+        _ => unit.to_owned(),
+    }
+}
+
 /// The unit of a channel of the chain; empty for those of other machines.
 pub fn unit(channel: &str) -> &'static str {
     Channel::from_name(channel).map_or("", Channel::unit)
-}
-
-/// What kind of answer it is.
-pub fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Effect => "one effect of the machine",
-        Verdict::Pair => "two effects of the machine",
-        Verdict::Sensor => "a sensor",
-        Verdict::None => "no gap",
-        Verdict::Unknown => "none of the known effects",
-    }
 }
 
 #[cfg(test)]
@@ -115,7 +102,7 @@ mod tests {
     use super::*;
 
     fn of(value: f64, low: f64, high: f64, unit: &str) -> String {
-        let (value, interval) = amount(&Amount { value, low, high, unit: unit.to_owned() });
+        let (value, interval) = amount(&Amount { value, low, high, unit: unit.to_owned(), at_bound: None });
         format!("{value} ({interval})")
     }
 
@@ -128,12 +115,6 @@ mod tests {
         assert_eq!(of(0.05, 0.05, 0.05, "s"), "50.0 ms (50.0 … 50.0 ms)");
         assert_eq!(of(0.0, 0.0, 0.0, "m"), "0.00 m (0.00 … 0.00 m)");
         assert_eq!(of(1.0, f64::NEG_INFINITY, f64::NAN, "N"), "1 N (unknown … unknown N)");
-    }
-
-    #[test]
-    fn shares_claim_no_certainty_that_is_not_there() {
-        let said: Vec<String> = [0.0, 0.000_4, 0.034_2, 0.5, 0.995, 0.999_6, 1.0, -0.25].map(percent).into();
-        assert_eq!(said, ["0 %", "under 0.1 %", "3.4 %", "50 %", "99.5 %", "over 99.9 %", "100 %", "-25 %"]);
     }
 
     #[test]

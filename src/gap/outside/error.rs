@@ -23,8 +23,12 @@ pub enum Error {
     Unasked { line: String },
     /// The answer does not hold what it has to; what was asked, the line, and what is wrong with it.
     Answer { request: &'static str, line: String, why: String },
+    /// So many features of how many that can be compared are no finite numbers.
+    NotFinite { lacking: usize, of: usize },
     /// The model says that it cannot do it.
     Refused(String),
+    /// A run cannot be simulated even without effects, and why.
+    InRun { run: String, why: Box<Error> },
     /// The model has failed so often that it is not asked any more; its last failure.
     GivenUp(Box<Error>),
     /// A run or the campaign cannot be read.
@@ -45,7 +49,16 @@ impl Error {
         match self {
             Error::Run(error) => !error.is_unreadable(),
             Error::NoChannels | Error::NoSuchChannel { .. } | Error::Short { .. } | Error::Nothing { .. } => true,
+            Error::InRun { why, .. } => why.is_input(),
             _ => false,
+        }
+    }
+
+    /// The same with the run that it is about.
+    pub(super) fn in_run(self, run: &str) -> Error {
+        match self {
+            Error::Run(_) | Error::Short { .. } | Error::Nothing { .. } => self,
+            why => Error::InRun { run: run.to_owned(), why: Box::new(why) },
         }
     }
 
@@ -71,8 +84,9 @@ impl Error {
                     .to_owned()
             }
             Error::Answer { .. } => "docs/outside-models.md says what an answer holds".to_owned(),
+            Error::NotFinite { .. } => "answer numbers wherever the nominal model does".to_owned(),
             Error::Refused(_) => "the words are the model's own; ask those who wrote it".to_owned(),
-            Error::GivenUp(last) => last.help(),
+            Error::GivenUp(last) | Error::InRun { why: last, .. } => last.help(),
             Error::Run(error) => error.help(),
             Error::NoChannels => {
                 "add to campaign.toml a table [channels] with lines of name = \"unit\" for what is compared".to_owned()
@@ -110,7 +124,9 @@ impl fmt::Display for Error {
             Error::Answer { request, line, why } => {
                 write!(f, "the model's answer to `{request}` is wrong: {}\n  it said: {}", one_line(why), shown(line))
             }
+            Error::NotFinite { lacking, of } => write!(f, "of {lacking} of {of} windows the model says nothing finite"),
             Error::Refused(why) => write!(f, "the model refused: {}", shown(why)),
+            Error::InRun { run, why } => write!(f, "{run}, without any effect: {why}"),
             Error::GivenUp(last) => write!(f, "the model failed too often; at last: {last}"),
             Error::Run(error) => write!(f, "{}: {}", error.place, error.problem),
             Error::NoChannels => write!(f, "the campaign declares no channels to compare"),

@@ -14,15 +14,15 @@ mod windows;
 
 pub use error::Error;
 
-use super::{Applied, Candidate, Frame, Laps, Request, Simulator};
+use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator};
 use data::Part;
 use fit::{Fitted, Fitter, Rows};
-use process::{Pool, Program};
+use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 use windows::Windows;
@@ -75,7 +75,16 @@ pub struct Outside {
     frames: Vec<Frame>,
     lost: Vec<String>,
     origin: String,
-    trouble: Mutex<Option<Error>>,
+    failed: Mutex<Failed>,
+}
+
+/// What the program did not answer.
+#[derive(Default)]
+struct Failed {
+    /// By request.
+    reasons: BTreeMap<String, Error>,
+    /// Effects with which it was silent: each time costs as long as it is waited for, so these are not asked together again.
+    silent: BTreeMap<Vec<usize>, Error>,
 }
 
 impl Outside {
@@ -91,7 +100,7 @@ impl Outside {
         let origin = program.origin();
         let pool = Pool::new(program, settings.threads, settings.timeout);
         let (channels, parts) = data::read(campaign, settings.parts)?;
-        let description = pool.ask(&Question::Describe.line(), protocol::description)?;
+        let description = pool.ask(&Question::Describe.line(), Blame::Program, protocol::description)?;
         let names: Vec<String> = channels.keys().cloned().collect();
         let stranger = description.accuracy.keys().find(|c| !channels.contains_key(*c));
         if let Some(channel) = stranger {
@@ -109,7 +118,7 @@ impl Outside {
             frames: Vec::new(),
             lost: Vec::new(),
             origin,
-            trouble: Mutex::new(None),
+            failed: Mutex::default(),
             parts: Vec::new(),
         };
         for part in parts {
@@ -117,7 +126,7 @@ impl Outside {
                 let (run, samples) = (part.name.clone(), part.time.len());
                 return Err(Error::Short { run, samples, needed: windows::NEEDED });
             }
-            let fitted = outside.fit(&part)?;
+            let fitted = outside.fit(&part).map_err(|error| error.in_run(&part.name))?;
             outside.keep(part, fitted);
         }
         Ok(outside)
@@ -138,8 +147,8 @@ impl Outside {
     }
 
     /// What the data lacked, in sentences.
-    pub fn lost(&self) -> &[String] {
-        &self.lost
+    pub fn lost(&self) -> Vec<Lost> {
+        self.lost.iter().map(Lost::data).collect()
     }
 
     /// The nuisances as fitted to a run, by name.
@@ -149,10 +158,8 @@ impl Outside {
         each.map(|(n, &share)| (n.name.clone(), fit::value(n, share))).collect()
     }
 
-    /// The first failure of the program since it was opened; one that was told stays told. Refusals of single requests count, as they
-    /// narrow what could be tried.
-    pub fn trouble(&self) -> Option<Error> {
-        self.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    fn failed(&self) -> MutexGuard<'_, Failed> {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn fit(&self, part: &Part) -> Result<Fitted, Error> {
@@ -202,16 +209,16 @@ impl Outside {
         self.parts.push(part);
     }
 
-    /// Simulates a part: rows of samples on its own times, a row a channel.
+    /// Simulates a part, with strengths that keep to their bounds: rows of samples on its own times, a row a channel.
     fn ask(&self, part: &Part, at: &[f64], effects: &[Applied]) -> Result<Rows, Error> {
         let named = self.description.nuisances.iter().zip(at);
         let effect = |applied: &Applied| {
             let candidate = self.description.effects.get(applied.candidate)?;
-            let strengths = candidate.strengths.iter().zip(&applied.strengths);
+            let strengths = candidate.strengths.iter().zip(candidate.bounded(&applied.strengths));
             Some(EffectAsked {
                 name: &candidate.effect,
                 place: &candidate.place,
-                strengths: strengths.map(|(s, x)| (s.name.as_str(), *x)).collect(),
+                strengths: strengths.map(|(s, x)| (s.name.as_str(), x)).collect(),
             })
         };
         let (from, to) = part.ends();
@@ -220,7 +227,8 @@ impl Outside {
             nuisances: named.map(|(n, share)| (n.name.as_str(), fit::value(n, *share))).collect(),
             effects: effects.iter().filter_map(effect).collect(),
         };
-        let series = self.pool.ask(&question.line(), |line| protocol::series(line, &self.names, from, to))?;
+        let blame = if effects.is_empty() { Blame::Program } else { Blame::Effects };
+        let series = self.pool.ask(&question.line(), blame, |line| protocol::series(line, &self.names, from, to))?;
         Ok(series.at(&part.time))
     }
 }
@@ -235,26 +243,92 @@ impl Simulator for Outside {
     }
 
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-        let (part, windows, fitted) = (self.parts.get(run)?, self.windows.get(run)?, self.fitted.get(run)?);
-        let at: Vec<f64> = fitted.iter().enumerate().map(|(k, x)| x + step.get(k).copied().unwrap_or(0.0)).collect();
-        let known = |a: &Applied| self.description.effects.get(a.candidate).is_some();
-        if !effects.iter().all(|a| known(a) && a.strengths.iter().all(|x| x.is_finite()))
-            || at.iter().any(|x| x.is_nan())
-        {
-            return None;
-        }
-        match self.ask(part, &at, effects) {
-            Ok(rows) => Some(windows.means(&rows)),
-            Err(error) => {
-                self.trouble.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-                None
-            }
-        }
+        let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
+        self.simulate_all(&[request]).pop().flatten()
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Time
+    }
+
+    fn reason(&self, request: &Request) -> Option<String> {
+        self.failed().reasons.get(&key(request)).map(Error::to_string)
     }
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
-        in_parallel(requests, self.pool.most(), |r| self.simulate(r.run, &r.step, &r.effects))
+        // Known before all requests of a batch, so that answers do not depend on which is asked first.
+        let silent = self.failed().silent.clone();
+        let answers = in_parallel(requests, self.pool.most(), |r| self.answer(r, &silent));
+        let cause = answers.iter().flatten().find_map(|answer| answer.as_ref().err());
+        if let (Some(error), false) = (cause, answers.iter().flatten().any(Result::is_ok)) {
+            self.still_alive(error);
+        }
+        let kept = requests.iter().zip(answers).map(|(request, answer)| match answer? {
+            Ok(features) => Some(features),
+            Err(error) => {
+                self.failed().keep(request, error);
+                None
+            }
+        });
+        kept.collect()
     }
+}
+
+impl Outside {
+    /// Features of a request; `None` where it makes no sense.
+    fn answer(&self, request: &Request, silent: &BTreeMap<Vec<usize>, Error>) -> Option<Result<Vec<f64>, Error>> {
+        let Request { run, step, effects } = request;
+        let (part, windows, fitted) = (self.parts.get(*run)?, self.windows.get(*run)?, self.fitted.get(*run)?);
+        let at: Vec<f64> = fitted.iter().enumerate().map(|(k, x)| x + step.get(k).copied().unwrap_or(0.0)).collect();
+        let known = |a: &Applied| self.description.effects.get(a.candidate).is_some();
+        let numbers = effects.iter().all(|a| known(a) && a.strengths.iter().all(|x| x.is_finite()));
+        if !numbers || at.iter().any(|x| x.is_nan()) {
+            return None;
+        }
+        let own = members(request);
+        if let Some((_, error)) = silent.iter().find(|(effects, _)| effects.iter().all(|e| own.contains(e))) {
+            return Some(Err(error.clone()));
+        }
+        let finite = |rows: Rows| {
+            let features = windows.means(&rows);
+            let frame = &self.frames[*run];
+            match frame.lacking(&features) {
+                0 => Ok(features),
+                lacking => Err(Error::NotFinite { lacking, of: frame.labels.len() }),
+            }
+        };
+        Some(self.ask(part, &at, effects).and_then(finite))
+    }
+
+    /// Asks for a run as it was fitted when all requests failed with effects: a program that has ended for good fails without them, too,
+    /// and is not asked any more.
+    fn still_alive(&self, cause: &Error) {
+        if matches!(cause, Error::Refused(_) | Error::NotFinite { .. }) {
+            return;
+        }
+        if let (Some(part), Some(at)) = (self.parts.first(), self.fitted.first())
+            && let Err(error) = self.ask(part, at, &[])
+        {
+            self.pool.give_up(error);
+        }
+    }
+}
+
+impl Failed {
+    fn keep(&mut self, request: &Request, error: Error) {
+        if let Error::Silent { .. } = error {
+            self.silent.entry(members(request)).or_insert_with(|| error.clone());
+        }
+        self.reasons.insert(key(request), error);
+    }
+}
+
+fn members(request: &Request) -> Vec<usize> {
+    request.effects.iter().map(|e| e.candidate).collect()
+}
+
+fn key(request: &Request) -> String {
+    format!("{request:?}")
 }
 
 /// What `of` says of each item, in order, found by so many threads.

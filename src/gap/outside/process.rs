@@ -175,6 +175,15 @@ impl Drop for Process {
     }
 }
 
+/// Who is to blame where a process is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Blame {
+    /// The program as a whole: one that is lost too often is not asked any more.
+    Program,
+    /// The effects that were asked for: others may well be simulated.
+    Effects,
+}
+
 /// Processes of one program, started when they are needed.
 pub(super) struct Pool {
     program: Program,
@@ -208,12 +217,17 @@ impl Pool {
 
     /// Asks a process that has nothing to do; `judge` reads its answer. A process that fails, or whose answer is not one, is ended,
     /// as what it says next may be about anything.
-    pub fn ask<T>(&self, request: &str, judge: impl FnOnce(&str) -> Result<T, Error>) -> Result<T, Error> {
+    pub fn ask<T>(
+        &self,
+        request: &str,
+        blame: Blame,
+        judge: impl FnOnce(&str) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         let idle = self.take()?;
         let started = idle.map_or_else(|| self.program.start(), Ok);
         let mut process = match started {
             Ok(process) => process,
-            Err(error) => return Err(self.lost(error)),
+            Err(error) => return Err(self.lost(error, Blame::Program)),
         };
         let answer = process.ask(request, self.timeout).and_then(|line| judge(&line));
         match answer {
@@ -227,9 +241,18 @@ impl Pool {
             }
             Err(error) => {
                 drop(process);
-                Err(self.lost(error))
+                Err(self.lost(error, blame))
             }
         }
+    }
+
+    /// Asks no more, for a reason.
+    pub fn give_up(&self, error: Error) {
+        let last = match error {
+            Error::GivenUp(last) => last,
+            error => Box::new(error),
+        };
+        self.state().given_up.get_or_insert(Error::GivenUp(last));
     }
 
     /// Ends all idle processes, so that the next answer comes from a fresh one.
@@ -254,12 +277,14 @@ impl Pool {
     }
 
     /// A process was lost. One that is silent costs minutes each time, so it is not asked twice.
-    fn lost(&self, error: Error) -> Error {
+    fn lost(&self, error: Error, blame: Blame) -> Error {
         let mut state = self.state();
         state.busy -= 1;
-        state.failures += 1;
-        if state.failures >= MOST_FAILURES || matches!(error, Error::Silent { .. } | Error::Start { .. }) {
-            state.given_up.get_or_insert_with(|| Error::GivenUp(Box::new(error.clone())));
+        if blame == Blame::Program {
+            state.failures += 1;
+            if state.failures >= MOST_FAILURES || matches!(error, Error::Silent { .. } | Error::Start { .. }) {
+                state.given_up.get_or_insert_with(|| Error::GivenUp(Box::new(error.clone())));
+            }
         }
         drop(state);
         self.freed.notify_all();

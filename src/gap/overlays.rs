@@ -1,0 +1,83 @@
+//! What is drawn: of the channels that have most of the gap, the kind of deviation that has most of it, in the run that is off most.
+
+use super::court::{Court, Judged};
+use super::diagnosis::{Overlay, Place, ranked};
+use super::simulator::{Band, Frame};
+use super::words;
+use crate::emit::number::tidy;
+use nalgebra::DVector;
+use std::collections::BTreeMap;
+
+/// Channels that are drawn.
+const DRAWN: usize = 4;
+
+/// The first channels of where the gap lies.
+pub fn overlays(court: &Court, shown: Option<&Judged>, places: &[Place]) -> Vec<Overlay> {
+    let channels = ranked(places).into_iter();
+    channels.filter_map(|(channel, _)| overlay(court, shown, places, &channel)).take(DRAWN).collect()
+}
+
+fn overlay(court: &Court, shown: Option<&Judged>, places: &[Place], channel: &str) -> Option<Overlay> {
+    let frames = court.simulator.frames();
+    let band = band(frames, places, channel)?;
+    let run = worst(court, channel, band)?;
+    let frame = &frames[run];
+    let rows = rows(frame, channel, band);
+    let steps = DVector::from_vec(court.evidence[run].steps(&vec![0.0; frame.nominal.len()]));
+    let shift = &frame.slopes * steps;
+    let after = shown.and_then(|j| j.fitted.features.as_ref()).map(|f| &f[run]);
+    let pick = |x: &dyn Fn(usize) -> f64| rows.iter().map(|k| tidy(x(*k))).collect::<Vec<f64>>();
+    let middle = |k: usize| 0.5e-3 * (frame.labels[k].from + frame.labels[k].to) as f64;
+    let numbers = || (1..=rows.len()).map(|n| n as f64).collect();
+    Some(Overlay {
+        run: frame.run.clone(),
+        band: band.name().to_owned(),
+        unit: words::unit(channel).to_owned(),
+        at: if placed(band) { pick(&middle) } else { numbers() },
+        measured: pick(&|k| frame.measured[k]),
+        before: pick(&|k| frame.nominal[k] + shift[k]),
+        after: pick(&|k| after.map_or(frame.nominal[k] + shift[k], |f| f[k])),
+        floor: pick(&|k| frame.laps.variance[k].sqrt()),
+        channel: channel.to_owned(),
+    })
+}
+
+/// Whether features of a kind belong to places.
+fn placed(band: Band) -> bool {
+    matches!(band, Band::Track | Band::Fluctuation)
+}
+
+/// The kind of deviation with most of a channel's share, of those that can be drawn as a curve.
+fn band(frames: &[Frame], places: &[Place], channel: &str) -> Option<Band> {
+    let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
+    let own = places.iter().filter(|p| p.channel == channel);
+    own.for_each(|p| *shares.entry(&p.band).or_default() += p.share);
+    let drawn = |band: &Band| frames.iter().any(|f| rows(f, channel, *band).len() > 1);
+    let share = |band: &Band| shares.get(band.name()).copied().unwrap_or(0.0);
+    Band::ALL.into_iter().filter(drawn).max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+/// The run in which it is off most.
+fn worst(court: &Court, channel: &str, band: Band) -> Option<usize> {
+    let off = |run: usize| {
+        let (evidence, labels) = (&court.evidence[run], &court.simulator.frames()[run].labels);
+        let own = |k: usize| labels[k].channel == channel && labels[k].band == band;
+        evidence.each(&evidence.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
+    };
+    (0..court.evidence.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
+}
+
+/// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the short ones.
+fn rows(frame: &Frame, channel: &str, band: Band) -> Vec<usize> {
+    let labels = &frame.labels;
+    let own = (0..labels.len()).filter(|k| labels[*k].channel == channel && labels[*k].band == band);
+    let own = own.filter(|k| frame.laps.variance[*k].is_finite());
+    let mut rows: Vec<usize> = own.collect();
+    if placed(band) {
+        let length = |k: &usize| labels[*k].to - labels[*k].from;
+        let shortest = rows.iter().map(length).min().unwrap_or(0);
+        rows.retain(|k| length(k) <= 2 * shortest.max(1));
+        rows.sort_by_key(|k| labels[*k].from);
+    }
+    rows
+}

@@ -1,0 +1,57 @@
+//! Effects that could not be simulated. What was never compared with the runs is not ruled out by them: it is held to be as likely as the
+//! best of what was compared, so that nobody inherits its share.
+//!
+//! With ln p its prior, m the number of its strengths and ln L the largest log likelihood of all that was compared (effects, no gap,
+//! something unknown), its weight is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
+//! against that of the untested one: one half, where both are single effects with one place and one strength.
+
+use super::court::Court;
+use super::judge;
+use super::refit::Hypothesis;
+use crate::geometry::trig;
+use std::collections::BTreeMap;
+
+/// An effect at a place of which some strengths could not be simulated in all runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Untested {
+    pub candidate: usize,
+    /// Logarithm of its weight.
+    pub weight: f64,
+}
+
+impl Court<'_> {
+    /// Candidates with strengths that have no signature, once all others are scored.
+    pub fn untested(&self) -> Vec<Untested> {
+        let mut known: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for signature in &self.signatures {
+            known.entry(signature.candidate).or_default().push(signature.strength);
+        }
+        let lacks = |c: usize| {
+            let strengths = 0..self.candidates()[c].strengths.len();
+            strengths.filter(|s| !known.get(&c).is_some_and(|own| own.contains(s))).count()
+        };
+        let alone = (0..self.candidates().len()).filter(|c| self.candidates()[*c].beside.is_none());
+        let lacking: Vec<(usize, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
+        if lacking.is_empty() {
+            return Vec::new();
+        }
+        let best = self.best_likelihood();
+        let weighed = |(candidate, strengths): (usize, usize)| {
+            let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
+            let weight = self.prior(&alone) + best - judge::cost(strengths as f64, self.freedom);
+            Untested { candidate, weight }
+        };
+        lacking.into_iter().map(weighed).collect()
+    }
+
+    /// The largest log likelihood of all that was compared with the runs.
+    fn best_likelihood(&self) -> f64 {
+        let none = judge::likelihood(self.excess, self.freedom);
+        let unknown = self.unknown - trig::ln(judge::UNKNOWN) + judge::cost(judge::UNKNOWN_STRENGTHS, self.freedom);
+        let scored = self.judged.iter().map(|j| {
+            let strengths = j.fitted.strengths.len() as f64;
+            j.weight - self.prior(&j.fitted.hypothesis) + judge::cost(strengths, self.freedom)
+        });
+        scored.fold(none.max(unknown), f64::max)
+    }
+}
