@@ -140,11 +140,15 @@ fn best_of(ways: Vec<Vec<Stage>>) -> Vec<Stage> {
     let certificates: Vec<Certificate> = ways.iter().filter_map(|stages| stages.last()?.certificate.clone()).collect();
     // A way that ended before stage 3 was not proven to have no layout.
     let all = certificates.len() == ways.len();
+    let refuted = ways.iter().all(|stages| stages.last().is_some_and(|last| last.refuted));
     let order = |a: &Vec<Stage>, b: &Vec<Stage>| {
         let (a, b) = (last(a), last(b));
         (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     };
     let Some(mut best) = ways.into_iter().min_by(order) else { return Vec::new() };
+    if let Some(last) = best.last_mut() {
+        last.refuted = refuted;
+    }
     if let Some(certificate) = best.last_mut().and_then(|stage| stage.certificate.as_mut()) {
         certificate.combine(&certificates);
         if !all {

@@ -6,7 +6,7 @@ use super::lines::{Kind, Lines, Role};
 use super::search::{Search, Set, meets};
 use super::{Conflict, Examiner, Member, Proof, Relaxed, Within, decided, unit, words};
 use crate::geometry::Track;
-use crate::model::{Formula, Goal, Interval, Layout, Objective};
+use crate::model::{ConstraintKind, Formula, Goal, Interval, Layout, Objective, Side, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables};
 use crate::problem::{Function, LEVER, Problem, Scope};
 use crate::solve::sqp::{Settings, Solution};
@@ -23,7 +23,7 @@ const NODES: usize = 300;
 /// The lines for which stage 3 found no layout; none where leaving lines out does not help.
 pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
     let [.., before, failed] = stages else { return Vec::new() };
-    let open: Vec<Span> = Vec::new();
+    let open: Vec<Span> = layout.obstacles.iter().filter(|o| o.side == Side::Either).map(|o| o.span).collect();
     let mut layout = decided(layout, failed);
     layout.objective = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None };
     layout.chain.closes_within = None;
@@ -50,7 +50,9 @@ pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
     if stage.runs.get() > RUNS || set.is_empty() {
         return Vec::new();
     }
-    let proof = match stage.run(&with(&set)).refuted {
+    // With an obstacle on one side, nothing is proven of the other.
+    let decides = set.iter().any(|&i| open.contains(&lines.list[i].span));
+    let proof = match !decides && stage.run(&with(&set)).refuted {
         true => Proof::Grid,
         false if failed.refuted => Proof::GridOfAll,
         false => Proof::NotFound,
@@ -81,7 +83,7 @@ impl GridStage<'_> {
             Kind::Room => false,
             // Formulas count obstacles.
             Kind::Obstacle => !self.layout.constraints.iter().any(|c| match &c.kind {
-                crate::model::ConstraintKind::Require { formula, .. } => measured(formula),
+                ConstraintKind::Require { formula, .. } => measured(formula),
                 _ => false,
             }),
             _ => true,
@@ -163,7 +165,7 @@ impl GridStage<'_> {
             let said = words::stated(unit, least.amount, more);
             let hard = held(self.lines.given_way(said.slack, role), near);
             let x = Search::reach(&hard, &least.at)?;
-            let amount = if unit == crate::model::Unit::Radian { said.slack / LEVER } else { said.slack };
+            let amount = if unit == Unit::Radian { said.slack / LEVER } else { said.slack };
             Some(Relaxed { amount, text: said.text, corners: to_corners(&x) })
         })
     }

@@ -24,7 +24,7 @@ const ITERATIONS: usize = 120;
 const SOLVES: usize = 400;
 /// The same of a thorough one of up to [`SMALL`] vertices. A solve takes about the cube of them, so larger layouts get fewer.
 const THOROUGH: usize = 600;
-const FEWEST: usize = 24;
+const FEWEST: usize = 6;
 const SMALL: usize = 10;
 /// A row with a multiplier below this is no reason; the multipliers of elastic rows add up to 1.
 const NO_WEIGHT: f64 = 1e-4;
@@ -92,9 +92,13 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// From how many starts a set is tried before it is said that no layout was found.
+    /// From how many starts a set was tried before it is said that no layout was found; 0 where the solves ran out.
     pub fn starts(&self) -> usize {
-        self.starts.len()
+        if self.is_spent() { 0 } else { self.starts.len() }
+    }
+
+    fn is_spent(&self) -> bool {
+        self.solves.get() > self.most
     }
 
     fn spent(&self) -> bool {
@@ -211,6 +215,10 @@ impl<'a> Search<'a> {
 
     /// The nearest layout that a solve finds to meet a problem in which nothing gives way: the given one if it does.
     pub fn reach(hard: &Problem, near: &[f64]) -> Option<Vec<f64>> {
+        // The centre line stays out of obstacles, however close.
+        if hard.keepouts.iter().any(|k| !k.region.outside && k.distance.is_finite() && k.distance < 0.0) {
+            return None;
+        }
         if meets(hard, near) {
             return Some(near.to_vec());
         }
@@ -228,6 +236,9 @@ impl<'a> Search<'a> {
         let first = if !core.is_empty() && self.layout(&core).is_none() { &core } else { within };
         for _ in 0..ROUNDS {
             let core = self.filter(first);
+            if self.is_spent() && core.without.is_empty() {
+                return None;
+            }
             if self.layout(&core.set).is_none() {
                 return Some(core);
             }
@@ -245,6 +256,7 @@ impl<'a> Search<'a> {
                 Some(x) => {
                     core.without.insert(line, x);
                 }
+                None if self.is_spent() => {}
                 None => core.set = without,
             }
         }

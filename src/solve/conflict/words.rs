@@ -77,10 +77,13 @@ fn label(member: &Member) -> String {
     let Some(relaxed) = &member.relaxed else {
         return assumed
             + match (&member.without, member.within) {
-                (None, _) => "no layout was found without this line either",
+                (None, _) => "no layout was found without this line",
+                (Some(_), _) if member.kind == Kind::Obstacle => {
+                    "no smaller clearance was found that would do: it has to be smaller, or elsewhere"
+                }
                 (Some(_), Within::Layout) => "no change of this line alone was found that would do",
                 (Some(_), Within::Members) => {
-                    "left out, it leaves another conflict; how far it must give way was not found"
+                    "left out, it leaves a further conflict; how far it must give way was not found"
                 }
             };
     };
@@ -123,6 +126,7 @@ fn help(conflict: &Conflict) -> String {
                              which is no proof"
                 .to_owned()
         }
+        Proof::NotFound if conflict.starts == 0 => "the search ended early, which is no proof of anything".to_owned(),
         Proof::NotFound if conflict.on_grid => {
             "no layout was found on the grid from the continuous one; that is no proof that there is none".to_owned()
         }
@@ -160,10 +164,8 @@ fn alternatives(conflict: &Conflict) -> Option<String> {
         _ if members.iter().all(known) => {
             let others = "without any one of them a layout was found that meets the others";
             let more = match members.iter().any(whole) {
-                true => {
-                    "the layout has another conflict, too, which the lines without a remark on the whole layout settle"
-                }
-                false => "the layout has another conflict, too",
+                true => "the layout has a further conflict, so only what is said without that remark mends all of it",
+                false => "the layout has a further conflict, so no change of a single line mends all of it",
             };
             Some(format!("{others}; {more}"))
         }
