@@ -291,10 +291,7 @@ fn a_bad_fit_is_told_where_it_is_and_set_points_are_not_mixed() {
     let (good, bad) = (fitted("2"), fitted("2.1"));
     assert!(!good.contains("WARNING"), "{good}");
     let head: Vec<&str> = bad.lines().take(3).collect();
-    assert!(
-        head[1].starts_with("// WARNING: the model does not fit 1 of the 1 run: the objective of run-02 is"),
-        "{head:?}"
-    );
+    assert!(head[1].starts_with("// WARNING: the model does not fit this run: the objective of run-02 is"), "{head:?}");
     assert!(head[2].contains("lss gap diagnose"), "{head:?}");
     let page = read("identification.html");
     assert!(
@@ -311,13 +308,6 @@ fn a_bad_fit_is_told_where_it_is_and_set_points_are_not_mixed() {
         different.dedup();
         assert_eq!(different, labels);
         assert!(labels.len() > 1, "{labels:?}");
-    }
-    let again = tempfile::tempdir().expect("a folder");
-    let one = ["--threads", "1", "--free", "speed,tension,rolling_resistance,trigger_position"];
-    assert_eq!(told(&one, two.path(), again.path()).0, Some(0));
-    for name in ["herbert_mcwhannell.json", "identification.json", "identification.html"] {
-        let other = fs::read_to_string(again.path().join(name)).expect("written");
-        assert!(other == read(name), "{name} depends on the number of threads");
     }
     lss()
         .arg("check")

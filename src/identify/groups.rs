@@ -4,6 +4,7 @@
 use crate::emit::number::{shortest, trimmed};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Runs of one layout at one set point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,6 +44,15 @@ impl Group {
     /// `2.05 m/s, 1000 N`
     pub fn set_point(&self) -> String {
         format!("{} m/s, {} N", trimmed(self.speed, 3), trimmed(self.tension, 1))
+    }
+
+    /// The layout's file without its folder, where no other layout is called the same.
+    pub fn short<'a>(&self, all: impl IntoIterator<Item = &'a Group>) -> String {
+        let name = |layout: &str| Path::new(layout).file_name().map(|name| name.to_string_lossy().into_owned());
+        let own = name(&self.layout);
+        let same = |other: &Group| other.layout != self.layout && name(&other.layout) == own;
+        let alone = !all.into_iter().any(same);
+        own.filter(|_| alone).unwrap_or_else(|| self.layout.clone())
     }
 
     /// As part of a file's name: `2.05mps-1000N`.
@@ -99,6 +109,9 @@ mod tests {
             point("d", "x.lss", 2.0, 900.0),
             point("e", "w.lss", 2.0, 500.0),
         ];
+        let group = |layout: &str| Group { layout: layout.into(), speed: 2.0, tension: 500.0, runs: Vec::new() };
+        let all = [group("a/x.lss"), group("b/x.lss"), group("b/y.lss")];
+        assert_eq!(all.each_ref().map(|group| group.short(&all)), ["a/x.lss", "b/x.lss", "y.lss"]);
         let told: Vec<(String, Vec<String>)> =
             Group::all(&points).into_iter().map(|g| (format!("{} {}", g.layout, g.file_part()), g.runs)).collect();
         let expected = [

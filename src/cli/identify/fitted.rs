@@ -72,12 +72,11 @@ fn head(layout: &Layout, group: &Group, fits: &[&Fitted]) -> String {
     );
     let bad: Vec<_> = fits.iter().filter(|fit| !fit.fits()).collect();
     if let Some(worst) = bad.iter().max_by(|a, b| a.objective.total_cmp(&b.objective)) {
+        let which = if runs == 1 { "this run".to_owned() } else { format!("{} of the {runs} runs", bad.len()) };
         let _ = writeln!(
             out,
-            "// WARNING: the model does not fit {} of the {runs} {}: the objective of {} is {}, repeatability allows {}.\n\
+            "// WARNING: the model does not fit {which}: the objective of {} is {}, repeatability allows {}.\n\
              // These values make up for something that the model lacks. Look for it with `lss gap diagnose` before you use them.",
-            bad.len(),
-            if runs == 1 { "run" } else { "runs" },
             worst.run,
             fixed(worst.objective, 2),
             fixed(worst.goodness.limit.objective, 2),

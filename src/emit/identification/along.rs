@@ -29,7 +29,7 @@ pub fn legend() -> Markup {
             span { i style="background: var(--ink)" {} "measured" }
             span { i style="background: var(--trace)" {} "simulated with the fitted values" }
             span { i style="background: var(--fill)" {} "two deviations of repeatability about it" }
-            span { i style="background: #f59e0b; opacity: 0.4" {} "does not fit" }
+            span { i style="background: #f59e0b; opacity: 0.4" {} "over three deviations off" }
         }
     }
 }

@@ -16,7 +16,7 @@ pub fn comparison(laws: &[(ContactLaw, &[Fitted])], groups: &[Group]) -> Markup 
             "restitution over runs says how a law stretches its scale, not how well it describes the contact. Runs that no bound stopped were therefore "
             "carried over through χ, and the others fitted anew from there." }
         @for group in groups {
-            @if groups.len() > 1 { h3 { (group.layout) ", " (group.set_point()) } }
+            @if groups.len() > 1 { h3 { (group.short(groups)) ", " (group.set_point()) } }
             (table(laws, group))
         }
     }

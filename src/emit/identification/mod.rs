@@ -41,7 +41,7 @@ pub fn page(laws: &[(ContactLaw, &[Fitted])], shared: &[Parameter], groups: &[Gr
         @for p in Parameter::ALL {
             figure {
                 figcaption { b { (p.name()) } @if !p.unit().is_empty() { ", " (p.unit()) } @if shared.contains(&p) { ", shared by all runs" } }
-                (intervals(&estimates(&bands, p), &bounds(p)))
+                (parameter(&estimates(&bands, p), p))
             }
         }
         h2 { "Measured against simulated" }
@@ -58,13 +58,27 @@ fn name(law: ContactLaw) -> String {
     law.to_possible_value().map_or_else(String::new, |v| v.get_name().replace('_', " "))
 }
 
+/// Estimates over the runs, or the values at which it was held.
+fn parameter(bands: &[Band], p: Parameter) -> Markup {
+    let rows = || bands.iter().flat_map(|band| &band.rows);
+    if rows().any(|row| row.interval.is_some()) {
+        return intervals(bands, &bounds(p));
+    }
+    let mut held: Vec<f64> = rows().map(|row| row.value).collect();
+    held.sort_by(f64::total_cmp);
+    held.dedup();
+    let held: Vec<String> = held.into_iter().map(digits).collect();
+    html! { p.note { "Not fitted by any run: held at " (held.join(", ")) " " (p.unit()) } }
+}
+
 fn bounds(p: Parameter) -> Vec<f64> {
     if p.is_restitution() { [p.bounds(0.6).0, p.bounds(0.6).1].to_vec() } else { Vec::new() }
 }
 
 /// A heading for a set point, where there are several.
 fn heading(groups: &[(&Group, Vec<&Fitted>)], group: &Group) -> String {
-    if groups.len() > 1 { format!("{}, {}", group.layout, group.set_point()) } else { String::new() }
+    let others = groups.iter().map(|(other, _)| *other);
+    if groups.len() > 1 { format!("{}, {}", group.short(others), group.set_point()) } else { String::new() }
 }
 
 fn objectives(groups: &[(&Group, Vec<&Fitted>)]) -> Vec<Band> {
