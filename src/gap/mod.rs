@@ -3,6 +3,7 @@
 //!
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
+mod amounts;
 pub mod blind;
 pub mod chain;
 mod chance;

@@ -1,15 +1,14 @@
 //! The judged hypotheses as a diagnosis: probabilities, closures on runs left out, places, words.
 
-use super::chance::SURE;
+use super::amounts::amounts;
 use super::court::{Court, Judged};
-use super::diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Place, RunGap, Verdict};
+use super::diagnosis::{Amount, Diagnosis, Extent, Finding, Group, Lost, Place, RunGap, Verdict};
 use super::evidence::Evidence;
 use super::judge;
 use super::looks::UNSETTLED;
 use super::overlays::overlays;
 use super::screen::explain;
-use super::significance::Score;
-use super::simulator::{Axis, Band, Frame, Strength};
+use super::simulator::{Axis, Band, Frame};
 use super::untested::Untested;
 use super::words;
 use crate::emit::number::tidy;
@@ -17,16 +16,10 @@ use crate::geometry::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Deviations of a normal distribution's 90 % interval.
-const NINETY: f64 = 1.644_853_627;
-
 /// Effects whose signatures are so nearly parallel are not told apart, unless the logarithms of their weights differ by this much (a factor
 /// of 20: strong evidence, Kass and Raftery 1995).
 const PARALLEL: f64 = 0.92;
 const APART: f64 = 3.0;
-
-/// Share of what is left of the gap, as an amplitude, that is believed to be the effect's own.
-const MISSED: f64 = 0.5;
 
 /// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a place beside that was
 /// really fitted that it is told instead.
@@ -206,74 +199,6 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
     out
 }
 
-/// Strengths of an effect with their intervals.
-fn amounts(court: &Court, told: &Judged, name: &str) -> BTreeMap<String, Amount> {
-    let fitted = &told.fitted;
-    // A gap that is left makes every strength less sure.
-    let scale = told.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
-    // What the effect's equation misses of its own pattern may be as much of its strength.
-    let missed = MISSED * ((told.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
-    let mut out = BTreeMap::new();
-    for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
-        let signature = &court.signatures[*k];
-        let candidate = &court.candidates()[signature.candidate];
-        if candidate.effect != name {
-            continue;
-        }
-        let strength = &candidate.strengths[signature.strength];
-        let value = fitted.strengths[i];
-        let own = told.covariance()[(i, i)].max(0.0).sqrt();
-        let by_scatter = candidate.differs.is_some() && (own - SURE * value.abs()).abs() <= 1e-9 * own;
-        let size = value.abs();
-        let error = match by_scatter {
-            true => Error { sum: missed * size, factor: trig::hypot(SURE, candidate.doubt) },
-            false => {
-                let own = (scale * own).max(scattered(court, &fitted.columns[i]));
-                // Beside another effect it may as a whole be what that one's equation misses; alone it is there.
-                let beside = fitted.hypothesis.members.len() > 1;
-                let (doubt, factor) = if beside { (candidate.doubt, 0.0) } else { (0.0, candidate.doubt) };
-                Error { sum: trig::hypot(own, trig::hypot(missed, doubt) * size), factor }
-            }
-        };
-        let (less, more) = error.either_way(size);
-        let (less, more) = if value < 0.0 { (more, less) } else { (less, more) };
-        let amount = Amount {
-            value: tidy(value),
-            low: tidy((value - less).max(strength.low)),
-            high: tidy((value + more).min(strength.high)),
-            unit: strength.unit.clone(),
-            at_bound: at_bound(strength, value),
-        };
-        out.insert(strength.name.clone(), amount);
-    }
-    out
-}
-
-/// How far a strength may be off: a deviation, and one of its logarithm.
-struct Error {
-    sum: f64,
-    factor: f64,
-}
-
-impl Error {
-    /// Half widths of the 90 % interval of a size, towards 0 and away from it.
-    fn either_way(&self, size: f64) -> (f64, f64) {
-        let far = NINETY * self.factor;
-        let half = |by_factor: f64| trig::hypot(NINETY * self.sum, size * by_factor);
-        (half(1.0 - trig::exp(-far)), half(trig::exp(far) - 1.0))
-    }
-}
-
-/// Which of its bounds a strength is at, to rounding; 0 is none, as it is no effect.
-fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
-    let near = |bound: f64| value != 0.0 && (value - bound).abs() <= 1e-6 * bound.abs();
-    match (near(strength.low), near(strength.high)) {
-        (_, true) => Some(Bound::Upper),
-        (true, _) => Some(Bound::Lower),
-        _ => None,
-    }
-}
-
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
 fn as_fitted(court: &Court, first: usize) -> usize {
     let judged = &court.judged[first];
@@ -309,12 +234,6 @@ fn whole<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
 fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
     let after = left_out(court, judged, placebo)?;
     share(&court.evidence, |run| judged.excess_of(court, run, &after[run]))
-}
-
-/// How far a strength is off by what scatters along its signature.
-fn scattered(court: &Court, column: &[DVector<f64>]) -> f64 {
-    let square: f64 = column.iter().map(DVector::norm_squared).sum();
-    Score::new(&court.evidence, &court.residuals(), column).deviation / square.max(1e-300)
 }
 
 /// What is left of each run by strengths fitted to the others.

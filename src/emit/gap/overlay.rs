@@ -58,6 +58,9 @@ pub fn chart(overlay: &Overlay, axis: Axis, share: Option<f64>) -> Markup {
     }
 }
 
+/// Places and values that follow each other.
+type Stretch = Vec<(f64, f64)>;
+
 /// What is drawn in one system of axes.
 struct Panel<'a> {
     overlay: &'a Overlay,
@@ -111,7 +114,7 @@ fn path(overlay: &Overlay, scale: &Scale, values: &[f64]) -> String {
 
 fn outline(overlay: &Overlay, scale: &Scale, lower: &[f64], upper: &[f64]) -> String {
     let parts = known(&overlay.at, lower).into_iter().zip(known(&overlay.at, upper));
-    let one = |(below, above): (Vec<(f64, f64)>, Vec<(f64, f64)>)| {
+    let one = |(below, above): (Stretch, Stretch)| {
         let around: Vec<String> = below.iter().chain(above.iter().rev()).map(|p| point(scale, p)).collect();
         format!("M{}Z", around.join("L"))
     };
@@ -124,8 +127,8 @@ fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Stretches of known values.
-fn known(at: &[f64], values: &[f64]) -> Vec<Vec<(f64, f64)>> {
-    let mut parts: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
+fn known(at: &[f64], values: &[f64]) -> Vec<Stretch> {
+    let mut parts: Vec<Stretch> = vec![Vec::new()];
     for (s, y) in at.iter().zip(values) {
         if s.is_finite() && y.is_finite() {
             if let Some(part) = parts.last_mut() {

@@ -1,0 +1,91 @@
+//! Fitted strengths with their 90 % intervals.
+
+use super::chance::SURE;
+use super::court::{Court, Judged};
+use super::diagnosis::{Amount, Bound};
+use super::significance::Score;
+use super::simulator::Strength;
+use crate::emit::number::tidy;
+use crate::geometry::trig;
+use nalgebra::DVector;
+use std::collections::BTreeMap;
+
+/// Deviations of a normal distribution's 90 % interval.
+const NINETY: f64 = 1.644_853_627;
+
+/// Share of what is left of the gap, as an amplitude, that is believed to be the effect's own.
+const MISSED: f64 = 0.5;
+
+/// Strengths of an effect with their intervals.
+pub fn amounts(court: &Court, told: &Judged, name: &str) -> BTreeMap<String, Amount> {
+    let fitted = &told.fitted;
+    // A gap that is left makes every strength less sure.
+    let scale = told.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
+    // What the effect's equation misses of its own pattern may be as much of its strength.
+    let missed = MISSED * ((told.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
+    let mut out = BTreeMap::new();
+    for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
+        let signature = &court.signatures[*k];
+        let candidate = &court.candidates()[signature.candidate];
+        if candidate.effect != name {
+            continue;
+        }
+        let strength = &candidate.strengths[signature.strength];
+        let value = fitted.strengths[i];
+        let own = told.covariance()[(i, i)].max(0.0).sqrt();
+        let by_scatter = candidate.differs.is_some() && (own - SURE * value.abs()).abs() <= 1e-9 * own;
+        let size = value.abs();
+        let uncertainty = match by_scatter {
+            true => Uncertainty { sum: missed * size, factor: trig::hypot(SURE, candidate.doubt) },
+            false => {
+                let own = (scale * own).max(scattered(court, &fitted.columns[i]));
+                // Beside another effect it may as a whole be what that one's equation misses; alone it is there.
+                let beside = fitted.hypothesis.members.len() > 1;
+                let (doubt, factor) = if beside { (candidate.doubt, 0.0) } else { (0.0, candidate.doubt) };
+                Uncertainty { sum: trig::hypot(own, trig::hypot(missed, doubt) * size), factor }
+            }
+        };
+        let (less, more) = uncertainty.either_way(size);
+        let (less, more) = if value < 0.0 { (more, less) } else { (less, more) };
+        let amount = Amount {
+            value: tidy(value),
+            low: tidy((value - less).max(strength.low)),
+            high: tidy((value + more).min(strength.high)),
+            unit: strength.unit.clone(),
+            at_bound: at_bound(strength, value),
+        };
+        out.insert(strength.name.clone(), amount);
+    }
+    out
+}
+
+/// How far a strength may be off: a deviation, and one of its logarithm.
+struct Uncertainty {
+    sum: f64,
+    factor: f64,
+}
+
+impl Uncertainty {
+    /// Half widths of the 90 % interval of a size, towards 0 and away from it.
+    fn either_way(&self, size: f64) -> (f64, f64) {
+        let far = NINETY * self.factor;
+        let half = |by_factor: f64| trig::hypot(NINETY * self.sum, size * by_factor);
+        (half(1.0 - trig::exp(-far)), half(trig::exp(far) - 1.0))
+    }
+}
+
+/// Which of its bounds a strength is at, to rounding; 0 is none, as it is no effect.
+fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
+    let near = |bound: f64| value != 0.0 && (value - bound).abs() <= 1e-6 * bound.abs();
+    match (near(strength.low), near(strength.high)) {
+        (_, true) => Some(Bound::Upper),
+        (true, _) => Some(Bound::Lower),
+        _ => None,
+    }
+}
+
+/// How far a strength is off by what scatters along its signature.
+fn scattered(court: &Court, column: &[DVector<f64>]) -> f64 {
+    let square: f64 = column.iter().map(DVector::norm_squared).sum();
+    Score::new(&court.evidence, &court.residuals(), column).deviation / square.max(1e-300)
+}
