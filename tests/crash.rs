@@ -374,10 +374,64 @@ fn every_file_is_the_old_one_or_the_new_one_whenever_a_run_is_killed() {
     let count: usize = std::thread::scope(|scope| {
         let files = scope.spawn(|| {
             let quick = [fmt(), stiffness(), challenge()];
-            quick.iter().map(|scene| scene.kill_in_turn(1)).sum::<usize>() + build().kill_in_turn(4)
+            let quick = quick.iter().map(|scene| scene.kill_in_turn(1)).sum::<usize>();
+            quick + build().kill_in_turn(4) + identify().kill_in_turn(8)
         });
-        let studies = scope.spawn(|| gap().kill_in_turn(4) + identify().kill_in_turn(8));
-        [files, studies].map(|part| part.join().expect("no panic")).iter().sum()
+        let models = scope.spawn(|| gap().kill_in_turn(4));
+        [files, models].map(|part| part.join().expect("no panic")).iter().sum()
     });
     assert!(count >= LEAST, "{count} points");
+}
+
+/// Exit code and standard error of a run.
+fn said(at: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_lss")).args(arguments).current_dir(at).output().expect("lss runs");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn a_build_says_when_the_one_before_was_stopped_or_its_files_were_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let build = ["build", "small.lss", "-o", "out"];
+    write(at, "small.lss", LAYOUT);
+    assert_eq!(said(at, &build), (Some(0), String::new()));
+    assert_eq!(said(at, &build), (Some(0), String::new()), "a whole set");
+    write(at, "out/bom.csv", "mine");
+    fs::remove_file(at.join("out/bom.json")).expect("removed");
+    let (code, text) = said(at, &build);
+    assert_eq!(code, Some(0));
+    assert!(text.contains("bom.csv in out is not what the last build wrote there"), "{text}");
+    assert!(text.contains("bom.json of the last build is gone from out"), "{text}");
+    if !is_there("strace") || !traces() {
+        return;
+    }
+    write(at, "small.lss", LAYOUT.replace("(16 m", "(17 m"));
+    // The first rename places the manifest, the second and third two files.
+    let inject = ["-f", "-qq", "-o", "/dev/null", "-e", "inject=?rename,?renameat,renameat2:signal=KILL:when=4"];
+    let mut command = Command::new("strace");
+    command.args(inject).arg(env!("CARGO_BIN_EXE_lss")).args(build).current_dir(at).stdout(Stdio::null());
+    assert_eq!(command.status().expect("strace runs").signal(), Some(9));
+    let (code, text) = said(at, &build);
+    assert!(code == Some(0) && text.contains("out holds parts of two builds, as a build was stopped"), "{text}");
+    assert_eq!(said(at, &build), (Some(0), String::new()));
+}
+
+#[test]
+fn a_link_is_formatted_within_its_project_and_refused_beyond() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let unformatted = LAYOUT.replace("  vertex", " vertex");
+    for file in ["other/a.lss", "project/real/a.lss"] {
+        write(at, file, &unformatted);
+    }
+    write(at, "project/lss.toml", "");
+    std::os::unix::fs::symlink("real/a.lss", at.join("project/in.lss")).expect("a link");
+    std::os::unix::fs::symlink("../other/a.lss", at.join("project/out.lss")).expect("a link");
+    assert_eq!(said(at, &["fmt", "project/in.lss"]), (Some(0), String::new()));
+    assert_eq!(fs::read_to_string(at.join("project/real/a.lss")).expect("a file"), LAYOUT);
+    assert!(at.join("project/in.lss").is_symlink());
+    let (code, text) = said(at, &["fmt", "project/out.lss"]);
+    assert!(code == Some(2) && text.contains("it is a link that leads out of its project"), "{text}");
+    assert_eq!(fs::read_to_string(at.join("other/a.lss")).expect("a file"), unformatted);
 }

@@ -432,7 +432,7 @@ fn a_model_that_was_changed_answers_for_itself() {
         let stopped = |out: &str| {
             write("right", "a");
             write("count", "");
-            write("kill", &(count * 4 / 5).to_string());
+            write("kill", &(count - 1).to_string());
             assert_eq!(diagnosed(at, named, out), None, "it was killed");
             assert!(fs::metadata(at.join(out).join("gap.partial")).expect("work is kept").len() > 1000);
             fs::remove_file(at.join("kill")).expect("removed");
