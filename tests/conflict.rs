@@ -306,7 +306,6 @@ fn what_the_grid_forbids_is_proven_by_it() {
 /// the lines that count, of which one may give way.
 fn excess(layout: &Layout, corners: &[Corner], counts: &dyn Fn(Span) -> bool, gives: Option<(Span, f64)>) -> f64 {
     let track = Track::new(corners);
-    let n = corners.len();
     let mut worst = if self_crossings(&track).is_empty() { 0.0f64 } else { 1.0 };
     let mut off = |by: f64, span: Option<Span>| {
         let give = gives.filter(|g| span == Some(g.0)).map_or(0.0, |g| g.1);
@@ -316,15 +315,15 @@ fn excess(layout: &Layout, corners: &[Corner], counts: &dyn Fn(Span) -> bool, gi
     };
     let curve = &layout.catalog.curve;
     let written = Track::new(&layout.corners());
-    for i in 0..n {
+    for (i, corner) in corners.iter().enumerate() {
         let turn = track.fillets[i].turn;
         off(if turn * written.fillets[i].turn > 0.0 { 0.0 } else { 1.0 }, None);
         off(turn.abs() - curve.turns.high, None);
         off(curve.turns.low - turn.abs(), None);
         off(turn.abs() - layout.turns.value.high, Some(layout.turns.span));
         off(layout.turns.value.low - turn.abs(), Some(layout.turns.span));
-        off(corners[i].radius - layout.radii.value.high, Some(layout.radii.span));
-        off(layout.radii.value.low - corners[i].radius, Some(layout.radii.span));
+        off(corner.radius - layout.radii.value.high, Some(layout.radii.span));
+        off(layout.radii.value.low - corner.radius, Some(layout.radii.span));
         off(layout.catalog.straight.shortest - straight(&track, i), None);
     }
     let points: Vec<Point> = (0..4000).map(|k| track.at(track.length * f64::from(k) / 4000.0).0).collect();

@@ -37,7 +37,7 @@ impl New {
         report::print(&format!(
             "created {0}\nnow try: lss build {0} -o {1}\n",
             shown(&layout),
-            shown(&self.folder.join("out"))
+            shown(self.folder.join("out"))
         ));
         Outcome::Clean
     }

@@ -204,7 +204,7 @@ pub(super) fn check<C: Column>(
             return error(Problem::NotFinite, i, "time");
         }
         match i.checked_sub(1).and_then(|b| time.get(b)) {
-            Some(&before) if !(found - before >= SHORTEST) => {
+            Some(&before) if found - before < SHORTEST => {
                 return error(Problem::TimeStandsStill { before, found }, i, "time");
             }
             _ if found.abs() > LATEST => {

@@ -145,6 +145,21 @@ pub fn given_output(folder: &Path) -> Result<(), InputError> {
     }
 }
 
+/// That a folder below one of outputs, which both need not exist yet, is not led out of it by a symbolic link.
+///
+/// # Errors
+///
+/// [`InputError::OutsideRoot`]
+pub fn below(output: &Path, folder: &Path) -> Result<(), InputError> {
+    if output.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    match Root::only(output).place(folder) {
+        Err(why @ InputError::OutsideRoot(_)) => Err(why),
+        _ => Ok(()),
+    }
+}
+
 /// That the canonical `place` of a `path` lies in the marked folder that the path stands in by name, if there is one.
 fn inside(path: &Path, place: &Path) -> Result<(), InputError> {
     let Some(path) = std::path::absolute(path).ok().and_then(|path| normalise(&path)) else { return Ok(()) };

@@ -11,7 +11,7 @@ use crate::identify::groups::{Group, SetPoint};
 use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, Fitted, carry, fit_run};
 use crate::identify::{Measured, Model, Parameter, Settings};
-use crate::source::{SIZE_LIMIT, input, one_line, shown};
+use crate::source::{SIZE_LIMIT, input, one_line, root, shown};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -255,6 +255,8 @@ impl Work<'_> {
     }
 
     fn kept(&self, name: &str, key: &str, make: impl FnOnce() -> Result<Fitted, String>) -> Result<Fitted, String> {
+        let folder = self.folder();
+        root::below(self.output, &folder).map_err(|why| format!("{}: {why}", shown(&folder)))?;
         if let Some(known) = self.known(name, key).filter(|_| self.trusted) {
             return Ok(known);
         }
@@ -262,7 +264,7 @@ impl Work<'_> {
         let bytes = json::to_json(&made);
         let mut files = Files::default();
         files.push(format!("{name}.json"), bytes.as_slice());
-        files.write(&self.folder()).map_err(|error| error.to_string())?;
+        files.write(&folder).map_err(|error| error.to_string())?;
         // What was kept and what was made read the same.
         serde_json::from_slice(&bytes).map_err(|why| why.to_string())
     }

@@ -19,6 +19,9 @@ const OFF: f64 = 1.5;
 /// Most elements, carts.
 const ELEMENTS: usize = 10_000;
 const CARTS: usize = 100_000;
+/// Most motors, and most effects.
+const MOTORS: usize = 10_000;
+const EFFECTS: usize = 100;
 /// Longest name, characters.
 const NAME: usize = 200;
 
@@ -144,8 +147,7 @@ impl Found {
         }
         for (k, piece) in elements.iter().enumerate().take(ELEMENTS) {
             let mut low = |key: &str, x: f64| {
-                // NaN is refused, too.
-                if !(x > 0.0) {
+                if x.is_nan() || x <= 0.0 {
                     let why = format!("{} m is not above 0", shortest(x));
                     self.add(
                         format!("track.elements.{k}.{key}"),
@@ -191,6 +193,13 @@ impl Found {
             let why = format!("{} carts, where a chain has 3 to {CARTS}", chain.carts);
             self.add("chain.carts", why, "write the number of carts");
         }
+        for (path, count, most) in
+            [("motors.s_m", simulation.motors.s_m.len(), MOTORS), ("effects", simulation.effects.len(), EFFECTS)]
+        {
+            if count > most {
+                self.add(path, format!("{count} are more than {most}"), "leave some out");
+            }
+        }
         for (path, x, of) in [
             ("chain.pitch_m", chain.pitch_m, "a pitch"),
             ("chain.track_length_m", chain.track_length_m, "a length"),
@@ -199,7 +208,7 @@ impl Found {
             ("chain.speed_m_s", chain.speed_m_s, "a speed"),
             ("supports_every_m", simulation.supports_every_m.unwrap_or(1.0), "a distance"),
         ] {
-            if !(x > 0.0) {
+            if x.is_nan() || x <= 0.0 {
                 self.add(
                     path,
                     format!("{} is not above 0, as {of} is", shortest(x)),
@@ -222,7 +231,8 @@ impl Found {
         let chain = &simulation.chain;
         let length: f64 = simulation.track.elements.iter().map(|piece| piece.form().length()).sum();
         let said = chain.track_length_m;
-        if !((length - said).abs() <= SAME + 1e-6 * length) {
+        let off = (length - said).abs();
+        if off.is_nan() || off > SAME + 1e-6 * length {
             let why = format!("{} m contradict the elements, which are {} m long", shortest(said), metres(length));
             self.add("chain.track_length_m", why, format!("write {}, or mend the elements", metres(length)));
             return;
@@ -370,6 +380,7 @@ mod tests {
             ),
             (&[("track.start.2", (-1e300).into())], ", `track.start.2`: -1e300 is beyond"),
             (&[("motors.s_m", Value::Array(vec![99.0.into()]))], ", `motors.s_m.0`: 99 m is not on the track"),
+            (&[("motors.s_m", Value::Array(vec![1.0.into(); 10_001]))], ", `motors.s_m`: 10001 are more than 10000"),
             (&[("sensor.photocell_s_m", (-5.0).into())], ", `sensor.photocell_s_m`: -5 m is not on the track"),
             (&[("sensor.cart", 0.into())], ", `sensor.cart`: there is no cart 0 among "),
             (&[("sensor.cart", 1000.into())], ", `sensor.cart`: there is no cart 1000 among "),

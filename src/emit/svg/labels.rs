@@ -299,7 +299,7 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
                 candidates.push(Candidate { leader, ..Candidate::text(item, cost + 3.0) });
             }
             // Where labels stand in a leader's way, there is none.
-            candidates.push(Candidate::text(item, if leader.is_some() { cost + 9.0 } else { cost }));
+            candidates.push(Candidate::text(item, if leader.is_some() { cost + 30.0 } else { cost }));
         }
     }
     candidates

@@ -7,7 +7,7 @@ use crate::base::digest::sha256;
 use crate::base::disk::{Scratch, replace};
 use crate::signal::run::DATA_LIMIT;
 use crate::source::input::JSON_LIMIT;
-use crate::source::{InputError, Root, shown};
+use crate::source::{InputError, Root, root, shown};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -168,9 +168,7 @@ impl Asked<'_> {
 
     fn keep(&self, case: &str, answered: &Answered) -> Result<(), Trouble> {
         let folder = self.folder.join(ANSWERS).join(case);
-        if let Err(why @ InputError::OutsideRoot(_)) = Root::only(self.folder).place(&folder) {
-            return Err(Trouble::File(folder, io::Error::other(why)));
-        }
+        root::below(self.folder, &folder).map_err(|why| Trouble::File(folder.clone(), io::Error::other(why)))?;
         fs::create_dir_all(&folder).map_err(|why| Trouble::File(folder, why))?;
         let write = |name: &str, bytes: &[u8]| {
             let path = self.kept(case, name);

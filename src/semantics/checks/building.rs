@@ -79,7 +79,8 @@ impl Context<'_> {
             // The neighbours of a vertex outside leave the building with it.
             let told = |i: usize| said.contains(&i);
             let straight = piece.kind == PieceKind::Straight;
-            if !told(piece.vertex) && !(straight && told((piece.vertex + 1) % vertices.len())) && said.len() < 20 {
+            let known = told(piece.vertex) || (straight && told((piece.vertex + 1) % vertices.len()));
+            if !known && said.len() < 20 {
                 said.push(piece.vertex);
                 diagnostic = diagnostic.related(vertices[piece.vertex].span, name(piece));
             }
