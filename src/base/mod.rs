@@ -1,7 +1,7 @@
-//! What has no subject of its own: hashes, the identity of this program, and files that are replaced whole.
+//! What has no subject of its own: hashes, and the identity of this program.
 
 pub mod digest;
-pub mod disk;
 mod program;
+pub mod unique;
 
 pub use program::program;

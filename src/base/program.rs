@@ -12,7 +12,7 @@ pub fn program() -> &'static str {
         let file = File::open("/proc/self/exe").or_else(|_| File::open(std::env::current_exe()?));
         let hash = file.and_then(|mut file| sha256_of(&mut file));
         // A program that cannot be read is like no other, so that nothing is taken for its work.
-        hash.unwrap_or_else(|_| super::disk::unlike_any_other())
+        hash.unwrap_or_else(|_| super::unique::unlike_any_other())
     })
 }
 

@@ -3,7 +3,6 @@
 use super::progress::Line;
 use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
-use crate::base::disk::{Found, survey};
 use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::emit::pareto::Pareto;
@@ -13,6 +12,7 @@ use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::unsupported;
 use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
+use crate::source::disk::{Found, survey};
 use crate::source::shown;
 use clap::ValueEnum;
 use serde::Serialize;

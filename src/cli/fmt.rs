@@ -2,7 +2,7 @@
 
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
-use crate::base::disk;
+use crate::source::disk;
 use crate::source::{SourceMap, shown};
 use crate::syntax;
 use similar::TextDiff;

@@ -24,7 +24,7 @@ mod station;
 mod style;
 pub mod svg;
 
-pub use crate::base::disk::{Files, WriteError};
+pub use crate::source::disk::{Files, WriteError};
 pub use compiled::Compiled;
 pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
 pub use schemas::schemas;

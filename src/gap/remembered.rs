@@ -8,8 +8,8 @@
 
 use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
-use crate::base::disk::{Temporary, sweep, sync_folder};
 use crate::signal::run::DATA_LIMIT;
+use crate::source::disk::{Temporary, sweep, sync_folder};
 use crate::source::input;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,8 +1,9 @@
-//! Files and spans: the only door to the disk for inputs.
+//! Files and spans: the only door to the disk for inputs, and the way outputs are written whole.
 //!
 //! A [`SourceMap`] owns every text that a compilation has read. A [`Span`] names a byte range in one of them
 //! and is what every later stage carries so that a message can point at the line it came from.
 
+pub mod disk;
 pub mod input;
 mod loader;
 pub mod root;

@@ -1,10 +1,10 @@
 //! `lss identify stiffness`: a joint's K and n from a static test.
 
-use crate::base::disk;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::number::{fixed, shortest, trimmed};
 use crate::identify::static_test::{self, Direction, Points};
 use crate::identify::stiffness::{Estimate, Fixed, Unfit, fit, fit_with};
+use crate::source::disk;
 use crate::source::{SIZE_LIMIT, input, shown};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -5,12 +5,12 @@ use super::reality::{Changes, Reality, distances, draw_log, measured, pick, shuf
 use super::sources::{MACHINE, SENSORS, Source, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
 use super::{CHALLENGE, KEY, seal};
-use crate::base::disk::{Files, WriteError, replace};
 use crate::dynamics::{Method, parallel};
 use crate::emit::simulation::Simulation;
 use crate::geometry::trig;
 use crate::identify::noise::mix;
 use crate::signal::{Campaign, Channel, Run, csv};
+use crate::source::disk::{Files, WriteError, replace};
 use crate::source::{root, shown};
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -2,7 +2,7 @@
 
 use super::Error;
 use crate::base::digest::sha256_of;
-use crate::base::disk::unlike_any_other;
+use crate::base::unique::unlike_any_other;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};

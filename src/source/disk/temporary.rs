@@ -1,5 +1,6 @@
 //! Temporary files: names that cannot be guessed, a lock while somebody needs them, and the removal of those that nobody does.
 
+use crate::base::unique;
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Write};
@@ -7,8 +8,6 @@ use std::path::{Path, PathBuf};
 
 const PREFIX: &str = ".lss-";
 const SUFFIX: &str = ".tmp";
-/// Random bytes of a name.
-const RANDOM: usize = 16;
 /// Attempts to find a name that is free and is not swept at once.
 const ATTEMPTS: usize = 16;
 
@@ -132,25 +131,13 @@ fn options(like: Option<&Metadata>) -> OpenOptions {
 }
 
 fn name() -> io::Result<String> {
-    Ok(format!("{PREFIX}{}{SUFFIX}", random()?))
+    Ok(format!("{PREFIX}{}{SUFFIX}", unique::random()?))
 }
 
-/// Hexadecimal digits from the system's source of random numbers.
-pub(super) fn random() -> io::Result<String> {
-    let mut bytes = [0; RANDOM];
-    getrandom::fill(&mut bytes).map_err(|why| io::Error::other(why.to_string()))?;
-    Ok(crate::base::digest::hex(&bytes))
-}
-
-/// A word that no other process has; of this process and moment where the system has no random numbers.
-pub fn unlike_any_other() -> String {
-    random().unwrap_or_else(|_| format!("{}-{:?}", std::process::id(), std::time::Instant::now()))
-}
-
-/// Whether a name has the form that [`random`] gives it between a prefix and a suffix.
+/// Whether a name has the form that [`unique::random`] gives it between a prefix and a suffix.
 pub(super) fn has_form(name: &OsStr, prefix: &str, suffix: &str) -> bool {
     let digits = name.to_str().and_then(|n| n.strip_prefix(prefix)?.strip_suffix(suffix));
-    digits.is_some_and(|d| d.len() == 2 * RANDOM && d.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')))
+    digits.is_some_and(unique::has_form)
 }
 
 /// The folder of a file; of a plain name the present one.

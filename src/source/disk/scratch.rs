@@ -1,6 +1,7 @@
 //! A private folder for work in between.
 
-use super::temporary::{has_form, random};
+use super::temporary::has_form;
+use crate::base::unique;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ impl Scratch {
     fn within(folder: &Path) -> io::Result<Scratch> {
         sweep(folder);
         for _ in 0..ATTEMPTS {
-            let path = folder.join(format!("{PREFIX}{}", random()?));
+            let path = folder.join(format!("{PREFIX}{}", unique::random()?));
             match builder().create(&path) {
                 Ok(()) => {}
                 Err(why) if why.kind() == io::ErrorKind::AlreadyExists => continue,

@@ -18,4 +18,4 @@ mod temporary;
 pub use files::{Files, WriteError, replace};
 pub use manifest::{Found, survey};
 pub use scratch::Scratch;
-pub use temporary::{Temporary, sweep, sync_folder, unlike_any_other};
+pub use temporary::{Temporary, sweep, sync_folder};
