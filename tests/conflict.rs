@@ -584,4 +584,4 @@ fn whatever_is_said_of_a_conflict_holds() {
     assert!(4 * proven >= conflicts, "{proven} of {conflicts} proven");
 }
 
-const LAYOUTS: usize = 14;
+const LAYOUTS: usize = 20;

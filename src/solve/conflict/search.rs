@@ -23,7 +23,7 @@ const ITERATIONS: usize = 120;
 /// Solves of one search.
 const SOLVES: usize = 400;
 /// The same of a thorough one of up to [`SMALL`] vertices. A solve takes about the cube of them, so larger layouts get fewer.
-const THOROUGH: usize = 600;
+const THOROUGH: usize = 400;
 const FEWEST: usize = 6;
 const SMALL: usize = 10;
 /// A row with a multiplier below this is no reason; the multipliers of elastic rows add up to 1.
@@ -38,6 +38,8 @@ const SCALES: [f64; 2] = [1.5, 0.75];
 const ROUNDS: usize = 3;
 /// Lines that give way by no more than this nearly hold, m: worth a solve that lets none give way.
 const NEARLY: f64 = 0.05;
+/// Starts of a set while lines are left out.
+const FEW: usize = 4;
 /// Of the layouts found, those from which others are tried.
 const RECENT: usize = 2;
 
@@ -50,6 +52,8 @@ pub struct Search<'a> {
     starts: Vec<Vec<f64>>,
     /// Layouts that met some lines.
     known: RefCell<Vec<Vec<f64>>>,
+    /// Sets for which no start led to a layout.
+    unmet: RefCell<BTreeSet<Set>>,
     solves: Cell<usize>,
     most: usize,
 }
@@ -78,7 +82,14 @@ impl<'a> Search<'a> {
     pub fn new(layout: &Layout, problem: &Problem, lines: &'a Lines, found: &[f64]) -> Self {
         let rough = SEEDS.map(|seed| perturbed(layout, problem, NOISE, seed));
         let starts = [found.to_vec(), problem.start.clone()].into_iter().chain(rough).collect();
-        Search { lines, starts, known: RefCell::default(), solves: Cell::new(0), most: SOLVES }
+        Search {
+            lines,
+            starts,
+            known: RefCell::default(),
+            unmet: RefCell::default(),
+            solves: Cell::new(0),
+            most: SOLVES,
+        }
     }
 
     /// The same from more starts, for what is to be confirmed.
@@ -174,14 +185,22 @@ impl<'a> Search<'a> {
 
     /// A layout that meets the lines of a set, whatever the others; `None` where none was found from any start.
     pub fn layout(&self, set: &Set) -> Option<Vec<f64>> {
+        self.layout_from(set, self.starts.len())
+    }
+
+    /// The same from the first few starts only, unless that is all of them.
+    fn layout_from(&self, set: &Set, starts: usize) -> Option<Vec<f64>> {
         let hard = self.lines.given_way(0.0, only(set, Role::Holds));
         let known = self.known.borrow().clone();
         if let Some(x) = known.iter().find(|x| meets(&hard, x)) {
             return Some(x.clone());
         }
+        if self.unmet.borrow().contains(set) {
+            return None;
+        }
         let elastic = self.lines.problem(only(set, Role::Gives));
         let recent = &known[known.len().saturating_sub(RECENT)..];
-        for start in self.starts.iter().chain(recent) {
+        for start in self.starts.iter().take(starts).chain(recent) {
             if self.spent() {
                 return None;
             }
@@ -193,6 +212,9 @@ impl<'a> Search<'a> {
                 return Some(self.keep(x.at));
             }
         }
+        if starts < self.starts.len() {
+            return None;
+        }
         // Shorter tracks lead elsewhere than limits that give way.
         for start in self.starts.iter().take(2) {
             let x = settle(&hard, start);
@@ -200,6 +222,7 @@ impl<'a> Search<'a> {
                 return Some(self.keep(x));
             }
         }
+        self.unmet.borrow_mut().insert(set.clone());
         None
     }
 
@@ -252,7 +275,8 @@ impl<'a> Search<'a> {
         for &line in first {
             let mut without = core.set.clone();
             without.remove(&line);
-            match self.layout(&without) {
+            // Quickly: what is left in the end is tried from all starts.
+            match self.layout_from(&without, FEW) {
                 Some(x) => {
                     core.without.insert(line, x);
                 }
