@@ -2,8 +2,9 @@
 
 use super::csv::{Columns, Pick};
 use super::{Problem, Run, RunError, digits, run};
-use ::parquet::basic::{Compression, Repetition, Type as Physical};
-use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
+use ::parquet::column::page::{Page, PageMetadata, PageReader};
+use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use ::parquet::data_type::{DataType, DoubleType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::properties::WriterProperties;
@@ -94,26 +95,26 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
             return Err(error(Problem::Malformed("a column begins before the file".to_owned())));
         }
     }
+    // A column that repeats one value takes some bytes, however long it is.
+    let groups = reader.metadata().row_groups().iter().map(|g| g.num_rows().max(0)).fold(0, i64::saturating_add);
+    let rows = usize::try_from(groups).unwrap_or(usize::MAX);
+    run::room(rows, 1 + channels.len(), run::MOST_NUMBERS).map_err(error)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + channels.len()];
-    // What the file says of its rows, and what it holds: a column that repeats one value takes some bytes, however long it is.
-    let rows = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
-    run::room(rows, columns.len(), run::MOST_NUMBERS).map_err(error)?;
-    let most = run::MOST_NUMBERS / columns.len();
     for g in 0..reader.num_row_groups() {
         let group = reader.get_row_group(g).map_err(malformed)?;
         for (k, (column, &i)) in columns.iter_mut().zip(&taken).enumerate() {
             let name = k.checked_sub(1).and_then(|k| channels.get(k)).map_or_else(|| "time".to_owned(), C::to_string);
-            let pages = group.get_column_reader(i).map_err(malformed)?;
-            let read = match pages {
-                ColumnReader::DoubleColumnReader(r) => append(r, column, most, |x| x),
-                ColumnReader::FloatColumnReader(r) => append(r, column, most, f64::from),
-                ColumnReader::Int32ColumnReader(r) => append(r, column, most, f64::from),
-                ColumnReader::Int64ColumnReader(r) => append(r, column, most, |x| x as f64),
-                ColumnReader::BoolColumnReader(r) => append(r, column, most, |x| f64::from(u8::from(x))),
+            let pages = group.get_column_page_reader(i).map_err(malformed)?;
+            let pages = Box::new(Checked { pages, has_dictionary: false });
+            let read = match get_column_reader(schema.column(i), pages) {
+                ColumnReader::DoubleColumnReader(r) => append(r, column, rows, |x| x),
+                ColumnReader::FloatColumnReader(r) => append(r, column, rows, f64::from),
+                ColumnReader::Int32ColumnReader(r) => append(r, column, rows, f64::from),
+                ColumnReader::Int64ColumnReader(r) => append(r, column, rows, |x| x as f64),
+                ColumnReader::BoolColumnReader(r) => append(r, column, rows, |x| f64::from(u8::from(x))),
                 _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(&name)),
             };
             read.map_err(|why| malformed(why).column(&name))?;
-            run::room(column.len(), 1 + channels.len(), run::MOST_NUMBERS).map_err(error)?;
         }
     }
     columns.iter_mut().for_each(Vec::shrink_to_fit);
@@ -124,11 +125,50 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
     Ok((time, channels))
 }
 
-/// Reads a column of a row group to its end, or until it holds more than `most`: what the file says of its rows may be wrong.
+/// Pages of a column, of which each that is coded by a dictionary has one: the reader takes that for granted.
+struct Checked {
+    pages: Box<dyn PageReader>,
+    has_dictionary: bool,
+}
+
+impl Iterator for Checked {
+    type Item = Result<Page, ParquetError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.get_next_page().transpose()
+    }
+}
+
+impl PageReader for Checked {
+    fn get_next_page(&mut self) -> Result<Option<Page>, ParquetError> {
+        let page = self.pages.get_next_page()?;
+        match &page {
+            Some(Page::DictionaryPage { .. }) => self.has_dictionary = true,
+            #[allow(deprecated)]
+            Some(page) if matches!(page.encoding(), Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY) => {
+                if !self.has_dictionary {
+                    return Err(ParquetError::General("a page lacks its dictionary".to_owned()));
+                }
+            }
+            _ => {}
+        }
+        Ok(page)
+    }
+
+    fn peek_next_page(&mut self) -> Result<Option<PageMetadata>, ParquetError> {
+        self.pages.peek_next_page()
+    }
+
+    fn skip_next_page(&mut self) -> Result<(), ParquetError> {
+        self.pages.skip_next_page()
+    }
+}
+
+/// Reads a column of a row group to its end. The file says how many `rows` there are of all groups; no more are read.
 fn append<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     column: &mut Vec<f64>,
-    most: usize,
+    rows: usize,
     number: impl Fn(T::T) -> f64,
 ) -> Result<(), ParquetError> {
     const BATCH: usize = 8192;
@@ -137,8 +177,15 @@ fn append<T: DataType>(
         values.clear();
         levels.clear();
         let (records, _, _) = reader.read_records(BATCH, Some(&mut levels), None, &mut values)?;
-        if records == 0 || column.len() > most {
+        if records == 0 {
             return Ok(());
+        }
+        if column.len() + records > rows {
+            return Err(ParquetError::General("a column has more rows than the file".to_owned()));
+        }
+        // Grown by doubling, it would take up to twice what it holds.
+        if column.capacity() < column.len() + records {
+            column.reserve_exact((rows - column.len()).min(column.len().max(BATCH)).max(records));
         }
         let mut numbers = values.drain(..).map(&number);
         if levels.is_empty() {
