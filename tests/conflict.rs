@@ -274,7 +274,9 @@ fn both_sides_are_tried_where_either_will_do() {
         ("left", "to the left of travel, as `pass` says: "),
         ("either", "and no layout was found with it on the other side: "),
     ] {
-        let (_, layout) = check(&hall(&format!("  {walls}\n  {low}\n  fix all P1..P2\n  pass rack {side}")));
+        let (_, layout) = check(&hall(&format!(
+            "  {walls}\n  {low}\n  fix rotation P1..P2\n  require y(P1) <= 4 m\n  pass rack {side}"
+        )));
         let said = solve::diagnose(&layout, &continuous(&layout));
         let told: Vec<&String> = said.iter().flat_map(|d| &d.related).map(|l| &l.text).collect();
         assert!(told.iter().any(|text| text.contains(words)), "{side}: {told:?}");

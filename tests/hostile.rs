@@ -170,7 +170,7 @@ fn a_parquet_file_of_endless_columns_is_refused() {
     writer.close().unwrap();
     assert!(file.as_file().metadata().unwrap().len() < 1 << 20, "a bomb is small");
     let found = parquet::read(file.reopen().unwrap(), file.path()).expect_err("too large");
-    assert!(matches!(found.problem, Problem::TooLarge(_)), "{found}");
+    assert!(matches!(found.problem, Problem::TooLong { .. }), "{found}");
 }
 
 /// A sum of such values is infinite, and so is its square.
@@ -233,4 +233,25 @@ fn imports_without_end_are_one_message() {
     let (mut loader, main) =
         Loader::memory(&mut sources, &[("f0.lss", b"use \"f1.lss\""), ("f1.lss", b"use \"f0.lss\"")]).unwrap();
     analyse(&mut sources, &mut loader, main, None);
+}
+
+/// What fuzzing found: a page without its dictionary, which was a panic, and a few kilobytes that became gigabytes or took minutes.
+#[test]
+fn parquet_files_that_fuzzing_found_end_quickly() {
+    use lss::signal::parquet;
+    use std::fs::{File, read_dir};
+    use std::time::{Duration, Instant};
+
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/parquet");
+    let mut found = 0;
+    for entry in read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let begin = Instant::now();
+        let read = parquet::read(File::open(&path).unwrap(), &path);
+        let is_bad = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("found-"));
+        assert_eq!(read.is_err(), is_bad, "{}: {:?}", path.display(), read.err());
+        assert!(begin.elapsed() < Duration::from_secs(20), "{}: {:?}", path.display(), begin.elapsed());
+        found += usize::from(is_bad);
+    }
+    assert_eq!(found, 3);
 }
