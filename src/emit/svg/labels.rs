@@ -18,6 +18,8 @@ use crate::emit::number::trimmed;
 const REACH: f64 = 24.0;
 /// Room left and right of a text together, mm.
 const PADDING: f64 = 1.6;
+/// Cost from which a place is taken only when no other is free, not even far away: beside another piece, without a leader.
+const LAST: f64 = 1000.0;
 /// Longest text of a label, mm; longer names are cut.
 const LONGEST: f64 = 70.0;
 
@@ -44,7 +46,9 @@ impl<'a> Labels<'a> {
     /// Places a text at one of its candidates or, where none is free, further away with a leader from an anchor.
     fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate], anchors: &[Point]) {
         let size = candidates.first().map_or(Point::default(), |candidate| candidate.text.half * 2.0);
-        let place = self.field.place(candidates).or_else(|| self.field.place_afar(anchors, size));
+        let (near, last): (Vec<Candidate>, Vec<Candidate>) = candidates.iter().partition(|c| c.cost < LAST);
+        let place = self.field.place(&near).or_else(|| self.field.place_afar(anchors, size));
+        let place = place.or_else(|| self.field.place(&last));
         let Some(chosen) = place else {
             self.omitted += 1;
             return;
@@ -298,8 +302,7 @@ fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Ve
             if leader.is_some() {
                 candidates.push(Candidate { leader, ..Candidate::text(item, cost + 3.0) });
             }
-            // Where labels stand in a leader's way, there is none.
-            candidates.push(Candidate::text(item, if leader.is_some() { cost + 30.0 } else { cost }));
+            candidates.push(Candidate::text(item, if leader.is_some() { cost + LAST } else { cost }));
         }
     }
     candidates
