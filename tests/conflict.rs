@@ -275,7 +275,8 @@ fn both_sides_are_tried_where_either_will_do() {
         ("either", "and no layout was found with it on the other side: "),
     ] {
         let (_, layout) = check(&hall(&format!(
-            "  {walls}\n  {low}\n  fix rotation P1..P2\n  require y(P1) <= 4 m\n  pass rack {side}"
+            "  {walls}\n  {low}\n  fix rotation P1..P2\n  require y(P1) <= 4 m\n  \
+             require x(P1) <= 10 m\n  require x(P2) >= 40 m\n  pass rack {side}"
         )));
         let said = solve::diagnose(&layout, &continuous(&layout));
         let told: Vec<&String> = said.iter().flat_map(|d| &d.related).map(|l| &l.text).collect();

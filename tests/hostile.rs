@@ -235,7 +235,7 @@ fn imports_without_end_are_one_message() {
     analyse(&mut sources, &mut loader, main, None);
 }
 
-/// What fuzzing found: a page without its dictionary, which was a panic, and a few kilobytes that became gigabytes or took minutes.
+/// What fuzzing found: a page without its dictionary, which was a panic, and a few kilobytes that became gigabytes.
 #[test]
 fn parquet_files_that_fuzzing_found_end_quickly() {
     use lss::signal::parquet;
@@ -253,5 +253,5 @@ fn parquet_files_that_fuzzing_found_end_quickly() {
         assert!(begin.elapsed() < Duration::from_secs(20), "{}: {:?}", path.display(), begin.elapsed());
         found += usize::from(is_bad);
     }
-    assert_eq!(found, 3);
+    assert_eq!(found, 2);
 }

@@ -229,7 +229,10 @@ impl Fit<'_> {
         let effects = [Applied { candidate: self.candidate, strengths: vec![strength] }];
         let effects = if strength == 0.0 { &[][..] } else { &effects };
         let frame = &self.outside.frames()[self.run];
-        DVector::from_vec(whitened(frame, &self.outside.simulate(self.run, step, effects).expect("features")))
+        let request = Request { run: self.run, step: step.to_vec(), effects: effects.to_vec() };
+        let features = self.outside.simulate_all(std::slice::from_ref(&request)).pop().flatten();
+        let why = || format!("{:?}: {request:?}", self.outside.reason(&request));
+        DVector::from_vec(whitened(frame, &features.unwrap_or_else(|| panic!("{}", why()))))
     }
 
     fn slopes(&self, strength: f64, left: &DVector<f64>) -> DMatrix<f64> {

@@ -142,7 +142,8 @@ fn what_cannot_be_is_said() {
     let file = folder.path().join("circle.json");
     let snap = fs::read_to_string("tests/cases/smallest/5-simulation.snap").expect("a snapshot");
     let mut input: Value = serde_json::from_str(snap.splitn(3, "---\n").nth(2).expect("a body")).expect("JSON");
-    input["track"]["elements"] = serde_json::json!([{ "kind": "arc", "radius": 5.0, "turn_deg": 360.0 }]);
+    let radius = input["chain"]["track_length_m"].as_f64().expect("a length") / std::f64::consts::TAU;
+    input["track"]["elements"] = serde_json::json!([{ "kind": "arc", "radius": radius, "turn_deg": 360.0 }]);
     fs::write(&file, input.to_string()).expect("written");
     let out = lss().arg("polygon").arg(&file).assert().code(1);
     let said = String::from_utf8_lossy(&out.get_output().stderr).into_owned();

@@ -5,6 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Share of the features of a run that an answer may leave out.
+const MAY_LACK: f64 = 0.05;
+
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
     /// Effects that may be added, each at one place: an effect that may sit at several places is several candidates.
@@ -253,10 +256,13 @@ impl Frame {
         features.iter().zip(self.at(step)).map(|(f, n)| f - n).collect()
     }
 
-    /// How many features are not finite though measured and nominal ones are: such an answer cannot be compared.
+    /// How many features are not finite though measured and nominal ones are, where that is more than [`MAY_LACK`]: such an answer
+    /// cannot be compared. Fewer are left out, as the last window of a series that a delay moves.
     pub fn lacking(&self, features: &[f64]) -> usize {
-        let known = self.measured.iter().zip(&self.nominal).map(|(m, n)| (m - n).is_finite());
-        known.zip(features).filter(|(known, x)| *known && !x.is_finite()).count()
+        let known =
+            || self.measured.iter().zip(&self.nominal).zip(features).filter(|((m, n), _)| (*m - *n).is_finite());
+        let lacking = known().filter(|(_, x)| !x.is_finite()).count();
+        if lacking as f64 > MAY_LACK * known().count() as f64 { lacking } else { 0 }
     }
 
     /// Residual of features, NaN where one is missing or tells nothing.

@@ -225,6 +225,8 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
         _ => status,
     };
     let status = match compiled.stages.last().and_then(|stage| stage.cut) {
+        // What is longer does not fit into its field.
+        Some(Cut::Time) if !fits => "cut: time; chain does not fit".to_owned(),
         Some(Cut::Time) => format!("{status}, cut: time"),
         None => status.to_owned(),
     };
