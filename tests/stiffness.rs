@@ -41,7 +41,7 @@ fn the_joint_that_is_written_is_one_a_layout_can_use() {
             "layout smallest",
             "cart tested from tilt_tray(length: 500 mm) { joint = static_test }\n\nlayout smallest",
         )
-        .replace("cart tilt_tray(length: 500 mm)\n", "cart tested\n");
+        .replace("cart tilt_tray(length: 0.7 m)\n", "cart tested\n");
     fs::write(at.join("line.lss"), layout).expect("written");
     lss(at).args(["check", "line.lss", "tested.lss"]).assert().success();
     lss(at).args(["fmt", "--check", "tested.lss"]).assert().success();

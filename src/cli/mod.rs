@@ -24,7 +24,7 @@ mod runs;
 mod simulate;
 
 use crate::dynamics::{NoWidth, Width};
-use crate::source::{Root, shown, steers};
+use crate::source::{Root, one_line, shown, steers};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -137,10 +137,14 @@ pub fn main() -> ExitCode {
 
 /// Says what is wrong with the command line, or helps. What is quoted of it may be the name of a file that somebody else made.
 fn misused(why: &clap::Error) -> ExitCode {
-    if !std::env::args_os().any(|word| word.to_string_lossy().contains(steers)) {
+    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let hostile: Vec<String> = words.filter(|word| word.contains(steers)).collect();
+    if hostile.is_empty() {
         why.exit();
     }
-    report::note(why.to_string().trim_end());
+    // A line break in a word does not begin a message.
+    let quoted = hostile.iter().fold(why.to_string(), |text, word| text.replace(word.as_str(), &one_line(word)));
+    report::note(quoted.trim_end());
     ExitCode::from(2)
 }
 

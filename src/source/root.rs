@@ -4,6 +4,7 @@
 //! file has to stay within the [`Root`], also through symbolic links.
 
 use super::input::{self, InputError};
+use super::visible::shown;
 use std::fs::File;
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -114,7 +115,7 @@ impl Root {
     /// The root's name as messages show it.
     fn shown(&self) -> String {
         let name = self.folders.first().and_then(|f| f.file_name());
-        name.map_or_else(|| "the project".into(), |n| format!("`{}`", n.to_string_lossy()))
+        name.map_or_else(|| "the project".into(), |n| format!("`{}`", shown(n)))
     }
 }
 
