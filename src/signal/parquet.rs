@@ -145,10 +145,11 @@ impl PageReader for Checked {
         match &page {
             Some(Page::DictionaryPage { .. }) => self.has_dictionary = true,
             #[allow(deprecated)]
-            Some(page) if matches!(page.encoding(), Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY) => {
-                if !self.has_dictionary {
-                    return Err(ParquetError::General("a page lacks its dictionary".to_owned()));
-                }
+            Some(page)
+                if !self.has_dictionary
+                    && matches!(page.encoding(), Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY) =>
+            {
+                return Err(ParquetError::General("a page lacks its dictionary".to_owned()));
             }
             _ => {}
         }
