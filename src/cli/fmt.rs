@@ -3,7 +3,7 @@
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
 use crate::source::disk;
-use crate::source::{SourceMap, shown};
+use crate::source::{Root, SourceMap, root, shown};
 use crate::syntax;
 use similar::TextDiff;
 use std::io::Read;
@@ -89,19 +89,8 @@ fn diff(path: &Path, before: &str, after: &str) -> String {
 
 /// Replaces a file's text whole or not at all. A link stays a link, and may not lead out of its project.
 fn replace(path: &Path, text: &str) -> Result<(), String> {
-    let place = path.canonicalize().map_err(|e| e.to_string())?;
-    if path.is_symlink() && !place.starts_with(project(path).map_err(|e| e.to_string())?) {
-        return Err(format!(
-            "it is a link that leads out of its project; to format the file, name {}",
-            place.display()
-        ));
-    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let place = if path.is_symlink() { Root::of_layout(folder).place(path) } else { root::given(path) };
+    let place = place.map_err(|why| format!("{why}; {}", why.help()))?;
     disk::replace(&place, text.as_bytes()).map_err(|e| e.reason.to_string())
-}
-
-/// The nearest folder above a file that holds `lss.toml` or `.git`, else the file's own.
-fn project(file: &Path) -> std::io::Result<PathBuf> {
-    let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new(".")).canonicalize()?;
-    let marked = |f: &&Path| f.join("lss.toml").exists() || f.join(".git").exists();
-    Ok(folder.ancestors().find(marked).unwrap_or(&folder).to_owned())
 }

@@ -234,7 +234,7 @@ impl Found {
         let off = (length - said).abs();
         if off.is_nan() || off > SAME + 1e-6 * length {
             let why = format!("{} m contradict the elements, which are {} m long", shortest(said), metres(length));
-            self.add("chain.track_length_m", why, format!("write {}, or mend the elements", metres(length)));
+            self.add("chain.track_length_m", why, format!("write {}, or correct the elements", metres(length)));
             return;
         }
         let cart = simulation.cart.length_m;
