@@ -17,8 +17,11 @@ pub trait Simulator: Sync {
     fn frames(&self) -> &[Frame];
 
     /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels. `None` where
-    /// nothing can be simulated.
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>>;
+    /// nothing can be simulated. A model has this or [`Simulator::simulate_all`]: each is made of the other.
+    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
+        self.simulate_all(&[request]).pop().flatten()
+    }
 
     /// What places are counted in.
     fn axis(&self) -> Axis {

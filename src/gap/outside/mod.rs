@@ -242,11 +242,6 @@ impl Simulator for Outside {
         &self.frames
     }
 
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-        let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
-        self.simulate_all(&[request]).pop().flatten()
-    }
-
     fn axis(&self) -> Axis {
         Axis::Time
     }
