@@ -1,8 +1,11 @@
 //! Reading long runs: `cargo bench --bench runs` makes one of 10 million rows and 16 columns in the folder for temporary files, reads it
-//! as CSV and as Parquet in a process of its own each, and prints megabytes a second and the most memory that was used.
+//! as CSV, MDF4 and Parquet in a process of its own each, and prints megabytes a second and the most memory that was used.
 //! `cargo bench --bench runs -- ROWS` takes another length.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
+
+#[path = "../tests/support/mdf4.rs"]
+mod mdf4;
 
 use lss::signal::health::health;
 use lss::signal::{Channel, Run, parquet};
@@ -41,6 +44,10 @@ fn all(rows: usize) {
     again("convert", &path);
     fs::remove_file(&path).expect("removed");
     again("read", &path.with_extension("parquet"));
+    fs::remove_file(path.with_extension("parquet")).expect("removed");
+    let path = path.with_extension("mf4");
+    write_mdf4(&path, rows);
+    again("read", &path);
     fs::remove_dir_all(&folder).expect("removed");
 }
 
@@ -67,6 +74,20 @@ fn write(path: &Path, rows: usize) {
         file.write_all(line.as_bytes()).expect("written");
     }
     file.flush().expect("written");
+}
+
+fn write_mdf4(path: &Path, rows: usize) {
+    let names: Vec<&str> = std::iter::once("time").chain(Channel::ALL.iter().map(|c| c.name())).collect();
+    let file = BufWriter::with_capacity(1 << 20, fs::File::create(path).expect("a file"));
+    mdf4::write(file, &names, rows, |row, numbers| {
+        numbers[0] = row as f64 / 500.0;
+        for (k, (channel, number)) in Channel::ALL.iter().zip(&mut numbers[1..]).enumerate() {
+            *number = match channel {
+                Channel::Trigger => f64::from(u8::from(row % 40_000 < 25)),
+                _ => ((row * (k + 7)) % 497) as f64 + (row % 9973) as f64 / 1e4,
+            };
+        }
+    });
 }
 
 fn read(path: &Path) {

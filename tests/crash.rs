@@ -196,11 +196,16 @@ impl Scene {
 
     /// Kills at every point, and looks at the next run after every `runs`th of them. How many points that were.
     fn kill_in_turn(&self, runs: usize) -> usize {
+        self.kill_at_every(1, runs)
+    }
+
+    /// Kills at every `points`th point only.
+    fn kill_at_every(&self, each: usize, runs: usize) -> usize {
         let begin = std::time::Instant::now();
         let points = self.calls();
         assert!(self.after == tree(self.at()), "{}: traced, it writes something else", self.name);
         let mut count = 0;
-        for point in &points {
+        for point in points.iter().step_by(each) {
             if !self.killed(point) {
                 continue;
             }
@@ -356,6 +361,13 @@ fn challenge() -> Scene {
     scene.with_old_outputs(|path| path.starts_with("cases/score.json") || path.starts_with("cases/score.md"))
 }
 
+/// A challenge of one case. It is simulated each time, so only some of its points are tried.
+fn new_challenge() -> Scene {
+    let arguments =
+        ["gap", "challenge", "new", "--cases", "1", "--only", "none", "--layout", "small.lss", "-o", "cases"];
+    Scene::new("new challenge", &arguments, |at| write(at, "small.lss", LAYOUT))
+}
+
 fn is_there(program: &str) -> bool {
     let found = Command::new(program).arg("--version").stdout(Stdio::null()).status().is_ok_and(|s| s.success());
     if !found {
@@ -384,7 +396,10 @@ fn every_file_is_the_old_one_or_the_new_one_whenever_a_run_is_killed() {
             let quick = quick.iter().map(|scene| scene.kill_in_turn(1)).sum::<usize>();
             quick + build().kill_in_turn(2)
         });
-        let models = scope.spawn(|| gap().kill_in_turn(1) + identify().kill_in_turn(4));
+        let models = scope.spawn(|| {
+            let kept = gap().kill_in_turn(1) + identify().kill_in_turn(4);
+            kept + new_challenge().kill_at_every(5, 3)
+        });
         [files, models].map(|part| part.join().expect("no panic")).iter().sum()
     });
     assert!(count >= LEAST, "{count} points");

@@ -6,5 +6,5 @@ use lss::signal::mdf4;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = mdf4::read(bytes, Path::new("run.mf4")).map_err(|why| why.to_string());
+    let _ = mdf4::read(std::io::Cursor::new(bytes), Path::new("run.mf4")).map_err(|why| why.to_string());
 });

@@ -8,10 +8,12 @@ use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reade
 use ::parquet::data_type::{DataType, DoubleType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::properties::WriterProperties;
-use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
+use ::parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
+use bytes::Bytes;
 use std::collections::BTreeMap;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -69,7 +71,7 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
 ) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
     let malformed = |why: ParquetError| error(Problem::Malformed(why.to_string()));
-    let reader = SerializedFileReader::new(data).map_err(malformed)?;
+    let reader = SerializedFileReader::new(Ended(data)).map_err(malformed)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut names = schema.columns().iter().map(|c| c.path().string());
     if names.next().as_deref() != Some("time") {
@@ -125,7 +127,38 @@ pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
     Ok((time, channels))
 }
 
-/// Pages of a column, of which each that is coded by a dictionary has one: the reader takes that for granted.
+/// Data whose end is an error to read beyond. The decoder passes over fields that it does not know, and takes an end for bytes passed
+/// over: a length of 2³¹ in a torn header would keep it busy for minutes.
+struct Ended<R>(R);
+
+impl<R: Length> Length for Ended<R> {
+    fn len(&self) -> u64 {
+        self.0.len()
+    }
+}
+
+impl<R: ChunkReader> ChunkReader for Ended<R> {
+    type T = Ended<R::T>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        self.0.get_read(start).map(Ended)
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
+        self.0.get_bytes(start, length)
+    }
+}
+
+impl<R: Read> Read for Ended<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match self.0.read(bytes)? {
+            0 if !bytes.is_empty() => Err(io::ErrorKind::UnexpectedEof.into()),
+            size => Ok(size),
+        }
+    }
+}
+
+/// Pages of a column, of which each that is coded by a dictionary has one, and that as long as it says: the decoder takes both for granted.
 struct Checked {
     pages: Box<dyn PageReader>,
     has_dictionary: bool,
@@ -143,6 +176,10 @@ impl PageReader for Checked {
     fn get_next_page(&mut self) -> Result<Option<Page>, ParquetError> {
         let page = self.pages.get_next_page()?;
         match &page {
+            // The decoder makes room for as many as the header says.
+            Some(Page::DictionaryPage { buf, num_values, .. }) if *num_values as usize > buf.len() => {
+                return Err(ParquetError::General("a dictionary has less than its header says".to_owned()));
+            }
             Some(Page::DictionaryPage { .. }) => self.has_dictionary = true,
             #[allow(deprecated)]
             Some(page)

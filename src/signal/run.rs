@@ -79,7 +79,7 @@ impl Run {
         let unreadable = |why: InputError| RunError::unreadable(path, why);
         let (time, channels) = match ending(path).as_deref() {
             Some("csv") => csv::read_from(bounded(data.map_err(unreadable)?, path)?, path)?,
-            Some("mf4") => mdf4::read(&bytes(data.map_err(unreadable)?, path)?, path)?,
+            Some("mf4") => mdf4::read(bounded(data.map_err(unreadable)?, path)?, path)?,
             Some("parquet") => parquet::read(data.map_err(unreadable)?, path)?,
             _ => return Err(error(Problem::foreign(path).unwrap_or(Problem::UnknownFormat))),
         };
@@ -141,11 +141,6 @@ impl Run {
         }
         said
     }
-}
-
-/// All of an open data file; `path` is named in errors.
-pub(crate) fn bytes(data: File, path: &Path) -> Result<Vec<u8>, RunError> {
-    input::all(data, DATA_LIMIT).map_err(|why| RunError::unreadable(path, why))
 }
 
 /// An open data file that is read piece by piece.

@@ -14,18 +14,19 @@ mod records;
 use super::csv::Columns;
 use super::{Channel, Problem, RunError, run};
 use blocks::{Block, Blocks};
-use records::Records;
+use records::{Reader, Records};
 use std::collections::BTreeMap;
+use std::io::{Read, Seek};
 use std::path::Path;
 
 /// Why bytes are no MDF4 that can be read.
 type Torn = String;
 
 /// A group of channels that were sampled together.
-struct Group<'a> {
-    records: Records<'a>,
-    time: Option<Block<'a>>,
-    channels: Vec<(Channel, Block<'a>)>,
+struct Group {
+    records: Records,
+    time: Option<Block>,
+    channels: Vec<(Channel, Block)>,
 }
 
 /// Reads a data file; `file` is named in errors. A channel called `time`, `t` or `timestamp`, or the master, is time; the
@@ -35,9 +36,9 @@ struct Group<'a> {
 ///
 /// The first of what [`Problem`] lists, with the number of the sample and the channel. [`Problem::OtherTimeBase`] for a
 /// channel outside the group that holds most, unless its times are the same ones: to resample would be to guess.
-pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
+pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
     let torn = |why: Torn| RunError::new(file, Problem::Malformed(why));
-    let blocks = Blocks::new(bytes).map_err(torn)?;
+    let blocks = Blocks::new(data).map_err(torn)?;
     let mut groups = Vec::new();
     let mut taken = Vec::new();
     for records in Records::all(&blocks).map_err(torn)? {
@@ -55,23 +56,25 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
         let at = |problem| RunError::new(file, problem).column(first.name());
         let rows = usize::try_from(group.records.count).unwrap_or(usize::MAX);
         run::room(rows, taken.len() + 1, run::MOST_NUMBERS).map_err(at)?;
-        let bytes = group.records.bytes(&blocks).map_err(|why| torn(why).column(first.name()))?;
         let Some(time) = &group.time else {
             return Err(at(Problem::Malformed("its group has no channel of time".to_owned())));
         };
-        let samples = |channel: &Block, name| {
-            records::samples(&blocks, channel, &group.records, &bytes)
-                .map_err(|problem| RunError::new(file, problem).column(name))
+        let reader = |channel: &Block, name| {
+            Reader::new(&blocks, channel, &group.records).map_err(|problem| RunError::new(file, problem).column(name))
         };
-        let time = samples(time, "time")?;
+        let mut readers = vec![reader(time, "time")?];
+        for (channel, block) in &group.channels {
+            readers.push(reader(block, channel.name())?);
+        }
+        let read = records::samples(&blocks, &group.records, readers);
+        let mut columns = read.map_err(|why| torn(why).column(first.name()))?.into_iter();
+        let time = columns.next().unwrap_or_default();
         match &base {
             Some(base) if !same(base, &time) => return Err(at(Problem::OtherTimeBase)),
             Some(_) => {}
             None => base = Some(time),
         }
-        for (channel, block) in &group.channels {
-            channels.insert(*channel, samples(block, channel.name())?);
-        }
+        channels.extend(group.channels.iter().map(|(channel, _)| *channel).zip(columns));
     }
     let time = base.ok_or_else(|| RunError::new(file, Problem::TooFewSamples))?;
     run::check(&time, &channels, file, 1)?;
@@ -80,12 +83,12 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
 }
 
 /// Tells a group's channels by their names; those of groups before it are `taken`.
-fn group<'a>(
-    blocks: &Blocks<'a>,
-    records: Records<'a>,
+fn group<R: Read + Seek>(
+    blocks: &Blocks<R>,
+    records: Records,
     taken: &mut Vec<Channel>,
     file: &Path,
-) -> Result<Group<'a>, RunError> {
+) -> Result<Group, RunError> {
     let torn = |why: Torn| RunError::new(file, Problem::Malformed(why));
     let mut group = Group { records, time: None, channels: Vec::new() };
     let mut named = None;
@@ -114,7 +117,7 @@ fn group<'a>(
 }
 
 /// That a channel's unit, when it or its conversion names one, is this.
-fn unit(blocks: &Blocks, channel: &Block, expected: &'static str) -> Result<(), Problem> {
+fn unit<R: Read + Seek>(blocks: &Blocks<R>, channel: &Block, expected: &'static str) -> Result<(), Problem> {
     let mut found = blocks.text(channel.link(6)).map_err(Problem::Malformed)?;
     if found.is_empty() && channel.link(4) != 0 {
         let conversion = blocks.block(channel.link(4), b"##CC").map_err(Problem::Malformed)?;
@@ -146,7 +149,7 @@ mod tests {
     const FRAGMENTS: &[u8] = include_bytes!("../../../tests/fixtures/mdf4/fragments.mf4");
 
     fn back(bytes: &[u8]) -> Result<Columns, RunError> {
-        read(bytes, Path::new("run.mf4"))
+        read(std::io::Cursor::new(bytes), Path::new("run.mf4"))
     }
 
     /// Columns in bits, with one NaN for all.
@@ -167,13 +170,13 @@ mod tests {
     }
 
     #[test]
-    fn blocks_that_unpack_to_more_than_the_limit_are_refused() {
+    fn a_block_that_unpacks_to_more_than_the_limit_is_refused() {
         let mut bytes = DEFLATED.to_vec();
         let block = bytes.windows(4).position(|w| w == b"##DZ").expect("a compressed block");
         // What it holds unpacked.
         bytes[block + 32..block + 40].copy_from_slice(&(3_u64 << 30).to_le_bytes());
         let told = back(&bytes).expect_err("too large").to_string();
-        assert!(told.contains("its compressed blocks hold more than 2048 MiB"), "{told}");
+        assert!(told.contains("a compressed block holds more than 64 MiB"), "{told}");
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! Records: what the channels of a group measured at one time, side by side.
 
-use super::blocks::{Block, Blocks};
+use super::blocks::{Block, Blocks, Recorded};
 use super::{Problem, Torn};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::{Read, Seek};
 
 pub const MASTER: u8 = 2;
 pub const VIRTUAL_MASTER: u8 = 3;
@@ -11,7 +11,7 @@ const FIXED: u8 = 0;
 const VIRTUAL: u8 = 6;
 
 /// The records of a channel group.
-pub struct Records<'a> {
+pub struct Records {
     /// The address of the group's first channel.
     pub first_channel: u64,
     /// How many there are.
@@ -19,17 +19,23 @@ pub struct Records<'a> {
     /// Bytes of the channels, then of the invalidation bits.
     data: usize,
     invalid: usize,
-    /// The block of the data group, and what its records are marked with when several groups share it.
-    home: Block<'a>,
+    /// Where the data group's blocks begin: of data, and of groups.
+    recorded: u64,
+    groups: u64,
+    /// Bytes of the mark before each record, 0 where one group has all, and this group's.
+    mark: u8,
     id: u64,
 }
 
 /// A channel group whose records hold one value of any length each.
 const VARIABLE: u16 = 1;
 
-impl<'a> Records<'a> {
+/// Bytes of records that are held at a time.
+const HELD: usize = 1 << 20;
+
+impl Records {
     /// Of all groups of a file.
-    pub fn all(blocks: &Blocks<'a>) -> Result<Vec<Records<'a>>, Torn> {
+    pub fn all<R: Read + Seek>(blocks: &Blocks<R>) -> Result<Vec<Records>, Torn> {
         let mut all = Vec::new();
         for home in blocks.chain(blocks.header()?.link(0), b"##DG")? {
             for group in blocks.chain(home.link(1), b"##CG")? {
@@ -40,7 +46,9 @@ impl<'a> Records<'a> {
                         count: layout.count,
                         data: layout.data,
                         invalid: layout.invalid,
-                        home,
+                        recorded: home.link(2),
+                        groups: home.link(1),
+                        mark: home.u8(0).unwrap_or(u8::MAX),
                         id: layout.id,
                     });
                 }
@@ -54,55 +62,112 @@ impl<'a> Records<'a> {
         self.data + self.invalid
     }
 
-    /// The records, one behind the other.
-    pub fn bytes(&self, blocks: &Blocks<'a>) -> Result<Cow<'a, [u8]>, Torn> {
+    /// Gives the records to `take` in their order, many at a time, one behind the other.
+    fn each<R: Read + Seek>(&self, blocks: &Blocks<R>, mut take: impl FnMut(&[u8])) -> Result<(), Torn> {
+        let mut recorded = blocks.recorded(self.recorded)?;
+        let size = self.size();
         let torn = || "the data end before the last record".to_owned();
-        let length = usize::try_from(self.count).ok().and_then(|n| n.checked_mul(self.size())).ok_or_else(torn)?;
-        let mut bytes = blocks.recorded(self.home.link(2))?;
-        if self.home.u8(0) != Some(0) {
-            bytes = Cow::Owned(self.sorted(blocks, &bytes)?);
-        }
+        let all = self.count.checked_mul(size as u64).ok_or_else(torn)?;
         // Records without a byte, of channels that are only counted, would have no end.
-        if bytes.len() < length || self.size() == 0 {
+        if recorded.left() < all || size == 0 {
             return Err(torn());
         }
-        Ok(match bytes {
-            Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length]),
-            Cow::Owned(mut bytes) => {
-                bytes.truncate(length);
-                Cow::Owned(bytes)
+        if self.mark != 0 {
+            return self.sorted(blocks, recorded, take);
+        }
+        let mut held = vec![0; (HELD / size).max(1) * size];
+        let mut left = all;
+        while left > 0 {
+            let next = usize::try_from(left).unwrap_or(usize::MAX).min(held.len());
+            if recorded.read(&mut held[..next])? < next {
+                return Err(torn());
             }
-        })
+            take(&held[..next]);
+            left -= next as u64;
+        }
+        Ok(())
     }
 
     /// This group's records of those of several groups, each behind its mark.
-    fn sorted(&self, blocks: &Blocks, bytes: &[u8]) -> Result<Vec<u8>, Torn> {
+    fn sorted<R: Read + Seek>(
+        &self,
+        blocks: &Blocks<R>,
+        recorded: Recorded<R>,
+        mut take: impl FnMut(&[u8]),
+    ) -> Result<(), Torn> {
         let mut layouts = BTreeMap::new();
-        for group in blocks.chain(self.home.link(1), b"##CG")? {
+        for group in blocks.chain(self.groups, b"##CG")? {
             let layout = layout(&group).ok_or("a channel group is torn")?;
             layouts.insert(layout.id, layout);
         }
-        let width = match self.home.u8(0) {
-            Some(width @ (1 | 2 | 4 | 8)) => usize::from(width),
-            _ => return Err("records are marked in an unknown way".to_owned()),
-        };
-        let (mut own, mut rest) = (Vec::new(), bytes);
-        while let Some((mark, behind)) = rest.split_at_checked(width)
-            && !mark.is_empty()
-        {
+        if !matches!(self.mark, 1 | 2 | 4 | 8) {
+            return Err("records are marked in an unknown way".to_owned());
+        }
+        let mut rest = Window::new(recorded);
+        let mut left = self.count;
+        while left > 0 {
+            let Some(mark) = rest.next(usize::from(self.mark))? else { break };
             let id = mark.iter().rev().fold(0, |id, &b| id << 8 | u64::from(b));
             let layout = layouts.get(&id).ok_or("a record belongs to no group")?;
-            let (size, behind) = match behind.first_chunk::<4>() {
-                Some(size) if layout.variable => (u32::from_le_bytes(*size) as usize, &behind[4..]),
-                _ => (layout.data + layout.invalid, behind),
+            let size = if layout.variable {
+                match rest.next(4)?.and_then(|size| size.first_chunk::<4>()) {
+                    Some(size) => u64::from(u32::from_le_bytes(*size)),
+                    None => break,
+                }
+            } else {
+                (layout.data + layout.invalid) as u64
             };
-            let Some((record, behind)) = behind.split_at_checked(size) else { break };
             if id == self.id {
-                own.extend_from_slice(record);
+                let Some(record) = rest.next(self.size())? else { break };
+                take(record);
+                left -= 1;
+            } else if !rest.skip(size)? {
+                break;
             }
-            rest = behind;
         }
-        Ok(own)
+        if left > 0 { Err("the data end before the last record".to_owned()) } else { Ok(()) }
+    }
+}
+
+/// What is recorded, a few bytes at a time.
+struct Window<'a, R> {
+    recorded: Recorded<'a, R>,
+    held: Vec<u8>,
+    at: usize,
+}
+
+impl<'a, R: Read + Seek> Window<'a, R> {
+    fn new(recorded: Recorded<'a, R>) -> Self {
+        Window { recorded, held: Vec::new(), at: 0 }
+    }
+
+    /// The next bytes, if so many are left.
+    fn next(&mut self, size: usize) -> Result<Option<&[u8]>, Torn> {
+        if self.held.len() - self.at < size {
+            self.held.drain(..self.at);
+            self.at = 0;
+            let there = self.held.len();
+            // What is longer than the file can hold is not asked for.
+            let wanted = size.max(HELD).min(there.saturating_add(usize::try_from(self.recorded.left()).unwrap_or(usize::MAX)));
+            self.held.resize(wanted.max(there), 0);
+            let read = self.recorded.read(&mut self.held[there..])?;
+            self.held.truncate(there + read);
+        }
+        let found = self.held.get(self.at..self.at + size);
+        self.at += found.map_or(0, <[u8]>::len);
+        Ok(found)
+    }
+
+    /// Passes bytes over; false when fewer are left.
+    fn skip(&mut self, mut size: u64) -> Result<bool, Torn> {
+        while size > 0 {
+            let part = usize::try_from(size).unwrap_or(usize::MAX).min(HELD);
+            if self.next(part)?.is_none() {
+                return Ok(false);
+            }
+            size -= part as u64;
+        }
+        Ok(true)
     }
 }
 
@@ -148,42 +213,85 @@ fn field(channel: &Block) -> Option<Field> {
     })
 }
 
-/// A channel's samples in its unit, NaN where one is invalid.
-pub fn samples(blocks: &Blocks, channel: &Block, records: &Records, bytes: &[u8]) -> Result<Vec<f64>, Problem> {
-    let torn = || Problem::Malformed("the channel lies outside its records".to_owned());
-    let field = field(channel).ok_or_else(torn)?;
-    if channel.link(1) != 0 {
-        return Err(Problem::NotANumber("an array or a structure".to_owned()));
-    }
-    if field.number > 5 || !matches!(field.kind, FIXED | MASTER | VIRTUAL_MASTER | VIRTUAL) {
-        return Err(Problem::NotANumber("text or bytes".to_owned()));
-    }
-    let convert = conversion(blocks, channel.link(4)).map_err(Problem::Malformed)?;
-    let counted = matches!(field.kind, VIRTUAL_MASTER | VIRTUAL);
-    let float = matches!(field.number, 4 | 5);
-    if !counted && (field.bits == 0 || field.bits > 64 || field.bit > 7 || float && !matches!(field.bits, 32 | 64)) {
-        return Err(Problem::Malformed(format!("numbers of {} bits are not known", field.bits)));
-    }
-    let width = (field.bit + field.bits).div_ceil(8) as usize;
-    let mut samples = Vec::with_capacity(bytes.len() / records.size().max(1));
-    for (i, record) in bytes.chunks_exact(records.size().max(1)).enumerate() {
-        let valid = match field.flags & 3 {
-            0 => true,
-            flags if flags & 1 != 0 => false,
-            _ => {
-                let byte = record.get(records.data + field.invalid_bit / 8).ok_or_else(torn)?;
-                byte >> (field.invalid_bit % 8) & 1 == 0
+/// A channel whose samples can be read from records.
+pub struct Reader {
+    field: Field,
+    convert: Conversion,
+    /// The bytes of a record in which a number stands; none of one that is only counted.
+    bytes: Option<std::ops::Range<usize>>,
+    /// The byte and the bit that say whether a sample is lost, where the channel has them.
+    lost: Option<(usize, usize)>,
+    samples: Vec<f64>,
+}
+
+impl Reader {
+    /// # Errors
+    ///
+    /// When the channel is no number, or lies outside its records.
+    pub fn new<R: Read + Seek>(blocks: &Blocks<R>, channel: &Block, records: &Records) -> Result<Reader, Problem> {
+        let torn = || Problem::Malformed("the channel lies outside its records".to_owned());
+        let field = field(channel).ok_or_else(torn)?;
+        if channel.link(1) != 0 {
+            return Err(Problem::NotANumber("an array or a structure".to_owned()));
+        }
+        if field.number > 5 || !matches!(field.kind, FIXED | MASTER | VIRTUAL_MASTER | VIRTUAL) {
+            return Err(Problem::NotANumber("text or bytes".to_owned()));
+        }
+        let convert = conversion(blocks, channel.link(4)).map_err(Problem::Malformed)?;
+        let counted = matches!(field.kind, VIRTUAL_MASTER | VIRTUAL);
+        let float = matches!(field.number, 4 | 5);
+        if !counted && (field.bits == 0 || field.bits > 64 || field.bit > 7 || float && !matches!(field.bits, 32 | 64))
+        {
+            return Err(Problem::Malformed(format!("numbers of {} bits are not known", field.bits)));
+        }
+        let within = |from: usize, size: usize, end: usize| {
+            from.checked_add(size).filter(|&to| to <= end).map(|to| from..to).ok_or_else(torn)
+        };
+        let width = (field.bit + field.bits).div_ceil(8) as usize;
+        let bytes = if counted { None } else { Some(within(field.byte, width, records.data)?) };
+        let lost = match field.flags & 3 {
+            2 => {
+                let byte = within(field.invalid_bit / 8, 1, records.invalid)?.start;
+                Some((records.data + byte, field.invalid_bit % 8))
             }
+            _ => None,
         };
-        let raw = if counted {
-            i as f64
-        } else {
-            let end = field.byte.checked_add(width).filter(|&end| end <= records.data).ok_or_else(torn)?;
-            number(record.get(field.byte..end).ok_or_else(torn)?, &field)
-        };
-        samples.push(if valid { convert.physical(raw) } else { f64::NAN });
+        Ok(Reader { field, convert, bytes, lost, samples: Vec::new() })
     }
-    Ok(samples)
+
+    /// Appends the samples of records that stand one behind the other: in the channel's unit, NaN where one is lost.
+    fn read(&mut self, records: &[u8], size: usize) {
+        let Reader { field, convert, bytes, lost, samples } = self;
+        let first = samples.len();
+        samples.extend(records.chunks_exact(size).enumerate().map(|(i, record)| {
+            let valid = field.flags & 1 == 0
+                && lost.is_none_or(|(byte, bit)| record.get(byte).is_some_and(|b| b >> bit & 1 == 0));
+            let raw = match bytes {
+                Some(bytes) => record.get(bytes.clone()).map_or(f64::NAN, |bytes| number(bytes, field)),
+                None => (first + i) as f64,
+            };
+            if valid { convert.physical(raw) } else { f64::NAN }
+        }));
+    }
+}
+
+/// The samples of channels, from one passage through the group's records.
+pub fn samples<R: Read + Seek>(
+    blocks: &Blocks<R>,
+    records: &Records,
+    mut channels: Vec<Reader>,
+) -> Result<Vec<Vec<f64>>, Torn> {
+    let count = usize::try_from(records.count).unwrap_or(usize::MAX);
+    records.each(blocks, |bytes| {
+        for channel in &mut channels {
+            // Only now is it known that the file holds so many; grown by doubling, they would take up to twice as much.
+            if channel.samples.is_empty() {
+                channel.samples.reserve_exact(count);
+            }
+            channel.read(bytes, records.size());
+        }
+    })?;
+    Ok(channels.into_iter().map(|channel| channel.samples).collect())
 }
 
 /// A number of up to 64 bits in up to nine bytes.
@@ -211,7 +319,7 @@ enum Conversion {
     Rational([f64; 6]),
 }
 
-fn conversion(blocks: &Blocks, address: u64) -> Result<Conversion, Torn> {
+fn conversion<R: Read + Seek>(blocks: &Blocks<R>, address: u64) -> Result<Conversion, Torn> {
     if address == 0 {
         return Ok(Conversion::None);
     }
@@ -288,9 +396,30 @@ mod tests {
         let mut header = Vec::new();
         block(&mut header, "##HD", &[home, 0, 0], &[]);
         file[64..64 + header.len()].copy_from_slice(&header);
-        let (time, channels) = super::super::read(&file, Path::new("run.mf4")).expect("a run");
+        let (time, channels) = super::super::read(std::io::Cursor::new(file), Path::new("run.mf4")).expect("a run");
         assert_eq!(time, [0.0, 1.0, 2.0]);
         assert_eq!(channels[&Channel::SteerLeft], [-1.0, 1000.0, -2048.0]);
         assert_eq!(channels[&Channel::Trigger], records.map(|r| f64::from(r[1] >> 7)));
+    }
+
+    /// Each of the blocks is within the limit, and takes some bytes of the file.
+    #[test]
+    fn blocks_that_unpack_to_more_than_the_limit_are_refused() {
+        let mut file = b"MDF     4.10    lss     \0\0\0\0\x9a\x01".to_vec();
+        file.resize(64 + 24 + 48, 0);
+        let time = channel(&mut file, 0, "time", [2, 4, 0, 0, 64]);
+        let joint = channel(&mut file, time, "joint_xi", [0, 4, 0, 0, 64]);
+        let own = group(&mut file, 0, joint, [0, 100, 0, 8]);
+        let mut packed = [0; 24];
+        packed[8..16].copy_from_slice(&(64_u64 << 20).to_le_bytes());
+        let links: Vec<u64> =
+            std::iter::once(0).chain((0..65).map(|_| block(&mut file, "##DZ", &[], &packed))).collect();
+        let list = block(&mut file, "##DL", &links, &[0; 16]);
+        let home = block(&mut file, "##DG", &[0, own, list, 0], &[0; 8]);
+        let mut header = Vec::new();
+        block(&mut header, "##HD", &[home, 0, 0], &[]);
+        file[64..64 + header.len()].copy_from_slice(&header);
+        let told = super::super::read(std::io::Cursor::new(file), Path::new("run.mf4")).expect_err("too large");
+        assert!(told.to_string().contains("its compressed blocks hold more than 4096 MiB"), "{told}");
     }
 }
