@@ -12,10 +12,12 @@ use ::parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileRea
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 use bytes::Bytes;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, Read};
+use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 /// The data file: one row group, snappy, the same bytes for the same run. Samples are rounded as [`super::csv::write`]
 /// does, so that a run says the same in both formats.
@@ -65,6 +67,37 @@ pub fn read<R: ChunkReader + 'static>(data: R, file: &Path) -> Result<Columns, R
 ///
 /// As [`read`], and what `pick` says.
 pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
+    data: R,
+    file: &Path,
+    pick: Pick<C>,
+) -> Result<Columns<C>, RunError> {
+    let torn = || RunError::new(file, Problem::Malformed("the decoder stopped at bytes that make no sense".to_owned()));
+    quietly(|| decode(data, file, pick)).unwrap_or_else(|| Err(torn()))
+}
+
+thread_local! {
+    /// Whether a panic of this thread is told by an error.
+    static QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// What `work` returns, or nothing where it panics: the decoder asserts what a torn file need not hold.
+fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = panic::take_hook();
+        panic::set_hook(Box::new(move |what| {
+            if !QUIET.get() {
+                before(what);
+            }
+        }));
+    });
+    QUIET.set(true);
+    let done = panic::catch_unwind(AssertUnwindSafe(work));
+    QUIET.set(false);
+    done.ok()
+}
+
+fn decode<C: run::Column, R: ChunkReader + 'static>(
     data: R,
     file: &Path,
     pick: Pick<C>,

@@ -58,7 +58,7 @@ pub struct Simulate {
     /// Print every parameter that --set knows, with its value, instead of simulating.
     #[arg(long)]
     list_parameters: bool,
-    /// OutputFormat of the run's data file.
+    /// Format of the run's data file.
     #[arg(long, value_enum, default_value_t)]
     run_format: RunFormat,
     /// How the summary is written to standard output.

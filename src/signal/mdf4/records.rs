@@ -148,7 +148,8 @@ impl<'a, R: Read + Seek> Window<'a, R> {
             self.at = 0;
             let there = self.held.len();
             // What is longer than the file can hold is not asked for.
-            let wanted = size.max(HELD).min(there.saturating_add(usize::try_from(self.recorded.left()).unwrap_or(usize::MAX)));
+            let wanted =
+                size.max(HELD).min(there.saturating_add(usize::try_from(self.recorded.left()).unwrap_or(usize::MAX)));
             self.held.resize(wanted.max(there), 0);
             let read = self.recorded.read(&mut self.held[there..])?;
             self.held.truncate(there + read);

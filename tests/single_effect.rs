@@ -1,0 +1,54 @@
+//! A chain with one effect is told to have that one: simulated runs are diagnosed end to end. It takes a minute or two:
+//! `cargo test --release --test single_effect -- --ignored`.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+fn lss(at: &Path, arguments: &[&str]) {
+    let output = Command::new(env!("CARGO_BIN_EXE_lss")).args(arguments).current_dir(at).output().expect("lss runs");
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Three runs of `truth.lss` at two speeds and three tensions, as a campaign of `oval.lss`.
+fn campaign(at: &Path) {
+    let mut list = "layout = \"oval.lss\"\n".to_owned();
+    for (run, (speed, tension)) in [("1.8m/s", "500N"), ("1.44m/s", "600N"), ("1.8m/s", "400N")].iter().enumerate() {
+        let out = format!("run-{run}");
+        lss(at, &["simulate", "truth.lss", "--speed", speed, "--tension", tension, "-o", &out]);
+        let sidecar = fs::read_to_string(at.join(&out).join("run-01.toml")).expect("a sidecar");
+        fs::write(at.join(format!("campaign/{run}.toml")), sidecar.replace("simulation.json", "oval.lss"))
+            .expect("written");
+        fs::rename(at.join(out).join("run-01.csv"), at.join(format!("campaign/{run}.csv"))).expect("moved");
+        list += &format!("[[run]]\nfile = \"{run}.csv\"\n");
+    }
+    fs::write(at.join("campaign/campaign.toml"), list).expect("written");
+}
+
+#[test]
+#[ignore = "takes a minute or two"]
+fn clearance_of_the_joints_alone_is_one_effect() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let oval = include_str!("../benches/identify/layouts/oval.lss");
+    fs::create_dir(at.join("campaign")).expect("a folder");
+    fs::write(at.join("campaign/oval.lss"), oval).expect("written");
+    let end = oval.rfind('}').expect("the layout's end");
+    let truth = format!("{}  effect joint_clearance(gap: 0.2 mm)\n}}\n", &oval[..end]);
+    fs::write(at.join("truth.lss"), truth).expect("written");
+    campaign(at);
+    lss(at, &["gap", "diagnose", "campaign", "-o", "out", "--apply"]);
+
+    let gap: Value = serde_json::from_slice(&fs::read(at.join("out/gap.json")).expect("gap.json")).expect("JSON");
+    assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
+    let named = &gap["effects"][0];
+    assert_eq!(named["name"], "joint_clearance");
+    let strength = &named["strength"]["gap"];
+    let [low, high] = ["low", "high"].map(|end| strength[end].as_f64().expect("an interval"));
+    assert!(low > 0.0 && low <= 0.2e-3 && high >= 0.2e-3, "{strength}");
+    let applied = fs::read_to_string(at.join("out/oval-gap.lss")).expect("a layout");
+    assert_eq!(applied.matches("effect ").count(), 1, "{applied}");
+}
