@@ -140,8 +140,8 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         channel: channel.into(),
         band: Band::Track,
         index: k % 60,
-        from: 1000 * (k as u64 % 60),
-        to: 1000 * (k as u64 % 60 + 1),
+        from: 1000 * (k as i64 % 60),
+        to: 1000 * (k as i64 % 60 + 1),
     };
     let frames = (0..RUNS)
         .map(|run| {

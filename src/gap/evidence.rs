@@ -355,7 +355,7 @@ mod tests {
     fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {
         let features = measured.len();
         let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as u64, to: k as u64 + 1 };
+            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
         Frame {
             run: "run".into(),
             labels: (0..features).map(label).collect(),

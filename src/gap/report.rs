@@ -331,7 +331,7 @@ fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
 fn places(court: &Court, shown: Option<&Judged>, axis: Axis) -> Vec<Place> {
-    let mut excess: BTreeMap<(String, Band, u64, u64), f64> = BTreeMap::new();
+    let mut excess: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in court.simulator.frames().iter().enumerate() {
         let evidence = &shown.map_or(&court.evidence[..], |j| j.evidence(court))[run];

@@ -120,7 +120,7 @@ mod tests {
         let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
         let measured = noise().into_iter().zip(ramp()).map(|(x, r)| x + size * r).collect();
         let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as u64, to: k as u64 + 1 };
+            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
         Frame {
             run: "run".into(),
             labels: (0..FEATURES).map(label).collect(),

@@ -192,8 +192,8 @@ pub struct Label {
     /// Of the features of its channel and band, counted along the track or in time.
     pub index: usize,
     /// Extent in mm along the track (or ms in time), so that labels sort.
-    pub from: u64,
-    pub to: u64,
+    pub from: i64,
+    pub to: i64,
 }
 
 /// Which kind of deviation a feature tells of.

@@ -192,7 +192,7 @@ mod tests {
         };
         let label = |k: usize| {
             let band = if k < HALF { Band::Track } else { Band::Distribution };
-            Label { channel: "a".into(), band, index: k % HALF, from: k as u64, to: k as u64 + 1 }
+            Label { channel: "a".into(), band, index: k % HALF, from: k as i64, to: k as i64 + 1 }
         };
         let truth = 30.0;
         let frame = Frame {

@@ -266,10 +266,12 @@ fn table(places: &[&Place]) -> Markup {
         )
         .replace(" %,", "%,")
     };
+    let rest = 1.0 - total(&|_| true);
     html! {
         h3 { "By channel and kind of deviation" }
+        @if rest > 0.005 { p.quiet { "The " (places.len()) " largest parts are counted. Smaller ones hold the other " (percent(rest)) "." } }
         div.scroll { table.heat {
-            thead { tr { th { "channel" } @for b in &bands { th.number { (b) } } th.number { "all" } } }
+            thead { tr { th { "channel" } @for b in &bands { th.number { (b) } } th.number { "sum" } } }
             tbody {
                 @for (channel, all) in &channels {
                     tr {
@@ -282,7 +284,7 @@ fn table(places: &[&Place]) -> Markup {
                     }
                 }
                 @if channels.len() > 1 {
-                    tr.sum { td { "all" } @for b in &bands { td.number { (percent(total(&|k| k.1 == *b))) } } td.number { (percent(total(&|_| true))) } }
+                    tr.sum { td { "sum" } @for b in &bands { td.number { (percent(total(&|k| k.1 == *b))) } } td.number { (percent(total(&|_| true))) } }
                 }
             }
         } }

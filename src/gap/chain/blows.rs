@@ -105,7 +105,7 @@ pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
 
 /// Where cells begin, those in which channels are worst first, m.
 fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
-    let mut cells: BTreeMap<u64, f64> = BTreeMap::new();
+    let mut cells: BTreeMap<i64, f64> = BTreeMap::new();
     for (frame, run) in frames.iter().zip(runs) {
         let residual = frame.residual(&frame.nominal);
         for (k, block) in run.landing.blocks.iter().enumerate().filter(|(k, _)| residual[*k].is_finite()) {
@@ -117,7 +117,7 @@ fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
             }
         }
     }
-    let mut cells: Vec<(u64, f64)> = cells.into_iter().collect();
+    let mut cells: Vec<(i64, f64)> = cells.into_iter().collect();
     cells.sort_by(|a, b| b.1.total_cmp(&a.1));
     cells.into_iter().map(|(at, _)| at as f64 / 1e3).collect()
 }

@@ -77,15 +77,15 @@ fn bounds(run: &Fitted, j: usize) -> (f64, f64) {
     (share(low), share(high))
 }
 
-fn lap_mm(run: &Fitted) -> u64 {
-    (1e3 * run.model.recipe.places.lap).round() as u64
+fn lap_mm(run: &Fitted) -> i64 {
+    (1e3 * run.model.recipe.places.lap).round() as i64
 }
 
 fn labels(run: &Fitted) -> Vec<Label> {
     let places = &run.model.recipe.places;
     let mut counted: BTreeMap<Block, usize> = BTreeMap::new();
     let lap = lap_mm(run);
-    let mm = |x: f64| (1e3 * x).round() as u64;
+    let mm = |x: f64| (1e3 * x).round() as i64;
     let one = |block: &Block| {
         let count = counted.entry(*block).or_default();
         let index = *count;

@@ -193,7 +193,7 @@ impl<'a> Tilts<'a> {
 pub fn extend(frame: &mut Frame, run: &Fitted) {
     let (lap, count) = (run.model.recipe.places.lap, run.blows.len());
     let length = lap / blows::parts(lap) as f64;
-    let mm = |x: f64| (1e3 * x.min(lap)).round() as u64;
+    let mm = |x: f64| (1e3 * x.min(lap)).round() as i64;
     for (k, blow) in run.blows.iter().enumerate() {
         let index = run.blows[..k].iter().filter(|other| other.force == blow.force).count();
         let from = blow.part as f64 * length;

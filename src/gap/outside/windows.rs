@@ -63,9 +63,7 @@ impl Windows {
 
     /// What the features are about: all windows of a channel, then the next channel's.
     pub fn labels<'a>(&self, channels: impl Iterator<Item = &'a String>) -> Vec<Label> {
-        // Labels have no sign.
-        let zero = self.edges.first().copied().unwrap_or_default().min(0.0);
-        let ms = |t: f64| (1e3 * (t - zero)).round() as u64;
+        let ms = |t: f64| (1e3 * t).round() as i64;
         let of = |channel: &String| {
             let label = |(index, w): (usize, &[f64])| Label {
                 channel: channel.clone(),
