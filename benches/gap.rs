@@ -9,12 +9,12 @@
 #[path = "common/track.rs"]
 mod track;
 
+use lss::base::random::normal;
 use lss::dynamics::{End, Plan, Width, simulate};
 use lss::emit::simulation::{Effect, Simulation};
 use lss::gap::chain::Chains;
 use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Simulator, diagnose};
 use lss::identify::Parameter;
-use lss::identify::noise::normal;
 use lss::identify::study::Subject;
 use lss::signal::Run;
 use std::sync::Mutex;

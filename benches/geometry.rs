@@ -1,7 +1,7 @@
 //! `cargo bench --bench geometry`: contact areas against the number of obstacles, crossings against that of vertices.
 
 use divan::{Bencher, black_box};
-use lss::geometry::trig::TAU;
+use lss::base::trig::TAU;
 use lss::geometry::{Corner, Hand, Outline, Point, Polygon, Track, band_overlaps, outside_area, self_crossings};
 
 const HALF_WIDTH: f64 = 0.6;

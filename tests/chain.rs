@@ -440,7 +440,7 @@ fn a_joint_breaks_at_one_elongation_whatever_its_exponent() {
     for exponent in [1.0, 1.5] {
         let plain = with(&input("reference"), &[("joint.axial.exponent", exponent)]);
         let stiffness = plain.joint.axial.stiffness_n_per_m_n;
-        let at = |elongation: f64| stiffness * lss::geometry::trig::pow(elongation, exponent);
+        let at = |elongation: f64| stiffness * lss::base::trig::pow(elongation, exponent);
         for (elongation, breaks) in [(0.012, false), (0.032, true)] {
             let chain = chain(&with(&plain, &[("chain.tension_n", at(elongation))]), 10.0);
             let named = (0..chain.model.carts).any(|i| chain.forces.troubled(&chain.model, i).is_some());

@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use lss::geometry::trig::{TAU, sin};
+use lss::base::trig::{TAU, sin};
 use lss::signal::{Channel, Run, Sidecar, csv, parquet};
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::geometry::trig::{FRAC_PI_2, PI, TAU, acos, asin};
+use lss::base::trig::{FRAC_PI_2, PI, TAU, acos, asin};
 use lss::geometry::{Corner, Curve, Hand, Outline, Point, Polygon, Track, contact_area, outside_area, point_piece};
 use proptest::prelude::*;
 

@@ -3,12 +3,12 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use lss::base::random::normal;
+use lss::base::trig;
 use lss::gap::{
     Applied, Band, Bound, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict,
     diagnose,
 };
-use lss::geometry::trig;
-use lss::identify::noise::normal;
 use nalgebra::DMatrix;
 use std::sync::Mutex;
 

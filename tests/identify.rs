@@ -3,10 +3,10 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use assert_cmd::Command;
+use lss::base::random::normal;
 use lss::dynamics::{Plan, Width, simulate};
 use lss::emit::simulation::Simulation;
 use lss::identify::Parameter;
-use lss::identify::noise::normal;
 use lss::signal::{Channel, Run, csv};
 use serde_json::Value;
 use std::fs;

@@ -4,10 +4,11 @@
 
 use std::path::{Path, PathBuf};
 
+use lss::base::trig;
 use lss::diagnostic::{Code, Diagnostic};
 use lss::emit::Compiled;
 use lss::emit::dxf;
-use lss::geometry::{Point, Track, trig};
+use lss::geometry::{Point, Track};
 use lss::import::{self, Options, Plan, Unit};
 use lss::model::Layout;
 use lss::semantics::analyse;

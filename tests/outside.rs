@@ -3,10 +3,10 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use lss::base::random::normal;
+use lss::base::trig;
 use lss::gap::outside::{Error, Outside, Settings};
 use lss::gap::{Applied, Frame, Request, Simulator};
-use lss::geometry::trig;
-use lss::identify::noise::normal;
 use nalgebra::{DMatrix, DVector};
 use std::fmt::Write as _;
 use std::fs;

@@ -1,6 +1,6 @@
 //! Distances between pieces, loops that cross themselves, and bands that overlap themselves.
 
-use lss::geometry::trig::{PI, TAU, cos, sin};
+use lss::base::trig::{PI, TAU, cos, sin};
 use lss::geometry::{
     Corner, Piece, PieceKind, Point, Track, band_overlaps, piece_distance, point_piece, self_crossings,
 };

@@ -19,7 +19,7 @@ fn test() -> String {
     for i in 0..=10 {
         let d = 4e-5 * f64::from(i);
         let read = |force: f64| (force / 20.0).round() * 20.0;
-        text += &format!("axial,{d:.6},{}\n", read(2e8 * lss::geometry::trig::pow(d, 1.45)));
+        text += &format!("axial,{d:.6},{}\n", read(2e8 * lss::base::trig::pow(d, 1.45)));
         text += &format!("radial,{d:.6},{}\n", read(2.13e6 * d));
     }
     text

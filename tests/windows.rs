@@ -6,10 +6,10 @@
 #[path = "../benches/common/track.rs"]
 mod track;
 
+use lss::base::random::{normal, uniform};
 use lss::dynamics::{Plan, Width, simulate};
 use lss::emit::simulation::Simulation;
 use lss::identify::fit::fit;
-use lss::identify::noise::{normal, uniform};
 use lss::identify::{Measured, Model, Parameter, Settings};
 use lss::signal::{Channel, Run};
 

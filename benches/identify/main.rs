@@ -9,9 +9,10 @@
 #[path = "../common/track.rs"]
 mod track;
 
-use lss::dynamics::{End, Method, Plan, Width, parallel, simulate};
+use lss::base::parallel;
+use lss::base::random::{normal, uniform};
+use lss::dynamics::{End, Method, Plan, Width, simulate};
 use lss::emit::simulation::{ContactLaw, Simulation};
-use lss::identify::noise::{normal, uniform};
 use lss::identify::study::{Fitted, Subject, fit_run};
 use lss::identify::{COUNT, Parameter, Settings};
 use lss::signal::{Run, csv};

@@ -1,7 +1,13 @@
 //! What has no subject of its own: hashes, and the identity of this program.
 
 pub mod digest;
+pub mod json;
+pub mod number;
+pub mod parallel;
 mod program;
+pub mod random;
+pub mod student;
+pub mod trig;
 pub mod unique;
 
 pub use program::program;

@@ -1,7 +1,7 @@
 //! The runs of a campaign with the layouts they name.
 
 use super::{MessageFormat, Outcome, read, report};
-use crate::emit::number::fixed;
+use crate::base::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::identify::Measured;
 use crate::identify::groups::SetPoint;

@@ -2,9 +2,9 @@
 
 use super::build::length;
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
+use crate::base::number::{significant, trimmed};
+use crate::base::trig;
 use crate::emit::Files;
-use crate::emit::number::{significant, trimmed};
-use crate::geometry::trig;
 use crate::import::{self, Options, Plan, Unit, as_name};
 use crate::semantics::analyse;
 use crate::source::{self, DRAWING_LIMIT, InputError, LoadError, Loader, SourceMap, shown};

@@ -139,7 +139,7 @@ impl Chain {
     pub fn potential_energy(&self) -> f64 {
         let model = &self.model;
         let spring = |law: &super::law::Damped, depth: f64| {
-            law.stiffness * crate::geometry::trig::pow(depth.max(0.0), law.exponent + 1.0) / (law.exponent + 1.0)
+            law.stiffness * crate::base::trig::pow(depth.max(0.0), law.exponent + 1.0) / (law.exponent + 1.0)
         };
         (0..model.carts)
             .map(|i| {

@@ -121,6 +121,6 @@ fn raised<S: Simd>(x: Lane<S>, exponent: f64) -> Lane<S> {
     } else if exponent == 1.0 {
         x
     } else {
-        x.map(|x| crate::geometry::trig::pow(x, exponent))
+        x.map(|x| crate::base::trig::pow(x, exponent))
     }
 }

@@ -1,7 +1,7 @@
 //! The sampled speed controller: PID with one command for all motors and a zero-order hold (design: chain model).
 
 use super::model::Controller;
-use crate::geometry::trig;
+use crate::base::trig;
 use std::collections::VecDeque;
 
 /// The controller's memory.

@@ -1,6 +1,7 @@
 //! How a built chain may deviate from the nominal one: what effects set and forces read.
 
-use crate::geometry::{CentreLine, trig};
+use crate::base::trig;
+use crate::geometry::CentreLine;
 use nalgebra::Vector3;
 
 /// Deviations of a built chain. The default has none.

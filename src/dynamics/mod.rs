@@ -13,7 +13,6 @@ mod lanes;
 pub mod law;
 mod model;
 mod motors;
-pub mod parallel;
 pub mod parameters;
 mod reactions;
 mod run;

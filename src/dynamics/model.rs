@@ -151,8 +151,8 @@ impl Model {
         let (mass, tension) = (simulation.cart.mass_kg, simulation.chain.tension_n);
         let damped = |contact: &input::Contact, load: f64| damped(law, contact, load, mass);
         let axial = damped(&simulation.joint.axial, tension);
-        let stretch = crate::geometry::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent)
-            + 0.5 * deviations.clearance;
+        let stretch =
+            crate::base::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent) + 0.5 * deviations.clearance;
         let way_longer = deviations.longer(&line);
         let built = pitch + deviations.chain_longer(&line, carts, PHASES) / carts as f64;
         let length = if tension < 0.0 { built + stretch } else { built - stretch };

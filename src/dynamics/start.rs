@@ -5,7 +5,8 @@ use super::forces::Memory;
 use super::model::{Model, Unfit};
 use super::segments::Home;
 use super::state::{Approach, PACK, State, packs};
-use crate::geometry::{Frame, trig};
+use crate::base::trig;
+use crate::geometry::Frame;
 use crate::kinematics::{Closing, closing};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 

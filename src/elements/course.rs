@@ -5,7 +5,8 @@
 //! is linear in their lengths.
 
 use super::{Cover, Shape, Steps, cover};
-use crate::geometry::{PieceKind, Point, Track, trig};
+use crate::base::trig;
+use crate::geometry::{PieceKind, Point, Track};
 use crate::model::{Catalog, Layout, StraightStock};
 
 /// A solver's tolerance: this near to the grid is on it (m, rad), and a straight shorter than this is none.

@@ -2,8 +2,8 @@
 
 use super::sequence::{degrees, millimetres};
 use super::{Sequence, Shape};
+use crate::base::number;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number;
 use crate::model::Layout;
 
 use super::course::SNAP;

@@ -21,7 +21,8 @@ pub use space::{Leg, Length, Room, Space, merged, rooms};
 pub use steps::{Step, Steps};
 pub use ware::{Piece, Place, Ware, climbs_lacking, pieces};
 
-use crate::geometry::{Point, trig};
+use crate::base::trig;
+use crate::geometry::Point;
 use serde::Serialize;
 
 /// What a piece is.

@@ -2,8 +2,9 @@
 
 use super::course::{Course, Run, SNAP};
 use super::{Cover, Element, Sequence, Shape, cover};
-use crate::emit::number;
-use crate::geometry::{Track, trig};
+use crate::base::number;
+use crate::base::trig;
+use crate::geometry::Track;
 use crate::model::{Catalog, Layout};
 
 /// Covers the centre line with standard elements of the layout's catalogue, in driving order from vertex 0's outgoing

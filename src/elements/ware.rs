@@ -4,8 +4,9 @@ use super::course::SNAP;
 use super::sequence::{degrees, millimetres};
 use super::space::{Leg, Space};
 use super::{Cover, Sequence, Shape, cover};
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{Form, Point, trig};
+use crate::geometry::{Form, Point};
 use crate::model::{Catalog, Layout};
 use serde::Serialize;
 

@@ -1,7 +1,8 @@
 //! `bom.json` and `bom.csv`: the bill of elements.
 
-use super::number::{fixed, normal, trimmed};
-use super::{Compiled, json};
+use super::Compiled;
+use crate::base::json;
+use crate::base::number::{fixed, normal, trimmed};
 use crate::elements::{BillLine, Ware};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

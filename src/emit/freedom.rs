@@ -1,8 +1,9 @@
 //! What holds a layout: `freedom.txt` for people, `freedom.json` for machines.
 
-use super::number::{fixed, trimmed};
-use super::{Compiled, json};
-use crate::geometry::trig::PI;
+use super::Compiled;
+use crate::base::json;
+use crate::base::number::{fixed, trimmed};
+use crate::base::trig::PI;
 use crate::solve::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 use crate::source::SourceMap;
 use serde::Serialize;

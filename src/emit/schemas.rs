@@ -1,12 +1,12 @@
 //! JSON Schemas of the documents, committed in `docs/schemas/`.
 
 use super::bom::Bom;
-use super::json;
 use super::layout::LayoutFile;
 use super::pareto::Pareto;
 use super::polygon::Report;
 use super::polygon::Verification;
 use super::simulation::Simulation;
+use crate::base::json;
 use crate::gap::Diagnosis;
 
 /// Names and contents of `docs/schemas/`.

@@ -1,8 +1,9 @@
 //! Arc length as users count it: 0 at the layout's start, which may lie anywhere on a straight.
 
 use super::Compiled;
-use super::number::tidy;
-use crate::geometry::{Piece, PieceKind, Point, trig};
+use crate::base::number::tidy;
+use crate::base::trig;
+use crate::geometry::{Piece, PieceKind, Point};
 use crate::model::{Motors, Place, Row};
 
 /// A place on the centre line.
@@ -95,8 +96,9 @@ impl Compiled {
 
 #[cfg(test)]
 mod tests {
+    use crate::base::trig;
     use crate::emit::fixture::{compile, on};
-    use crate::geometry::{Point, trig};
+    use crate::geometry::Point;
     use crate::model::{Motors, Row, fixture};
 
     #[test]

@@ -5,8 +5,8 @@ use super::court::{Court, Judged};
 use super::diagnosis::{Amount, Bound};
 use super::significance::Score;
 use super::simulator::Strength;
-use crate::emit::number::tidy;
-use crate::geometry::trig;
+use crate::base::number::tidy;
+use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::BTreeMap;
 

@@ -8,7 +8,7 @@ use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
 use super::screen::{Signature, explain};
 use super::simulator::{Differs, Laps, Request, Simulator, Strength};
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
 
 /// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.

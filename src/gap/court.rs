@@ -7,7 +7,7 @@ use super::refit::{Fitted, Hypothesis, along};
 use super::screen::Signature;
 use super::significance::{self, Score};
 use super::simulator::{Band, Candidate, Differs, Simulator};
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 

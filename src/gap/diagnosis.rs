@@ -215,7 +215,7 @@ impl fmt::Display for Lost {
         if self.effect.is_empty() && self.run.is_empty() {
             return f.write_str(&self.why);
         }
-        let number = crate::emit::number::shortest;
+        let number = crate::base::number::shortest;
         let strengths = self.strength.iter().map(|(name, x)| format!("{name} {}", number(*x)));
         let with: Vec<String> =
             Some(self.place.clone()).filter(|p| !p.is_empty()).into_iter().chain(strengths).collect();

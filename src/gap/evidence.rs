@@ -6,7 +6,7 @@
 
 use super::judge::MOST_FREEDOM;
 use super::simulator::{Band, Frame, Laps};
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
 
@@ -348,8 +348,8 @@ fn spike(seen: f64, ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::normal;
     use crate::gap::simulator::{Band, Label};
-    use crate::identify::noise::normal;
 
     /// A frame whose features have no nuisances, and what was measured of them.
     fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {

@@ -7,7 +7,7 @@
 //! signature's score (`significance.rs`) counts if it says more than the mean square does. What strikes a rail the other way round than
 //! measured costs beside, as mean squares do not see it.
 
-use crate::geometry::trig;
+use crate::base::trig;
 
 /// Degrees of freedom that are believed of all runs together, at most; and of what is left beyond so many times the floor.
 pub const MOST_FREEDOM: f64 = 60.0;

@@ -4,7 +4,7 @@ use super::court::{Court, Judged};
 use super::diagnosis::{Overlay, Place, ranked};
 use super::simulator::{Band, Frame};
 use super::words;
-use crate::emit::number::tidy;
+use crate::base::number::tidy;
 use nalgebra::DVector;
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@
 use super::diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Overlay, Place, RunGap, Verdict};
 use super::simulator::Axis;
 use super::words;
-use crate::identify::noise::uniform;
+use crate::base::random::uniform;
 use std::collections::BTreeMap;
 
 /// Names that are in no other sentence.

@@ -11,8 +11,8 @@ use super::screen::explain;
 use super::simulator::{Axis, Band, Frame};
 use super::untested::Untested;
 use super::words;
-use crate::emit::number::tidy;
-use crate::geometry::trig;
+use crate::base::number::tidy;
+use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 

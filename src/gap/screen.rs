@@ -2,7 +2,7 @@
 
 use super::evidence::{Evidence, most_off};
 use super::simulator::{Applied, Candidate, Request, Simulator};
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
 
 /// A signature is taken where it is at least so many times the floor in the feature that it changes most.

@@ -5,7 +5,7 @@
 //! built, drawn rather than derived (White 1982), so that whatever correlation they have is in it.
 
 use super::evidence::Evidence;
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::DVector;
 
 /// Degrees of freedom of a score: its scatter is an estimate, and the equations are never those of the machine.
@@ -106,8 +106,8 @@ pub fn support(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::normal;
     use crate::gap::simulator::{Band, Frame, Label, Laps};
-    use crate::identify::noise::normal;
     use nalgebra::DMatrix;
 
     /// As few laps for the features as a fleet has.

@@ -142,8 +142,8 @@ impl Tuner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::trig;
     use crate::gap::simulator::{Applied, Candidate, Frame, Label, Laps, Strength};
-    use crate::geometry::trig;
     use nalgebra::DMatrix;
 
     /// Features in proportion to a strength, and as many that saturate.

@@ -2,7 +2,7 @@
 
 use super::diagnosis::{Amount, Bound, Diagnosis, Finding, Place, RunGap, Verdict};
 use super::simulator::Axis;
-use crate::emit::number::{fixed, significant, trimmed};
+use crate::base::number::{fixed, significant, trimmed};
 
 /// A share in per cent, two digits where it is small; no more than can be known near 0 and 1.
 pub fn percent(share: f64) -> String {

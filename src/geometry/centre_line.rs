@@ -1,7 +1,7 @@
 //! The centre line in space: straights (also inclined), horizontal and vertical arcs, and spirals, one behind the other
 //! with continuous heading and slope. Nothing is banked (design: chain model, frames).
 
-use super::trig;
+use crate::base::trig;
 use nalgebra::Vector3;
 
 /// What a piece of the centre line is.

@@ -12,7 +12,8 @@
 use std::ops::Range;
 
 use super::contact::{circle_circle, line_circle};
-use super::{Curve, Piece, PieceKind, Point, Track, trig};
+use super::{Curve, Piece, PieceKind, Point, Track};
+use crate::base::trig;
 
 /// Pieces closer than this touch, m.
 const TOUCH: f64 = 1e-9;

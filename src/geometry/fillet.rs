@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Point, trig};
+use super::Point;
+use crate::base::trig;
 
 /// A vertex' numbers: three design variables of the thesis, P_i(x_i, y_i, R_i).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,6 @@ mod point;
 mod polygon;
 pub mod proximity;
 mod side;
-pub mod trig;
 
 pub use centre_line::{CentreLine, Form, Frame, Nearest, Stretch};
 pub use contact::{contact_area, outside_area};

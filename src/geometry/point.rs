@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::trig;
+use crate::base::trig;
 
 /// A point or a vector, m.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]

@@ -15,7 +15,8 @@
 //! image: winding number at most minus one.
 
 use super::polygon::bounds;
-use super::{Piece, PieceKind, Point, Track, trig};
+use super::{Piece, PieceKind, Point, Track};
+use crate::base::trig;
 
 /// Left or right of the driving direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

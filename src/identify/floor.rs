@@ -3,8 +3,8 @@
 
 use super::model::{Coordinates, Model, Plan};
 use super::summary::{Block, Summary};
+use crate::base::trig;
 use crate::dynamics::{Fleet, Settled};
-use crate::geometry::trig;
 use std::collections::BTreeMap;
 
 /// How features of one cart's lap scatter about those of all carts.

@@ -8,7 +8,7 @@
 use super::floor::{Floor, Numerics};
 use super::places::Places;
 use super::summary::{Block, FORCES};
-use crate::emit::number::tidy;
+use crate::base::number::tidy;
 use crate::signal::Channel;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -229,7 +229,7 @@ pub fn is_wrong(root_mean_square: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::noise::normal;
+    use crate::base::random::normal;
 
     /// Laps of `features` unit normal features, each of which stands `copies` times in the list.
     fn laps(count: usize, features: usize, copies: usize) -> Vec<DVector<f64>> {

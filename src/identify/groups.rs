@@ -1,7 +1,7 @@
 //! Groups of a campaign's runs: those of one layout at one set point of speed and tension. Values of runs at different set points are
 //! of different operating points, so that no median is taken over them.
 
-use crate::emit::number::{shortest, trimmed};
+use crate::base::number::{shortest, trimmed};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

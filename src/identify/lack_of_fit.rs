@@ -4,7 +4,7 @@ use super::goodness::Stretch;
 use super::parameter::Parameter;
 use super::study::Fitted;
 use super::words::list;
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use serde::Serialize;
 
 /// Kinds of features that are named, at most.

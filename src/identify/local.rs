@@ -5,7 +5,8 @@ use super::floor::Floor;
 use super::model::{Answer, Coordinates, Model, Plan};
 use super::parameter::{COUNT, Parameter};
 use super::summary::{Block, Summary};
-use crate::dynamics::{Fleet, Settled, parallel};
+use crate::base::parallel;
+use crate::dynamics::{Fleet, Settled};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 

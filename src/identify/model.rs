@@ -4,9 +4,9 @@ use super::measured::Measured;
 use super::parameter::{COUNT, Parameter};
 use super::places::Places;
 use super::summary::{FORCES, Recipe, Samples, Summary};
+use crate::base::trig;
 use crate::dynamics::{self, CartRecord, Fleet, Method, Settled, Survey, Width};
 use crate::emit::simulation::{ContactLaw, Simulation};
-use crate::geometry::trig;
 use std::sync::Arc;
 
 /// A point of the parameters' space, in coordinates.

@@ -4,8 +4,8 @@
 //! that they mean in a law, χ(e) or Kelvin-Voigt's ζ(e); positive numbers through their logarithm; the trigger's place in metres.
 //! In these coordinates the damping laws are the same model, so what one law's fit found starts the next one's.
 
+use crate::base::trig;
 use crate::emit::simulation::{ContactLaw, Simulation};
-use crate::geometry::trig;
 use std::fmt;
 
 /// A parameter of identification.

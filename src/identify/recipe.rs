@@ -2,7 +2,7 @@
 
 use super::coverage::{Coverage, Weighing};
 use super::places::{Kind, Places};
-use crate::geometry::trig;
+use crate::base::trig;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 

@@ -7,8 +7,8 @@
 //! Intervals are Student's, from the Jacobian J at the solution: covariance s²(JᵀJ)⁻¹ with s² = Σr²/(N − 2) (Seber and Wild 1989,
 //! §2.1), taken for ln K rather than K, which is never below zero.
 
-use super::student;
-use crate::geometry::trig::{exp, ln, pow};
+use crate::base::student;
+use crate::base::trig::{exp, ln, pow};
 use nalgebra::{Matrix2, Vector2};
 use std::fmt;
 
@@ -230,7 +230,7 @@ impl std::error::Error for Unfit {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::trig::{TAU, cos};
+    use crate::base::trig::{TAU, cos};
 
     /// Normal numbers by Box and Muller from a linear congruence (Knuth's MMIX).
     struct Noise(u64);

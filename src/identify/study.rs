@@ -13,9 +13,9 @@ use super::summary::{Block, FORCES};
 use super::words::identifiability;
 use crate::base;
 use crate::base::digest::sha256;
+use crate::base::number::tidy;
 use crate::dynamics::law::achieved_restitution;
 use crate::dynamics::{self, Plan, Width};
-use crate::emit::number::tidy;
 use crate::emit::simulation::{ContactLaw, Simulation};
 use crate::signal::compare::{Scale, compare_from};
 use crate::signal::{Channel, Run};
@@ -142,7 +142,7 @@ impl Fitted {
 impl Subject {
     /// SHA-256 of the run, its sidecar and the chain: a layout with its imports counts by what they build.
     pub fn content(&self) -> String {
-        let mut all = crate::emit::json::to_json(&self.simulation);
+        let mut all = crate::base::json::to_json(&self.simulation);
         all.extend(self.run.sidecar.write());
         all.extend(self.run.time.iter().flat_map(|t| t.to_le_bytes()));
         for (channel, samples) in &self.run.channels {

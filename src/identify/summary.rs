@@ -7,7 +7,7 @@
 use super::coverage::{Weighing, Weight};
 use super::places::Places;
 use super::recipe::{KINDS, SPEED_BANDS, fine};
-use crate::geometry::trig;
+use crate::base::trig;
 
 pub use super::recipe::{BANDS, FORCES, Recipe, Samples, THRESHOLDS};
 
@@ -84,7 +84,7 @@ impl Summary {
                 .iter()
                 .enumerate()
                 .map(|(k, force)| {
-                    super::noise::noisy(force, recipe.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64))
+                    crate::base::random::noisy(force, recipe.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64))
                 })
                 .collect();
             samples.forces = std::array::from_fn(|k| noisy[k].as_slice());

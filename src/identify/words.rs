@@ -2,7 +2,7 @@
 
 use super::parameter::{COUNT, Parameter};
 use super::posterior::correlations;
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use nalgebra::DMatrix;
 
 /// Share of the prior's deviation above which a run has said almost nothing.

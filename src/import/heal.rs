@@ -9,9 +9,10 @@
 use super::shapes::Drawn;
 use super::walk::{self, Ring, headings, metres, place};
 use super::{Healed, Options};
+use crate::base::number::trimmed;
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::trimmed;
-use crate::geometry::{Corner, Curve, Point, Track, point_piece, trig};
+use crate::geometry::{Corner, Curve, Point, Track, point_piece};
 use crate::source::Span;
 
 /// An imported centre line.

@@ -180,7 +180,7 @@ fn drawn_width(side: &[Drawn], track: &crate::geometry::Track) -> Option<f64> {
         let middle = drawn.curve.at(drawn.curve.length() / 2.0);
         track.pieces.iter().map(|piece| point_piece(middle, piece).1).fold(f64::INFINITY, f64::min)
     };
-    outline::agreed(side.iter().map(distance)).map(|half| crate::emit::number::tidy((2e6 * half).round() / 1e6))
+    outline::agreed(side.iter().map(distance)).map(|half| crate::base::number::tidy((2e6 * half).round() / 1e6))
 }
 
 /// Vertices with the texts that our own export writes above them; all or none.

@@ -6,9 +6,10 @@
 use super::shapes::{Drawn, Items, Label};
 use super::walk::{self, metres, place};
 use super::{Area, BUILDING_CLEARANCE, OBSTACLE_CLEARANCE, Plan, simple, write};
+use crate::base::number::tidy;
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::tidy;
-use crate::geometry::{Curve, Point, Polygon, trig};
+use crate::geometry::{Curve, Point, Polygon};
 use crate::source::Span;
 
 /// An arc becomes sides of at most this angle, rad.

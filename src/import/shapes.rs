@@ -2,8 +2,9 @@
 //! (AutoCAD DXF Reference, "Entities" and "Object Coordinate Systems"). Heights are left out.
 
 use super::tags::Tag;
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{Curve, Point, trig};
+use crate::geometry::{Curve, Point};
 use crate::source::Span;
 
 /// An entity as it stands in the file.

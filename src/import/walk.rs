@@ -2,9 +2,10 @@
 
 use super::Options;
 use super::shapes::Drawn;
+use crate::base::number::{significant, trimmed};
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::{significant, trimmed};
-use crate::geometry::{Curve, Point, trig};
+use crate::geometry::{Curve, Point};
 
 /// Pieces of one layer: the walk looks at every pair of ends.
 const MOST: usize = 10_000;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Area, Plan};
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 use crate::geometry::Point;
 use crate::source::FileId;
 use crate::syntax;

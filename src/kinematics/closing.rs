@@ -86,7 +86,8 @@ fn follow(line: &CentreLine, ahead: f64, pitch: f64) -> Option<(f64, crate::geom
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Form, trig};
+    use crate::base::trig;
+    use crate::geometry::Form;
 
     /// A circle is closed by a regular polygon.
     #[test]

@@ -78,7 +78,8 @@ pub fn level(track: &Track) -> CentreLine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Corner, Point, trig};
+    use crate::base::trig;
+    use crate::geometry::{Corner, Point};
 
     /// A stadium of straights s and half circles R (two quarter turns each) is closed by N carts when 2 s + 2πR less what their
     /// chords cut off is N ℓ (design, chain model: θL²/(24R) − L³/(120R²) a bend, whose next term is 1 % of that).

@@ -1,7 +1,7 @@
 //! Layouts built in code for unit tests, without the language in between.
 
 use super::*;
-use crate::geometry::trig;
+use crate::base::trig;
 use crate::source::FileId;
 
 /// A span for items that no text stands behind.

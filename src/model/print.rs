@@ -7,8 +7,8 @@ mod formula;
 use std::fmt::Write;
 
 use super::*;
+use crate::base::trig;
 use crate::gap::effects;
-use crate::geometry::trig;
 use formula::{ANGLE, Dimension, LENGTH, NONE};
 
 /// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses nothing.

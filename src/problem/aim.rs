@@ -5,7 +5,7 @@
 
 use super::Expansion;
 use super::measures::Measures;
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::Complex;
 
 /// Harmonics that are counted: the second and third matter once the first ones have cancelled.

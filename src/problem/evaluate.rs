@@ -3,9 +3,10 @@
 use super::expansion::Expansion;
 use super::measures::{Measures, to_corners};
 use super::{Aim, Elastic, Function, LEVER, Problem, aim, clearance, formula};
+use crate::base::trig;
 use crate::geometry::clearance::{Approach, Feature, Part};
 use crate::geometry::proximity::{self, Meeting};
-use crate::geometry::{Piece, PieceKind, Track, trig};
+use crate::geometry::{Piece, PieceKind, Track};
 use crate::model::Formula;
 use crate::source::Span;
 

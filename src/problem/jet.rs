@@ -1,7 +1,7 @@
 //! Exact derivatives of a few variables: a value with its gradient and Hessian, carried through arithmetic
 //! (second-order forward differentiation, Griewank and Walther 2008, ch. 13).
 
-use crate::geometry::trig;
+use crate::base::trig;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A number that depends on `N` local variables, to second order.

@@ -54,7 +54,7 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
 
 /// A row as text: `length(P7..P8) >= 18`; angles in degrees.
 pub fn relation(problem: &Problem, row: &Row) -> String {
-    let scale = if row.angle { 180.0 / crate::geometry::trig::PI } else { 1.0 };
+    let scale = if row.angle { 180.0 / crate::base::trig::PI } else { 1.0 };
     let name = match &row.function {
         Function::Turn(i) => format!("turn({})", problem.vertices[*i]),
         Function::Section(i) => format!("length({})", problem.section_name(*i)),

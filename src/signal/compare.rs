@@ -173,7 +173,7 @@ fn damage_ratio(sides: &[Side; 2], samples: [&[f64]; 2], exponent: f64) -> Optio
 mod tests {
     use super::super::Sidecar;
     use super::*;
-    use crate::geometry::trig::{TAU, log10, sin};
+    use crate::base::trig::{TAU, log10, sin};
 
     const LAP: f64 = 50.0;
     const PITCH: f64 = 1.25;

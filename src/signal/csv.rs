@@ -1,7 +1,7 @@
 //! Runs as CSV: a header, a row a sample, an empty field for a lost one.
 
 use super::{Channel, Problem, Run, RunError, digits, run};
-use crate::emit::number::shortest;
+use crate::base::number::shortest;
 use crate::source::InputError;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};

@@ -1,7 +1,7 @@
 //! The one rule of how many digits a sample keeps, in every format.
 
 use super::Channel;
-use crate::emit::number::normal;
+use crate::base::number::normal;
 
 /// Rounds a sample to seven significant digits and to no finer than a millionth of its unit.
 ///

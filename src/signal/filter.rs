@@ -1,6 +1,6 @@
 //! Filters in time: the low-pass of the sensor cart's electronics, and means over the passing of carts.
 
-use crate::geometry::trig::{PI, tan};
+use crate::base::trig::{PI, tan};
 use std::f64::consts::SQRT_2;
 
 /// Second-order Butterworth low-pass (Butterworth 1930) as a digital filter: the bilinear transform of
@@ -138,7 +138,7 @@ pub fn moving_mean(x: &[f64], width: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::trig::{TAU, sin};
+    use crate::base::trig::{TAU, sin};
 
     fn sine(frequency: f64, rate: f64, count: usize) -> Vec<f64> {
         (0..count).map(|i| sin(TAU * frequency * i as f64 / rate)).collect()
@@ -152,7 +152,7 @@ mod tests {
         for (i, y) in y.iter().enumerate().skip(settle) {
             let phase = TAU * frequency * i as f64 / rate;
             a += y * sin(phase);
-            b += y * crate::geometry::trig::cos(phase);
+            b += y * crate::base::trig::cos(phase);
         }
         (a * a + b * b).sqrt() * 2.0 / count as f64
     }
@@ -175,7 +175,7 @@ mod tests {
         // exp(−π) of a second-order system with damping ratio 1/√2.
         let mut filter = Lowpass::new(10.0, 100_000.0).unwrap();
         let peak = (0..20_000).map(|_| filter.step(1.0)).fold(0.0, f64::max);
-        assert!((peak - 1.0 - crate::geometry::trig::exp(-PI)).abs() < 1e-5, "{peak}");
+        assert!((peak - 1.0 - crate::base::trig::exp(-PI)).abs() < 1e-5, "{peak}");
     }
 
     #[test]

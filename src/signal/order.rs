@@ -82,7 +82,7 @@ pub fn order_spectrum(s: &[f64], x: &[f64], period: f64) -> Spectrum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::trig::{PI, TAU, sin};
+    use crate::base::trig::{PI, TAU, sin};
 
     /// 100 s at 500 Hz with a speed that swings by 10 %.
     fn travel() -> Vec<f64> {

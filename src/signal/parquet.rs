@@ -275,7 +275,7 @@ mod tests {
 
     fn run() -> Run {
         let mut run = Run { time: (0..20_000).map(|i| f64::from(i) / 500.0).collect(), ..Run::default() };
-        let force = |i: usize| 400.0 + crate::geometry::trig::sin(i as f64 / 7.0) * 99.123_456_789;
+        let force = |i: usize| 400.0 + crate::base::trig::sin(i as f64 / 7.0) * 99.123_456_789;
         run.channels.insert(Channel::JointXi, (0..20_000).map(force).collect());
         run.channels.insert(Channel::Trigger, (0..20_000).map(|i| f64::from(u8::from(i % 500 < 25))).collect());
         run.channels.entry(Channel::JointXi).and_modify(|x| x[7] = f64::NAN);

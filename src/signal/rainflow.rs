@@ -1,6 +1,6 @@
 //! Load cycles and the damage they do: rainflow counting and damage-equivalent loads.
 
-use crate::geometry::trig::pow;
+use crate::base::trig::pow;
 
 /// A counted cycle, or half of one.
 #[derive(Clone, Copy, Debug, PartialEq)]

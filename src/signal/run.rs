@@ -1,7 +1,7 @@
 //! A run: samples in columns over time, and its sidecar.
 
 use super::{Channel, Problem, RunError, Sidecar, csv, mdf4, parquet, position};
-use crate::emit::number;
+use crate::base::number;
 use crate::source::{InputError, Root, input};
 use std::collections::BTreeMap;
 use std::fmt::Display;

@@ -2,7 +2,7 @@
 //!
 //! Both kinds look through a Hann window, which keeps a line from leaking over the whole spectrum, and correct for it.
 
-use crate::geometry::trig::{TAU, cos, log10};
+use crate::base::trig::{TAU, cos, log10};
 use realfft::RealFftPlanner;
 
 /// Values at equal steps of frequency from 0 on. Orders are frequencies too: cycles per whatever the step is "per".
@@ -131,7 +131,7 @@ pub fn log_distance(reference: &Spectrum, other: &Spectrum, from: f64, to: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::trig::sin;
+    use crate::base::trig::sin;
 
     /// Noise that is the same everywhere: a linear congruential generator (Knuth's MMIX), uniform in ±1.
     fn noise(count: usize) -> Vec<f64> {

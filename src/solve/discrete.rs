@@ -6,7 +6,8 @@
 //! first. The result is a good layout, not a proven best one.
 
 use super::sqp::{self, Settings, Solution};
-use crate::geometry::{Track, trig};
+use crate::base::trig;
+use crate::geometry::Track;
 use crate::model::{Formula, Interval, Layout, Target};
 use crate::problem::measures::{radius, to_corners};
 use crate::problem::{Function, Problem, Row};

@@ -6,8 +6,8 @@
 
 use super::Stage;
 use super::sqp::{self, Settings};
-use crate::emit::number::{normal, significant};
-use crate::geometry::trig::PI;
+use crate::base::number::{normal, significant};
+use crate::base::trig::PI;
 use crate::model::{ConstraintKind, Interval, Layout};
 use crate::problem::measures::{self, to_variables};
 use crate::problem::{Problem, RowKey, RowValue, Scope};

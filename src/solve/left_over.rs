@@ -1,8 +1,8 @@
 //! What a whole number of carts leaves over on a solved layout, where that is more than the take-up compensates.
 
 use super::report::opposite;
+use crate::base::number::trimmed;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::trimmed;
 use crate::geometry::{CentreLine, Track};
 use crate::kinematics::{Fit, better_length};
 use crate::model::{Goal, Layout};

@@ -1,6 +1,7 @@
 //! A rough start made on purpose: `--perturb 1.5m --seed K`.
 
-use crate::geometry::{Track, trig};
+use crate::base::trig;
+use crate::geometry::Track;
 use crate::model::Layout;
 use crate::problem::Problem;
 use crate::problem::measures::to_corners;

@@ -3,9 +3,9 @@
 use super::conflict::{self, Conflict};
 use super::left_over::lengthen;
 use super::{Stage, Status, Violation};
+use crate::base::number::trimmed;
+use crate::base::trig::PI;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::trimmed;
-use crate::geometry::trig::PI;
 use crate::geometry::{CentreLine, Point, Track};
 use crate::kinematics::{Fit, fit};
 use crate::model::{ConstraintKind, FixKind, Layout};

@@ -1,6 +1,7 @@
 //! Small random loops as text, and every choice of turns and radii that they have.
 
-use lss::geometry::{Point, trig};
+use lss::base::trig;
+use lss::geometry::Point;
 use lss::model::Layout;
 use lss::semantics::analyse;
 use lss::solve::{Effort, Options, Stage, solve};

@@ -1,7 +1,7 @@
 //! Where lap length and cart pitch come from.
 
 use super::beside;
-use crate::emit::number::fixed;
+use crate::base::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::signal::compare::Scale;
 use crate::signal::{Run, position};

@@ -1,7 +1,7 @@
 //! The measures between two runs as a table for people.
 
 use super::{Moments, Report, Side};
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use crate::source::one_line;
 
 /// Two lines a channel: the reference, and what the other run has more.

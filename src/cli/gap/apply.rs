@@ -1,11 +1,11 @@
 //! Layouts with the verdict's effects added.
 
+use crate::base::json;
+use crate::base::number::shortest;
 use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
-use crate::emit::json;
-use crate::emit::number::shortest;
 use crate::emit::simulation::Effect;
 use crate::gap::chain::Chains;
 use crate::gap::effects::{named, spelled};

@@ -1,7 +1,7 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
+use crate::base::json::to_json;
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
-use crate::emit::json::to_json;
 use crate::gap::blind::answering::{Before, Step, answer, child, facts, judged};
 use crate::gap::blind::generate::{Order, generate};
 use crate::gap::blind::{Kind, table};

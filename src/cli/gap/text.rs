@@ -1,6 +1,6 @@
 //! A diagnosis for the terminal.
 
-use crate::emit::number::{fixed, significant};
+use crate::base::number::{fixed, significant};
 use crate::gap::{Amount, Diagnosis, Finding, bound, percent};
 use std::fmt::Write;
 

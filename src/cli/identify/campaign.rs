@@ -2,11 +2,13 @@
 
 use super::reports::{LawReport, Study};
 use super::{fitted, table};
+use crate::base::json;
+use crate::base::parallel;
 use crate::cli::cases::{Case, cases};
 use crate::cli::{Outcome, OutputFormat, could_not, limits, report};
-use crate::dynamics::{Width, parallel};
+use crate::dynamics::Width;
 use crate::emit::simulation::ContactLaw;
-use crate::emit::{Files, identification, json};
+use crate::emit::{Files, identification};
 use crate::identify::groups::{Group, SetPoint};
 use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, Fitted, carry, fit_run};

@@ -1,10 +1,10 @@
 //! The fitted layouts: a `.lss` that changes only what was fitted, and its simulation input.
 
+use crate::base::json;
+use crate::base::number::{fixed, shortest};
 use crate::cli::cases::Case;
 use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
-use crate::emit::json;
-use crate::emit::number::{fixed, shortest};
 use crate::emit::simulation::{Contact, ContactLaw, Simulation, Wheel};
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::at_bounds;

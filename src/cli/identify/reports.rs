@@ -1,7 +1,7 @@
 //! What fits amount to: a law's runs one by one, and the study in summary, by set point.
 
 use super::campaign::law_name;
-use crate::emit::number::tidy;
+use crate::base::number::tidy;
 use crate::emit::simulation::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::{Warning, at_bounds, warning};
@@ -43,7 +43,7 @@ impl<'a> LawReport<'a> {
         }
         LawReport {
             law: law_name(law),
-            objective: crate::emit::number::tidy((squares / fits.len().max(1) as f64).sqrt()),
+            objective: crate::base::number::tidy((squares / fits.len().max(1) as f64).sqrt()),
             shared: estimates,
             runs: fits.iter().map(|f| (f.run.as_str(), f)).collect(),
         }

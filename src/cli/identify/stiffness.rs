@@ -1,7 +1,7 @@
 //! `lss identify stiffness`: a joint's K and n from a static test.
 
+use crate::base::number::{fixed, shortest, trimmed};
 use crate::cli::{Outcome, OutputFormat, could_not, report};
-use crate::emit::number::{fixed, shortest, trimmed};
 use crate::identify::static_test::{self, Direction, Points};
 use crate::identify::stiffness::{Estimate, Fixed, Unfit, fit, fit_with};
 use crate::source::disk;

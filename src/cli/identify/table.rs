@@ -1,8 +1,8 @@
 //! Fits as a terminal shows them.
 
 use super::reports::LawReport;
+use crate::base::number::fixed;
 use crate::emit::identification::digits;
-use crate::emit::number::fixed;
 use crate::identify::Parameter;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::study::Fitted;

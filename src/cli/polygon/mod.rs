@@ -4,9 +4,10 @@ mod sweep;
 mod verify;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
+use crate::base::json;
 use crate::emit::polygon::{self, Names, Report};
 use crate::emit::simulation::Simulation;
-use crate::emit::{DrawError, Files, json, png, svg};
+use crate::emit::{DrawError, Files, png, svg};
 use crate::geometry::CentreLine;
 use crate::kinematics::polygon::{Objective, Unsuited};
 use crate::source::shown;

@@ -1,10 +1,11 @@
 //! `lss polygon FILE --sweep cart.length`: the product line's carts on one track.
 
 use super::{Polygon, Subject, written_to};
+use crate::base::json;
+use crate::base::number::tidy;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
-use crate::emit::number::tidy;
+use crate::emit::Files;
 use crate::emit::polygon::{Sweep, SweepPoint, rms, summary, sweep_text};
-use crate::emit::{Files, json};
 use crate::geometry::CentreLine;
 use crate::kinematics::closing;
 use crate::kinematics::polygon::{Course, Objective};

@@ -1,12 +1,13 @@
 //! `lss polygon FILE --verify`: the layout before and after, run in the dynamic model.
 
 use super::{Polygon, written_to};
+use crate::base::json;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, read, report};
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::{self, End, Plan, Width};
 use crate::emit::polygon::{Case, Names, Report, Values, Verification, case_name, page, verify_text};
 use crate::emit::simulation::Simulation;
-use crate::emit::{Compiled, Files, json, stages_png, stages_svg};
+use crate::emit::{Compiled, Files, stages_png, stages_svg};
 use crate::kinematics::polygon::Objective;
 use crate::model::{Goal, Layout};
 use crate::semantics::unsupported;

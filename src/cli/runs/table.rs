@@ -1,7 +1,7 @@
 //! A campaign as tables for people: a line a run, then what looks wrong.
 
 use super::{Glance, Report};
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use crate::signal::Channel;
 
 /// Two tables with a row a run, and the warnings below.

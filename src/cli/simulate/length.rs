@@ -1,7 +1,7 @@
 //! Which cart length a simulation used, and why when that is not the product line's.
 
+use crate::base::number::trimmed;
 use crate::dynamics::Outcome;
-use crate::emit::number::trimmed;
 use crate::emit::simulation::Simulation;
 use crate::kinematics::{Fit, left_over};
 use serde::Serialize;

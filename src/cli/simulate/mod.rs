@@ -5,9 +5,10 @@ mod progress;
 mod report;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
+use crate::base::json;
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::emit::simulation::{ContactLaw, Simulation};
-use crate::emit::{Files, json, lap};
+use crate::emit::{Files, lap};
 use crate::signal::{csv, parquet};
 use crate::source::shown;
 use clap::ValueEnum;

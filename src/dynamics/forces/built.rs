@@ -2,12 +2,12 @@
 //! simulations with effects pay for it.
 
 use super::Forces;
+use crate::base::trig;
 use crate::dynamics::deviations::closed;
 use crate::dynamics::inspect::{attitude, vector};
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::Home;
 use crate::dynamics::state::{Bodies, PACK, Row};
-use crate::geometry::trig;
 use nalgebra::Vector3;
 
 /// Of a pack.

@@ -220,5 +220,5 @@ fn directions<S: Simd>(a: Lane<S>, b: Lane<S>, c: Lane<S>) -> (Lane<S>, Lane<S>,
 }
 
 fn direction(speed: f64) -> f64 {
-    if speed.abs() < 0.2 { crate::geometry::trig::tanh(100.0 * speed) } else { speed.signum() }
+    if speed.abs() < 0.2 { crate::base::trig::tanh(100.0 * speed) } else { speed.signum() }
 }

@@ -5,9 +5,9 @@
 //! leaves no trace.
 
 use super::{Integrator, TooFine};
+use crate::base::trig;
 use crate::dynamics::chain::Chain;
 use crate::dynamics::state::{Accelerations, Bodies, PACK};
-use crate::geometry::trig;
 
 /// Adaptive steps.
 #[derive(Clone, Debug)]

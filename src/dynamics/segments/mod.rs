@@ -53,7 +53,7 @@ impl Segment {
         // Where the lap begins, s jumps; a segment does not reach half around.
         let ahead = s - self.s;
         let angle = if ahead.abs() * self.curvature.abs() < 3.2 { self.turning() * ahead } else { 0.0 };
-        let (sin, cos) = (crate::geometry::trig::sin(angle), crate::geometry::trig::cos(angle));
+        let (sin, cos) = (crate::base::trig::sin(angle), crate::base::trig::cos(angle));
         Vector3::new(cos * left.x - sin * left.y, sin * left.x + cos * left.y, 0.0)
     }
 }
@@ -266,7 +266,7 @@ impl Segments {
                 let reach = if curvature == 0.0 {
                     half
                 } else {
-                    crate::geometry::trig::sin(half * curvature.abs()) / curvature.abs()
+                    crate::base::trig::sin(half * curvature.abs()) / curvature.abs()
                 };
                 list.push(Segment {
                     origin: frame.position,

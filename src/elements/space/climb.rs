@@ -3,8 +3,9 @@
 //! With radius R and slope angle α, the two curves rise 2R(1 − cos α) over 2R sin α of plan.
 
 use super::{Leg, flat};
+use crate::base::trig;
 use crate::elements::Shape;
-use crate::geometry::{Form, trig};
+use crate::geometry::Form;
 
 /// What a climb is to do: lengths in m.
 #[derive(Clone, Copy, Debug, PartialEq)]

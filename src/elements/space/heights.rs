@@ -2,9 +2,9 @@
 
 use super::climb::{Climb, Misfit, climb};
 use super::{Leg, flat};
+use crate::base::number::trimmed;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::elements::Shape;
-use crate::emit::number::trimmed;
 use crate::model::{Catalog, Layout, Level, Ramp};
 use crate::source::Span;
 

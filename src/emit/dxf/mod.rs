@@ -5,9 +5,10 @@ mod writer;
 #[cfg(test)]
 mod tests;
 
+use crate::base::trig;
 use crate::emit::Compiled;
 use crate::emit::plan::{self, Curve, Mark, MarkKind};
-use crate::geometry::{PieceKind, Point, bounds, trig};
+use crate::geometry::{PieceKind, Point, bounds};
 
 use writer::{Layer, Writer};
 

@@ -3,8 +3,9 @@
 
 use std::fmt::Write;
 
+use crate::base::trig;
 use crate::emit::plan::Curve;
-use crate::geometry::{Point, bounds, trig};
+use crate::geometry::{Point, bounds};
 
 /// A layer: name, AutoCAD colour index, line type, line weight in 0.01 mm.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! Bars and levels: probabilities, how much of the gap is closed, the gap of each run.
 
 use super::words::{heading, percent, significant};
-use crate::emit::number::fixed;
+use crate::base::number::fixed;
+use crate::base::trig;
 use crate::gap::{Diagnosis, Finding, RunGap};
-use crate::geometry::trig;
 use maud::{Markup, html};
 
 const WIDTH: f64 = 1100.0;

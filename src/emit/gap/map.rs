@@ -1,8 +1,8 @@
 //! Where the gap lies: on the track from above, along it channel by channel, and by kind of deviation.
 
 use super::words::{band, percent, stretch};
+use crate::base::number::{fixed, ticks, trimmed};
 use crate::emit::lap::lap_track::{Kind, LapTrack};
-use crate::emit::number::{fixed, ticks, trimmed};
 use crate::gap::{Axis, Diagnosis, Place};
 use maud::{Markup, html};
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 //! A channel over a stretch: measured, simulated before and after, their difference, and how far repeated measurements stray.
 
 use super::words::{band, percent, scale_of, stretch};
+use crate::base::number::fixed;
 use crate::emit::lap::chart::{HEIGHT, Scale, WIDTH, frame};
-use crate::emit::number::fixed;
 use crate::gap::{Axis, Overlay};
 use maud::{Markup, html};
 

@@ -1,8 +1,8 @@
 use super::*;
+use crate::base::trig;
 use crate::emit::simulation::Piece;
 use crate::gap::random_reports::{hold, report};
 use crate::gap::{Amount, Extent, Group, Lost, Overlay, Place, RunGap};
-use crate::geometry::trig;
 use std::collections::BTreeMap;
 
 fn oval() -> Track {

@@ -1,9 +1,9 @@
 //! Names, numbers and units as the page writes them.
 
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
+use crate::base::trig;
 pub use crate::gap::percent;
 use crate::gap::{Amount, Axis};
-use crate::geometry::trig;
 use crate::signal::Channel;
 
 /// `joint_clearance` as `joint clearance`.

@@ -1,6 +1,6 @@
 //! Measured against simulated: a force's means along the track, with the repeatability about the simulated ones.
 
-use crate::emit::number::{fixed, tick_labels, ticks};
+use crate::base::number::{fixed, tick_labels, ticks};
 use crate::identify::goodness::{Goodness, Profile, Stretch};
 use maud::{Markup, html};
 

@@ -1,6 +1,6 @@
 //! Estimates and intervals of a parameter over the runs: a row a run with a dot and a bar, runs of one set point together.
 
-use crate::emit::number::{fixed, tick_labels, ticks};
+use crate::base::number::{fixed, tick_labels, ticks};
 use maud::{Markup, html};
 
 /// A run's estimate.

@@ -1,7 +1,7 @@
 //! All laws on the same footing, by set point, and what that can show.
 
 use super::name;
-use crate::emit::number::fixed;
+use crate::base::number::fixed;
 use crate::emit::simulation::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::study::Fitted;

@@ -1,8 +1,8 @@
 //! Line charts in SVG: a channel along the track, a spectrum, the supports.
 
 use super::lap_track::{Kind, LapTrack};
-use crate::emit::number::{fixed, ticks, trimmed};
-use crate::geometry::trig;
+use crate::base::number::{fixed, ticks, trimmed};
+use crate::base::trig;
 use crate::signal::SupportLoad;
 use crate::signal::spectrum::Spectrum;
 use maud::{Markup, html};

@@ -1,7 +1,7 @@
 //! The places where forces peak, in words.
 
 use super::lap_track::LapTrack;
-use crate::emit::number::fixed;
+use crate::base::number::fixed;
 use crate::emit::simulation::Simulation;
 use crate::signal::{Channel, Run, position};
 use std::fmt;

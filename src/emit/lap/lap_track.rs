@@ -1,6 +1,6 @@
 //! The track as the page shades and names it.
 
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 use crate::emit::simulation::{Piece, Simulation, Track};
 use crate::geometry::CentreLine;
 

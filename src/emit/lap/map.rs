@@ -1,7 +1,7 @@
 //! The track from above, coloured by what a channel measured there.
 
 use super::lap_track::LapTrack;
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use crate::signal::Channel;
 use maud::{Markup, html};
 

@@ -4,11 +4,13 @@ mod document;
 
 pub use document::*;
 
-use super::number::{normal, tidy};
+use super::Compiled;
 use super::station::Station;
-use super::{Compiled, json};
+use crate::base::json;
+use crate::base::number::{normal, tidy};
+use crate::base::trig;
 use crate::elements::Shape;
-use crate::geometry::{Form, Frame, PieceKind, Point, Stretch, trig};
+use crate::geometry::{Form, Frame, PieceKind, Point, Stretch};
 use crate::problem::{Problem, RowKey, Scope, measures, relation};
 use crate::{elements, emit, geometry, solve};
 
@@ -285,7 +287,7 @@ mod tests {
         layout.equipment.supports = Some(Spanned::new(2.5, fixture::span()));
         let text = String::from_utf8(super::json(&compile(layout))).unwrap();
         let read: LayoutFile = serde_json::from_str(&text).unwrap();
-        assert_eq!(crate::emit::json::to_json(&read), text.as_bytes());
+        assert_eq!(crate::base::json::to_json(&read), text.as_bytes());
         insta::assert_snapshot!(text);
     }
 }

@@ -11,7 +11,8 @@ pub use climbs::{Climb, climbs};
 pub use marks::{Mark, MarkKind, marks};
 pub use offset::{inset, outset};
 
-use crate::geometry::{Piece, PieceKind, Point, Track, trig};
+use crate::base::trig;
+use crate::geometry::{Piece, PieceKind, Point, Track};
 
 /// A line or a circular arc.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 //! Each edge gives a parallel line and each corner that opens away from it an arc about the corner. Cut at every
 //! crossing, exactly those parts belong to the outline that are nowhere nearer to the polygon than the distance.
 
-use crate::geometry::{Point, Polygon, trig};
+use crate::base::trig;
+use crate::geometry::{Point, Polygon};
 
 use super::Curve;
 

@@ -14,8 +14,9 @@ pub use page::page;
 pub use table::{sweep_text, text};
 pub use verify::{Case, Force, Verification, case_name, verify_text};
 
-use super::number::tidy;
-use crate::geometry::{CentreLine, Form, trig};
+use crate::base::number::tidy;
+use crate::base::trig;
+use crate::geometry::{CentreLine, Form};
 use crate::kinematics::polygon::{
     Action, Course, CurvePhasor, Objective, Phasor, Unsuited, action, curve_phasor, straight_behind, superposed,
 };

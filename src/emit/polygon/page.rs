@@ -1,10 +1,10 @@
 //! `verify.html`: forces and spectra before and after, as figures 3.9 and 3.10 of the thesis show them.
 
 use super::verify::{CHANNELS, Verification, spectrum};
+use crate::base::number::{fixed, trimmed};
+use crate::base::trig;
 use crate::emit::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, frame};
-use crate::emit::number::{fixed, trimmed};
 use crate::emit::style::document;
-use crate::geometry::trig;
 use crate::signal::{Channel, Run};
 use maud::{Markup, html};
 

@@ -1,7 +1,7 @@
 //! The report as a table for people.
 
 use super::{Report, Sweep, rms};
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use crate::kinematics::polygon::Objective;
 
 /// Straights up to which the whole matrix is shown.

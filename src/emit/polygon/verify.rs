@@ -1,8 +1,8 @@
 //! `verify.json`: layouts before and after, run in the dynamic model.
 
 use super::Values;
+use crate::base::number::{fixed, tidy};
 use crate::dynamics::Outcome;
-use crate::emit::number::{fixed, tidy};
 use crate::kinematics::polygon::Objective;
 use crate::signal::measures::statistics;
 use crate::signal::spectrum::{Spectrum, welch};

@@ -1,8 +1,8 @@
 //! What cancels what, in sentences.
 
 use super::{Curve, Straight, angle};
-use crate::emit::number::{fixed, trimmed};
-use crate::geometry::trig;
+use crate::base::number::{fixed, trimmed};
+use crate::base::trig;
 use crate::kinematics::polygon::{Action, Objective, Phasor};
 
 /// A curve this far below its most has ends that cancel.

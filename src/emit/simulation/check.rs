@@ -4,7 +4,7 @@
 //! relies on: the track's elements are elements, and chain, motors and sensor belong to that track.
 
 use super::{Piece, Simulation};
-use crate::emit::number::shortest;
+use crate::base::number::shortest;
 use crate::source::steers;
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
@@ -305,7 +305,7 @@ impl Found {
 
 /// To a micrometre.
 fn metres(x: f64) -> String {
-    crate::emit::number::trimmed(x, 6)
+    crate::base::number::trimmed(x, 6)
 }
 
 #[cfg(test)]

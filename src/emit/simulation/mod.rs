@@ -7,9 +7,11 @@ mod track;
 pub use check::{Contradiction, Unusable};
 pub use document::*;
 
-use super::number::tidy;
-use super::{Compiled, json};
-use crate::geometry::{Form, trig};
+use super::Compiled;
+use crate::base::json;
+use crate::base::number::tidy;
+use crate::base::trig;
+use crate::geometry::Form;
 use crate::model;
 
 /// Standard gravity as the chain model takes it, m/s².

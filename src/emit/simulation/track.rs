@@ -1,10 +1,11 @@
 //! The element list of the simulator, from arc length 0 on.
 
 use super::{Piece, Track};
+use crate::base::number::tidy;
+use crate::base::trig;
 use crate::elements::{Element, Sequence, Shape, merged};
 use crate::emit::Compiled;
-use crate::emit::number::tidy;
-use crate::geometry::{Form, Point, trig};
+use crate::geometry::{Form, Point};
 use crate::model::{Layout, Place};
 
 impl Track {

@@ -13,7 +13,7 @@ use super::strip::{self, Key};
 use super::text::{self, Height};
 use super::xml::Element;
 use super::{Theme, extent, profile, root, track};
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 
 /// The layout on its sheet: building, obstacles, track, equipment, dimensions, legend and title block.
 ///

@@ -1,9 +1,10 @@
 //! What is written beside the track: dimensions, radii, names, articles. Every label has candidates; the greedy
 //! choice of [`place`](super::place) keeps them off each other and off the track.
 
+use crate::base::trig;
 use crate::elements::{Piece, Ware};
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
-use crate::geometry::{PieceKind, Point, Track, trig};
+use crate::geometry::{PieceKind, Point, Track};
 use crate::model::{Layout, Obstacle};
 
 use super::place::{Box, Candidate, Field, Layer, around};
@@ -12,7 +13,7 @@ use super::symbol;
 use super::text::{self, Height};
 use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
 use super::xml::Element;
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 
 /// How far a label goes from what it names while there is room, mm.
 const REACH: f64 = 24.0;

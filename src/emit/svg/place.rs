@@ -1,6 +1,7 @@
 //! Label placement on paper: oriented boxes in a grid of cells, and a greedy choice among candidates.
 
-use crate::geometry::{Point, trig};
+use crate::base::trig;
+use crate::geometry::Point;
 
 /// What a box stands for, which decides who may cover it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

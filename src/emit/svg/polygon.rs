@@ -6,8 +6,8 @@ use super::strip::{self, field};
 use super::text::{self, Height};
 use super::xml::{Element, number};
 use super::{Theme, root, symbol};
+use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
-use crate::emit::number::{fixed, trimmed};
 use crate::emit::polygon::Report;
 use crate::geometry::{CentreLine, Point, bounds};
 use crate::kinematics::polygon::{Course, CurvePhasor, Phasor, curve_phasor, superposed};
@@ -325,11 +325,12 @@ fn fields(sheet: &Sheet, report: &Report) -> Vec<Vec<strip::Field>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::trig;
     use crate::emit::fixture::compile;
     use crate::emit::polygon::Names;
     use crate::emit::simulation::Simulation;
     use crate::emit::{Compiled, png};
-    use crate::geometry::{Form, trig};
+    use crate::geometry::Form;
     use crate::kinematics::polygon::Objective;
     use crate::model::instances;
 

@@ -3,9 +3,10 @@
 use super::sheet::{Area, Sheet, path, path_line, rectangle};
 use super::text::{self, Height};
 use super::xml::{Element, number};
+use crate::base::number::trimmed;
+use crate::base::trig;
 use crate::emit::Compiled;
-use crate::emit::number::trimmed;
-use crate::geometry::{Form, Point, trig};
+use crate::geometry::{Form, Point};
 
 /// Height of the profile on paper, mm.
 const TALL: f64 = 44.0;

@@ -1,8 +1,9 @@
 //! The sheet: size, frame (ISO 5457), scale (ISO 5455, with the 1:25 and 1:250 that buildings are drawn in), and the
 //! way from the floor to paper.
 
+use crate::base::trig;
 use crate::emit::DrawError;
-use crate::geometry::{Point, trig};
+use crate::geometry::Point;
 
 use super::text::{self, Height};
 use super::xml::{Element, number};

@@ -11,7 +11,7 @@ use super::strip::{self, Key, field};
 use super::text::{self, Height};
 use super::xml::Element;
 use super::{Theme, extent, root, symbol, track};
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 
 /// Centre lines of the written layout and of every stage.
 ///

@@ -10,7 +10,7 @@ use super::sheet::{Area, Sheet, path, path_line, polygon, rectangle};
 use super::symbol::{self, Spot};
 use super::text::{self, Height};
 use super::xml::Element;
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 
 pub const TITLE_WIDTH: f64 = 180.0;
 pub const SCALE_WIDTH: f64 = 56.0;

@@ -1,7 +1,8 @@
 //! Symbols of what stands on the track, alike on the drawing and in its legend.
 
+use crate::base::trig;
 use crate::emit::plan::MarkKind;
-use crate::geometry::{Point, trig};
+use crate::geometry::Point;
 
 use super::place::Box;
 use super::sheet::{path, path_line, polygon};

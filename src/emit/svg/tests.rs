@@ -7,9 +7,9 @@ use resvg::usvg::{Group, Node, Text, Tree};
 
 use super::place::Box;
 use super::*;
+use crate::base::trig;
 use crate::emit::plan::samples;
 use crate::emit::{Compiled, DrawError, drawing_files, png, stages_png, stages_svg};
-use crate::geometry::trig;
 
 fn drawings() -> Vec<(&'static str, Compiled)> {
     vec![
@@ -255,7 +255,7 @@ fn stages_are_told_apart_and_their_lengths_given() {
     let (compiled, written) = samples::staged();
     let svg = stages(&compiled, &written, Theme::Adaptive).expect("drawn");
     for (i, stage) in compiled.stages.iter().enumerate() {
-        let length = crate::emit::number::trimmed(stage.length, 3);
+        let length = crate::base::number::trimmed(stage.length, 3);
         assert!(svg.contains(&format!(">stage {}: {length} m<", i + 1)));
         assert!(svg.contains(&format!("class=\"stage-{}\"", i + 1)));
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::emit::number::trimmed;
+use crate::base::number::trimmed;
 
 /// An XML element.
 #[derive(Clone, Debug)]

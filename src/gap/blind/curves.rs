@@ -2,10 +2,10 @@
 
 use super::reality::{add, pick};
 use super::sources::{Source, chain, sign};
+use crate::base::trig;
 use crate::dynamics::Deviations;
 use crate::emit::simulation::{Piece, Simulation, Track};
 use crate::gap::effects::sites::curves;
-use crate::geometry::trig;
 
 /// An arc between two level straights.
 #[derive(Clone, Copy)]

@@ -5,10 +5,11 @@ use super::reality::{Changes, Reality, distances, draw_log, measured, pick, shuf
 use super::sources::{MACHINE, SENSORS, Source, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
 use super::{CHALLENGE, KEY, seal};
-use crate::dynamics::{Method, parallel};
+use crate::base::parallel;
+use crate::base::random::mix;
+use crate::base::trig;
+use crate::dynamics::Method;
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
-use crate::identify::noise::mix;
 use crate::signal::{Campaign, Channel, Run, csv};
 use crate::source::disk::{Files, WriteError, replace};
 use crate::source::{root, shown};

@@ -2,10 +2,10 @@
 //! the model's, finer steps or another integrator, and a measuring chain with noise, a jittering trigger and quantisation.
 
 use super::sources::Change;
+use crate::base::random::{mix, normal, uniform};
+use crate::base::trig;
 use crate::dynamics::{Deviations, End, Method, Plan, Progress, Width, simulate_deviating};
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
-use crate::identify::noise::{mix, normal, uniform};
 use crate::identify::{COUNT, Parameter};
 use crate::signal::compare::{Scale, compare};
 use crate::signal::{Channel, Run};

@@ -4,11 +4,11 @@
 use super::curves;
 use super::key::Truth;
 use super::reality::{add, draw, draw_log, lap, pick, shuffle};
+use crate::base::random::{normal, uniform};
+use crate::base::trig;
 use crate::dynamics::law::tangent;
 use crate::dynamics::{Deviations, Ripple};
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
-use crate::identify::noise::{normal, uniform};
 use crate::signal::{Channel, Run};
 use std::collections::BTreeMap;
 

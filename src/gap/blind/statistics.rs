@@ -1,6 +1,6 @@
 //! Shares, means, curves, each with its 95 % interval.
 
-use crate::identify::noise::mix;
+use crate::base::random::mix;
 use serde::Serialize;
 
 /// Deviations of the normal distribution that hold 95 %.

@@ -3,7 +3,7 @@
 use super::key::Level;
 use super::score::{Accuracy, Line, Row, Score};
 use super::statistics::{Mean, Share};
-use crate::emit::number::{fixed, trimmed};
+use crate::base::number::{fixed, trimmed};
 use crate::gap::effects::LIBRARY;
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! Layouts that campaigns are driven on.
 
+use crate::base::json::to_json;
 use crate::emit::Compiled;
-use crate::emit::json::to_json;
 use crate::emit::simulation::Simulation;
 use crate::semantics::analyse;
 use crate::solve::{self, Options};

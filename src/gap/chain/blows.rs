@@ -1,10 +1,10 @@
 //! Where something strikes a rail: the places at which a step is looked for.
 
 use super::Fitted;
+use crate::base::trig;
 use crate::gap::effects::rail_step;
 use crate::gap::effects::sites::Site;
 use crate::gap::simulator::Frame;
-use crate::geometry::trig;
 use crate::identify::fit::Landing;
 use crate::identify::model::samples;
 use crate::identify::recipe::Samples;

@@ -9,9 +9,10 @@ mod tilt;
 use super::effects::sites::{self, Site};
 use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, curve_geometry, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
-use crate::dynamics::{CartRecord, Fleet, Width, parallel};
+use crate::base::parallel;
+use crate::base::trig;
+use crate::dynamics::{CartRecord, Fleet, Width};
 use crate::emit::simulation::{self as input, Simulation};
-use crate::geometry::trig;
 use crate::identify::fit::Landing;
 use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};
@@ -264,7 +265,7 @@ impl Chains {
                 ));
             }
             if run.laps < 0.98 {
-                let share = crate::emit::number::fixed(100.0 * run.laps, 0);
+                let share = crate::base::number::fixed(100.0 * run.laps, 0);
                 lost.push(format!(
                     "{} covers {share} % of a lap: of the rest of the track nothing can be told",
                     frame.run

@@ -3,9 +3,9 @@
 use super::Fitted;
 use super::blows::loudness;
 use super::tilt::profiles;
+use crate::base::trig;
 use crate::dynamics::Width;
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
 use crate::identify::fit::{Landing, land};
 use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;

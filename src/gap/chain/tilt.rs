@@ -8,8 +8,8 @@
 
 use super::Fitted;
 use super::blows::{self, RAILS, Suspect};
+use crate::base::trig;
 use crate::gap::simulator::{Band, Frame, Label};
-use crate::geometry::trig;
 use crate::identify::model::samples;
 use crate::identify::recipe::Samples;
 use crate::identify::summary::FORCES;

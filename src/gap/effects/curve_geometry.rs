@@ -11,9 +11,9 @@
 
 use super::rebuilt;
 use super::{Act, Effect, Strength, Strengths, add_profile, sites};
+use crate::base::trig;
 use crate::dynamics::Deviations;
 use crate::emit::simulation::{self as input, Piece, Simulation};
-use crate::geometry::trig;
 
 pub const EFFECT: Effect = Effect {
     name: "curve_geometry",

@@ -29,9 +29,9 @@ mod track_flexibility;
 mod wheel_out_of_round;
 mod wheel_sliding;
 
+use crate::base::random::uniform;
 use crate::dynamics::{Deviations, Unfit};
 use crate::emit::simulation::Simulation;
-use crate::identify::noise::uniform;
 use crate::syntax::by_likeness;
 use sites::Site;
 use std::collections::BTreeMap;

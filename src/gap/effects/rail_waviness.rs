@@ -4,10 +4,10 @@
 //! Signature: a little of everything, everywhere.
 
 use super::{Act, Effect, Strength, Strengths, add_profile, sites};
+use crate::base::random::uniform;
+use crate::base::trig;
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
-use crate::identify::noise::uniform;
 
 pub const EFFECT: Effect = Effect {
     name: "rail_waviness",

@@ -5,8 +5,8 @@
 
 use super::sites::{self, Site};
 use super::{Act, Effect, Sensed, Strength, Strengths};
+use crate::base::trig;
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
 
 pub const EFFECT: Effect = Effect {
     name: "sensor_lag",

@@ -1,7 +1,7 @@
 use super::*;
+use crate::base::trig;
 use crate::dynamics::{Fleet, Method, Survey, Width, survey};
 use crate::emit::fixture::compile;
-use crate::geometry::trig;
 use crate::model::fixture;
 
 /// A short track with two motors.

@@ -5,9 +5,9 @@
 //! Signature: run_left and run_right vary together with the spacing of supports, with `shape` 1 also at its multiples.
 
 use super::{Act, Effect, Strength, Strengths, add_profile, sites::Site};
+use crate::base::trig;
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
 
 pub const EFFECT: Effect = Effect {
     name: "track_flexibility",

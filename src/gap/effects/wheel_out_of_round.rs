@@ -4,9 +4,9 @@
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
 
 use super::{Act, Effect, Strength, Strengths, sites::Site};
+use crate::base::trig;
 use crate::dynamics::Deviations;
 use crate::emit::simulation::Simulation;
-use crate::geometry::trig;
 
 pub const EFFECT: Effect = Effect {
     name: "wheel_out_of_round",

@@ -5,8 +5,8 @@
 //! told from the machine; there, it counts how closely the model is believed to follow.
 
 use super::windows::Windows;
-use crate::geometry::trig;
-use crate::identify::noise::{normal, uniform};
+use crate::base::random::{normal, uniform};
+use crate::base::trig;
 
 /// What independent programs and sensors agree to at best, of the range of a channel's means (as in identification).
 const MEANS_AGREE: f64 = 5e-4;

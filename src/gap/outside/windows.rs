@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn windows_are_longer_when_the_noise_remembers_longer() {
         let mut state = 3;
-        let white: Vec<f64> = (0..6000).map(|_| crate::identify::noise::normal(&mut state)).collect();
+        let white: Vec<f64> = (0..6000).map(|_| crate::base::random::normal(&mut state)).collect();
         let mut slow = vec![0.0; 6000];
         for i in 1..6000 {
             slow[i] = 0.95 * slow[i - 1] + white[i];

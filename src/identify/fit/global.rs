@@ -1,8 +1,8 @@
 //! The global stage: what would fool a local one is found roughly first (noise, trigger, tension).
 
 use super::Fitter;
+use crate::base::trig;
 use crate::dynamics::Fleet;
-use crate::geometry::trig;
 use crate::identify::floor::Floor;
 use crate::identify::local::Centre;
 use crate::identify::model::{Coordinates, Model};

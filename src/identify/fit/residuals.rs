@@ -1,7 +1,7 @@
 //! How far a run is from the model, and what that says of the parameters.
 
 use super::{FLOOR_SCALE, Fitter};
-use crate::geometry::trig;
+use crate::base::trig;
 use crate::identify::floor::{Floor, Numerics};
 use crate::identify::local::{Centre, Sensitivity, WITH_FLOOR};
 use crate::identify::model::{Coordinates, Model};

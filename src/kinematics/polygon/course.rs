@@ -1,6 +1,7 @@
 //! The centre line as straights and curves in turn.
 
-use crate::geometry::{CentreLine, Form, trig};
+use crate::base::trig;
+use crate::geometry::{CentreLine, Form};
 use std::fmt;
 
 /// Curves that meet without a straight between them are this far apart, m: the straight still has a direction to measure on.

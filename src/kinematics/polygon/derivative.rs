@@ -11,7 +11,8 @@
 
 use super::chain::{Joint, Ride, Unrolled};
 use super::{Course, Objective, STEPS, Unsuited, front, harmonic};
-use crate::geometry::{Form, Point, Track, trig};
+use crate::base::trig;
+use crate::geometry::{Form, Point, Track};
 use crate::problem::measures::{Measures, radius, to_corners};
 
 /// Values and gradients of an objective.

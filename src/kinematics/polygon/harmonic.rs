@@ -8,7 +8,7 @@
 
 use super::chain::Unrolled;
 use super::{Course, STEPS, Unsuited, deviations, straight_behind};
-use crate::geometry::trig;
+use crate::base::trig;
 use nalgebra::Complex;
 
 /// A complex amplitude, m.

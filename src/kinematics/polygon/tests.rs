@@ -1,7 +1,8 @@
 //! Polygon action against closed forms, by hand, and of both measures against each other.
 
 use super::*;
-use crate::geometry::{CentreLine, Form, Track, trig};
+use crate::base::trig;
+use crate::geometry::{CentreLine, Form, Track};
 use crate::model::instances::thesis10;
 use crate::problem::measures::{to_corners, to_variables};
 

@@ -2,7 +2,8 @@
 
 use super::super::Problem;
 use super::super::measures::{radius, to_corners};
-use crate::geometry::{Track, trig};
+use crate::base::trig;
+use crate::geometry::Track;
 use crate::model::Layout;
 
 /// A heading this far from the grid is not on it, rad.

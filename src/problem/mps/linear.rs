@@ -1,6 +1,6 @@
 //! A mixed-integer linear problem and the free MPS file of it.
 
-use crate::emit::number::shortest;
+use crate::base::number::shortest;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -18,8 +18,8 @@ mod rows;
 
 use super::Problem;
 use super::measures::{x, y};
-use crate::emit::number::trimmed;
-use crate::geometry::trig;
+use crate::base::number::trimmed;
+use crate::base::trig;
 use crate::model::Layout;
 use grid::Grid;
 use linear::{Milp, Sum};

@@ -4,7 +4,7 @@ use super::super::measures::{x, y};
 use super::super::{Function, relation};
 use super::Writer;
 use super::linear::Sum;
-use crate::geometry::trig;
+use crate::base::trig;
 use crate::model::{Formula, Target};
 
 /// Σ k·column + constant.

@@ -76,7 +76,7 @@ impl Graph {
     }
 
     pub fn number(&mut self, value: f64) -> Id {
-        self.intern(Node::Number(crate::emit::number::normal(value).to_bits()))
+        self.intern(Node::Number(crate::base::number::normal(value).to_bits()))
     }
 
     pub fn variable(&mut self, index: usize) -> Id {

@@ -232,5 +232,5 @@ fn limits(low: f64, high: f64, out: &mut String) {
 }
 
 fn number(value: f64) -> String {
-    crate::emit::number::shortest(value)
+    crate::base::number::shortest(value)
 }

@@ -10,7 +10,8 @@ use super::super::measures::to_corners;
 use super::super::{Function, Problem, Row, RowKey};
 use super::graph::{Graph, Id, Operator, Plane};
 use super::shapes::Shapes;
-use crate::geometry::{Point, Polygon, Track, trig};
+use crate::base::trig;
+use crate::geometry::{Point, Polygon, Track};
 use crate::model::{Formula, Target};
 
 /// Clearance rows closer to their limit than this where they were chosen are in the file, m.

@@ -1,8 +1,9 @@
 //! Sections that are fixed where an obstacle or a wall leaves them no room: nothing that may be moved can help there.
 
 use super::Facts;
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{Piece, PieceKind, Point, Polygon, piece_distance, trig};
+use crate::geometry::{Piece, PieceKind, Point, Polygon, piece_distance};
 use crate::model::{Constraint, ConstraintKind, Vertex};
 use crate::semantics::layout::Geometry;
 use crate::semantics::scope::Context;

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::Limits;
-use crate::geometry::{Track, trig};
+use crate::base::trig;
+use crate::geometry::Track;
 use crate::model::{Building, Formula, Interval, Obstacle, Target, Vertex};
 use crate::source::Span;
 

@@ -1,8 +1,9 @@
 //! Vertices: coincident neighbours, turns, radii, and fillets that overlap.
 
 use super::{Facts, Limits};
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{PieceKind, Track, trig};
+use crate::geometry::{PieceKind, Track};
 use crate::model::Vertex;
 use crate::semantics::scope::Context;
 use crate::semantics::value::{degrees, metres};

@@ -2,8 +2,8 @@
 
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
+use crate::base::number::shortest;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::shortest;
 use crate::gap::effects;
 use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
 use crate::semantics::dimension::Dimension;

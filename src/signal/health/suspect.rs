@@ -4,7 +4,7 @@ use super::super::gaps::Gaps;
 use super::super::measures::Statistics;
 use super::super::position::Position;
 use super::super::{Channel, Run};
-use crate::emit::number::{fixed, shortest, trimmed};
+use crate::base::number::{fixed, shortest, trimmed};
 use crate::emit::simulation::Simulation;
 use crate::geometry::Form;
 use std::collections::BTreeMap;

@@ -7,7 +7,8 @@
 //! 2002). Rows that are not linear in these terms, obstacles and the track's own width are left out, which is safe:
 //! with them there are fewer layouts still.
 
-use crate::geometry::{Point, trig};
+use crate::base::trig;
+use crate::geometry::Point;
 use crate::model::Formula;
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{Function, Keepout, Problem};

@@ -2,9 +2,9 @@
 
 use super::lines::Kind;
 use super::{Assumed, Conflict, Decides, Member, Proof, Within};
+use crate::base::number::trimmed;
+use crate::base::trig::PI;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::emit::number::trimmed;
-use crate::geometry::trig::PI;
 use crate::model::{Side, Unit};
 use crate::problem::LEVER;
 

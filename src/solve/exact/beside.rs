@@ -398,7 +398,7 @@ impl Arc<'_> {
     fn fraction(&self, w: Point) -> f64 {
         let (a, b) = self.turn();
         let heading = (w.left() * f64::from(self.grid.signs[self.stage])).heading();
-        crate::geometry::trig::wrap(heading - a) / (b - a)
+        crate::base::trig::wrap(heading - a) / (b - a)
     }
 
     fn centre(&self, g: Point, radius: f64, low: f64) -> Row {
@@ -415,7 +415,7 @@ impl Arc<'_> {
     /// The sector between two fractions, and w·(q − c) >= (R + D) cos δ in it.
     fn outer(&self, a: f64, b: f64, q: Point, distance: f64) -> Vec<Row> {
         let (begin, end) = (self.heading(a), self.heading(b));
-        let cosine = crate::geometry::trig::cos((end - begin) / 2.0);
+        let cosine = crate::base::trig::cos((end - begin) / 2.0);
         let w = self.outward((begin + end) / 2.0);
         let (u, v) = (Point::unit(begin), Point::unit(end));
         vec![

@@ -1,6 +1,7 @@
 //! The discrete choices: headings as multiples of the angle step, radii from the catalogue's list.
 
-use crate::geometry::{Point, Track, trig};
+use crate::base::trig;
+use crate::geometry::{Point, Track};
 use crate::model::{Formula, Layout};
 use crate::problem::measures::{radius, to_corners, x, y};
 use crate::problem::{Function, Problem, Row};

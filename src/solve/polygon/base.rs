@@ -1,7 +1,8 @@
 //! The layout that a search for an even run starts from, and the limits that it sets.
 
 use super::Smooth;
-use crate::geometry::{Track, trig};
+use crate::base::trig;
+use crate::geometry::Track;
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Objective, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};

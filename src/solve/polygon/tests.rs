@@ -1,8 +1,8 @@
 //! Searches against what a layout had before, brute force, and the rows that must hold.
 
 use super::*;
+use crate::base::random::uniform;
 use crate::geometry::{CentreLine, Corner, Form, Track};
-use crate::identify::noise::uniform;
 use crate::kinematics::polygon::{Course, Objective, action, curve_phasor};
 use crate::model::instances::thesis10;
 use crate::model::{Goal, fixture};
@@ -75,7 +75,7 @@ fn closing_is_a_constraint() {
     let last = stages.last().expect("a stage");
     assert!(last.max_violation <= 1e-6, "{:?}", last.violations);
     let track = Track::new(&last.corners);
-    let excess = 4.0 * (crate::geometry::trig::FRAC_PI_2 * 1.5625 / 96.0 - 1.953125 / 1920.0);
+    let excess = 4.0 * (crate::base::trig::FRAC_PI_2 * 1.5625 / 96.0 - 1.953125 / 1920.0);
     let carts = (track.length - excess) / 1.25;
     assert!((carts - carts.round()).abs() * 1.25 <= 0.005 + 1e-6, "{carts}");
 }

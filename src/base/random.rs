@@ -1,6 +1,6 @@
 //! White noise that is the same wherever and however often it is drawn.
 
-use crate::geometry::trig;
+use crate::base::trig;
 use std::sync::OnceLock;
 
 /// Numbers drawn once.

@@ -1,6 +1,6 @@
 //! The one way numbers are written: the same digits everywhere, and never a negative zero.
 
-use crate::geometry::trig;
+use crate::base::trig;
 
 /// With a fixed number of decimals: `1.50`.
 pub fn fixed(value: f64, decimals: usize) -> String {

@@ -1,6 +1,6 @@
 //! Student's t distribution, for intervals from few degrees of freedom.
 
-use crate::geometry::trig::{FRAC_PI_2, sin_cos, tan};
+use crate::base::trig::{FRAC_PI_2, sin_cos, tan};
 
 /// Half the width of a two-sided interval in standard errors: the t below which |T| stays with probability `confidence` for
 /// `dof` degrees of freedom. Infinite without any.
