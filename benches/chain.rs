@@ -6,9 +6,9 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use lss::chain_input::{Piece, Simulation, Track};
 use lss::dynamics::integrate::{Integrator, Verlet};
 use lss::dynamics::{Chain, Model, PACK, Plan, Width, parameters, simulate, simulate_all};
-use lss::emit::simulation::{Piece, Simulation, Track};
 use lss::signal::Channel;
 use lss::signal::measures::{rmsd, statistics};
 use rapier3d_f64::prelude::*;

@@ -7,7 +7,9 @@ mod layout;
 
 use divan::Bencher;
 use layout::layout;
-use lss::emit::{self, Compiled, svg};
+use lss::compiled::Compiled;
+use lss::emit;
+use lss::emit::svg;
 use lss::solve::{Options, solve};
 
 fn main() {

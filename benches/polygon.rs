@@ -9,9 +9,9 @@
 mod layout;
 
 use layout::layout;
+use lss::chain_input::Simulation;
+use lss::compiled::Compiled;
 use lss::dynamics::{Plan, Width, simulate_all};
-use lss::emit::Compiled;
-use lss::emit::simulation::Simulation;
 use lss::geometry::{Point, Track};
 use lss::kinematics::polygon::{Course, Objective, action};
 use lss::model::{Goal, Layout};

@@ -26,7 +26,9 @@
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod base;
+pub mod chain_input;
 pub mod cli;
+pub mod compiled;
 pub mod diagnostic;
 pub mod dynamics;
 pub mod elements;

@@ -3,7 +3,8 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::emit::{self, Compiled};
+use lss::compiled::Compiled;
+use lss::emit;
 use lss::model::{self, Layout};
 use lss::problem::{self, Problem, Scope};
 use lss::semantics::{analyse, unsupported};

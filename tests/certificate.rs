@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::emit::Compiled;
+use lss::compiled::Compiled;
 use lss::kinematics::fit;
 use lss::model::Layout;
 use lss::semantics::analyse;

@@ -3,11 +3,11 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use lss::chain_input::{Piece, Simulation, Track};
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
 use lss::dynamics::{
     Chain, End, Kind, Method, Model, PACK, Plan, Survey, Width, parameters, simulate, simulate_all, survey,
 };
-use lss::emit::simulation::{Piece, Simulation, Track};
 use lss::signal::Channel;
 use std::path::Path;
 use std::sync::Arc;

@@ -6,7 +6,7 @@
 
 mod small;
 
-use lss::emit::Compiled;
+use lss::compiled::Compiled;
 use lss::geometry::PieceKind;
 use lss::solve::{Counted, Effort, Options, pareto};
 use small::{Asked, Random, SHORTEST, STEP, Small, choices, last, layout, random, text};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::emit::Compiled;
+use lss::compiled::Compiled;
 use lss::emit::svg::{Theme, drawing};
 use lss::semantics::analyse;
 use lss::solve::{Options, solve};

@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic, text};
 use lss::elements;
-use lss::emit::Compiled;
 use lss::geometry::Track;
 use lss::import;
 use lss::semantics::{analyse, unsupported};

@@ -198,7 +198,7 @@ fn absurd_numbers_in_a_run_are_refused_in_every_format() {
 
 #[test]
 fn deep_nesting_of_json_and_toml_is_an_error() {
-    use lss::emit::simulation::Simulation;
+    use lss::chain_input::Simulation;
     use lss::gap::outside;
     use lss::signal::{Campaign, Sidecar};
     use std::path::Path;

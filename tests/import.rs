@@ -5,8 +5,8 @@
 use std::path::{Path, PathBuf};
 
 use lss::base::trig;
+use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic};
-use lss::emit::Compiled;
 use lss::emit::dxf;
 use lss::geometry::{Point, Track};
 use lss::import::{self, Options, Plan, Unit};

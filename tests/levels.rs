@@ -3,9 +3,9 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::base::trig;
+use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic};
 use lss::elements::{Ware, pieces};
-use lss::emit::Compiled;
 use lss::geometry::Track;
 use lss::model::Layout;
 use lss::semantics::{analyse, unsupported};

@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use lss::emit::simulation::Simulation;
+use lss::chain_input::Simulation;
 use lss::signal::health::health;
 use lss::signal::{Channel, Run, csv};
 use serde_json::Value;

@@ -2,8 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::emit::Compiled;
-use lss::emit::simulation::{Piece, Simulation, Track};
+use lss::chain_input::{Piece, Simulation, Track};
+use lss::compiled::Compiled;
 use lss::semantics::analyse;
 use lss::solve::{self, Options};
 use lss::source::{Loader, SourceMap};

@@ -3,8 +3,8 @@
 #[path = "layout.rs"]
 mod layout;
 
-use lss::emit::Compiled;
-use lss::emit::simulation::Simulation;
+use lss::chain_input::Simulation;
+use lss::compiled::Compiled;
 use lss::solve::{Options, solve};
 use std::path::Path;
 

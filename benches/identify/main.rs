@@ -11,8 +11,8 @@ mod track;
 
 use lss::base::parallel;
 use lss::base::random::{normal, uniform};
+use lss::chain_input::{ContactLaw, Simulation};
 use lss::dynamics::{End, Method, Plan, Width, simulate};
-use lss::emit::simulation::{ContactLaw, Simulation};
 use lss::identify::study::{Fitted, Subject, fit_run};
 use lss::identify::{COUNT, Parameter, Settings};
 use lss::signal::{Run, csv};

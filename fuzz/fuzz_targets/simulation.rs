@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use lss::dynamics::{Model, parameters};
-use lss::emit::simulation::Simulation;
+use lss::chain_input::Simulation;
 
 fuzz_target!(|bytes: &[u8]| {
     match Simulation::read(bytes) {

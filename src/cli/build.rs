@@ -3,10 +3,12 @@
 use super::progress::Line;
 use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
+use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::elements;
+use crate::emit;
 use crate::emit::pareto::Pareto;
-use crate::emit::{self, Compiled, DrawError, Files};
+use crate::emit::{DrawError, Files};
 use crate::kinematics::Fit;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};

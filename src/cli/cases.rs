@@ -2,7 +2,7 @@
 
 use super::{MessageFormat, Outcome, read, report};
 use crate::base::number::fixed;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::identify::Measured;
 use crate::identify::groups::SetPoint;
 use crate::identify::study::Subject;

@@ -3,9 +3,9 @@
 
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, build, could_not, foreign, report};
+use crate::chain_input::Simulation;
+use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
-use crate::emit::Compiled;
-use crate::emit::simulation::Simulation;
 use crate::model::Layout;
 use crate::semantics::{analyse, unsupported};
 use crate::source::{SourceMap, input, shown};

@@ -1,13 +1,13 @@
 //! A chain that moves: state, memory of its contacts, controller and clock.
 
 use super::control::{Control, Late};
-use super::deviations::Deviations;
 use super::forces::{Evaluation, Forces, Memory};
 use super::law::Damped;
 use super::model::{Model, Unfit};
 use super::start::start;
 use super::state::{Accelerations, PACK, Row, State};
 use super::width::Width;
+use crate::chain_input::Deviations;
 use std::sync::Arc;
 
 /// A chain at one moment.

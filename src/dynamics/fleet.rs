@@ -9,7 +9,7 @@ use super::run::Method;
 use super::state::{PACK, Row, State};
 use super::trouble::Trouble;
 use super::width::Width;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::signal::filter::Lowpass;
 use pulp::{Simd, WithSimd};
 use std::sync::Arc;

@@ -4,7 +4,7 @@
 //! At equal K, n and v₀ the laws are reparametrisations of each other: with e free, their best fits coincide.
 
 use crate::base::trig;
-use crate::emit::simulation::ContactLaw;
+use crate::chain_input::ContactLaw;
 
 impl ContactLaw {
     /// χ(e), for e in (0, 1]; 0 for Kelvin-Voigt, which damps through [`ContactLaw::viscosity`].

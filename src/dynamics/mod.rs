@@ -4,7 +4,6 @@ mod chain;
 mod clock;
 mod contact;
 mod control;
-mod deviations;
 mod fleet;
 pub mod forces;
 mod inspect;
@@ -24,7 +23,6 @@ mod trouble;
 mod width;
 
 pub use chain::Chain;
-pub use deviations::{Deviations, Ripple};
 pub use fleet::{CartRecord, Fleet, Settled, Survey, survey};
 pub use inspect::Placement;
 pub use model::{Model, Unfit};

@@ -1,10 +1,11 @@
 //! The chain model's constants, worked out once from a simulation input (design: chain model).
 
-use super::deviations::Deviations;
 use super::law::{Damped, tangent};
 use super::segments::Segments;
 use super::state::{PACK, Row};
-use crate::emit::simulation::{self as input, ContactLaw, Simulation};
+use crate::chain_input as input;
+use crate::chain_input::Deviations;
+use crate::chain_input::{ContactLaw, Simulation};
 use crate::gap::effects;
 use crate::kinematics::closing;
 use std::fmt;

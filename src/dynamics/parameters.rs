@@ -1,6 +1,6 @@
 //! Every number of a simulation input by name, as `--set` takes it: the path of its place in `simulation.json`, with dots.
 
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::kinematics::closing;
 use crate::syntax::nearest;
 use serde_json::Value;

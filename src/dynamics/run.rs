@@ -2,7 +2,6 @@
 
 use super::chain::Chain;
 use super::clock::Clock;
-use super::deviations::Deviations;
 use super::integrate::{CashKarp, Integrator, Verlet};
 use super::model::{Model, Unfit};
 use super::reactions::Reactions;
@@ -10,7 +9,8 @@ use super::sensor::SensorCart;
 use super::trouble::Trouble;
 use super::width::Width;
 use crate::base::parallel;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 use crate::gap::effects::{self, Sensed};
 use crate::signal::{Channel, Run, Sidecar, SupportLoad};
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@
 use super::chain::Chain;
 use super::inspect::{attitude, vector};
 use super::state::PACK;
-use crate::emit::simulation::Sensor;
+use crate::chain_input::Sensor;
 use crate::signal::Channel;
 use crate::signal::filter::Lowpass;
 use nalgebra::Vector3;

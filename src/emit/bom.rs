@@ -1,8 +1,8 @@
 //! `bom.json` and `bom.csv`: the bill of elements.
 
-use super::Compiled;
 use crate::base::json;
 use crate::base::number::{fixed, normal, trimmed};
+use crate::compiled::Compiled;
 use crate::elements::{BillLine, Ware};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -151,7 +151,7 @@ pub fn csv(compiled: &Compiled) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use crate::emit::fixture::compile;
+    use crate::compiled::fixture::compile;
     use crate::model::fixture;
 
     #[test]

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::{Compiled, dxf, png, svg};
+use super::{dxf, png, svg};
+use crate::compiled::Compiled;
 use crate::geometry::Corner;
 
 /// Why there is no drawing.

@@ -1,9 +1,9 @@
 //! What holds a layout: `freedom.txt` for people, `freedom.json` for machines.
 
-use super::Compiled;
 use crate::base::json;
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig::PI;
+use crate::compiled::Compiled;
 use crate::solve::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 use crate::source::SourceMap;
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! The stages' problems as files that other solvers read.
 
-use super::Compiled;
+use crate::compiled::Compiled;
 use crate::problem::measures::to_variables;
 use crate::problem::{Problem, Scope, mps, nl};
 use crate::solve::Stage;

@@ -1,8 +1,8 @@
 //! `pareto.json` and its table: length against cost.
 
-use super::Compiled;
 use crate::base::json;
 use crate::base::number::{fixed, normal};
+use crate::compiled::Compiled;
 use crate::model::Layout;
 use crate::solve::{Counted, Trade, objective};
 use schemars::JsonSchema;

@@ -5,8 +5,8 @@ use super::layout::LayoutFile;
 use super::pareto::Pareto;
 use super::polygon::Report;
 use super::polygon::Verification;
-use super::simulation::Simulation;
 use crate::base::json;
+use crate::chain_input::Simulation;
 use crate::gap::Diagnosis;
 
 /// Names and contents of `docs/schemas/`.
@@ -25,8 +25,8 @@ pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compiled::fixture::compile;
     use crate::emit::data_files;
-    use crate::emit::fixture::compile;
     use crate::model::fixture;
     use serde_json::Value;
     use std::path::Path;

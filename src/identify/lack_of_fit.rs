@@ -108,7 +108,7 @@ impl Warning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::simulation::ContactLaw;
+    use crate::chain_input::ContactLaw;
     use crate::identify::goodness::{Goodness, Limit};
     use crate::identify::study::Estimate;
     use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 
 use super::coverage::Coverage;
 use super::summary::{FORCES, Samples};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::signal::gaps::bridge;
 use crate::signal::measures::statistics;
 use crate::signal::position::position;

@@ -5,8 +5,8 @@ use super::parameter::{COUNT, Parameter};
 use super::places::Places;
 use super::summary::{FORCES, Recipe, Samples, Summary};
 use crate::base::trig;
+use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{self, CartRecord, Fleet, Method, Settled, Survey, Width};
-use crate::emit::simulation::{ContactLaw, Simulation};
 use std::sync::Arc;
 
 /// A point of the parameters' space, in coordinates.

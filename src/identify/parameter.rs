@@ -5,7 +5,7 @@
 //! In these coordinates the damping laws are the same model, so what one law's fit found starts the next one's.
 
 use crate::base::trig;
-use crate::emit::simulation::{ContactLaw, Simulation};
+use crate::chain_input::{ContactLaw, Simulation};
 use std::fmt;
 
 /// A parameter of identification.

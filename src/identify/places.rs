@@ -1,6 +1,6 @@
 //! Where on the track features are taken: cells of two carts' length for means, and straights and curves for the rest.
 
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::geometry::{CentreLine, Form};
 
 /// What the track does at a place.

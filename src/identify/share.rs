@@ -80,7 +80,7 @@ pub fn combine(shared: &[Parameter], runs: &[(&Model, &Fit)]) -> Option<Shared> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::simulation::{ContactLaw, Simulation};
+    use crate::chain_input::{ContactLaw, Simulation};
     use crate::identify::Measured;
     use crate::signal::{Channel, Run, Sidecar};
     use std::collections::BTreeMap;

@@ -160,7 +160,7 @@ for kind, multipliers in ((".row", found["lam_g"]), (".col", found["lam_x"])):
 fn ipopt_finds_the_same_optimum_and_active_rows() {
     let layout = example("thesis10");
     let stages = continuous(&layout);
-    let compiled = lss::emit::Compiled::new(layout.clone(), stages.clone());
+    let compiled = lss::compiled::Compiled::new(layout.clone(), stages.clone());
     let folder = tempfile::tempdir().unwrap();
     let files: lss::emit::Files = lss::emit::outside::nl_files(&compiled).into_iter().collect();
     files.write(folder.path()).unwrap();

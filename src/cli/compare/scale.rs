@@ -2,7 +2,7 @@
 
 use super::beside;
 use crate::base::number::fixed;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::signal::compare::Scale;
 use crate::signal::{Run, position};
 use crate::source::{Root, input, shown};

@@ -2,11 +2,11 @@
 
 use crate::base::json;
 use crate::base::number::shortest;
+use crate::chain_input::Effect;
 use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
-use crate::emit::simulation::Effect;
 use crate::gap::chain::Chains;
 use crate::gap::effects::{named, spelled};
 use crate::gap::{Diagnosis, Finding};

@@ -2,11 +2,11 @@
 
 use super::{apply, text};
 use crate::base::json;
+use crate::chain_input::Track;
 use crate::cli::cases::cases;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::dynamics::Width;
 use crate::emit::Files;
-use crate::emit::simulation::Track;
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
 use crate::gap::{Diagnosis, Left, Lost, Remembered, Simulator, Stage, diagnose};

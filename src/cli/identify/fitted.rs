@@ -2,10 +2,10 @@
 
 use crate::base::json;
 use crate::base::number::{fixed, shortest};
+use crate::chain_input::{Contact, ContactLaw, Simulation, Wheel};
 use crate::cli::cases::Case;
 use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
-use crate::emit::simulation::{Contact, ContactLaw, Simulation, Wheel};
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::Fitted;

@@ -2,7 +2,7 @@
 
 use super::campaign::law_name;
 use crate::base::number::tidy;
-use crate::emit::simulation::ContactLaw;
+use crate::chain_input::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::{Warning, at_bounds, warning};
 use crate::identify::share::Shared;

@@ -5,8 +5,8 @@ mod verify;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json;
+use crate::chain_input::Simulation;
 use crate::emit::polygon::{self, Names, Report};
-use crate::emit::simulation::Simulation;
 use crate::emit::{DrawError, Files, png, svg};
 use crate::geometry::CentreLine;
 use crate::kinematics::polygon::{Objective, Unsuited};

@@ -2,12 +2,13 @@
 
 use super::{Polygon, written_to};
 use crate::base::json;
+use crate::chain_input::Simulation;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, read, report};
+use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::{self, End, Plan, Width};
 use crate::emit::polygon::{Case, Names, Report, Values, Verification, case_name, page, verify_text};
-use crate::emit::simulation::Simulation;
-use crate::emit::{Compiled, Files, stages_png, stages_svg};
+use crate::emit::{Files, stages_png, stages_svg};
 use crate::kinematics::polygon::Objective;
 use crate::model::{Goal, Layout};
 use crate::semantics::unsupported;

@@ -4,7 +4,7 @@ mod table;
 
 use super::cases::named_layout;
 use super::{MessageFormat, Outcome, OutputFormat, read, report};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::signal::health::{Health, health};
 use crate::signal::measures::Statistics;
 use crate::signal::{Campaign, Entry, RunError};

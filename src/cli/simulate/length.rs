@@ -1,8 +1,8 @@
 //! Which cart length a simulation used, and why when that is not the product line's.
 
 use crate::base::number::trimmed;
+use crate::chain_input::Simulation;
 use crate::dynamics::Outcome;
-use crate::emit::simulation::Simulation;
 use crate::kinematics::{Fit, left_over};
 use serde::Serialize;
 

@@ -6,8 +6,8 @@ mod report;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
 use crate::base::json;
+use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
-use crate::emit::simulation::{ContactLaw, Simulation};
 use crate::emit::{Files, lap};
 use crate::signal::{csv, parquet};
 use crate::source::shown;

@@ -1,9 +1,9 @@
 //! The summary of a simulation, for people and for programs.
 
 use super::length::CartLength;
+use crate::chain_input::Simulation;
 use crate::dynamics::{Outcome, parameters};
 use crate::emit::lap::hotspots;
-use crate::emit::simulation::Simulation;
 use crate::signal::Channel;
 use crate::signal::measures::statistics;
 use serde::Serialize;

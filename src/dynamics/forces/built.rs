@@ -3,7 +3,7 @@
 
 use super::Forces;
 use crate::base::trig;
-use crate::dynamics::deviations::closed;
+use crate::chain_input::closed;
 use crate::dynamics::inspect::{attitude, vector};
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::Home;

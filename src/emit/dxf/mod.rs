@@ -6,7 +6,7 @@ mod writer;
 mod tests;
 
 use crate::base::trig;
-use crate::emit::Compiled;
+use crate::compiled::Compiled;
 use crate::emit::plan::{self, Curve, Mark, MarkKind};
 use crate::geometry::{PieceKind, Point, bounds};
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::base::trig;
-use crate::emit::simulation::Piece;
+use crate::chain_input::Piece;
 use crate::gap::random_reports::{hold, report};
 use crate::gap::{Amount, Extent, Group, Lost, Overlay, Place, RunGap};
 use std::collections::BTreeMap;

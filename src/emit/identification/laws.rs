@@ -2,7 +2,7 @@
 
 use super::name;
 use crate::base::number::fixed;
-use crate::emit::simulation::ContactLaw;
+use crate::chain_input::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::study::Fitted;
 use crate::identify::{Parameter, damping};

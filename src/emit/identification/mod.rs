@@ -4,9 +4,9 @@ mod along;
 mod intervals;
 mod laws;
 
-use super::simulation::ContactLaw;
 use super::style::document;
 use crate::base::number::{fixed, trimmed};
+use crate::chain_input::ContactLaw;
 use crate::identify::Parameter;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::{Warning, warning};

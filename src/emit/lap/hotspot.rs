@@ -2,7 +2,7 @@
 
 use super::lap_track::LapTrack;
 use crate::base::number::fixed;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::signal::{Channel, Run, position};
 use std::fmt;
 
@@ -90,7 +90,7 @@ pub fn hotspots(simulation: &Simulation, run: &Run) -> Vec<Hotspot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::fixture::compile;
+    use crate::compiled::fixture::compile;
     use crate::model::fixture;
 
     #[test]

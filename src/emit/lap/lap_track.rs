@@ -1,7 +1,7 @@
 //! The track as the page shades and names it.
 
 use crate::base::number::trimmed;
-use crate::emit::simulation::{Piece, Simulation, Track};
+use crate::chain_input::{Piece, Simulation, Track};
 use crate::geometry::CentreLine;
 
 /// Kinds of stretches that are shaded.

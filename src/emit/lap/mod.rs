@@ -7,8 +7,8 @@ mod map;
 
 pub use hotspot::{Hotspot, hotspots};
 
-use super::simulation::Simulation;
 use crate::base::number::{fixed, trimmed};
+use crate::chain_input::Simulation;
 use crate::emit::style::document;
 use crate::signal::measures::{Section, Statistics, by_section, statistics};
 use crate::signal::order::order_spectrum;

@@ -4,15 +4,15 @@ mod document;
 
 pub use document::*;
 
-use super::Compiled;
-use super::station::Station;
 use crate::base::json;
 use crate::base::number::{normal, tidy};
 use crate::base::trig;
+use crate::compiled::Compiled;
+use crate::compiled::Station;
 use crate::elements::Shape;
 use crate::geometry::{Form, Frame, PieceKind, Point, Stretch};
 use crate::problem::{Problem, RowKey, Scope, measures, relation};
-use crate::{elements, emit, geometry, solve};
+use crate::{elements, geometry, solve};
 
 /// `layout.json`
 pub fn json(compiled: &Compiled) -> Vec<u8> {
@@ -188,7 +188,7 @@ fn equipment(compiled: &Compiled) -> Vec<Equipment> {
 }
 
 fn contacts(compiled: &Compiled) -> Vec<Contact> {
-    let meeting = |c: &emit::Contact| Contact {
+    let meeting = |c: &crate::compiled::Contact| Contact {
         name: c.name.clone(),
         area_left_m2: tidy(c.area_left),
         area_right_m2: tidy(c.area_right),
@@ -249,7 +249,7 @@ fn step(stage: &solve::Stage) -> Stage {
 
 #[cfg(test)]
 mod tests {
-    use crate::emit::fixture::{compile, on};
+    use crate::compiled::fixture::{compile, on};
     use crate::geometry::Polygon;
     use crate::model::*;
     use crate::source::{FileId, Span, Spanned};

@@ -1,7 +1,7 @@
 //! Where the track climbs and where it lies level, in the plan.
 
 use crate::base::number::trimmed;
-use crate::emit::Compiled;
+use crate::compiled::Compiled;
 use crate::geometry::{Form, Stretch};
 
 /// A part of the track that climbs, or that lies at one height.

@@ -1,6 +1,6 @@
 //! Places of the equipment on the centre line.
 
-use crate::emit::{Compiled, Station};
+use crate::compiled::{Compiled, Station};
 use crate::geometry::Point;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,7 +67,7 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::fixture::{compile, on};
+    use crate::compiled::fixture::{compile, on};
     use crate::model::fixture;
     use crate::source::Spanned;
 

@@ -1,8 +1,8 @@
 //! Layouts that the drawings are tested on.
 
 use crate::base::trig;
-use crate::emit::Compiled;
-use crate::emit::fixture::{compile, on};
+use crate::compiled::Compiled;
+use crate::compiled::fixture::{compile, on};
 use crate::geometry::{Corner, Point, Polygon, Track};
 use crate::model::{
     Building, Chutes, Constraint, ConstraintKind, FixKind, Induction, Layout, Level, Motors, Obstacle, Rate, Row, Side,

@@ -1,7 +1,7 @@
 //! What straights and curves are called: by the layout's vertices where it is known, else by number.
 
 use crate::base::number::fixed;
-use crate::emit::Compiled;
+use crate::compiled::Compiled;
 use crate::geometry::{CentreLine, Form, Point};
 use crate::kinematics::polygon::{Bend, Course};
 

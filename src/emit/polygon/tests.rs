@@ -1,6 +1,6 @@
 use super::*;
-use crate::emit::fixture::compile;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
+use crate::compiled::fixture::compile;
 use crate::model::{fixture, instances};
 
 fn report(layout: crate::model::Layout, objective: Objective) -> Report {

@@ -1,7 +1,8 @@
 //! The general-arrangement drawing.
 
+use crate::compiled::Compiled;
+use crate::emit::DrawError;
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
-use crate::emit::{Compiled, DrawError};
 use crate::geometry::Point;
 use crate::model::ConstraintKind;
 use crate::solve::Stage;

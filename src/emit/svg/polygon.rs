@@ -326,10 +326,11 @@ fn fields(sheet: &Sheet, report: &Report) -> Vec<Vec<strip::Field>> {
 mod tests {
     use super::*;
     use crate::base::trig;
-    use crate::emit::fixture::compile;
+    use crate::chain_input::Simulation;
+    use crate::compiled::Compiled;
+    use crate::compiled::fixture::compile;
+    use crate::emit::png;
     use crate::emit::polygon::Names;
-    use crate::emit::simulation::Simulation;
-    use crate::emit::{Compiled, png};
     use crate::geometry::Form;
     use crate::kinematics::polygon::Objective;
     use crate::model::instances;

@@ -5,7 +5,7 @@ use super::text::{self, Height};
 use super::xml::{Element, number};
 use crate::base::number::trimmed;
 use crate::base::trig;
-use crate::emit::Compiled;
+use crate::compiled::Compiled;
 use crate::geometry::{Form, Point};
 
 /// Height of the profile on paper, mm.

@@ -1,7 +1,8 @@
 //! The written layout and the stages' results over each other, as the figures of thesis §3.3 show them.
 
+use crate::compiled::Compiled;
+use crate::emit::DrawError;
 use crate::emit::plan;
-use crate::emit::{Compiled, DrawError};
 use crate::geometry::{Corner, Point, Track};
 use crate::solve::Status;
 

@@ -1,6 +1,6 @@
 //! The strip under the drawing: legend, scale bar with axes, title block; and the list of violated rows above it.
 
-use crate::emit::Compiled;
+use crate::compiled::Compiled;
 use crate::emit::plan::MarkKind;
 use crate::geometry::Point;
 use crate::solve::{Cut, Stage, Status};

@@ -8,8 +8,9 @@ use resvg::usvg::{Group, Node, Text, Tree};
 use super::place::Box;
 use super::*;
 use crate::base::trig;
+use crate::compiled::Compiled;
 use crate::emit::plan::samples;
-use crate::emit::{Compiled, DrawError, drawing_files, png, stages_png, stages_svg};
+use crate::emit::{DrawError, drawing_files, png, stages_png, stages_svg};
 
 fn drawings() -> Vec<(&'static str, Compiled)> {
     vec![
@@ -246,7 +247,7 @@ fn coordinates_beyond_any_sheet_are_an_error() {
 fn overlapping_fillets_and_tight_radii_are_drawn() {
     let corners = [(0.0, 0.0, 6.0), (10.0, 0.0, 6.0), (10.0, 8.0, 0.3), (0.0, 8.0, 6.0)];
     let layout = crate::model::fixture::loop_through("overlap", &corners);
-    let svg = light(&crate::emit::fixture::compile(layout));
+    let svg = light(&crate::compiled::fixture::compile(layout));
     assert!(svg.contains(">-2<") && !svg.contains("NaN"), "{svg}");
 }
 

@@ -3,8 +3,8 @@
 use super::reality::{add, pick};
 use super::sources::{Source, chain, sign};
 use crate::base::trig;
-use crate::dynamics::Deviations;
-use crate::emit::simulation::{Piece, Simulation, Track};
+use crate::chain_input::Deviations;
+use crate::chain_input::{Piece, Simulation, Track};
 use crate::gap::effects::sites::curves;
 
 /// An arc between two level straights.
@@ -141,7 +141,7 @@ fn transition(inside: f64, a: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::fixture::compile;
+    use crate::compiled::fixture::compile;
     use crate::model::fixture;
 
     #[test]

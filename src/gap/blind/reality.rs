@@ -4,8 +4,9 @@
 use super::sources::Change;
 use crate::base::random::{mix, normal, uniform};
 use crate::base::trig;
-use crate::dynamics::{Deviations, End, Method, Plan, Progress, Width, simulate_deviating};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
+use crate::dynamics::{End, Method, Plan, Progress, Width, simulate_deviating};
 use crate::identify::{COUNT, Parameter};
 use crate::signal::compare::{Scale, compare};
 use crate::signal::{Channel, Run};

@@ -6,9 +6,9 @@ use super::key::Truth;
 use super::reality::{add, draw, draw_log, lap, pick, shuffle};
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
+use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Ripple};
 use crate::dynamics::law::tangent;
-use crate::dynamics::{Deviations, Ripple};
-use crate::emit::simulation::Simulation;
 use crate::signal::{Channel, Run};
 use std::collections::BTreeMap;
 

@@ -129,9 +129,9 @@ fn a_table_shows_every_case() {
 fn cases_on_a_given_layout_hold_it_without_its_effects() {
     let mut given = super::tracks::all().unwrap().remove(0).simulation;
     let strengths = [("gap".to_owned(), 1e-4)].into();
-    given.effects = vec![crate::emit::simulation::Effect { name: "joint_clearance".into(), strengths }];
+    given.effects = vec![crate::chain_input::Effect { name: "joint_clearance".into(), strengths }];
     let planned = super::tracks::Planned::given(given.clone());
     given.effects.clear();
-    let read: crate::emit::simulation::Simulation = serde_json::from_slice(&planned.text).unwrap();
+    let read: crate::chain_input::Simulation = serde_json::from_slice(&planned.text).unwrap();
     assert_eq!((planned.file, &read, &planned.simulation), ("simulation.json", &given, &given));
 }

@@ -1,8 +1,8 @@
 //! Layouts that campaigns are driven on.
 
 use crate::base::json::to_json;
-use crate::emit::Compiled;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
+use crate::compiled::Compiled;
 use crate::semantics::analyse;
 use crate::solve::{self, Options};
 use crate::source::{Loader, SourceMap};

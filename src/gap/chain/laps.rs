@@ -2,8 +2,9 @@
 
 use super::Chains;
 use super::frame;
+use crate::chain_input as input;
+use crate::chain_input::Simulation;
 use crate::dynamics::Fleet;
-use crate::emit::simulation::{self as input, Simulation};
 use crate::gap::effects::built;
 use crate::gap::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};

@@ -11,8 +11,9 @@ use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, curve
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
 use crate::base::parallel;
 use crate::base::trig;
+use crate::chain_input as input;
+use crate::chain_input::Simulation;
 use crate::dynamics::{CartRecord, Fleet, Width};
-use crate::emit::simulation::{self as input, Simulation};
 use crate::identify::fit::Landing;
 use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};

@@ -4,9 +4,9 @@
 //! Signature: joint_eta and joint_zeta fluctuate less and their resonance falls.
 
 use super::{Act, Effect, Strength, Strengths, sites};
-use crate::dynamics::Deviations;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 use crate::dynamics::law::tangent;
-use crate::emit::simulation::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "cart_bending",

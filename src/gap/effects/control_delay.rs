@@ -4,8 +4,8 @@
 //! Signature: slow swings of the chain's speed and of joint_xi everywhere, at any phase.
 
 use super::{Act, Effect, Strength, Strengths, sites::Site};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 use crate::identify::Parameter;
 
 pub const EFFECT: Effect = Effect {

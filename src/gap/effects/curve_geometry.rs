@@ -12,8 +12,9 @@
 use super::rebuilt;
 use super::{Act, Effect, Strength, Strengths, add_profile, sites};
 use crate::base::trig;
-use crate::dynamics::Deviations;
-use crate::emit::simulation::{self as input, Piece, Simulation};
+use crate::chain_input as input;
+use crate::chain_input::Deviations;
+use crate::chain_input::{Piece, Simulation};
 
 pub const EFFECT: Effect = Effect {
     name: "curve_geometry",

@@ -4,8 +4,8 @@
 //! Signature: steering forces and joint_eta shift where curves begin and end, with opposite signs.
 
 use super::{Act, Effect, Strength, Strengths, sites};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "fork_swivel",

@@ -4,8 +4,8 @@
 //! Signature: joint_eta and joint_zeta rattle where their forces change sign; fluctuation rises, means hardly change.
 
 use super::{Act, Effect, Strength, Strengths, sites};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "joint_clearance",

@@ -5,8 +5,8 @@
 //! Signature: joint_xi along the track and, in curves, steering forces; with `on_sensor` the running wheels' forces.
 
 use super::{Act, Effect, Strength, Strengths, sites::Site, spread};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "load_distribution",

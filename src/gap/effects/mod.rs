@@ -30,8 +30,9 @@ mod wheel_out_of_round;
 mod wheel_sliding;
 
 use crate::base::random::uniform;
-use crate::dynamics::{Deviations, Unfit};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
+use crate::dynamics::Unfit;
 use crate::syntax::by_likeness;
 use sites::Site;
 use std::collections::BTreeMap;

@@ -3,8 +3,8 @@
 //! Signature: joint_xi along the track, a slope less between motors and a step missing at one.
 
 use super::{Act, Effect, Strength, Strengths, sites};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "motor_imbalance",

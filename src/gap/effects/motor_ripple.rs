@@ -4,8 +4,8 @@
 //! Signature: joint_xi and the chain's speed at v/λ.
 
 use super::{Act, Effect, Strength, Strengths, sites::Site};
-use crate::dynamics::{Deviations, Ripple};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Ripple};
 
 pub const EFFECT: Effect = Effect {
     name: "motor_ripple",

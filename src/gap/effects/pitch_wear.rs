@@ -4,8 +4,8 @@
 //! Signature: fluctuation of joint_xi and steering forces at less than the carts' passing.
 
 use super::{Act, Effect, Strength, Strengths, sites, spread};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "pitch_wear",

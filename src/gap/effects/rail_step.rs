@@ -6,8 +6,8 @@
 
 use super::sites::{self, Site};
 use super::{Act, Effect, SPACING, Strength, Strengths, add_profile};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "rail_step",

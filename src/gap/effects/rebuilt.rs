@@ -1,7 +1,7 @@
 //! A centre line of which a curve was built otherwise: straights near it become longer or shorter, so that it closes.
 
 use crate::base::trig;
-use crate::emit::simulation::{Piece, Track};
+use crate::chain_input::{Piece, Track};
 use nalgebra::{Matrix2, Vector2};
 use std::ops::Range;
 

@@ -6,7 +6,7 @@
 use super::sites::{self, Site};
 use super::{Act, Effect, Sensed, Strength, Strengths};
 use crate::base::trig;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "sensor_lag",

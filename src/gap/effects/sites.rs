@@ -1,7 +1,7 @@
 //! Where effects may sit in a layout.
 
 use super::{Effect, motor_ripple, rail_step};
-use crate::emit::simulation::{Piece, Simulation};
+use crate::chain_input::{Piece, Simulation};
 use crate::gap::simulator::Differs;
 use crate::signal::Channel;
 

@@ -4,8 +4,8 @@
 //! Signature: fluctuation at the carts' passing, less in stiff channels than in soft ones.
 
 use super::{Act, Effect, Strength, Strengths, sites};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "stiffness_temperature",

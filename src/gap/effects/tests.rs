@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::trig;
+use crate::compiled::fixture::compile;
 use crate::dynamics::{Fleet, Method, Survey, Width, survey};
-use crate::emit::fixture::compile;
 use crate::model::fixture;
 
 /// A short track with two motors.
@@ -14,7 +14,7 @@ fn nominal() -> Simulation {
 fn with(name: &str, strengths: &[(&str, f64)]) -> Simulation {
     let mut simulation = nominal();
     let strengths = strengths.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect();
-    simulation.effects.push(crate::emit::simulation::Effect { name: name.to_owned(), strengths });
+    simulation.effects.push(crate::chain_input::Effect { name: name.to_owned(), strengths });
     simulation
 }
 

@@ -6,8 +6,8 @@
 
 use super::{Act, Effect, Strength, Strengths, add_profile, sites::Site};
 use crate::base::trig;
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "track_flexibility",

@@ -5,8 +5,8 @@
 
 use super::{Act, Effect, Strength, Strengths, sites::Site};
 use crate::base::trig;
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 pub const EFFECT: Effect = Effect {
     name: "wheel_out_of_round",

@@ -4,8 +4,8 @@
 //! Signature: sideways motion of the carts is damped; steering forces peak less where curves begin.
 
 use super::{Act, Effect, Strength, Strengths, sites};
-use crate::dynamics::Deviations;
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Deviations;
+use crate::chain_input::Simulation;
 
 /// Wheels that creep slower than v_s tell only μ/v_s, and what v_s is of a tyre on its rail is known to a factor of about two.
 const CREEP: f64 = 0.6;

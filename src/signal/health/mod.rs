@@ -24,7 +24,7 @@ use super::gaps::Gaps;
 use super::measures::{Statistics, statistics, statistics_of};
 use super::position::{self, Position};
 use super::{Channel, Run};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use std::collections::BTreeMap;
 
 pub use suspect::{CLIPPED, CLIPPED_ROW, DEAD, SLIP};

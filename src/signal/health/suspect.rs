@@ -5,7 +5,7 @@ use super::super::measures::Statistics;
 use super::super::position::Position;
 use super::super::{Channel, Run};
 use crate::base::number::{fixed, shortest, trimmed};
-use crate::emit::simulation::Simulation;
+use crate::chain_input::Simulation;
 use crate::geometry::Form;
 use std::collections::BTreeMap;
 

@@ -311,7 +311,7 @@ fn metres(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::fixture::compile;
+    use crate::compiled::fixture::compile;
     use crate::model::fixture;
 
     fn good() -> Value {

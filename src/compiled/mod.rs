@@ -1,6 +1,11 @@
-//! A solved layout with everything that writers need worked out once.
+//! A solved layout with everything that its readers need worked out once.
 
-use super::Contact;
+#[cfg(test)]
+pub(crate) mod fixture;
+mod station;
+
+pub use station::Station;
+
 use crate::diagnostic::Diagnostic;
 use crate::elements::{self, Bill, Piece, Sequence, Space};
 use crate::geometry::clearance::Region;
@@ -8,6 +13,21 @@ use crate::geometry::{Hand, Outline, Track};
 use crate::kinematics::{Fit, fit};
 use crate::model::{Layout, Side};
 use crate::solve::{Stage, Status};
+
+/// How the track's band meets an obstacle, or the building's outside.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Contact {
+    /// The obstacle's name, or `building`.
+    pub name: String,
+    /// Overlap of the region (without clearance) with what lies within the left and right track side (thesis
+    /// §3.3.1), m².
+    pub area_left: f64,
+    pub area_right: f64,
+    /// Signed distance from the band's edge to the region, m; negative when they overlap.
+    pub clearance: f64,
+    /// What the layout asks for, m.
+    pub required: f64,
+}
 
 /// A layout after solving: what every writer reads.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Arc length as users count it: 0 at the layout's start, which may lie anywhere on a straight.
 
-use super::Compiled;
 use crate::base::number::tidy;
 use crate::base::trig;
+use crate::compiled::Compiled;
 use crate::geometry::{Piece, PieceKind, Point};
 use crate::model::{Motors, Place, Row};
 
@@ -97,7 +97,7 @@ impl Compiled {
 #[cfg(test)]
 mod tests {
     use crate::base::trig;
-    use crate::emit::fixture::{compile, on};
+    use crate::compiled::fixture::{compile, on};
     use crate::geometry::Point;
     use crate::model::{Motors, Row, fixture};
 

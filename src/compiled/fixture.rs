@@ -1,6 +1,6 @@
 //! A compiled layout for unit tests, without a solver.
 
-use super::Compiled;
+use crate::compiled::Compiled;
 use crate::geometry::Track;
 use crate::model::{Layout, Place, fixture};
 use crate::solve::{Stage, Status};

@@ -3,8 +3,8 @@
 use super::{Piece, Track};
 use crate::base::number::tidy;
 use crate::base::trig;
+use crate::compiled::Compiled;
 use crate::elements::{Element, Sequence, Shape, merged};
-use crate::emit::Compiled;
 use crate::geometry::{Form, Point};
 use crate::model::{Layout, Place};
 

@@ -1,26 +1,16 @@
-//! `simulation.json`: everything the dynamic simulator needs, without any `.lss` (design: chain model).
+//! The simulation of a compiled layout.
 
-mod check;
-mod document;
-mod track;
-
-pub use check::{Contradiction, Unusable};
-pub use document::*;
-
-use super::Compiled;
-use crate::base::json;
+use super::{
+    Cart, Chain, Contact, ContactLaw, Controller, Effect, Joint, Motors, Piece, Sensor, Simulation, Track, Wheel,
+};
 use crate::base::number::tidy;
 use crate::base::trig;
+use crate::compiled::Compiled;
 use crate::geometry::Form;
 use crate::model;
 
 /// Standard gravity as the chain model takes it, m/s².
 const GRAVITY: f64 = 9.81;
-
-/// `simulation.json`
-pub fn json(compiled: &Compiled) -> Vec<u8> {
-    json::to_json(&Simulation::new(compiled))
-}
 
 impl Simulation {
     pub fn new(compiled: &Compiled) -> Self {
@@ -151,7 +141,7 @@ fn effect(effect: &model::Effect) -> Effect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::fixture::{compile, on};
+    use crate::compiled::fixture::{compile, on};
     use crate::geometry::Point;
     use crate::model::{Layout, fixture};
 
@@ -226,7 +216,7 @@ mod tests {
     fn the_track_closes_when_read_back() {
         let mut layout = fixture::rectangle(20.3, 10.7, 4.0);
         layout.equipment.start = Some(on(2, 1.7));
-        let bytes = json(&compile(layout));
+        let bytes = crate::base::json::to_json(&Simulation::new(&compile(layout)));
         let read: Simulation = serde_json::from_slice(&bytes).unwrap();
         let [x, y, _, _] = read.track.start;
         let (gap, angle) = read.track.centre_line().closure;
@@ -261,7 +251,7 @@ mod tests {
     fn an_input_for_the_simulator() {
         let mut layout = fixture::rectangle(20.0, 10.0, 4.0);
         layout.equipment.photocell = Some(on(0, 1.0));
-        let text = String::from_utf8(json(&compile(layout))).unwrap();
+        let text = String::from_utf8(crate::base::json::to_json(&Simulation::new(&compile(layout)))).unwrap();
         insta::assert_snapshot!(text);
     }
 }
