@@ -8,7 +8,8 @@
 
 use lss::chain_input::{Piece, Simulation, Track};
 use lss::dynamics::integrate::{Integrator, Verlet};
-use lss::dynamics::{Chain, Model, PACK, Plan, Width, parameters, simulate, simulate_all};
+use lss::dynamics::{Chain, PACK, Plan, Width, parameters};
+use lss::effects::{self, simulate, simulate_all};
 use lss::signal::Channel;
 use lss::signal::measures::{rmsd, statistics};
 use rapier3d_f64::prelude::*;
@@ -34,7 +35,7 @@ fn ratio(chain: &mut Chain, integrator: &mut dyn Integrator, seconds: f64) -> f6
 }
 
 fn chain(simulation: &Simulation, width: Width) -> Chain {
-    let model = Arc::new(Model::new(simulation).expect("fit"));
+    let model = Arc::new(effects::model(simulation).expect("fit"));
     let mut chain = Chain::new(model, 0.0, width).expect("closes");
     ratio(&mut chain, &mut Verlet::bounded(1e-3), 1.0);
     chain

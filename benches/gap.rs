@@ -11,7 +11,8 @@ mod track;
 
 use lss::base::random::normal;
 use lss::chain_input::{Effect, Simulation};
-use lss::dynamics::{End, Plan, Width, simulate};
+use lss::dynamics::{End, Plan, Width};
+use lss::effects::simulate;
 use lss::gap::chain::Chains;
 use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Simulator, diagnose};
 use lss::identify::Parameter;

@@ -11,16 +11,18 @@ mod layout;
 use layout::layout;
 use lss::chain_input::Simulation;
 use lss::compiled::Compiled;
-use lss::dynamics::{Plan, Width, simulate_all};
+use lss::dynamics::{Plan, Width};
+use lss::effects::simulate_all;
 use lss::geometry::{Point, Track};
 use lss::kinematics::polygon::{Course, Objective, action};
 use lss::model::{Goal, Layout};
+use lss::problem::perturbed;
 use lss::problem::{Problem, Scope};
 use lss::signal::Channel;
 use lss::signal::measures::statistics;
 use lss::signal::spectrum::welch;
 use lss::solve::polygon::{Smooth, rival, run};
-use lss::solve::{Options, discretise, perturbed, solve};
+use lss::solve::{Options, discretise, solve};
 use std::time::Instant;
 
 /// Random layouts, and repetitions of the complex method (the thesis' ten).

@@ -8,8 +8,9 @@ mod layout;
 use divan::Bencher;
 use layout::layout;
 use lss::model::Layout;
+use lss::problem::perturbed;
 use lss::problem::{Problem, Scope};
-use lss::solve::{Options, Solver, perturbed, solve, solve_with, sqp};
+use lss::solve::{Options, Solver, solve, solve_with, sqp};
 use std::fmt::Write;
 use std::time::Instant;
 

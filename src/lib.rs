@@ -31,6 +31,7 @@ pub mod cli;
 pub mod compiled;
 pub mod diagnostic;
 pub mod dynamics;
+pub mod effects;
 pub mod elements;
 pub mod emit;
 pub mod gap;

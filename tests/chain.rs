@@ -5,9 +5,8 @@
 
 use lss::chain_input::{Piece, Simulation, Track};
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
-use lss::dynamics::{
-    Chain, End, Kind, Method, Model, PACK, Plan, Survey, Width, parameters, simulate, simulate_all, survey,
-};
+use lss::dynamics::{Chain, End, Kind, Method, PACK, Plan, Survey, Width, parameters};
+use lss::effects::{self, simulate, simulate_all, survey};
 use lss::signal::Channel;
 use std::path::Path;
 use std::sync::Arc;
@@ -51,7 +50,7 @@ fn circle(radius: f64) -> Simulation {
 }
 
 fn chain(simulation: &Simulation, front: f64) -> Chain {
-    Chain::new(Arc::new(Model::new(simulation).expect("fit")), front, Width::widest()).expect("closes")
+    Chain::new(Arc::new(effects::model(simulation).expect("fit")), front, Width::widest()).expect("closes")
 }
 
 /// Runs with the controller, in its periods.
@@ -103,7 +102,7 @@ fn converged_values_of_an_independent_implementation() {
 #[test]
 fn every_width_computes_the_same_bits() {
     for name in ["reference", "levels", "spiral"] {
-        let model = Arc::new(Model::new(&input(name)).expect("fit"));
+        let model = Arc::new(effects::model(&input(name)).expect("fit"));
         let run = |width: Width| {
             let mut chain = Chain::new(model.clone(), 3.0, width).expect("closes");
             run(&mut chain, &mut Verlet::new(0.5e-3), 60, |_| {});

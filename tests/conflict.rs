@@ -486,7 +486,7 @@ fn solved_from_elsewhere(layout: &Layout, named: &dyn Fn(Span) -> bool) -> bool 
     layout.obstacles.retain(|o| named(o.span));
     let problem = Problem::new(&layout, Scope::Obstacles);
     (101..107u32).any(|seed| {
-        let start = solve::perturbed(&layout, &problem, 2.0 + f64::from(seed % 3), u64::from(seed));
+        let start = lss::problem::perturbed(&layout, &problem, 2.0 + f64::from(seed % 3), u64::from(seed));
         let end = sqp::minimise(&problem, &start, &Settings::default(), &|_, _, _| {});
         excess(&layout, &to_corners(&end.variables), &|_| true, None) <= MET
     })

@@ -10,8 +10,9 @@ use lss::diagnostic::{Code, Diagnostic, text};
 use lss::elements;
 use lss::geometry::Track;
 use lss::import;
-use lss::semantics::{analyse, unsupported};
+use lss::semantics::analyse;
 use lss::solve;
+use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
 
 fn folder(code: Code) -> PathBuf {

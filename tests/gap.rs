@@ -5,9 +5,9 @@
 
 use lss::base::random::normal;
 use lss::base::trig;
+use lss::effects::RandomEffect;
 use lss::gap::{
-    Applied, Band, Bound, Candidate, Diagnosis, Differs, Frame, Label, Laps, Request, Simulator, Strength, Verdict,
-    diagnose,
+    Applied, Band, Bound, Candidate, Diagnosis, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose,
 };
 use nalgebra::DMatrix;
 use std::sync::Mutex;
@@ -126,7 +126,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     ];
     // What only scatters explains a little of anything.
     if truth.iter().any(|t| t.0 == ROUGH) {
-        candidates.push(Candidate { differs: Some(Differs::ByLap), ..one("rough", "", false) });
+        candidates.push(Candidate { differs: Some(RandomEffect::ByLap), ..one("rough", "", false) });
     }
     if truth.iter().any(|t| t.0 == FAR) {
         let mut far = one("far", "", false);
@@ -339,7 +339,7 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
 #[test]
 fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
     let mut made = made(&[(ROUGH, 0.0)], 0.0, 10);
-    made.candidates[ROUGH].differs = Some(Differs::ByCart);
+    made.candidates[ROUGH].differs = Some(RandomEffect::ByCart);
     for frame in &mut made.frames {
         let mut state = 77;
         frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));

@@ -3,7 +3,8 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::diagnostic::{Diagnostic, json, text};
-use lss::semantics::{Analysis, analyse, unsupported};
+use lss::semantics::{Analysis, analyse};
+use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
 use proptest::prelude::*;
 

@@ -5,7 +5,8 @@
 use assert_cmd::Command;
 use lss::base::random::normal;
 use lss::chain_input::Simulation;
-use lss::dynamics::{Plan, Width, simulate};
+use lss::dynamics::{Plan, Width};
+use lss::effects::simulate;
 use lss::identify::Parameter;
 use lss::signal::{Channel, Run, csv};
 use serde_json::Value;

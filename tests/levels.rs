@@ -8,7 +8,8 @@ use lss::diagnostic::{Code, Diagnostic};
 use lss::elements::{Ware, pieces};
 use lss::geometry::Track;
 use lss::model::Layout;
-use lss::semantics::{analyse, unsupported};
+use lss::semantics::analyse;
+use lss::solve::unsupported;
 use lss::solve::{self, Effort, Options, Status};
 use lss::source::{Loader, SourceMap};
 

@@ -303,7 +303,7 @@ fn what_cannot_be_built_yet_is_said() {
             "  obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\n  pass o either\n  level A..B 3 m\n  ramp B..C\n  chain closes within 5 mm\n  \
              effect joint_clearance(gap: 0.05 mm)\n  optimise {more}"
         )));
-        lss::semantics::unsupported(&layout).into_iter().map(|d| d.message).collect()
+        lss::solve::unsupported(&layout).into_iter().map(|d| d.message).collect()
     };
     let dear = said("cost");
     assert_eq!(dear, ["a chain that must close under `optimise cost` is checked, but not built yet"]);
@@ -311,5 +311,5 @@ fn what_cannot_be_built_yet_is_said() {
     let smooth = said("polygon_action");
     assert!(smooth.iter().any(|m| m.starts_with("`pass o either`")), "{smooth:?}");
     assert!(smooth.iter().any(|m| m.starts_with("polygon action on different heights")), "{smooth:?}");
-    assert!(lss::semantics::unsupported(&built(include_str!("../examples/thesis10.lss"))).is_empty());
+    assert!(lss::solve::unsupported(&built(include_str!("../examples/thesis10.lss"))).is_empty());
 }

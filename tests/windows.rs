@@ -8,7 +8,8 @@ mod track;
 
 use lss::base::random::{normal, uniform};
 use lss::chain_input::Simulation;
-use lss::dynamics::{Plan, Width, simulate};
+use lss::dynamics::{Plan, Width};
+use lss::effects::simulate;
 use lss::identify::fit::fit;
 use lss::identify::{Measured, Model, Parameter, Settings};
 use lss::signal::{Channel, Run};

@@ -3,7 +3,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use lss::diagnostic::{json, text};
-use lss::semantics::{analyse, unreadable, unsupported};
+use lss::semantics::{analyse, unreadable};
+use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
 
 fuzz_target!(|bytes: &[u8]| {

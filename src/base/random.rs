@@ -26,6 +26,27 @@ pub fn normal(state: &mut u64) -> f64 {
     (-2.0 * trig::ln(u)).sqrt() * trig::cos(trig::TAU * v)
 }
 
+/// A stream of [`mix`] that stays the same for ever, which snapshots rely on.
+#[derive(Clone, Debug)]
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Random(seed)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        (mix(&mut self.0) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Standard normal (Box and Muller 1958).
+    pub fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * trig::ln(1.0 - self.uniform())).sqrt();
+        radius * trig::cos(trig::TAU * self.uniform())
+    }
+}
+
 /// Samples with white noise of a deviation added, walking a table from a place that `seed` picks.
 pub fn noisy(samples: &[f32], deviation: f32, seed: u64) -> Vec<f32> {
     if deviation <= 0.0 {

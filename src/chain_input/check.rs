@@ -1,6 +1,6 @@
 //! Reading `simulation.json`: what contradicts itself is refused, with its place and a way out.
 //!
-//! Ranges of single parameters are for [`crate::dynamics`] to judge, which knows what it can integrate. Here is what every reader
+//! Ranges of single parameters are for dynamics to judge, which knows what it can integrate. Here is what every reader
 //! relies on: the track's elements are elements, and chain, motors and sensor belong to that track.
 
 use super::{Piece, Simulation};

@@ -6,8 +6,10 @@ mod deviations;
 mod document;
 mod from_layout;
 mod track;
+mod unfit;
 
 pub use check::{Contradiction, Unusable};
 pub(crate) use deviations::closed;
 pub use deviations::{Deviations, Ripple};
 pub use document::*;
+pub use unfit::Unfit;

@@ -12,7 +12,7 @@ use crate::emit::{DrawError, Files};
 use crate::kinematics::Fit;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
-use crate::semantics::unsupported;
+use crate::solve::unsupported;
 use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
 use crate::source::disk::{Found, survey};
 use crate::source::shown;
@@ -167,7 +167,7 @@ impl Build {
         }
         said.extend(unsupported(layout));
         if self.emit == Some(Emit::Pareto) {
-            if solve::unpriced(&layout.catalog).next().is_some() {
+            if layout.catalog.unpriced().next().is_some() {
                 report::error("--emit pareto needs a catalogue in which straights and curves cost something");
                 return Outcome::CouldNotRun;
             }

@@ -7,7 +7,8 @@ use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::model::Layout;
-use crate::semantics::{analyse, unsupported};
+use crate::semantics::analyse;
+use crate::solve::unsupported;
 use crate::source::{SourceMap, input, shown};
 use std::path::Path;
 

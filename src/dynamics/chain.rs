@@ -3,11 +3,12 @@
 use super::control::{Control, Late};
 use super::forces::{Evaluation, Forces, Memory};
 use super::law::Damped;
-use super::model::{Model, Unfit};
+use super::model::Model;
 use super::start::start;
 use super::state::{Accelerations, PACK, Row, State};
 use super::width::Width;
 use crate::chain_input::Deviations;
+use crate::chain_input::Unfit;
 use std::sync::Arc;
 
 /// A chain at one moment.

@@ -4,12 +4,13 @@
 use super::chain::Chain;
 use super::clock::Clock;
 use super::forces::Memory;
-use super::model::{Model, Unfit};
+use super::model::Model;
 use super::run::Method;
 use super::state::{PACK, Row, State};
 use super::trouble::Trouble;
 use super::width::Width;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation, Unfit};
+use crate::signal::FORCES;
 use crate::signal::filter::Lowpass;
 use pulp::{Simd, WithSimd};
 use std::sync::Arc;
@@ -84,7 +85,7 @@ pub struct CartRecord {
     /// Of the front joint along the track, m/s.
     pub speed: Vec<f32>,
     /// `steer_left`, `steer_right`, `run_left`, `run_right`, `joint_xi`, `joint_eta`, `joint_zeta`, N.
-    pub forces: [Vec<f32>; 7],
+    pub forces: [Vec<f32>; FORCES],
 }
 
 /// What the carts of a chain measured.
@@ -105,13 +106,19 @@ const COLUMNS: usize = 9;
 /// Samples that are gathered before they are sorted by cart.
 const BLOCK: usize = 64;
 
-/// Simulates a chain, from its start or one that has settled, and records its carts.
+/// Simulates a chain that deviates from its input as it is told, from its start or one that has settled, and records its carts.
 ///
 /// # Errors
 ///
 /// [`Unfit`] for an input that no chain can have.
-pub fn survey(simulation: &Simulation, survey: &Survey, from: Option<&Settled>, width: Width) -> Result<Fleet, Unfit> {
-    let model = Arc::new(Model::new(simulation)?);
+pub fn survey(
+    simulation: &Simulation,
+    deviations: Deviations,
+    survey: &Survey,
+    from: Option<&Settled>,
+    width: Width,
+) -> Result<Fleet, Unfit> {
+    let model = Arc::new(Model::new(simulation, deviations)?);
     let sensor = &simulation.sensor;
     let clock = Clock::new(
         survey.step.unwrap_or(f64::INFINITY).min(model.largest_step()),
@@ -178,8 +185,8 @@ struct Filters {
 #[derive(Clone, Copy, Default)]
 struct Pack {
     /// Memory of the filter.
-    delay: [[Row; 2]; 7],
-    out: [Row; 7],
+    delay: [[Row; 2]; FORCES],
+    out: [Row; FORCES],
 }
 
 impl Filters {
@@ -207,7 +214,7 @@ impl Filters {
 
 /// Forces of a pack in the order of a record, those of the joint being of the one behind, on the follower.
 #[inline(always)]
-fn rows(loads: &super::state::Loads) -> [Row; 7] {
+fn rows(loads: &super::state::Loads) -> [Row; FORCES] {
     let positive = |x: f64| if x > 0.0 { x } else { 0.0 };
     let [xi, eta, zeta] = loads.joint.map(|row| row.map(|x| -x));
     let [left, right] = loads.running.map(|row| row.map(f64::abs));

@@ -4,9 +4,7 @@ use super::law::{Damped, tangent};
 use super::segments::Segments;
 use super::state::{PACK, Row};
 use crate::chain_input as input;
-use crate::chain_input::Deviations;
-use crate::chain_input::{ContactLaw, Simulation};
-use crate::gap::effects;
+use crate::chain_input::{ContactLaw, Deviations, Simulation, Unfit};
 use crate::kinematics::closing;
 use std::fmt;
 
@@ -107,32 +105,14 @@ pub struct Controller {
     pub period: f64,
 }
 
-/// An input that cannot be simulated.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Unfit {
-    /// Where in the simulation input, as `--set` names it.
-    pub place: String,
-    pub why: String,
-}
-
-impl fmt::Display for Unfit {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}: {}", self.place, self.why)
-    }
-}
-
-impl std::error::Error for Unfit {}
-
 impl Model {
     /// Checks the input and closes the chain: the free cart length is ℓ − sign(T₀)(|T₀|/K)^(1/n), with ℓ the pitch at which
     /// the chain closes, averaged over phases. The take-up takes what a built track is longer by, so T₀ is the tension there, too.
-    pub fn new(simulation: &Simulation) -> Result<Model, Unfit> {
-        let (simulation, deviations) = effects::built(simulation)?;
-        Model::deviating(&simulation, deviations)
-    }
-
-    /// The chain of an input without effects, deviating from it as it is told.
-    pub fn deviating(simulation: &Simulation, deviations: Deviations) -> Result<Model, Unfit> {
+    ///
+    /// # Errors
+    ///
+    /// [`Unfit`] for an input that no chain can have, or one with effects that were not turned into deviations.
+    pub fn new(simulation: &Simulation, deviations: Deviations) -> Result<Model, Unfit> {
         check(simulation)?;
         let line = simulation.track.centre_line();
         let (gap, angle) = line.closure;

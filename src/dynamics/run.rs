@@ -3,15 +3,12 @@
 use super::chain::Chain;
 use super::clock::Clock;
 use super::integrate::{CashKarp, Integrator, Verlet};
-use super::model::{Model, Unfit};
+use super::model::Model;
 use super::reactions::Reactions;
 use super::sensor::SensorCart;
 use super::trouble::Trouble;
 use super::width::Width;
-use crate::base::parallel;
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
-use crate::gap::effects::{self, Sensed};
+use crate::chain_input::{Deviations, Simulation, Unfit};
 use crate::signal::{Channel, Run, Sidecar, SupportLoad};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -110,7 +107,8 @@ pub struct Outcome {
     pub mean_tension: f64,
 }
 
-/// Simulates a chain. `watch` is told how far it is some times a simulated second, and returns whether to go on.
+/// Simulates a chain that deviates from its input as it is told. `watch` is told how far it is some times a simulated second, and returns
+/// whether to go on.
 ///
 /// # Errors
 ///
@@ -118,36 +116,12 @@ pub struct Outcome {
 /// recorded.
 pub fn simulate(
     simulation: &Simulation,
-    plan: &Plan,
-    width: Width,
-    watch: &mut dyn FnMut(Progress) -> bool,
-) -> Result<Outcome, Unfit> {
-    run(simulation, Model::new(simulation)?, plan, width, watch)
-}
-
-/// The same of a chain that deviates from its input as it is told; `watch` says whether to go on.
-///
-/// # Errors
-///
-/// As [`simulate`].
-pub fn simulate_deviating(
-    simulation: &Simulation,
     deviations: Deviations,
     plan: &Plan,
     width: Width,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Outcome, Unfit> {
-    run(simulation, Model::deviating(simulation, deviations)?, plan, width, watch)
-}
-
-fn run(
-    simulation: &Simulation,
-    model: Model,
-    plan: &Plan,
-    width: Width,
-    watch: &mut dyn FnMut(Progress) -> bool,
-) -> Result<Outcome, Unfit> {
-    let model = Arc::new(model);
+    let model = Arc::new(Model::new(simulation, deviations)?);
     let sensor = &simulation.sensor;
     let samples = plan.laps as f64 * model.segments.line.length / model.speed * sensor.rate_hz;
     if samples > MOST_SAMPLES {
@@ -225,7 +199,6 @@ fn run(
             measuring.step(&chain);
         }
     }
-    recorder.sense(simulation);
     let samples = recorder.time.len().max(1) as f64;
     Ok(Outcome {
         end,
@@ -240,11 +213,6 @@ fn run(
         step: clock.step,
         cart_length: model.cart.length,
     })
-}
-
-/// Simulates several chains at once, on as many threads; the results, in order, do not depend on how many.
-pub fn simulate_all(inputs: &[(Simulation, Plan)], width: Width, threads: usize) -> Vec<Result<Outcome, Unfit>> {
-    parallel::map(inputs, threads, |(simulation, plan)| simulate(simulation, plan, width, &mut |_| true))
 }
 
 /// What is kept while recording.
@@ -263,24 +231,6 @@ impl Recorder {
         if let Some(reactions) = &mut self.reactions {
             reactions.take(chain);
         }
-    }
-}
-
-impl Recorder {
-    /// Lets the sensors' effects in.
-    fn sense(&mut self, simulation: &Simulation) {
-        if simulation.effects.is_empty() {
-            return;
-        }
-        let take = |c: Channel| self.channels.remove(&c).unwrap_or_default();
-        let mut forces = Channel::FORCES.map(take);
-        let top = |x: &Vec<f64>| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let tops = std::array::from_fn(|k| top(&forces[k]));
-        effects::sense(
-            simulation,
-            &mut Sensed { time: &self.time, period: 1.0 / simulation.sensor.rate_hz, forces: &mut forces, tops },
-        );
-        self.channels.extend(Channel::FORCES.into_iter().zip(forces));
     }
 }
 

@@ -5,8 +5,8 @@ use super::chain::Chain;
 use super::inspect::{attitude, vector};
 use super::state::PACK;
 use crate::chain_input::Sensor;
-use crate::signal::Channel;
 use crate::signal::filter::Lowpass;
+use crate::signal::{Channel, FORCES};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -20,14 +20,14 @@ pub struct SensorCart {
     cart: usize,
     /// Arc length of the photocell and how far past it the trigger reads 1, m.
     photocell: (f64, f64),
-    filters: [Lowpass; 7],
-    filtered: [f64; 7],
+    filters: [Lowpass; FORCES],
+    filtered: [f64; FORCES],
 }
 
 impl SensorCart {
     /// At rest at the present forces. `None` when the low-pass is at or above half the rate of steps.
     pub fn new(sensor: &Sensor, chain: &Chain, step: f64) -> Option<Self> {
-        let mut filters = [Lowpass::new(sensor.lowpass_hz, 1.0 / step)?; 7];
+        let mut filters = [Lowpass::new(sensor.lowpass_hz, 1.0 / step)?; FORCES];
         let cart = sensor.cart - 1;
         let now = forces(chain, cart);
         for (filter, force) in filters.iter_mut().zip(now) {
@@ -89,7 +89,7 @@ impl SensorCart {
 }
 
 /// Wheel forces and the force of the leader on the front joint, in the leader's axes, N.
-pub fn forces(chain: &Chain, cart: usize) -> [f64; 7] {
+pub fn forces(chain: &Chain, cart: usize) -> [f64; FORCES] {
     let loads = &chain.forces.loads[cart / PACK];
     let lane = cart % PACK;
     let leader = (cart + chain.model.carts - 1) % chain.model.carts;

@@ -2,10 +2,11 @@
 //! both joints of every cart moving along the track (design: chain model, start).
 
 use super::forces::Memory;
-use super::model::{Model, Unfit};
+use super::model::Model;
 use super::segments::Home;
 use super::state::{Approach, PACK, State, packs};
 use crate::base::trig;
+use crate::chain_input::Unfit;
 use crate::geometry::Frame;
 use crate::kinematics::{Closing, closing};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};

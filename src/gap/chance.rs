@@ -7,8 +7,9 @@ use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
 use super::refit::{Fitted, Hypothesis};
 use super::screen::{Signature, explain};
-use super::simulator::{Differs, Laps, Request, Simulator, Strength};
+use super::simulator::{Laps, Request, Simulator, Strength};
 use crate::base::trig;
+use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
 
 /// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.
@@ -133,7 +134,7 @@ impl Chance<'_> {
     fn mean(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Option<Vec<f64>> {
         let signature = self.signature(hypothesis);
         let differs = self.simulator.candidates()[signature.candidate].differs;
-        (differs == Some(Differs::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
+        (differs == Some(RandomEffect::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
     }
 
     /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength that has these.
@@ -172,7 +173,7 @@ impl Chance<'_> {
             one.covariance.view_mut((0, 0), (last, last)).copy_from(&other.covariance);
         }
         let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(tried, run, size)).collect();
-        let by_lap = candidates[self.signature(&tried.hypothesis).candidate].differs == Some(Differs::ByLap);
+        let by_lap = candidates[self.signature(&tried.hypothesis).candidate].differs == Some(RandomEffect::ByLap);
         let features: Vec<Vec<f64>> = if by_lap {
             // Another lap has another pattern: nothing of the simulated one is in the measured one's mean.
             one.columns[last].iter_mut().for_each(|column| column.fill(0.0));

@@ -6,8 +6,9 @@ use super::judge;
 use super::refit::{Fitted, Hypothesis, along};
 use super::screen::Signature;
 use super::significance::{self, Score};
-use super::simulator::{Band, Candidate, Differs, Simulator};
+use super::simulator::{Band, Candidate, Simulator};
 use crate::base::trig;
+use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
@@ -176,7 +177,7 @@ impl Court<'_> {
     }
 
     /// In what the members of a hypothesis differ by chance.
-    fn differs(&self, fitted: &Fitted) -> Vec<Differs> {
+    fn differs(&self, fitted: &Fitted) -> Vec<RandomEffect> {
         fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].differs).collect()
     }
 
@@ -186,7 +187,7 @@ impl Court<'_> {
         if differs.is_empty() {
             return 0.0;
         }
-        let expected = if differs.iter().all(|d| *d == Differs::ByCart) { floor.common } else { 0.0 };
+        let expected = if differs.iter().all(|d| *d == RandomEffect::ByCart) { floor.common } else { 0.0 };
         judge::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.freedom)
     }
 

@@ -1,6 +1,7 @@
 //! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts is one
 //! such model, any program outside is another.
 
+use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -101,20 +102,11 @@ pub struct Candidate {
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
     /// In what it differs by chance, so that laps scatter by it.
-    pub differs: Option<Differs>,
+    pub differs: Option<RandomEffect>,
     /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard deviation.
     pub doubt: f64,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,
-}
-
-/// In what an effect differs in a way that is not known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Differs {
-    /// From cart to cart: the carts are the same in all runs.
-    ByCart,
-    /// From lap to lap.
-    ByLap,
 }
 
 /// A strength of an effect.

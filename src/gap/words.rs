@@ -3,6 +3,7 @@
 use super::diagnosis::{Amount, Bound, Diagnosis, Finding, Place, RunGap, Verdict};
 use super::simulator::Axis;
 use crate::base::number::{fixed, significant, trimmed};
+use crate::effects::{self, Experiment, RandomEffect};
 
 /// A share in per cent, two digits where it is small; no more than can be known near 0 and 1.
 pub fn percent(share: f64) -> String {
@@ -238,7 +239,11 @@ fn look(place: &Place, axis: Axis) -> String {
 
 /// Whether what carts differ by was named or would close most of the gap: its pattern along the track has nearly any shape.
 fn by_chance(found: &Diagnosis) -> bool {
-    let by_cart = |e: &Finding| ["load_distribution", "pitch_wear"].contains(&&*e.name);
+    let by_cart = |e: &Finding| {
+        effects::named(&e.name)
+            .and_then(|effect| effect.random)
+            .is_some_and(|(random, _)| random == RandomEffect::ByCart)
+    };
     let named = !found.named().is_empty();
     let closes = |e: &Finding| e.gap_closed.is_some_and(|closed| closed > 0.5);
     found.runs.len() > 1 && found.with().first().is_some_and(|e| by_cart(e) && (named || closes(e)))
@@ -246,19 +251,9 @@ fn by_chance(found: &Diagnosis) -> bool {
 
 /// What would separate effects that these runs do not.
 pub fn separate(members: &[String]) -> String {
-    let has = |name: &str| members.iter().any(|m| m == name);
     let list = members.join(", ");
-    let how = if has("speed_drag") || has("motor_ripple") || has("wheel_out_of_round") {
-        "a run at 0.7 of the speed, as these effects go with it differently"
-    } else if has("joint_clearance") || has("joint_friction") || has("cart_bending") || has("stiffness_temperature") {
-        "a run at twice the tension, which closes play and presses joints"
-    } else if members.iter().any(|m| m.starts_with("sensor_")) {
-        "a run with the sensor cart turned around or the channel's sensor exchanged"
-    } else if has("motor_imbalance") || has("control_delay") {
-        "a run with one motor after the other switched off, and wheel speeds measured"
-    } else {
-        "runs at another speed and another tension, of two laps each"
-    };
+    let separates = |member: &String| effects::named(member).map(|effect| effect.separated_by);
+    let how = members.iter().filter_map(separates).min().unwrap_or(Experiment::Runs).words();
     format!("These runs cannot separate {list}; {how}, would.")
 }
 

@@ -5,7 +5,8 @@
 //!
 //! Parts of the lap are counted from the trigger, as a run knows no other places.
 
-use super::recipe::{FORCES, hop};
+use super::recipe::hop;
+use crate::signal::FORCES;
 
 /// Samples of one passage that a part of the lap is long.
 const SAMPLES: f64 = 4.0;

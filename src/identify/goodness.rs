@@ -7,9 +7,10 @@
 
 use super::floor::{Floor, Numerics};
 use super::places::Places;
-use super::summary::{Block, FORCES};
+use super::summary::Block;
 use crate::base::number::tidy;
 use crate::signal::Channel;
+use crate::signal::FORCES;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

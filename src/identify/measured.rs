@@ -1,8 +1,9 @@
 //! A measured run made ready: gaps bridged, and every sample's place told from the trigger and the wheels.
 
 use super::coverage::Coverage;
-use super::summary::{FORCES, Samples};
+use super::summary::Samples;
 use crate::chain_input::Simulation;
+use crate::signal::FORCES;
 use crate::signal::gaps::bridge;
 use crate::signal::measures::statistics;
 use crate::signal::position::position;

@@ -3,10 +3,12 @@
 use super::measured::Measured;
 use super::parameter::{COUNT, Parameter};
 use super::places::Places;
-use super::summary::{FORCES, Recipe, Samples, Summary};
+use super::summary::{Recipe, Samples, Summary};
 use crate::base::trig;
 use crate::chain_input::{ContactLaw, Simulation};
-use crate::dynamics::{self, CartRecord, Fleet, Method, Settled, Survey, Width};
+use crate::dynamics::{CartRecord, Fleet, Method, Settled, Survey, Width};
+use crate::effects;
+use crate::signal::FORCES;
 use std::sync::Arc;
 
 /// A point of the parameters' space, in coordinates.
@@ -108,12 +110,12 @@ impl Model {
             method: Method::Verlet,
             front: 0.0,
         };
-        dynamics::survey(&simulation, &survey, plan.from, self.width).ok().filter(|fleet| fleet.trouble.is_none())
+        effects::survey(&simulation, &survey, plan.from, self.width).ok().filter(|fleet| fleet.trouble.is_none())
     }
 
     /// The usual largest step at a point, s.
     pub fn step(&self, at: &Coordinates) -> Option<f64> {
-        dynamics::Model::new(&self.input(at)).ok().map(|model| model.largest_step())
+        effects::model(&self.input(at)).ok().map(|model| model.largest_step())
     }
 
     /// The features of a fleet, moved along the track by `offset`, m.

@@ -3,11 +3,11 @@
 use super::coverage::{Coverage, Weighing};
 use super::places::{Kind, Places};
 use crate::base::trig;
+use crate::signal::FORCES;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
 /// Forces that a sensor cart measures, in the order of a record.
-pub const FORCES: usize = 7;
 
 /// Thresholds a force is held against in each kind of place.
 pub const THRESHOLDS: usize = 3;

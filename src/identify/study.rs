@@ -9,14 +9,16 @@ use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter, damping};
 use super::posterior::{Information, correlations, interval, posterior};
-use super::summary::{Block, FORCES};
+use super::summary::Block;
 use super::words::identifiability;
 use crate::base;
 use crate::base::digest::sha256;
 use crate::base::number::tidy;
 use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::law::achieved_restitution;
-use crate::dynamics::{self, Plan, Width};
+use crate::dynamics::{Plan, Width};
+use crate::effects;
+use crate::signal::FORCES;
 use crate::signal::compare::{Scale, compare_from};
 use crate::signal::{Channel, Run};
 use nalgebra::{DMatrix, DVector};
@@ -362,7 +364,7 @@ fn deviations(subject: &Subject, fit: &Fitted, lap: f64, width: Width) -> (Devia
     let (mut samples, mut two_carts) = (Deviations::new(), Deviations::new());
     let scale = Scale { lap: Some(lap), pitch: Some(lap / subject.simulation.chain.carts as f64), exponent: 3.0 };
     let input = fit.input(subject);
-    if let Ok(lap) = dynamics::simulate(&input, &Plan::default(), width, &mut |_| true) {
+    if let Ok(lap) = effects::simulate(&input, &Plan::default(), width, &mut |_| true) {
         // The measured run has its trigger where the fit puts it.
         let compared = compare_from(&subject.run, input.sensor.photocell_s_m, &lap.run, &scale);
         for (channel, deviation) in compared.into_iter().filter(|(c, _)| c.is_force()) {

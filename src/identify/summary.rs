@@ -9,7 +9,8 @@ use super::places::Places;
 use super::recipe::{KINDS, SPEED_BANDS, fine};
 use crate::base::trig;
 
-pub use super::recipe::{BANDS, FORCES, Recipe, Samples, THRESHOLDS};
+pub use super::recipe::{BANDS, Recipe, Samples, THRESHOLDS};
+pub use crate::signal::FORCES;
 
 /// Sums over samples of weights, forces, their squares, and of weights over how often a place was passed.
 type Moments = [f64; 4];

@@ -3,12 +3,14 @@
 
 mod components;
 mod constraint;
+pub mod effect_definitions;
 mod equipment;
 #[cfg(test)]
 pub mod fixture;
 mod heights;
 #[cfg(test)]
 pub mod instances;
+mod prices;
 mod print;
 
 pub use components::*;

@@ -8,7 +8,6 @@ use std::fmt::Write;
 
 use super::*;
 use crate::base::trig;
-use crate::gap::effects;
 use formula::{ANGLE, Dimension, LENGTH, NONE};
 
 /// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses nothing.
@@ -272,9 +271,9 @@ impl Printer {
             self.line(format!("chain closes within {}", metres(closes.value)));
         }
         for effect in &layout.effects {
-            let known = effects::named(&effect.name);
+            let known = effect_definitions::named(&effect.name);
             let strength = |(name, value): &(String, f64)| {
-                let unit = effects::spelled(known.and_then(|e| e.unit(name)).unwrap_or(""));
+                let unit = effect_definitions::spelled(known.and_then(|e| e.unit(name)).unwrap_or(""));
                 format!("{name}: {} {unit}", number(*value)).trim_end().to_owned()
             };
             let strengths: Vec<String> = effect.strengths.iter().map(strength).collect();

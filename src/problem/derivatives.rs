@@ -45,7 +45,7 @@ fn compare(layout: &Layout, expect_own: usize) {
     let problem = Problem::new(layout, Scope::Obstacles);
     let mut own_rows = 0;
     for seed in 1..=5 {
-        let x = crate::solve::perturbed(layout, &problem, 0.4, seed);
+        let x = crate::problem::perturbed(layout, &problem, 0.4, seed);
         let here = problem.evaluate(&x, 60.0);
         let own = here.rows.iter().filter(|r| matches!(r.key, RowKey::Own(..))).count();
         assert!(here.rows.len() - own > problem.rows.len() + 2);

@@ -17,11 +17,13 @@ mod jet;
 pub mod measures;
 pub mod mps;
 pub mod nl;
+mod perturb;
 mod print;
 
 pub use aim::{Aim, HARMONICS, Wave, Waves};
 pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
+pub use perturb::perturbed;
 pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;

@@ -22,10 +22,7 @@ mod layout;
 mod program;
 mod scope;
 mod sink;
-mod unsupported;
 mod value;
-
-pub use unsupported::unsupported;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;

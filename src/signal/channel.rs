@@ -24,6 +24,9 @@ pub enum Channel {
     Trigger,
 }
 
+/// How many channels of forces there are.
+pub const FORCES: usize = Channel::FORCES.len();
+
 impl Channel {
     pub const ALL: [Channel; 15] = [
         Channel::SteerLeft,

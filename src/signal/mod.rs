@@ -37,7 +37,7 @@ pub mod spectrum;
 mod supports;
 
 pub use campaign::{Campaign, Entry};
-pub use channel::Channel;
+pub use channel::{Channel, FORCES};
 pub use error::{Place, Problem, RunError};
 pub use run::{Column, MOST_NUMBERS, Run, sidecar_path};
 pub use sidecar::Sidecar;

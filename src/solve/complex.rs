@@ -5,8 +5,8 @@
 //! and drawn half-way back towards it for as long as it stays the worst. Linear equalities (`fix length, rotation`)
 //! have no inside to sample from: every point is projected onto them.
 
-use super::perturb::Random;
 use super::sqp::{Settings, Solution, Watch};
+use crate::base::random::Random;
 use crate::problem::{Evaluation, Function, Problem, RowKey, RowValue};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;

@@ -1,12 +1,12 @@
 //! The thesis' three stages (§3.3): shortest under user constraints and building, then with obstacles, then on the
 //! catalogue's grid.
 
-use super::perturb::perturbed;
 use super::sqp::{self, Settings, Solution, Watch};
 use super::{Certificate, Effort, Stage, Status, Stop, Violation, complex, conflict, exact, polygon};
 use crate::geometry::Track;
 use crate::model::{Layout, Side};
 use crate::problem::measures::{radius as radius_of, to_corners};
+use crate::problem::perturbed;
 use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
 use std::time::Instant;
 

@@ -90,7 +90,7 @@ fn every_row_has_the_same_value_in_the_file() {
     for layout in [layout(FORMULAS), example("thesis10"), example("constraints"), example("hub"), example("smallest")] {
         for scope in [Scope::Building, Scope::Obstacles] {
             let problem = Problem::new(&layout, scope);
-            let starts = (1..=6).map(|seed| solve::perturbed(&layout, &problem, 0.4, seed));
+            let starts = (1..=6).map(|seed| lss::problem::perturbed(&layout, &problem, 0.4, seed));
             for x in starts.chain([problem.start.clone()]) {
                 let files = lss::problem::nl::write(&problem, &x, &x);
                 let nl = nl::Nl::read(&files.model);

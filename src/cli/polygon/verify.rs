@@ -6,13 +6,14 @@ use crate::chain_input::Simulation;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, read, report};
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
-use crate::dynamics::{self, End, Plan, Width};
+use crate::dynamics::{End, Plan, Width};
+use crate::effects;
 use crate::emit::polygon::{Case, Names, Report, Values, Verification, case_name, page, verify_text};
 use crate::emit::{Files, stages_png, stages_svg};
 use crate::kinematics::polygon::Objective;
 use crate::model::{Goal, Layout};
-use crate::semantics::unsupported;
 use crate::solve::polygon::{Smooth, solve};
+use crate::solve::unsupported;
 use crate::solve::{Options, Stage, Status, diagnose, discretise};
 
 /// Budget of length where the layout asks for the shortest track.
@@ -59,7 +60,7 @@ impl Polygon {
         let inputs: Vec<(Simulation, Plan)> =
             subjects.iter().map(|s| (s.simulation.clone(), Plan::default())).collect();
         let mut laps = Vec::new();
-        for (subject, outcome) in subjects.iter().zip(dynamics::simulate_all(&inputs, Width::used(), threads)) {
+        for (subject, outcome) in subjects.iter().zip(effects::simulate_all(&inputs, Width::used(), threads)) {
             match outcome {
                 Ok(lap) if lap.end == End::Complete => laps.push(lap),
                 Ok(lap) => {

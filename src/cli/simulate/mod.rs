@@ -8,6 +8,7 @@ use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
 use crate::base::json;
 use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
+use crate::effects;
 use crate::emit::{Files, lap};
 use crate::signal::{csv, parquet};
 use crate::source::shown;
@@ -98,7 +99,7 @@ impl Simulate {
         };
         let watch = progress::Watch::new();
         let clock = Instant::now();
-        let result = dynamics::simulate(&simulation, &plan, Width::used(), &mut |p| watch.show(p));
+        let result = effects::simulate(&simulation, &plan, Width::used(), &mut |p| watch.show(p));
         watch.finish();
         let wall = clock.elapsed().as_secs_f64();
         let outcome = match result {

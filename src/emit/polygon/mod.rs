@@ -18,7 +18,8 @@ use crate::base::number::tidy;
 use crate::base::trig;
 use crate::geometry::{CentreLine, Form};
 use crate::kinematics::polygon::{
-    Action, Course, CurvePhasor, Objective, Phasor, Unsuited, action, curve_phasor, straight_behind, superposed,
+    Action, Course, CurvePhasor, Objective, Phasor, Unsuited, action, by_chance, curve_phasor, straight_behind,
+    superposed,
 };
 use crate::solve::polygon::least_action;
 use schemars::JsonSchema;
@@ -285,23 +286,6 @@ pub struct SweepPoint {
 pub fn rms(value: f64, objective: Objective, n: usize) -> f64 {
     let counted = (1..=n).filter(|m| objective.counts(*m, n)).count() * n;
     (value / counted.max(1) as f64).sqrt()
-}
-
-/// What an objective would be if the phases of curves were left to chance: each value then the sum of squares of the curves
-/// passed, m².
-pub fn by_chance(curves: &[CurvePhasor], objective: Objective) -> f64 {
-    let n = curves.len();
-    let from = |i: usize| -> f64 {
-        let mut sum = 0.0;
-        (1..=n)
-            .map(|m| {
-                let alone = curves[straight_behind(i, m, n)].delta_p;
-                sum += alone * alone;
-                if objective.counts(m, n) { sum } else { 0.0 }
-            })
-            .sum()
-    };
-    (0..n).map(from).sum()
 }
 
 /// The two summaries that a sweep needs.

@@ -5,7 +5,7 @@ use super::sources::{Source, chain, sign};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::{Piece, Simulation, Track};
-use crate::gap::effects::sites::curves;
+use crate::effects::sites::curves;
 
 /// An arc between two level straights.
 #[derive(Clone, Copy)]

@@ -1,8 +1,8 @@
 //! One answer against its truth.
 
 use super::key::{Answer, Case, Kind, Named, Truth};
+use crate::effects::LIBRARY;
 use crate::gap::Verdict;
-use crate::gap::effects::LIBRARY;
 use serde::Serialize;
 
 /// Effects at least this probable are claimed to be present.

@@ -6,7 +6,8 @@ use crate::base::random::{mix, normal, uniform};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
-use crate::dynamics::{End, Method, Plan, Progress, Width, simulate_deviating};
+use crate::dynamics;
+use crate::dynamics::{End, Method, Plan, Progress, Width};
 use crate::identify::{COUNT, Parameter};
 use crate::signal::compare::{Scale, compare};
 use crate::signal::{Channel, Run};
@@ -139,7 +140,7 @@ impl Reality {
         for _ in 0..4 {
             let adaptive = plan.method == Method::CashKarp;
             let watch = &mut |p: Progress| !adaptive || p.steps as f64 <= MOST_STEPS * (p.time + 1.0);
-            let outcome = simulate_deviating(&real, deviations.clone(), &plan, Width::used(), watch).ok()?;
+            let outcome = dynamics::simulate(&real, deviations.clone(), &plan, Width::used(), watch).ok()?;
             if outcome.end == End::Complete {
                 let mut run = outcome.run;
                 for (change, strength) in changes.into_iter().flatten() {

@@ -3,8 +3,8 @@
 use super::judge::{Judged, judge};
 use super::key::{Answer, Case, Kind, Level};
 use super::statistics::{Bin, Mean, Share, area, brier, calibration, mean};
+use crate::effects::LIBRARY;
 use crate::gap::Verdict;
-use crate::gap::effects::LIBRARY;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -168,10 +168,10 @@ fn forecasts<'a>(cases: &[Case], answer: &impl Fn(&Case) -> &'a Answer) -> (Fore
         |case: &Case, effect: &str| case.kind != Kind::Unknown && case.truth.iter().any(|t| t.effect == effect);
     let (mut said, mut usual) = (Vec::new(), Vec::new());
     for effect in LIBRARY {
-        let how_often = cases.iter().filter(|c| present(c, effect.name)).count() as f64 / cases.len().max(1) as f64;
+        let how_often = cases.iter().filter(|c| present(c, effect.name())).count() as f64 / cases.len().max(1) as f64;
         for case in cases {
-            said.push((answer(case).probability(effect.name), present(case, effect.name)));
-            usual.push((how_often, present(case, effect.name)));
+            said.push((answer(case).probability(effect.name()), present(case, effect.name())));
+            usual.push((how_often, present(case, effect.name())));
         }
     }
     (said, usual)

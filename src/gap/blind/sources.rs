@@ -9,7 +9,7 @@ use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::chain_input::{Deviations, Ripple};
 use crate::dynamics::law::tangent;
-use crate::signal::{Channel, Run};
+use crate::signal::{Channel, FORCES, Run};
 use std::collections::BTreeMap;
 
 /// What a strength makes of a chain.
@@ -247,8 +247,8 @@ fn load(nominal: &Simulation, state: &mut u64) -> Source {
 
 /// An effect of a sensor by number; on what was recorded, before noise.
 pub fn sensor(which: usize, state: &mut u64) -> Source {
-    let first = pick(state, 7);
-    let second = (first + 1 + pick(state, 6)) % 7;
+    let first = pick(state, FORCES);
+    let second = (first + 1 + pick(state, FORCES - 1)) % FORCES;
     let way = sign(state);
     let (a, b) = (Channel::FORCES[first], Channel::FORCES[second]);
     let number = |k: usize| k as f64 + 1.0;

@@ -4,7 +4,7 @@ use super::key::Level;
 use super::score::{Accuracy, Line, Row, Score};
 use super::statistics::{Mean, Share};
 use crate::base::number::{fixed, trimmed};
-use crate::gap::effects::LIBRARY;
+use crate::effects::LIBRARY;
 use std::fmt::Write;
 
 /// Rows of cells; the first row heads the columns.

@@ -2,13 +2,14 @@
 
 use super::Fitted;
 use crate::base::trig;
-use crate::gap::effects::rail_step;
-use crate::gap::effects::sites::Site;
+use crate::effects::rail_step;
+use crate::effects::sites::Site;
 use crate::gap::simulator::Frame;
 use crate::identify::fit::Landing;
 use crate::identify::model::samples;
 use crate::identify::recipe::Samples;
-use crate::identify::summary::{Block, FORCES};
+use crate::identify::summary::Block;
+use crate::signal::FORCES;
 use std::collections::BTreeMap;
 
 /// Cells of each rail in which steps are looked for.

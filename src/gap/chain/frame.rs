@@ -4,8 +4,9 @@ use super::Fitted;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
 use crate::identify::Parameter;
 use crate::identify::local::WITH_FLOOR;
-use crate::identify::summary::{Block, FORCES};
+use crate::identify::summary::Block;
 use crate::signal::Channel;
+use crate::signal::FORCES;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 

@@ -5,8 +5,8 @@ use super::frame;
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::Fleet;
-use crate::gap::effects::built;
-use crate::gap::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
+use crate::effects::built;
+use crate::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};
 use crate::identify::{Model, floor::Floor};
 use std::iter;
@@ -31,7 +31,7 @@ impl Chains {
         let (run, frame) = (&self.runs[request.run], &self.frames[request.run]);
         let drawn = |draw: usize| self.like(request, with_draw(&effects, draw));
         let (model, mut fleet) = drawn(1)?;
-        let loaded = effects.iter().any(|e| e.name == LOAD.name);
+        let loaded = effects.iter().any(|e| e.name == LOAD.name());
         for draw in 2..=LOADED {
             if loaded && fleet.carts.len() < SOME_LAPS {
                 fleet.carts.append(&mut drawn(draw)?.1.carts);
@@ -70,8 +70,8 @@ impl Chains {
 /// The same effects with items on other carts.
 fn with_draw(effects: &[input::Effect], draw: usize) -> Vec<input::Effect> {
     let mut effects = effects.to_vec();
-    for load in effects.iter_mut().filter(|e| e.name == LOAD.name) {
-        load.strengths.insert(DRAW.0.to_owned(), draw as f64);
+    for load in effects.iter_mut().filter(|e| e.name == LOAD.name()) {
+        load.strengths.insert(DRAW.name.to_owned(), draw as f64);
     }
     effects
 }

@@ -6,21 +6,23 @@ mod laps;
 mod nominal;
 mod tilt;
 
-use super::effects::sites::{self, Site};
-use super::effects::{BUILT, Effect, LIBRARY, Sensed, built, control_delay, curve_geometry, sense};
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
 use crate::base::parallel;
 use crate::base::trig;
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::{CartRecord, Fleet, Width};
+use crate::effects::sites::Site;
+use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, built, named, sense};
 use crate::identify::fit::Landing;
 use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::study::Subject;
-use crate::identify::summary::{FORCES, Summary};
+use crate::identify::summary::Summary;
 use crate::identify::{Model, Parameter, Settings};
+use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::Channel;
+use crate::signal::FORCES;
 use blows::Suspect;
 use laps::heard;
 use nominal::{fitted, set_tops};
@@ -105,7 +107,7 @@ impl Chains {
         out.build(threads);
         for effect in LIBRARY {
             for (site, known) in out.sites(effect, &suspects) {
-                let around = sites::beside(effect, &site, known);
+                let around = (effect.alternatives)(&site, known);
                 let first = out.candidates.len();
                 out.offer(effect, site, None);
                 for (site, further) in around {
@@ -126,11 +128,11 @@ impl Chains {
             (0..self.runs.len()).flat_map(|run| (0..DRAWS).map(move |k| (run, k))).collect();
         let answers = parallel::map(&asked, threads, |&(run, draw)| {
             let effect = |effect: &Effect| {
-                let usual = effect.strengths.iter().map(|s| (s.name.to_owned(), s.usual));
+                let usual = effect.strengths().map(|(s, fitted)| (s.name.to_owned(), fitted.as_built));
                 let strengths = usual.chain([("draw".to_owned(), draw as f64 + 1.0)]).collect();
-                input::Effect { name: effect.name.to_owned(), strengths }
+                input::Effect { name: effect.name().to_owned(), strengths }
             };
-            self.simulated(run, &[], BUILT.map(effect).to_vec(), false)
+            self.simulated(run, &[], AS_BUILT.map(effect).to_vec(), false)
         });
         for ((run, _), features) in asked.into_iter().zip(answers) {
             let frame = &mut self.frames[run];
@@ -145,23 +147,23 @@ impl Chains {
     }
 
     fn offer(&mut self, effect: &'static Effect, site: Site, beside: Option<usize>) {
-        let strength = |s: &super::effects::Strength| Strength {
+        let strength = |(s, fitted): (&StrengthDefinition, &Looked)| Strength {
             name: s.name.to_owned(),
             unit: s.unit.to_owned(),
-            trial: s.trial,
-            usual: s.usual,
+            trial: fitted.trial,
+            usual: fitted.as_built,
             low: s.low,
             high: s.high,
         };
-        let differs = sites::differs(effect, &site);
+        let differs = effect.random_at(&site);
         self.candidates.push(Candidate {
-            effect: effect.name.to_owned(),
+            effect: effect.name().to_owned(),
             place: site.words,
             fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
-            strengths: effect.strengths.iter().map(strength).collect(),
+            strengths: effect.strengths().map(strength).collect(),
             sensor: effect.is_sensor(),
             differs,
-            doubt: effect.doubt,
+            doubt: effect.discrepancy,
             beside,
         });
     }
@@ -169,16 +171,17 @@ impl Chains {
     /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where the gap is largest.
     fn sites(&self, effect: &Effect, suspects: &[Suspect]) -> Vec<(Site, f64)> {
         let Some(first) = self.runs.first() else { return Vec::new() };
-        if effect.name == "rail_step" {
+        let Sites::Listed(listed) = effect.sites else {
             let known = |suspect: &Suspect| if suspect.struck { blows::PART } else { self.cell() };
             return suspects.iter().map(|suspect| (suspect.site(), known(suspect))).collect();
-        }
-        let channel = |name: &str| ["channel", "first", "second"].contains(&name);
+        };
+        let places = effect.definition.places;
+        let channel = |name: &str| places.iter().any(|p| p.name == name && p.kind == PlaceKind::ForceChannel);
         let measured = |site: &Site| {
             let known = |x: f64| self.runs.iter().all(|r| r.measured.get(x as usize - 1).copied().unwrap_or(false));
             site.fixed.iter().all(|(name, x)| !channel(name) || known(*x))
         };
-        let known = (effect.sites)(&first.model.simulation).into_iter().filter(measured);
+        let known = listed(&first.model.simulation).into_iter().filter(measured);
         known.map(|site| (site, self.cell())).collect()
     }
 
@@ -228,16 +231,16 @@ impl Chains {
                 None => plan.floor = moved * crate::identify::fit::FLOOR_SCALE,
             }
         }
-        if effects.iter().any(|e| e.name == control_delay::EFFECT.name) {
-            // Swings are what is left of a start, which a chain that has settled without the delay does not have.
+        let starts: Vec<Start> = effects.iter().filter_map(|e| Some((named(&e.name)?.start)(&e.strengths))).collect();
+        for start in &starts {
+            let Start::Unsettled(imitating) = start else { continue };
             (plan.from, plan.settle) = (None, Some(RAN_BEFORE));
-            for p in control_delay::BENT {
+            for p in imitating.iter().filter_map(|name| Parameter::from_name(name)) {
                 let planned = fitted.model.coordinate(p, fitted.model.nominal[p.index()]);
                 at[p.index()] += planned - fitted.landing.at[p.index()];
             }
         }
-        if effects.iter().any(curve_geometry::rebuilds) {
-            // A chain of the planned track would begin off the rails.
+        if starts.contains(&Start::Own) {
             (plan.from, plan.settle) = (None, None);
         }
         let model = fitted.with(effects);

@@ -9,8 +9,8 @@ use crate::dynamics::Width;
 use crate::identify::fit::{Landing, land};
 use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;
-use crate::identify::summary::FORCES;
 use crate::identify::{Measured, Model, Parameter, Settings};
+use crate::signal::FORCES;
 
 /// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
 pub const STEPS: usize = 3;

@@ -12,8 +12,8 @@ use crate::base::trig;
 use crate::gap::simulator::{Band, Frame, Label};
 use crate::identify::model::samples;
 use crate::identify::recipe::Samples;
-use crate::identify::summary::FORCES;
 use crate::signal::Channel;
+use crate::signal::FORCES;
 
 /// Over how many parts of the lap, of which the blow begins in the second.
 const PARTS: usize = 5;

@@ -7,7 +7,8 @@ use crate::identify::floor::Floor;
 use crate::identify::local::Centre;
 use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::Parameter;
-use crate::identify::summary::{FORCES, Summary};
+use crate::identify::summary::Summary;
+use crate::signal::FORCES;
 
 /// The channel whose mean tells the tension: joint_xi.
 const TELLS_TENSION: usize = 4;

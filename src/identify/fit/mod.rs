@@ -11,8 +11,9 @@ use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter};
 use super::posterior::{Information, Posterior, posterior};
-use super::summary::{Block, FORCES, Summary};
+use super::summary::{Block, Summary};
 use crate::dynamics::Fleet;
+use crate::signal::FORCES;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 

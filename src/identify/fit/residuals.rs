@@ -7,7 +7,8 @@ use crate::identify::local::{Centre, Sensitivity, WITH_FLOOR};
 use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::{COUNT, Parameter};
 use crate::identify::posterior::Information;
-use crate::identify::summary::{Block, FORCES};
+use crate::identify::summary::Block;
+use crate::signal::FORCES;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 

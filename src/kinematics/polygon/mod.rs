@@ -147,3 +147,20 @@ fn deviations(unrolled: &Unrolled, pitch: f64) -> Result<Vec<[f64; STEPS]>, Unsu
 fn front(step: usize, pitch: f64) -> f64 {
     pitch * step as f64 / STEPS as f64
 }
+
+/// What an objective would be if the phases of curves were left to chance: each value then the sum of squares of the curves
+/// passed, m².
+pub fn by_chance(curves: &[CurvePhasor], objective: Objective) -> f64 {
+    let n = curves.len();
+    let from = |i: usize| -> f64 {
+        let mut sum = 0.0;
+        (1..=n)
+            .map(|m| {
+                let alone = curves[straight_behind(i, m, n)].delta_p;
+                sum += alone * alone;
+                if objective.counts(m, n) { sum } else { 0.0 }
+            })
+            .sum()
+    };
+    (0..n).map(from).sum()
+}

@@ -128,7 +128,7 @@ fn both_measures_rank_layouts_alike() {
     let problem = crate::problem::Problem::new(&layout, crate::problem::Scope::Obstacles);
     let actions: Vec<Action> = (1..=40)
         .map(|seed| {
-            let x = crate::solve::perturbed(&layout, &problem, 0.5, seed);
+            let x = crate::problem::perturbed(&layout, &problem, 0.5, seed);
             let track = Track::new(&to_corners(&x));
             action(&Course::of_track(&track).expect("a course"), PITCH).expect("a chain")
         })

@@ -4,7 +4,7 @@ use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
 use crate::base::number::shortest;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::gap::effects;
+use crate::model::effect_definitions::{self, EFFECTS};
 use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, COORDINATE};
@@ -147,16 +147,16 @@ impl<'t> Context<'t> {
         let effect = |placed: &Placed<'t>| {
             let Statement::Effect(reference) = placed.statement else { return None };
             let name = &reference.name;
-            let Some(known) = effects::named(&name.text) else {
+            let Some(known) = effect_definitions::named(&name.text) else {
                 let diagnostic = Diagnostic::new(
                     Code::E0206,
                     format!("there is no effect `{}`", name.text),
                     name.span,
                     "not known here",
                 );
-                let sorted = by_likeness(&name.text, effects::LIBRARY.into_iter().map(|e| e.name));
+                let sorted = by_likeness(&name.text, EFFECTS.into_iter().map(|e| e.name));
                 let listed = sorted.iter().map(|e| format!("`{e}`")).collect::<Vec<_>>().join(", ");
-                let names = effects::LIBRARY.into_iter().map(|e| e.name);
+                let names = EFFECTS.into_iter().map(|e| e.name);
                 self.report(self.with_nearest(diagnostic.expected(listed, format!("`{}`", name.text)), name, names));
                 return None;
             };
@@ -167,7 +167,7 @@ impl<'t> Context<'t> {
             let strengths = args.into_iter().filter_map(|(arg, (value, _, span))| {
                 let strength = known.strengths.iter().find(|s| s.name == &*arg);
                 let Some(unit) = strength.map(|s| s.unit).or_else(|| known.place_unit(arg)) else {
-                    let all = known.strengths.iter().map(|s| s.name).chain(known.places.iter().map(|p| p.0));
+                    let all = known.strengths.iter().map(|s| s.name).chain(known.places.iter().map(|p| p.name));
                     let listed: Vec<String> = all.map(|n| format!("`{n}`")).collect();
                     self.report(
                         Diagnostic::new(

@@ -6,7 +6,6 @@ use crate::model::{Catalog, Goal, Objective};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
 use crate::semantics::scope::Context;
-use crate::solve::unpriced;
 use crate::syntax::tree::{self, Statement};
 
 impl<'t> Context<'t> {
@@ -69,7 +68,7 @@ impl<'t> Context<'t> {
     /// What costs nothing has no cheapest layout.
     pub(super) fn check_prices(&self, objective: &Objective, catalog: &Catalog) {
         let wanted = objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost);
-        let free: Vec<&str> = unpriced(catalog).collect();
+        let free: Vec<&str> = catalog.unpriced().collect();
         let (Some(span), true, Some(first)) = (objective.span, wanted, free.first()) else { return };
         let name = &catalog.name;
         self.report(

@@ -18,7 +18,7 @@ mod search;
 mod tariff;
 
 pub use search::Effort;
-pub use tariff::{unpriced, worth};
+pub use tariff::worth;
 
 use super::sqp::{Settings, Solution};
 use super::stages::Discretised;

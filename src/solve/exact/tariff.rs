@@ -11,7 +11,7 @@ use super::parts::place;
 use super::search::track;
 use crate::elements::{self, Piece, Space, Step, Steps, Ware};
 use crate::geometry::Track;
-use crate::model::{Catalog, Goal, Layout};
+use crate::model::{Goal, Layout};
 use crate::problem::Problem;
 
 /// What is minimised.
@@ -93,7 +93,7 @@ impl Tariff {
             (_, true) => climb(straight.per_metre),
             (Some(_), false) => straight.per_metre,
             // Their envelope, also where there are too many steps to list.
-            (None, false) => least_of_a_metre(&layout.catalog),
+            (None, false) => layout.catalog.least_of_a_metre(),
         };
         let of_arc = |k: usize| if turns(k) { climb(curve.per_metre) } else { curve.per_metre };
         let cells = |k: usize| {
@@ -162,7 +162,7 @@ const SLACK: f64 = 1e-9;
 pub fn unit(layout: &Layout, aim: Aim) -> f64 {
     match aim {
         Aim::Length => 1.0,
-        Aim::Price { metre } => least_of_a_metre(&layout.catalog) + metre,
+        Aim::Price { metre } => layout.catalog.least_of_a_metre() + metre,
     }
 }
 
@@ -173,25 +173,11 @@ pub fn least_rate(layout: &Layout, aim: Aim) -> f64 {
     let curve = catalog.curve.price;
     let longest = catalog.curve.largest * catalog.curve.radii.last().copied().unwrap_or(1.0);
     let least =
-        least_of_a_metre(&layout.catalog).min(curve.per_metre + curve.per_piece / longest.max(f64::MIN_POSITIVE));
+        layout.catalog.least_of_a_metre().min(curve.per_metre + curve.per_piece / longest.max(f64::MIN_POSITIVE));
     let climbs = [catalog.vertical.as_ref().map(|v| v.price), catalog.spiral.as_ref().map(|s| s.price)];
     let raised =
         climbs.into_iter().map(|c| c.unwrap_or(curve).per_metre).fold(catalog.straight.price.per_metre, f64::min);
     (if layout.is_flat() { least } else { least.min(raised) } + metre) / unit(layout, aim)
-}
-
-/// What a metre of straight costs at least, EUR/m: its metre, and its share of the longest piece there is.
-pub fn least_of_a_metre(catalog: &Catalog) -> f64 {
-    let stock = &catalog.straight;
-    let longest = stock.stock.iter().copied().chain(stock.cut.map(|c| c.high)).fold(0.0, f64::max);
-    stock.price.per_metre + if longest > 0.0 { stock.price.per_piece / longest } else { 0.0 }
-}
-
-/// What of a catalogue's stocks costs nothing: `straight`, `curve`.
-pub fn unpriced(catalog: &Catalog) -> impl Iterator<Item = &'static str> {
-    let curve = catalog.curve.price;
-    let prices = [("straight", least_of_a_metre(catalog)), ("curve", curve.per_metre + curve.per_piece)];
-    prices.into_iter().filter_map(|(stock, price)| (price <= 0.0).then_some(stock))
 }
 
 /// What a layout costs, and so much for each metre, EUR; infinite where its straights cannot be made.

@@ -61,7 +61,7 @@ pub fn waves(variables: &[f64], goal: Smooth, pitch: f64) -> Option<Waves> {
         length: goal.length,
     };
     // The solver prices violations in metres: what phases left to chance would cost is one.
-    let chance = 1e6 * crate::emit::polygon::by_chance(&curves, goal.counted);
+    let chance = 1e6 * crate::kinematics::polygon::by_chance(&curves, goal.counted);
     let scale = 1.0 / (goal.action * chance).max(1e-12);
     waves.worth *= scale;
     waves.length *= scale;

@@ -6,8 +6,8 @@
 //! however many minima lie before it.
 
 use super::polytope::Polytope;
+use crate::base::random::Random;
 use crate::problem::Waves;
-use crate::solve::perturb::Random;
 use nalgebra::DVector;
 
 /// Independent searches, each from a random place.

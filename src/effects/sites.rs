@@ -1,34 +1,13 @@
 //! Where effects may sit in a layout.
 
-use super::{Effect, motor_ripple, rail_step};
 use crate::chain_input::{Piece, Simulation};
-use crate::gap::simulator::Differs;
-use crate::signal::Channel;
+use crate::signal::{Channel, FORCES};
 
 /// A place of an effect: what says it, in words and in numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Site {
     pub words: String,
     pub fixed: Vec<(&'static str, f64)>,
-}
-
-/// Places beside one at which an effect explains something, each with those beside it in turn. `known` is how well the place is known, m.
-pub fn beside(effect: &Effect, site: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
-    match effect.name {
-        "rail_step" => rail_step::beside(site, known),
-        "motor_ripple" => motor_ripple::beside(site),
-        _ => Vec::new(),
-    }
-}
-
-/// In what an effect there differs in a way that nobody knows: swings of a late drive have any phase.
-pub fn differs(effect: &Effect, site: &Site) -> Option<Differs> {
-    match effect.name {
-        "pitch_wear" => Some(Differs::ByCart),
-        "load_distribution" => (site.of("on_sensor") == Some(0.0)).then_some(Differs::ByCart),
-        "control_delay" => Some(Differs::ByLap),
-        _ => None,
-    }
 }
 
 impl Site {
@@ -98,7 +77,7 @@ pub fn unordered_pairs(_: &Simulation) -> Vec<Site> {
 }
 
 fn pairs() -> impl Iterator<Item = (usize, usize)> {
-    (0..7).flat_map(|a| (0..7).map(move |b| (a, b)))
+    (0..FORCES).flat_map(|a| (0..FORCES).map(move |b| (a, b)))
 }
 
 fn pair(a: usize, b: usize, before: &str, between: &str) -> Site {

@@ -3,26 +3,19 @@
 //!
 //! Signature: joint_xi falls from motor to motor, more at higher speed.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "speed_drag",
-    about: "drag that grows with speed",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "drag",
-        unit: "N s²/m²",
-        about: "of a cart",
-        trial: 0.3,
-        usual: 0.0,
-        low: -2.0,
-        high: 50.0,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::SPEED_DRAG,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.3, as_built: 0.0 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Speed,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {

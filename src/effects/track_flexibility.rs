@@ -4,27 +4,21 @@
 //!
 //! Signature: run_left and run_right vary together with the spacing of supports, with `shape` 1 also at its multiples.
 
-use super::{Act, Effect, Strength, Strengths, add_profile, sites::Site};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, add_profile};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "track_flexibility",
-    about: "a track that bends between supports",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "compliance",
-        unit: "m/N",
-        about: "deflection in a span's middle over a cart's weight",
-        trial: 3e-7,
-        usual: 0.0,
-        low: 0.0,
-        high: 1e-4,
-    }],
-    places: &[("span", 0.0), ("shape", 0.0)],
-    sites: shapes,
+    definition: &effect_definitions::TRACK_FLEXIBILITY,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 3e-7, as_built: 0.0 }],
+    sites: Sites::Listed(shapes),
+    separated_by: Experiment::Runs,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {

@@ -3,28 +3,21 @@
 //!
 //! Signature: a little of everything, everywhere.
 
-use super::{Act, Effect, Strength, Strengths, add_profile, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, add_profile, sites};
 use crate::base::random::uniform;
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "rail_waviness",
-    about: "rails that are not quite even",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "amplitude",
-        unit: "m",
-        about: "root mean square of each rail",
-        trial: 1e-5,
-        usual: 1.2e-5,
-        low: 0.0,
-        high: 2e-3,
-    }],
-    places: &[("draw", 1.0)],
-    sites: sites::everywhere,
+    definition: &effect_definitions::RAIL_WAVINESS,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 1e-5, as_built: 1.2e-5 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Runs,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 /// Sines of a rail, and their lengths, m.

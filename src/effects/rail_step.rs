@@ -4,27 +4,21 @@
 //!
 //! Signature: a blow at one place of the track, in the channels of one side.
 
-use super::sites::{self, Site};
-use super::{Act, Effect, SPACING, Strength, Strengths, add_profile};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, SPACING, Sites, Strengths, add_profile};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "rail_step",
-    about: "a step at a joint of the track",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "height",
-        unit: "m",
-        about: "of the step",
-        trial: 1e-4,
-        usual: 3e-5,
-        low: -5e-3,
-        high: 5e-3,
-    }],
-    places: &[("at", 0.0), ("rail", 2.0), ("rise", RISE), ("back", BACK)],
-    sites: sites::everywhere,
+    definition: &effect_definitions::RAIL_STEP,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 1e-4, as_built: 3e-5 }],
+    sites: Sites::Suspected,
+    separated_by: Experiment::Runs,
+    alternatives,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
@@ -44,8 +38,8 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
 const SHARPEST: f64 = 2.0 * SPACING;
 
 /// Lengths over which the rail goes off and comes back when nothing is said, m.
-pub const RISE: f64 = 0.05;
-pub const BACK: f64 = 2.0;
+pub const RISE: f64 = effect_definitions::RAIL_STEP.places[2].default;
+pub const BACK: f64 = effect_definitions::RAIL_STEP.places[3].default;
 
 /// A step of a rail, counted from 0, at an arc length, with its lengths, m.
 pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
@@ -58,7 +52,7 @@ pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
 
 /// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its place may be off, each
 /// with those beside it.
-pub fn beside(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
+fn alternatives(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };
     let rail = (rail - 1.0).max(0.0) as usize;
     let near = |at: f64| {

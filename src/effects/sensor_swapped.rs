@@ -2,25 +2,17 @@
 //!
 //! Signature: each channel has the other's pattern along the track.
 
-use super::{Act, Effect, Sensed, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "sensor_swapped",
-    about: "two channels exchanged",
-    doubt: super::EXACT,
-    strengths: &[Strength {
-        name: "share",
-        unit: "",
-        about: "1 for exchanged",
-        trial: 1.0,
-        usual: 0.0,
-        // Plugs are exchanged or not: less would be a gain with a crosstalk.
-        low: 0.5,
-        high: 1.0,
-    }],
-    places: &[("first", 1.0), ("second", 2.0)],
-    sites: sites::unordered_pairs,
+    definition: &effect_definitions::SENSOR_SWAPPED,
+    discrepancy: super::EXACT,
+    fitted: &[Fitted { trial: 1.0, as_built: 0.0 }],
+    sites: Sites::Listed(sites::unordered_pairs),
+    separated_by: Experiment::Sensors,
     act: Act::Sensor(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, sensed: &mut Sensed) {

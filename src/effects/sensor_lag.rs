@@ -3,27 +3,20 @@
 //!
 //! Signature: the channel's pattern along the track is moved by v T, and with an order smoothed over as much, no other channel's.
 
-use super::sites::{self, Site};
-use super::{Act, Effect, Sensed, Strength, Strengths};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
 use crate::base::trig;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "sensor_lag",
-    about: "a channel that comes late",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "delay",
-        unit: "s",
-        about: "behind the others",
-        trial: 0.02,
-        usual: 0.0,
-        low: 0.0,
-        high: 2.0,
-    }],
-    places: &[("channel", 1.0), ("order", 0.0)],
-    sites: channels,
+    definition: &effect_definitions::SENSOR_LAG,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.02, as_built: 0.0 }],
+    sites: Sites::Listed(channels),
+    separated_by: Experiment::Sensors,
     act: Act::Sensor(act),
+    ..Effect::PLAIN
 };
 
 /// Orders that are looked for beside a pure delay.

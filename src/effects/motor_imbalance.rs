@@ -2,26 +2,19 @@
 //!
 //! Signature: joint_xi along the track, a slope less between motors and a step missing at one.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "motor_imbalance",
-    about: "a weak or dead motor",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "loss",
-        unit: "",
-        about: "of its thrust",
-        trial: 0.3,
-        usual: 0.01,
-        low: -1.0,
-        high: 1.0,
-    }],
-    places: &[("motor", 1.0)],
-    sites: sites::motors,
+    definition: &effect_definitions::MOTOR_IMBALANCE,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.3, as_built: 0.01 }],
+    sites: Sites::Listed(sites::motors),
+    separated_by: Experiment::Motors,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {

@@ -3,27 +3,20 @@
 //!
 //! Signature: joint_eta and joint_zeta fluctuate less and their resonance falls.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::dynamics::law::tangent;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "cart_bending",
-    about: "carts that bend",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "compliance",
-        unit: "m/N",
-        about: "of a cart's end",
-        trial: 2e-7,
-        usual: 0.0,
-        low: 0.0,
-        high: 1e-4,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::CART_BENDING,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 2e-7, as_built: 0.0 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Tension,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, _: &mut Deviations) {

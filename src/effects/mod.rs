@@ -22,6 +22,7 @@ mod sensor_crosstalk;
 mod sensor_gain;
 mod sensor_lag;
 mod sensor_swapped;
+mod simulate;
 pub mod sites;
 mod speed_drag;
 mod stiffness_temperature;
@@ -30,10 +31,11 @@ mod wheel_out_of_round;
 mod wheel_sliding;
 
 use crate::base::random::uniform;
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
-use crate::dynamics::Unfit;
+use crate::chain_input::{Deviations, Simulation, Unfit};
+use crate::model::effect_definitions::{self, EffectDefinition, StrengthDefinition};
+use crate::signal::FORCES;
 use crate::syntax::by_likeness;
+pub use simulate::{model, simulate, simulate_all, survey};
 use sites::Site;
 use std::collections::BTreeMap;
 
@@ -64,7 +66,7 @@ pub const LIBRARY: [&Effect; 22] = [
 ];
 
 /// What every built chain has, so that no diagnosis names it; a layout may.
-pub const BUILT: [&Effect; 1] = [&rail_waviness::EFFECT];
+pub const AS_BUILT: [&Effect; 1] = [&rail_waviness::EFFECT];
 
 /// How far a strength is off, as a share, where another equation made it: of the ones that challenges had and a diagnosis named, half were
 /// within 5 %, three quarters within 25 % (docs/gap-challenges.md).
@@ -75,18 +77,84 @@ const EXACT: f64 = 0.0;
 
 /// An effect.
 pub struct Effect {
-    pub name: &'static str,
-    /// What is unlike the nominal model, in a few words.
-    pub about: &'static str,
-    /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard deviation.
-    pub doubt: f64,
-    /// What is fitted.
-    pub strengths: &'static [Strength],
-    /// What says where it sits, with the value that an `effect` without it has.
-    pub places: &'static [(&'static str, f64)],
-    /// Where it may sit in a layout.
-    pub sites: fn(&Simulation) -> Vec<Site>,
+    /// Its name, strengths and places, as a layout may write them.
+    pub definition: &'static EffectDefinition,
+    /// Model discrepancy: by what share of itself a strength may be another in the machine, whose equation is not this one, as a standard
+    /// deviation.
+    pub discrepancy: f64,
+    /// Of each strength, in the order of the definition.
+    pub fitted: &'static [Fitted],
+    pub sites: Sites,
+    /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The number is how well the
+    /// site is known, m.
+    pub alternatives: fn(&Site, f64) -> Vec<(Site, Vec<Site>)>,
+    /// By what the effect differs in a way that nobody knows, and at which sites it does.
+    pub random: Option<(RandomEffect, fn(&Site) -> bool)>,
+    /// How a chain with these strengths begins.
+    pub start: fn(&BTreeMap<String, f64>) -> Start,
+    /// What separates it from effects that look like it.
+    pub separated_by: Experiment,
     pub act: Act,
+}
+
+/// How a strength is looked for.
+pub struct Fitted {
+    /// A small one, of which the signature is taken.
+    pub trial: f64,
+    /// As-built tolerance: what every built chain has of it, as a deviation. That much is no gap.
+    pub as_built: f64,
+}
+
+/// Where an effect may sit in a layout.
+pub enum Sites {
+    Listed(fn(&Simulation) -> Vec<Site>),
+    /// Anywhere along the track: looked for where the gap is largest.
+    Suspected,
+}
+
+/// In what an effect differs by chance (Pinheiro and Bates 2000: random effects by group).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RandomEffect {
+    /// From cart to cart: which ones is known for none.
+    ByCart,
+    /// From lap to lap.
+    ByLap,
+}
+
+/// How a simulation with an effect begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// From the chain as it has settled without the effect.
+    Settled,
+    /// From a start of its own: on its track the settled chain would begin off the rails.
+    Own,
+    /// From a start of its own, of which something is left that a settled chain does not have. The parameters named begin as planned: a fit
+    /// without the effect bends them to imitate it.
+    Unsettled(&'static [&'static str]),
+}
+
+/// An experiment that separates effects, in the order in which it is proposed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Experiment {
+    Speed,
+    Tension,
+    Sensors,
+    Motors,
+    /// More runs at other operating points.
+    Runs,
+}
+
+impl Experiment {
+    /// What to do, and why that separates.
+    pub fn words(self) -> &'static str {
+        match self {
+            Experiment::Speed => "a run at 0.7 of the speed, as these effects go with it differently",
+            Experiment::Tension => "a run at twice the tension, which closes play and presses joints",
+            Experiment::Sensors => "a run with the sensor cart turned around or the channel's sensor exchanged",
+            Experiment::Motors => "a run with one motor after the other switched off, and wheel speeds measured",
+            Experiment::Runs => "runs at another speed and another tension, of two laps each",
+        }
+    }
 }
 
 /// What an effect changes.
@@ -97,20 +165,6 @@ pub enum Act {
     Sensor(fn(&Strengths, &mut Sensed)),
 }
 
-/// A strength that is fitted.
-pub struct Strength {
-    pub name: &'static str,
-    /// SI unit; empty for a ratio.
-    pub unit: &'static str,
-    pub about: &'static str,
-    /// A small one, of which the signature is taken.
-    pub trial: f64,
-    /// What every built chain has of it, as a deviation: that much is no gap.
-    pub usual: f64,
-    pub low: f64,
-    pub high: f64,
-}
-
 /// Strengths and places of an effect by name; what is not given has its default.
 pub struct Strengths<'a> {
     pub given: &'a BTreeMap<String, f64>,
@@ -119,7 +173,7 @@ pub struct Strengths<'a> {
 
 impl Strengths<'_> {
     pub fn of(&self, name: &str) -> f64 {
-        let default = || self.effect.places.iter().find(|(n, _)| *n == name).map_or(0.0, |(_, x)| *x);
+        let default = || self.effect.definition.places.iter().find(|p| p.name == name).map_or(0.0, |p| p.default);
         self.given.get(name).copied().unwrap_or_else(default)
     }
 
@@ -137,19 +191,14 @@ pub struct Sensed<'a> {
     pub period: f64,
     /// `steer_left`, `steer_right`, `run_left`, `run_right`, `joint_xi`, `joint_eta`, `joint_zeta`, N; an empty one was not
     /// measured.
-    pub forces: &'a mut [Vec<f64>; 7],
+    pub forces: &'a mut [Vec<f64>; FORCES],
     /// The largest of each channel in the whole run, N.
-    pub tops: [f64; 7],
+    pub tops: [f64; FORCES],
 }
 
 /// The effect of a name.
 pub fn named(name: &str) -> Option<&'static Effect> {
-    LIBRARY.into_iter().chain(BUILT).find(|e| e.name == name)
-}
-
-/// A unit as the language spells it.
-pub fn spelled(unit: &str) -> String {
-    unit.replace(' ', "*").replace('²', "^2")
+    LIBRARY.into_iter().chain(AS_BUILT).find(|e| e.name() == name)
 }
 
 /// The chain of an input with effects: the input without them, and how the chain deviates from it.
@@ -167,13 +216,14 @@ pub fn built(simulation: &Simulation) -> Result<(Simulation, Deviations), Unfit>
     for (k, given) in simulation.effects.iter().enumerate() {
         let place = |name: &str| format!("effects.{k}.{name}");
         let Some(effect) = named(&given.name) else {
-            let names = by_likeness(&given.name, LIBRARY.iter().chain(&BUILT).map(|e| e.name));
+            let names = by_likeness(&given.name, LIBRARY.iter().chain(&AS_BUILT).map(|e| e.name()));
             let why = format!("there is no effect `{}`; the nearest first, there are {}", given.name, names.join(", "));
             return Err(Unfit { place: place("name"), why });
         };
+        let definition = effect.definition;
         for (name, value) in &given.strengths {
             let place = place(&format!("strengths.{name}"));
-            match effect.strengths.iter().find(|s| s.name == name) {
+            match definition.strengths.iter().find(|s| s.name == name) {
                 Some(s) if (s.low..=s.high).contains(value) => {}
                 Some(s) => {
                     return Err(Unfit {
@@ -181,11 +231,12 @@ pub fn built(simulation: &Simulation) -> Result<(Simulation, Deviations), Unfit>
                         why: format!("{value} must be between {} and {} {}", s.low, s.high, s.unit),
                     });
                 }
-                None if effect.places.iter().any(|(n, _)| n == name) && value.is_finite() => {}
+                None if definition.places.iter().any(|p| p.name == name) && value.is_finite() => {}
                 None => {
-                    let names = effect.strengths.iter().map(|s| s.name).chain(effect.places.iter().map(|p| p.0));
+                    let names =
+                        definition.strengths.iter().map(|s| s.name).chain(definition.places.iter().map(|p| p.name));
                     let names: Vec<&str> = names.collect();
-                    return Err(Unfit { place, why: format!("`{}` has {}", effect.name, names.join(", ")) });
+                    return Err(Unfit { place, why: format!("`{}` has {}", definition.name, names.join(", ")) });
                 }
             }
         }
@@ -208,15 +259,31 @@ pub fn sense(simulation: &Simulation, sensed: &mut Sensed) {
 }
 
 impl Effect {
-    /// SI unit of what says its place; `None` of what does not.
-    pub fn place_unit(&self, name: &str) -> Option<&'static str> {
-        let (name, _) = self.places.iter().find(|(n, _)| *n == name)?;
-        Some(if ["at", "back", "rise", "span", "wavelength"].contains(name) { "m" } else { "" })
+    /// An effect of the chain that has one place, no alternatives to it, and differs in nothing by chance: what most begin with.
+    const PLAIN: Effect = Effect {
+        definition: &effect_definitions::JOINT_CLEARANCE,
+        discrepancy: ASSUMED,
+        fitted: &[],
+        sites: Sites::Listed(sites::everywhere),
+        alternatives: |_, _| Vec::new(),
+        random: None,
+        start: |_| Start::Settled,
+        separated_by: Experiment::Runs,
+        act: Act::Chain(|_, _, _| {}),
+    };
+
+    pub fn name(&self) -> &'static str {
+        self.definition.name
     }
 
-    /// SI unit of a strength or of what says its place, as a layout writes it; empty for a ratio.
-    pub fn unit(&self, name: &str) -> Option<&'static str> {
-        self.strengths.iter().find(|s| s.name == name).map(|s| s.unit).or_else(|| self.place_unit(name))
+    /// Its strengths, each with how it is looked for.
+    pub fn strengths(&self) -> impl Iterator<Item = (&'static StrengthDefinition, &'static Fitted)> {
+        self.definition.strengths.iter().zip(self.fitted)
+    }
+
+    /// By what it differs by chance at a site.
+    pub fn random_at(&self, site: &Site) -> Option<RandomEffect> {
+        self.random.filter(|(_, at)| at(site)).map(|(random, _)| random)
     }
 
     /// Whether it is one of the sensors.

@@ -2,24 +2,17 @@
 //!
 //! Signature: the channel's means and fluctuation in proportion, no other channel.
 
-use super::{Act, Effect, Sensed, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "sensor_gain",
-    about: "a gain that is off",
-    doubt: super::EXACT,
-    strengths: &[Strength {
-        name: "gain",
-        unit: "",
-        about: "change of the gain, g − 1",
-        trial: 0.05,
-        usual: 0.0,
-        low: -0.9,
-        high: 3.0,
-    }],
-    places: &[("channel", 1.0)],
-    sites: sites::channels,
+    definition: &effect_definitions::SENSOR_GAIN,
+    discrepancy: super::EXACT,
+    fitted: &[Fitted { trial: 0.05, as_built: 0.0 }],
+    sites: Sites::Listed(sites::channels),
+    separated_by: Experiment::Sensors,
     act: Act::Sensor(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, sensed: &mut Sensed) {

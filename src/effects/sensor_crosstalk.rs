@@ -2,24 +2,17 @@
 //!
 //! Signature: the first channel's pattern along the track in the second.
 
-use super::{Act, Effect, Sensed, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "sensor_crosstalk",
-    about: "a channel that hears another",
-    doubt: super::EXACT,
-    strengths: &[Strength {
-        name: "ratio",
-        unit: "",
-        about: "of the first channel in the second",
-        trial: 0.03,
-        usual: 0.0,
-        low: -0.5,
-        high: 0.5,
-    }],
-    places: &[("first", 1.0), ("second", 2.0)],
-    sites: sites::ordered_pairs,
+    definition: &effect_definitions::SENSOR_CROSSTALK,
+    discrepancy: super::EXACT,
+    fitted: &[Fitted { trial: 0.03, as_built: 0.0 }],
+    sites: Sites::Listed(sites::ordered_pairs),
+    separated_by: Experiment::Sensors,
     act: Act::Sensor(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, sensed: &mut Sensed) {

@@ -3,29 +3,22 @@
 //!
 //! Signature: sideways motion of the carts is damped; steering forces peak less where curves begin.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 
 /// Wheels that creep slower than v_s tell only μ/v_s, and what v_s is of a tyre on its rail is known to a factor of about two.
 const CREEP: f64 = 0.6;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "wheel_sliding",
-    about: "running wheels that slide sideways",
-    doubt: CREEP,
-    strengths: &[Strength {
-        name: "friction",
-        unit: "",
-        about: "friction coefficient",
-        trial: 0.05,
-        usual: 0.0,
-        low: 0.0,
-        high: 1.0,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::WHEEL_SLIDING,
+    discrepancy: CREEP,
+    fitted: &[Fitted { trial: 0.05, as_built: 0.0 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Runs,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {

@@ -3,26 +3,19 @@
 //!
 //! Signature: joint_eta and joint_zeta rattle where their forces change sign; fluctuation rises, means hardly change.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "joint_clearance",
-    about: "play in every joint",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "gap",
-        unit: "m",
-        about: "play from end to end",
-        trial: 5e-5,
-        usual: 0.0,
-        low: 0.0,
-        high: 2e-3,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::JOINT_CLEARANCE,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 5e-5, as_built: 0.0 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Tension,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {

@@ -3,26 +3,19 @@
 //!
 //! Signature: fluctuation at the carts' passing, less in stiff channels than in soft ones.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "stiffness_temperature",
-    about: "stiffness that went with temperature",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "change",
-        unit: "",
-        about: "relative change of stiffness",
-        trial: 0.1,
-        usual: 0.01,
-        low: -0.8,
-        high: 2.0,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::STIFFNESS_TEMPERATURE,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.1, as_built: 0.01 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Tension,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, _: &mut Deviations) {

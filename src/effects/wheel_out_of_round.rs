@@ -3,27 +3,21 @@
 //!
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
 
-use super::{Act, Effect, Strength, Strengths, sites::Site};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "wheel_out_of_round",
-    about: "a wheel out of round or with a flat spot",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "amplitude",
-        unit: "m",
-        about: "of the radius",
-        trial: 3e-5,
-        usual: 5e-6,
-        low: 0.0,
-        high: 2e-3,
-    }],
-    places: &[("wheel", 2.0), ("shape", 0.0)],
-    sites: wheels,
+    definition: &effect_definitions::WHEEL_OUT_OF_ROUND,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 3e-5, as_built: 5e-6 }],
+    sites: Sites::Listed(wheels),
+    separated_by: Experiment::Speed,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {

@@ -3,26 +3,21 @@
 //!
 //! Signature: joint_xi and the chain's speed at v/λ.
 
-use super::{Act, Effect, Strength, Strengths, sites::Site};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths};
 use crate::chain_input::Simulation;
 use crate::chain_input::{Deviations, Ripple};
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "motor_ripple",
-    about: "thrust that ripples with the pole pitch",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "ratio",
-        unit: "",
-        about: "amplitude over thrust",
-        trial: 0.1,
-        usual: 0.0,
-        low: 0.0,
-        high: 1.0,
-    }],
-    places: &[("wavelength", 0.2), ("phase", 0.0)],
-    sites: wavelengths,
+    definition: &effect_definitions::MOTOR_RIPPLE,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.1, as_built: 0.0 }],
+    sites: Sites::Listed(wavelengths),
+    separated_by: Experiment::Speed,
+    alternatives: |site, _| alternatives(site),
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {
@@ -40,7 +35,7 @@ fn site(wavelength: f64) -> Site {
 }
 
 /// Wavelengths between this one and the next, and beside each of them such as hardly differ.
-pub fn beside(ripple: &Site) -> Vec<(Site, Vec<Site>)> {
+fn alternatives(ripple: &Site) -> Vec<(Site, Vec<Site>)> {
     let Some(wavelength) = ripple.of("wavelength") else { return Vec::new() };
     let of = |share: f64| site(share * wavelength);
     let near = |share: f64| [0.96, 1.04].map(|other| of(share * other)).to_vec();

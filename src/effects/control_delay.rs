@@ -3,41 +3,34 @@
 //!
 //! Signature: slow swings of the chain's speed and of joint_xi everywhere, at any phase.
 
-use super::{Act, Effect, Strength, Strengths, sites::Site};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, RandomEffect, Sites, Start, Strengths};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
-use crate::identify::Parameter;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "control_delay",
-    about: "a drive that answers late",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "delay",
-        unit: "s",
-        about: "from speed to thrust",
-        trial: 0.1,
-        usual: 0.0,
-        low: 0.0,
-        high: 5.0,
-    }],
-    places: &[("saturation", 1.0), ("gains", 1.0)],
-    sites: with_gains,
+    definition: &effect_definitions::CONTROL_DELAY,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.1, as_built: 0.0 }],
+    sites: Sites::Listed(with_gains),
+    separated_by: Experiment::Motors,
+    random: Some((RandomEffect::ByLap, |_| true)),
+    start: |_| Start::Unsettled(&BENT),
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
-/// Nuisances that a fit without the delay bends to imitate its swings: with it they begin as they are planned.
-pub const BENT: [Parameter; 2] = [Parameter::KP, Parameter::KI];
+/// Parameters of identification that a fit without the delay bends to imitate its swings.
+const BENT: [&str; 2] = ["k_p", "k_i"];
 
 /// Gains over the planned ones at which a late drive swings sooner.
 const LARGE: f64 = 1.5;
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let gains = strengths.of("gains").clamp(0.01, 100.0);
-    for p in BENT {
-        let planned = p.get(simulation);
-        p.set(simulation, gains * planned);
-    }
+    simulation.controller.proportional_n_s_per_m *= gains;
+    simulation.controller.integral_n_per_m *= gains;
     deviations.delay += strengths.of("delay");
     deviations.saturation = deviations.saturation.min(strengths.of("saturation").clamp(0.01, 1.0));
 }

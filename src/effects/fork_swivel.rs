@@ -3,26 +3,19 @@
 //!
 //! Signature: steering forces and joint_eta shift where curves begin and end, with opposite signs.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "fork_swivel",
-    about: "a fork that swivels against friction",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "moment",
-        unit: "N m",
-        about: "friction moment of a fork",
-        trial: 2.0,
-        usual: 0.0,
-        low: 0.0,
-        high: 100.0,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::FORK_SWIVEL,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 2.0, as_built: 0.0 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Runs,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {

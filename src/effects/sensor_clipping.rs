@@ -2,24 +2,17 @@
 //!
 //! Signature: the channel's highest forces are all the same.
 
-use super::{Act, Effect, Sensed, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "sensor_clipping",
-    about: "a channel that clips",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "loss",
-        unit: "",
-        about: "of the channel's range, at its top",
-        trial: 0.1,
-        usual: 0.0,
-        low: 0.0,
-        high: 0.95,
-    }],
-    places: &[("channel", 1.0)],
-    sites: sites::channels,
+    definition: &effect_definitions::SENSOR_CLIPPING,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 0.1, as_built: 0.0 }],
+    sites: Sites::Listed(sites::channels),
+    separated_by: Experiment::Sensors,
     act: Act::Sensor(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, sensed: &mut Sensed) {

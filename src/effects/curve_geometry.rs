@@ -9,64 +9,33 @@
 //! Signature: steering forces of one curve; with another heading those of the next one, too; and, as the way between curves is another, joint_xi
 //! as carts pass.
 
-use super::rebuilt;
-use super::{Act, Effect, Strength, Strengths, add_profile, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Start, Strengths, add_profile, rebuilt, sites};
 use crate::base::trig;
-use crate::chain_input as input;
 use crate::chain_input::Deviations;
 use crate::chain_input::{Piece, Simulation};
+use crate::model::effect_definitions;
+use std::collections::BTreeMap;
 
 pub const EFFECT: Effect = Effect {
-    name: "curve_geometry",
-    about: "a curve that was built otherwise",
-    doubt: super::ASSUMED,
-    strengths: &[
-        Strength {
-            name: "offset",
-            unit: "m",
-            about: "to the left in the curve's middle",
-            trial: 1e-3,
-            usual: 0.0,
-            low: -0.04,
-            high: 0.04,
-        },
-        Strength {
-            name: "radius",
-            unit: "m",
-            about: "that its radius is larger by",
-            trial: 0.02,
-            usual: 1e-3,
-            low: -1.0,
-            high: 1.0,
-        },
-        Strength {
-            name: "heading",
-            unit: "rad",
-            about: "that it turns more to the left, and the next curve less",
-            trial: 2e-3,
-            usual: 1.5e-4,
-            low: -0.1,
-            high: 0.1,
-        },
-        Strength {
-            name: "transition",
-            unit: "m",
-            about: "over which its curvature comes and goes",
-            trial: 0.3,
-            usual: 0.0,
-            low: 0.0,
-            high: 2.0,
-        },
+    definition: &effect_definitions::CURVE_GEOMETRY,
+    discrepancy: super::ASSUMED,
+    fitted: &[
+        Fitted { trial: 1e-3, as_built: 0.0 },
+        Fitted { trial: 0.02, as_built: 1e-3 },
+        Fitted { trial: 2e-3, as_built: 1.5e-4 },
+        Fitted { trial: 0.3, as_built: 0.0 },
     ],
-    places: &[("curve", 1.0)],
-    sites: sites::each_curve,
+    sites: Sites::Listed(sites::each_curve),
+    separated_by: Experiment::Runs,
+    start,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
-/// Whether an effect makes the centre line another one, on which a chain that has settled on the planned one cannot go on.
-pub fn rebuilds(effect: &input::Effect) -> bool {
-    let moved = |name: &str| effect.strengths.get(name).is_some_and(|x| *x != 0.0);
-    effect.name == EFFECT.name && (moved("radius") || moved("heading"))
+/// Another radius or heading is another centre line.
+fn start(strengths: &BTreeMap<String, f64>) -> Start {
+    let moved = |name: &str| strengths.get(name).is_some_and(|x| *x != 0.0);
+    if moved("radius") || moved("heading") { Start::Own } else { Start::Settled }
 }
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {

@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::trig;
 use crate::compiled::fixture::compile;
-use crate::dynamics::{Fleet, Method, Survey, Width, survey};
+use crate::dynamics::{Fleet, Method, Survey, Width};
 use crate::model::fixture;
 
 /// A short track with two motors.
@@ -31,9 +31,9 @@ fn mean(fleet: &Fleet, force: usize) -> f64 {
 }
 
 /// Samples of a made-up run: channel k is 100 k + sin t.
-fn sensed(simulation: &Simulation) -> [Vec<f64>; 7] {
+fn sensed(simulation: &Simulation) -> [Vec<f64>; FORCES] {
     let time: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
-    let mut forces: [Vec<f64>; 7] =
+    let mut forces: [Vec<f64>; FORCES] =
         std::array::from_fn(|k| time.iter().map(|t| 100.0 * k as f64 + trig::sin(*t)).collect());
     let tops = std::array::from_fn(|k| 100.0 * k as f64 + 1.0);
     sense(simulation, &mut Sensed { time: &time, period: 0.01, forces: &mut forces, tops });
@@ -43,20 +43,20 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; 7] {
 #[test]
 fn every_effect_of_the_chain_moves_what_carts_measure() {
     let plain = fleet(&nominal());
-    for effect in LIBRARY.into_iter().chain(BUILT).filter(|e| !e.is_sensor()) {
-        for strength in effect.strengths {
-            let moved = fleet(&with(effect.name, &[(strength.name, strength.trial)]));
+    for effect in LIBRARY.into_iter().chain(AS_BUILT).filter(|e| !e.is_sensor()) {
+        for (strength, fitted) in effect.strengths() {
+            let moved = fleet(&with(effect.name(), &[(strength.name, fitted.trial)]));
             assert!(
                 plain.carts[0].forces != moved.carts[0].forces,
                 "{} of {} does nothing",
                 strength.name,
-                effect.name
+                effect.name()
             );
         }
         // Without strength it is the nominal chain, bit for bit where nothing else changes.
-        let none = fleet(&with(effect.name, &[(effect.strengths[0].name, 0.0)]));
+        let none = fleet(&with(effect.name(), &[(effect.definition.strengths[0].name, 0.0)]));
         let near = (mean(&none, 4) - mean(&plain, 4)).abs() < 1e-2 * mean(&plain, 4).abs();
-        assert!(near, "{}: {} and {}", effect.name, mean(&none, 4), mean(&plain, 4));
+        assert!(near, "{}: {} and {}", effect.name(), mean(&none, 4), mean(&plain, 4));
     }
 }
 
@@ -201,18 +201,32 @@ fn what_there_is_not_is_refused_with_a_way_out() {
 
 #[test]
 fn names_are_unique_and_sites_are_known() {
-    let mut names: Vec<&str> = LIBRARY.iter().map(|e| e.name).collect();
+    let mut names: Vec<&str> = LIBRARY.iter().map(|e| e.name()).collect();
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), LIBRARY.len());
     for effect in LIBRARY {
-        assert!(named(effect.name).is_some());
-        for site in (effect.sites)(&nominal()) {
-            assert!(site.fixed.iter().all(|(n, _)| effect.places.iter().any(|(p, _)| p == n)), "{}", effect.name);
+        assert!(named(effect.name()).is_some());
+        let places = effect.definition.places;
+        let listed = match effect.sites {
+            Sites::Listed(listed) => listed(&nominal()),
+            Sites::Suspected => Vec::new(),
+        };
+        for site in listed {
+            assert!(site.fixed.iter().all(|(n, _)| places.iter().any(|p| p.name == *n)), "{}", effect.name());
         }
-        let with_nothing = |s: &Strength| s.low <= 0.0 || effect.name == "sensor_swapped";
-        assert!(effect.strengths.iter().all(|s| with_nothing(s) && s.trial <= s.high), "{}", effect.name);
+        assert_eq!(effect.fitted.len(), effect.definition.strengths.len(), "{}", effect.name());
+        let with_nothing = |s: &StrengthDefinition| s.low <= 0.0 || effect.name() == "sensor_swapped";
+        assert!(effect.strengths().all(|(s, fitted)| with_nothing(s) && fitted.trial <= s.high), "{}", effect.name());
     }
+}
+
+#[test]
+fn every_effect_that_a_layout_may_name_stands_in_the_library() {
+    let of = |effects: &[&Effect]| effects.iter().map(|e| e.name()).collect::<Vec<_>>();
+    let defined = |effects: &[&EffectDefinition]| effects.iter().map(|e| e.name).collect::<Vec<_>>();
+    assert_eq!(of(&LIBRARY), defined(&effect_definitions::EFFECTS));
+    assert_eq!(of(&AS_BUILT), defined(&effect_definitions::AS_BUILT));
 }
 
 #[test]

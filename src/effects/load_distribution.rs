@@ -4,30 +4,25 @@
 //!
 //! Signature: joint_xi along the track and, in curves, steering forces; with `on_sensor` the running wheels' forces.
 
-use super::{Act, Effect, Strength, Strengths, sites::Site, spread};
+use super::sites::Site;
+use super::{Act, Effect, Experiment, Fitted, RandomEffect, Sites, Strengths, spread};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions::{self, PlaceDefinition};
 
 pub const EFFECT: Effect = Effect {
-    name: "load_distribution",
-    about: "items on the carts",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "mass",
-        unit: "kg",
-        about: "of items on a loaded cart",
-        trial: 3.0,
-        usual: 0.0,
-        low: 0.0,
-        high: 200.0,
-    }],
-    places: &[("on_sensor", 0.0), DRAW],
-    sites: loads,
+    definition: &effect_definitions::LOAD_DISTRIBUTION,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 3.0, as_built: 0.0 }],
+    sites: Sites::Listed(loads),
+    separated_by: Experiment::Runs,
+    random: Some((RandomEffect::ByCart, |site| site.of("on_sensor") == Some(0.0))),
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 /// Which carts are loaded, and that of a layout that does not say.
-pub const DRAW: (&str, f64) = ("draw", 1.0);
+pub const DRAW: PlaceDefinition = effect_definitions::LOAD_DISTRIBUTION.places[1];
 
 /// Carts from one draw to the next.
 const APART: usize = 1 << 16;
@@ -36,7 +31,7 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
     let share = strengths.of("mass") / simulation.cart.mass_kg.max(1e-9);
     let (carts, sensor) = (simulation.chain.carts, simulation.sensor.cart.saturating_sub(1));
     let beside = Beside::of(strengths.of("on_sensor"));
-    let drawn = APART * strengths.index(DRAW.0);
+    let drawn = APART * strengths.index(DRAW.name);
     deviations.load.resize(carts, 0.0);
     for (i, load) in deviations.load.iter_mut().enumerate() {
         let loaded = match beside {
@@ -68,7 +63,7 @@ impl Beside {
 
     /// Of an input with items on its carts.
     pub fn in_input(simulation: &Simulation) -> Option<Beside> {
-        let effect = simulation.effects.iter().find(|e| e.name == EFFECT.name)?;
+        let effect = simulation.effects.iter().find(|e| e.name == EFFECT.name())?;
         Beside::of(effect.strengths.get("on_sensor").copied().unwrap_or(0.0))
     }
 }

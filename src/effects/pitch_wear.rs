@@ -3,26 +3,20 @@
 //!
 //! Signature: fluctuation of joint_xi and steering forces at less than the carts' passing.
 
-use super::{Act, Effect, Strength, Strengths, sites, spread};
+use super::{Act, Effect, Experiment, Fitted, RandomEffect, Sites, Strengths, sites, spread};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "pitch_wear",
-    about: "carts of unequal length",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "deviation",
-        unit: "m",
-        about: "largest of a cart's length",
-        trial: 5e-5,
-        usual: 1e-5,
-        low: 0.0,
-        high: 2e-3,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::PITCH_WEAR,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 5e-5, as_built: 1e-5 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Runs,
+    random: Some((RandomEffect::ByCart, |_| true)),
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {

@@ -3,26 +3,19 @@
 //!
 //! Signature: joint_eta and steering forces shift where curves begin and end.
 
-use super::{Act, Effect, Strength, Strengths, sites};
+use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
+use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
-    name: "joint_friction",
-    about: "friction in every joint",
-    doubt: super::ASSUMED,
-    strengths: &[Strength {
-        name: "moment",
-        unit: "N m",
-        about: "friction moment",
-        trial: 1.0,
-        usual: 0.0,
-        low: 0.0,
-        high: 20.0,
-    }],
-    places: &[],
-    sites: sites::everywhere,
+    definition: &effect_definitions::JOINT_FRICTION,
+    discrepancy: super::ASSUMED,
+    fitted: &[Fitted { trial: 1.0, as_built: 0.0 }],
+    sites: Sites::Listed(sites::everywhere),
+    separated_by: Experiment::Tension,
     act: Act::Chain(act),
+    ..Effect::PLAIN
 };
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {
