@@ -26,6 +26,7 @@
 //! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
 
 pub mod base;
+pub mod benchmark;
 pub mod chain_input;
 pub mod cli;
 pub mod compiled;
@@ -41,6 +42,7 @@ pub mod import;
 pub mod kinematics;
 pub mod model;
 pub mod problem;
+pub mod report;
 pub mod semantics;
 pub mod signal;
 pub mod solve;

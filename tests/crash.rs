@@ -4,8 +4,8 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::gap::blind::seal::seal;
-use lss::gap::blind::{Case, Facts, Key, Kind};
+use lss::benchmark::seal::seal;
+use lss::benchmark::{Case, Facts, Key, Kind};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;

@@ -318,7 +318,7 @@ fn processes_are_started_in_two_places_only() {
     };
     let mut found: Vec<_> = all.iter().filter(starts).map(|p| p.strip_prefix(root).unwrap()).collect();
     found.sort();
-    assert_eq!(found, ["src/gap/blind/answering.rs", "src/gap/outside/process.rs"].map(Path::new));
+    assert_eq!(found, ["src/benchmark/answering.rs", "src/gap/outside/process.rs"].map(Path::new));
     for key in ["model", "command", "run_before", "exec"] {
         let place = Place::new(false);
         place.write("p/a/campaign.toml", &format!("{key} = \"touch hit\"\n[[run]]\nfile = \"run-01.csv\"\n"));

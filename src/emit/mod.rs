@@ -8,22 +8,15 @@ pub mod bom;
 mod drawing;
 pub mod dxf;
 pub mod freedom;
-pub mod gap;
-pub mod identification;
-pub mod lap;
 pub mod layout;
 pub mod outside;
 pub mod pareto;
 mod plan;
 pub mod png;
-pub mod polygon;
-mod schemas;
-mod style;
 pub mod svg;
 
 pub use crate::source::disk::{Files, WriteError};
 pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
-pub use schemas::schemas;
 
 /// The data outputs, name and content: `layout.json`, `simulation.json`, `bom.csv` and `bom.json`.
 pub fn data_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {

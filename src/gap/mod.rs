@@ -4,7 +4,6 @@
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
 mod amounts;
-pub mod blind;
 pub mod chain;
 mod chance;
 mod checked;

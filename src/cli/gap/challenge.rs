@@ -1,10 +1,10 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
 use crate::base::json::to_json;
+use crate::benchmark::answering::{Before, Step, answer, child, facts, judged};
+use crate::benchmark::generate::{Order, generate};
+use crate::benchmark::{Kind, table};
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
-use crate::gap::blind::answering::{Before, Step, answer, child, facts, judged};
-use crate::gap::blind::generate::{Order, generate};
-use crate::gap::blind::{Kind, table};
 use crate::source::disk::Files;
 use crate::source::{one_line, shown};
 use clap::{Subcommand, ValueEnum};

@@ -153,7 +153,7 @@ impl Diagnose {
     ) -> Outcome {
         let title = self.campaign.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy().into_owned());
         files.push("gap.json", json::to_json(found));
-        files.push("gap.html", crate::emit::gap::page(found, track, &title));
+        files.push("gap.html", crate::report::gap::page(found, track, &title));
         if let Err(error) = files.write_set(&self.output, "gap") {
             return could_not("write", &error.path, &error.reason);
         }

@@ -2,10 +2,10 @@
 
 use super::reports::LawReport;
 use crate::base::number::fixed;
-use crate::emit::identification::digits;
 use crate::identify::Parameter;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::study::Fitted;
+use crate::report::identification::digits;
 use std::fmt::Write;
 
 /// Runs up to this many are shown one by one.

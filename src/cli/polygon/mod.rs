@@ -6,10 +6,11 @@ mod verify;
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json;
 use crate::chain_input::Simulation;
-use crate::emit::polygon::{self, Names, Report};
 use crate::emit::{DrawError, Files, png, svg};
 use crate::geometry::CentreLine;
 use crate::kinematics::polygon::{Objective, Unsuited};
+use crate::report::polygon;
+use crate::report::polygon::{Names, Report};
 use crate::source::shown;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -112,8 +113,8 @@ impl Polygon {
 fn files(report: &Report, line: &CentreLine) -> Result<Files, DrawError> {
     let mut files = Files::default();
     files.push("polygon.json", json::to_json(report));
-    files.push("polygon.svg", svg::polygon(report, line, svg::Theme::Adaptive)?);
-    files.push("polygon.png", png::render(&svg::polygon(report, line, svg::Theme::Light)?)?);
+    files.push("polygon.svg", polygon::drawing(report, line, svg::Theme::Adaptive)?);
+    files.push("polygon.png", png::render(&polygon::drawing(report, line, svg::Theme::Light)?)?);
     Ok(files)
 }
 

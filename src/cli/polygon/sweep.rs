@@ -5,10 +5,10 @@ use crate::base::json;
 use crate::base::number::tidy;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::Files;
-use crate::emit::polygon::{Sweep, SweepPoint, rms, summary, sweep_text};
 use crate::geometry::CentreLine;
 use crate::kinematics::closing;
 use crate::kinematics::polygon::{Course, Objective};
+use crate::report::polygon::{Sweep, SweepPoint, rms, summary, sweep_text};
 
 /// The product line, mm.
 const LENGTHS: std::ops::RangeInclusive<u32> = 500..=1250;

@@ -3,7 +3,7 @@
 use super::length::CartLength;
 use crate::chain_input::Simulation;
 use crate::dynamics::{Outcome, parameters};
-use crate::emit::lap::hotspots;
+use crate::report::lap::hotspots;
 use crate::signal::Channel;
 use crate::signal::measures::statistics;
 use serde::Serialize;

@@ -3,22 +3,20 @@
 mod general;
 mod labels;
 mod place;
-mod polygon;
 mod profile;
-mod sheet;
+pub(crate) mod sheet;
 mod stages;
-mod strip;
-mod symbol;
-mod text;
+pub(crate) mod strip;
+pub(crate) mod symbol;
+pub(crate) mod text;
 mod theme;
 mod track;
-mod xml;
+pub(crate) mod xml;
 
 #[cfg(test)]
 mod tests;
 
 pub use general::drawing;
-pub use polygon::polygon;
 pub use stages::stages;
 pub use theme::Theme;
 
@@ -30,7 +28,7 @@ use sheet::{Extent, Sheet};
 use xml::{Element, number};
 
 /// The root element with title, description, styles and hatches.
-fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> Element {
+pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> Element {
     let mut svg = Element::new("svg")
         .attr("xmlns", "http://www.w3.org/2000/svg")
         .attr("class", "drawing")

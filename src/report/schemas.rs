@@ -1,13 +1,13 @@
 //! JSON Schemas of the documents, committed in `docs/schemas/`.
 
-use super::bom::Bom;
-use super::layout::LayoutFile;
-use super::pareto::Pareto;
-use super::polygon::Report;
-use super::polygon::Verification;
 use crate::base::json;
 use crate::chain_input::Simulation;
+use crate::emit::bom::Bom;
+use crate::emit::layout::LayoutFile;
+use crate::emit::pareto::Pareto;
 use crate::gap::Diagnosis;
+use crate::report::polygon::Report;
+use crate::report::polygon::Verification;
 
 /// Names and contents of `docs/schemas/`.
 pub fn schemas() -> [(&'static str, Vec<u8>); 7] {

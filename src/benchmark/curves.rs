@@ -151,7 +151,7 @@ mod tests {
         let mut met = std::collections::BTreeSet::new();
         for seed in 0..60 {
             let source = curve(&nominal, lap, &mut (seed + 1));
-            let super::super::sources::Change::Chain(act) = &source.change else { panic!("of the chain") };
+            let crate::benchmark::sources::Change::Chain(act) = &source.change else { panic!("of the chain") };
             let (mut built, mut deviations) = (nominal.clone(), Deviations::default());
             act(source.range.1, &mut built, &mut deviations);
             let (gap, angle) = built.track.centre_line().closure;

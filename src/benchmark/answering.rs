@@ -298,7 +298,7 @@ pub fn child(case: &Path, out: &Path) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::blind::key::{Case, Kind, Level, Truth};
+    use crate::benchmark::key::{Case, Kind, Level, Truth};
     use std::cell::RefCell;
 
     fn challenge(folder: &Path) {

@@ -4,13 +4,13 @@ mod along;
 mod intervals;
 mod laws;
 
-use super::style::document;
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::ContactLaw;
 use crate::identify::Parameter;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::{Warning, warning};
 use crate::identify::study::{Estimate, Fitted};
+use crate::report::style::document;
 use clap::ValueEnum;
 use intervals::{Band, Row, intervals};
 use maud::{Markup, html};

@@ -2,8 +2,8 @@
 
 use super::words::{band, percent, stretch};
 use crate::base::number::{fixed, ticks, trimmed};
-use crate::emit::lap::lap_track::{Kind, LapTrack};
 use crate::gap::{Axis, Diagnosis, Place};
+use crate::report::lap::lap_track::{Kind, LapTrack};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
 

@@ -3,8 +3,8 @@
 use super::verify::{CHANNELS, Verification, spectrum};
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
-use crate::emit::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, frame};
-use crate::emit::style::document;
+use crate::report::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, frame};
+use crate::report::style::document;
 use crate::signal::{Channel, Run};
 use maud::{Markup, html};
 

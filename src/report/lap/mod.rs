@@ -9,7 +9,7 @@ pub use hotspot::{Hotspot, hotspots};
 
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
-use crate::emit::style::document;
+use crate::report::style::document;
 use crate::signal::measures::{Section, Statistics, by_section, statistics};
 use crate::signal::order::order_spectrum;
 use crate::signal::spectrum::welch;

@@ -2,8 +2,8 @@
 
 use super::words::{band, percent, scale_of, stretch};
 use crate::base::number::fixed;
-use crate::emit::lap::chart::{HEIGHT, Scale, WIDTH, frame};
 use crate::gap::{Axis, Overlay};
+use crate::report::lap::chart::{HEIGHT, Scale, WIDTH, frame};
 use maud::{Markup, html};
 
 /// Deviations of repeated measurements that the band is wide to either side.

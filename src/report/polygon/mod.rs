@@ -8,7 +8,9 @@ mod words;
 
 #[cfg(test)]
 mod tests;
+mod drawing;
 
+pub use drawing::polygon as drawing;
 pub use names::Names;
 pub use page::page;
 pub use table::{sweep_text, text};

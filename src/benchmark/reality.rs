@@ -249,7 +249,7 @@ mod tests {
         let mut run = Run { time: (0..100).map(|k| f64::from(k) / 500.0).collect(), ..Run::default() };
         run.channels.insert(Channel::SteerLeft, vec![100.0; 100]);
         run.channels.insert(Channel::Trigger, (0..100).map(|k| f64::from(u8::from((40..45).contains(&k)))).collect());
-        let planned = super::super::tracks::all().unwrap().remove(0).simulation;
+        let planned = crate::benchmark::tracks::all().unwrap().remove(0).simulation;
         for seed in 0..20 {
             let found = measured(run.clone(), &planned, "oval.lss", &mut { seed });
             let trigger = &found.channels[&Channel::Trigger];

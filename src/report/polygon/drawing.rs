@@ -1,16 +1,18 @@
 //! The polygon action of a layout on a sheet: the plan with its straights as rough as they run, the matrix of starts and
 //! straights, and the curves' first harmonics head to tail.
 
-use super::sheet::{Area, Extent, Sheet, path, path_line, rectangle};
-use super::strip::{self, field};
-use super::text::{self, Height};
-use super::xml::{Element, number};
-use super::{Theme, root, symbol};
+use crate::emit::svg::sheet::{Area, Extent, Sheet, path, path_line, rectangle};
+use crate::emit::svg::strip;
+use crate::emit::svg::strip::field;
+use crate::emit::svg::text;
+use crate::emit::svg::text::Height;
+use crate::emit::svg::xml::{Element, number};
+use crate::emit::svg::{Theme, root, symbol};
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
-use crate::emit::polygon::Report;
 use crate::geometry::{CentreLine, Point, bounds};
 use crate::kinematics::polygon::{Course, CurvePhasor, Phasor, curve_phasor, superposed};
+use crate::report::polygon::Report;
 
 /// Width of the panel at the right, mm.
 const PANEL: f64 = 172.0;
@@ -330,10 +332,10 @@ mod tests {
     use crate::compiled::Compiled;
     use crate::compiled::fixture::compile;
     use crate::emit::png;
-    use crate::emit::polygon::Names;
     use crate::geometry::Form;
     use crate::kinematics::polygon::Objective;
     use crate::model::instances;
+    use crate::report::polygon::Names;
 
     fn drawn(compiled: &Compiled, theme: Theme) -> String {
         let simulation = Simulation::new(compiled);

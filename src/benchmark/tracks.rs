@@ -9,11 +9,11 @@ use crate::source::{Loader, SourceMap};
 
 /// File and text.
 const LAYOUTS: [(&str, &str); 5] = [
-    ("oval.lss", include_str!("../../../benches/identify/layouts/oval.lss")),
-    ("slant.lss", include_str!("../../../benches/identify/layouts/slant.lss")),
-    ("hook.lss", include_str!("../../../benches/identify/layouts/hook.lss")),
-    ("reference.lss", include_str!("../../../examples/reference.lss")),
-    ("comb.lss", include_str!("../../../benches/identify/layouts/comb.lss")),
+    ("oval.lss", include_str!("../../benches/identify/layouts/oval.lss")),
+    ("slant.lss", include_str!("../../benches/identify/layouts/slant.lss")),
+    ("hook.lss", include_str!("../../benches/identify/layouts/hook.lss")),
+    ("reference.lss", include_str!("../../examples/reference.lss")),
+    ("comb.lss", include_str!("../../benches/identify/layouts/comb.lss")),
 ];
 
 /// A layout as it is planned.

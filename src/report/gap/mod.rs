@@ -10,10 +10,10 @@ mod tests;
 mod words;
 
 use super::lap::lap_track::LapTrack;
-use super::style::document;
 use crate::base::number::trimmed;
 use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
+use crate::report::style::document;
 use maud::{Markup, html};
 use words::{amount, heading, list, percent, plain, significant};
 
