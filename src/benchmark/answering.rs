@@ -4,7 +4,7 @@ use super::key::{Answer, Facts, Key};
 use super::score::{Score, score};
 use super::{CHALLENGE, KEY, seal};
 use crate::base::digest::sha256;
-use crate::signal::run::DATA_LIMIT;
+use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Scratch, replace};
 use crate::source::input::JSON_LIMIT;
 use crate::source::{InputError, Root, root, shown};

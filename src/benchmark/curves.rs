@@ -1,8 +1,8 @@
 //! Curves that were built otherwise, written anew: other bows, and tangents in closed form.
 
-use super::reality::{add, pick};
-use super::sources::{Source, chain, sign};
 use crate::base::trig;
+use crate::benchmark::draw::{add, pick};
+use crate::benchmark::source::{Source, chain, sign};
 use crate::chain_input::Deviations;
 use crate::chain_input::{Piece, Simulation, Track};
 use crate::effects::sites::curves;
@@ -151,7 +151,7 @@ mod tests {
         let mut met = std::collections::BTreeSet::new();
         for seed in 0..60 {
             let source = curve(&nominal, lap, &mut (seed + 1));
-            let crate::benchmark::sources::Change::Chain(act) = &source.change else { panic!("of the chain") };
+            let crate::benchmark::source::Change::Chain(act) = &source.change else { panic!("of the chain") };
             let (mut built, mut deviations) = (nominal.clone(), Deviations::default());
             act(source.range.1, &mut built, &mut deviations);
             let (gap, angle) = built.track.centre_line().closure;

@@ -1,13 +1,15 @@
 //! Makes a challenge.
 
 use super::key::{Case, Facts, Key, Kind, Level};
-use super::reality::{Changes, Reality, distances, draw_log, measured, pick, shuffle};
-use super::sources::{MACHINE, SENSORS, Source, UNKNOWN, machine, sensor, unknown};
+use super::reality::{Changes, Reality, distances, measured};
+use super::sources::{MACHINE, SENSORS, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
 use super::{CHALLENGE, KEY, seal};
 use crate::base::parallel;
 use crate::base::random::mix;
 use crate::base::trig;
+use crate::benchmark::draw::{draw_log, pick, shuffle};
+use crate::benchmark::source::Source;
 use crate::chain_input::Simulation;
 use crate::dynamics::Method;
 use crate::signal::{Campaign, Channel, Run, csv};

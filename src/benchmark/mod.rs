@@ -7,12 +7,14 @@
 
 pub mod answering;
 mod curves;
+mod draw;
 pub mod generate;
 mod judge;
 mod key;
 mod reality;
 mod score;
 pub mod seal;
+mod source;
 mod sources;
 mod statistics;
 pub mod table;

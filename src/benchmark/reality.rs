@@ -1,9 +1,15 @@
 //! The system that a case is measured on: nuisances by chance, a scatter that every built chain has, another contact smoothing than
 //! the model's, finer steps or another integrator, and a measuring chain with noise, a jittering trigger and quantisation.
 
-use super::sources::Change;
-use crate::base::random::{mix, normal, uniform};
+use crate::base::random::{normal, uniform};
 use crate::base::trig;
+use crate::benchmark::draw::add;
+use crate::benchmark::draw::draw;
+use crate::benchmark::draw::draw_log;
+use crate::benchmark::draw::lap;
+use crate::benchmark::draw::pick;
+use crate::benchmark::draw::shuffle;
+use crate::benchmark::source::Change;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::dynamics;
@@ -18,40 +24,6 @@ const SETTLE: f64 = 20.0;
 
 /// Steps a second that an adaptive integrator may need: joints with much damping ask it for steps of microseconds, for which nobody waits.
 const MOST_STEPS: f64 = 40_000.0;
-
-/// Points of a profile a metre of track.
-const POINTS_A_METRE: f64 = 200.0;
-
-/// A number in a range.
-pub fn draw(state: &mut u64, from: f64, to: f64) -> f64 {
-    from + (to - from) * uniform(state)
-}
-
-/// One in a range, evenly by its logarithm.
-pub fn draw_log(state: &mut u64, from: f64, to: f64) -> f64 {
-    trig::exp(draw(state, trig::ln(from), trig::ln(to)))
-}
-
-/// One of the first `count` numbers.
-pub fn pick(state: &mut u64, count: usize) -> usize {
-    (mix(state) % count.max(1) as u64) as usize
-}
-
-/// Length of the track, m.
-pub fn lap(simulation: &Simulation) -> f64 {
-    simulation.track.centre_line().length
-}
-
-/// Adds a profile over the lap to a closed table.
-pub fn add(table: &mut Vec<f64>, lap: f64, profile: impl Fn(f64) -> f64) {
-    if table.is_empty() {
-        table.resize(((lap * POINTS_A_METRE) as usize).max(16), 0.0);
-    }
-    let n = table.len();
-    for (k, x) in table.iter_mut().enumerate() {
-        *x += profile(lap * k as f64 / n as f64);
-    }
-}
 
 /// A built system.
 #[derive(Clone, Debug)]
@@ -167,13 +139,6 @@ pub type Changes<'a> = Vec<(&'a Change, f64)>;
 fn rounded(value: f64, to: f64) -> f64 {
     // By the inverse where that is whole, so that decimals stay short.
     if to < 1.0 { (value / to).round() / (1.0 / to).round() } else { (value / to).round() * to }
-}
-
-/// In another order (Fisher and Yates).
-pub fn shuffle<T>(items: &mut [T], state: &mut u64) {
-    for k in (1..items.len()).rev() {
-        items.swap(k, pick(state, k + 1));
-    }
 }
 
 /// Carts a little unequal in length, rails not quite even, wheels not quite round, motors not quite alike.

@@ -2,72 +2,24 @@
 //! a strength means the same. What the library has not is at the end of [`unknown`].
 
 use super::curves;
-use super::key::Truth;
-use super::reality::{add, draw, draw_log, lap, pick, shuffle};
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
+use crate::benchmark::draw::{add, draw, draw_log, lap, pick, shuffle};
+use crate::benchmark::source::Act;
+use crate::benchmark::source::Change;
+use crate::benchmark::source::Source;
+use crate::benchmark::source::chain;
+use crate::benchmark::source::sign;
+use crate::chain_input::Ripple;
 use crate::chain_input::Simulation;
-use crate::chain_input::{Deviations, Ripple};
 use crate::dynamics::law::tangent;
 use crate::signal::{Channel, FORCES, Run};
 use std::collections::BTreeMap;
-
-/// What a strength makes of a chain.
-type OnChain = Box<dyn Fn(f64, &mut Simulation, &mut Deviations) + Send + Sync>;
-
-/// What a strength makes of a measured run.
-type OnRun = Box<dyn Fn(f64, &mut Run) + Send + Sync>;
-
-/// What a source does, at a strength of its main measure.
-pub enum Change {
-    Chain(OnChain),
-    Sensor(OnRun),
-}
-
-/// A source that was drawn for a case.
-pub struct Source {
-    pub effect: String,
-    /// Names, and what each is over the main measure.
-    pub strengths: Vec<(&'static str, f64)>,
-    pub fixed: BTreeMap<String, f64>,
-    pub place: Option<(f64, f64)>,
-    /// Range of the main measure that a built system may have.
-    pub range: (f64, f64),
-    pub change: Change,
-}
-
-impl Source {
-    pub fn truth(&self, strength: f64) -> Truth {
-        Truth {
-            effect: self.effect.clone(),
-            strengths: self.strengths.iter().map(|(name, over)| ((*name).to_owned(), over * strength)).collect(),
-            fixed: self.fixed.clone(),
-            place: self.place,
-        }
-    }
-}
 
 /// Effects of the machine, of the sensors, and of neither that can be drawn.
 pub const MACHINE: usize = 16;
 pub const SENSORS: usize = 6;
 pub const UNKNOWN: usize = 7;
-
-type Act = Box<dyn Fn(f64, &mut Simulation, &mut Deviations) + Send + Sync>;
-
-pub fn chain(effect: &str, strength: &'static str, range: (f64, f64), act: Act) -> Source {
-    Source {
-        effect: effect.to_owned(),
-        strengths: vec![(strength, 1.0)],
-        fixed: BTreeMap::new(),
-        place: None,
-        range,
-        change: Change::Chain(act),
-    }
-}
-
-pub fn sign(state: &mut u64) -> f64 {
-    if uniform(state) < 0.5 { -1.0 } else { 1.0 }
-}
 
 /// An effect of the machine by number.
 pub fn machine(which: usize, nominal: &Simulation, state: &mut u64) -> Source {

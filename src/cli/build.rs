@@ -3,6 +3,7 @@
 use super::progress::Line;
 use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
+use crate::cli::read::loose;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::elements;
@@ -364,18 +365,6 @@ fn chain(fit: Fit, layout: &Layout) -> ChainSummary {
         left_over_mm: millimetres(fit.left_over),
         take_up_mm: millimetres(layout.catalog.take_up),
     }
-}
-
-/// The warning where the chain leaves more over than the take-up compensates.
-pub(super) fn loose(compiled: &Compiled) -> Option<Diagnostic> {
-    solve::left_over(&compiled.layout, &compiled.track, &compiled.space.line, compiled.chain)
-}
-
-/// Solves with the default options, without a word.
-pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
-    let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
-    let stages = solve::solve(layout, &options, &|_| ());
-    Compiled::new(layout.clone(), stages)
 }
 
 /// The summary for people.

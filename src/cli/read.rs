@@ -2,13 +2,16 @@
 //! that need one.
 
 use super::check::{Opened, open};
-use super::{MessageFormat, Outcome, build, could_not, foreign, report};
+use super::{MessageFormat, Outcome, could_not, foreign, report};
 use crate::chain_input::Simulation;
+use crate::cli::limits;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::model::Layout;
 use crate::semantics::analyse;
 use crate::solve::unsupported;
+use crate::solve::{self, Options};
+use crate::source::root;
 use crate::source::{SourceMap, input, shown};
 use std::path::Path;
 
@@ -49,7 +52,7 @@ pub fn is_json(file: &Path) -> bool {
 /// The simulation input that a `.json` is, or that a layout builds.
 pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Simulation, Outcome> {
     if is_json(file) {
-        let bytes = input::read_given(file, input::JSON_LIMIT).map_err(|why| could_not("read", file, why))?;
+        let bytes = root::read_given(file, input::JSON_LIMIT).map_err(|why| could_not("read", file, why))?;
         return Simulation::read(&bytes).map_err(|why| {
             match foreign::not_a_simulation(&bytes) {
                 Some(what) => report::error(&format!("{} is not a simulation input: {what}", shown(file))),
@@ -68,12 +71,12 @@ pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<C
     if said.iter().any(Diagnostic::is_error) {
         return Err(tell(&sources, &said, format));
     }
-    let compiled = build::solve_quietly(&layout);
+    let compiled = solve_quietly(&layout);
     said.extend(crate::solve::diagnose(&compiled.layout, &compiled.stages));
     // The bill does not matter here.
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
     if !compiled.failed() {
-        said.extend(build::loose(&compiled));
+        said.extend(loose(&compiled));
     }
     match tell(&sources, &said, format) {
         Outcome::Clean => Ok(compiled),
@@ -85,4 +88,16 @@ pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<C
 pub fn tell(sources: &SourceMap, said: &[Diagnostic], format: MessageFormat) -> Outcome {
     report::diagnostics(&mut std::io::stderr(), sources, said, format);
     if said.iter().any(Diagnostic::is_error) { Outcome::Problems } else { Outcome::Clean }
+}
+
+/// The warning where the chain leaves more over than the take-up compensates.
+pub(super) fn loose(compiled: &Compiled) -> Option<Diagnostic> {
+    solve::left_over(&compiled.layout, &compiled.track, &compiled.space.line, compiled.chain)
+}
+
+/// Solves with the default options, without a word.
+pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
+    let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
+    let stages = solve::solve(layout, &options, &|_| ());
+    Compiled::new(layout.clone(), stages)
 }

@@ -1,8 +1,10 @@
 //! One cart in plain numbers: where its joints and wheels are. For energies, supports and messages, not for speed.
 
 use super::chain::Chain;
-use super::state::{Bodies, PACK};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use super::state::PACK;
+use crate::dynamics::state::attitude;
+use crate::dynamics::state::vector;
+use nalgebra::Vector3;
 
 /// Where a cart's points are in relation to the track and to its follower.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,17 +17,6 @@ pub struct Placement {
     pub heights: [f64; 2],
     /// Arc length of the front joint, m.
     pub s: f64,
-}
-
-/// Orientation of a cart.
-pub fn attitude(bodies: &Bodies, lane: usize) -> UnitQuaternion<f64> {
-    let [w, i, j, k] = bodies.attitude.map(|row| row[lane]);
-    UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k))
-}
-
-/// A row of three at one cart.
-pub fn vector(rows: &[[f64; PACK]; 3], lane: usize) -> Vector3<f64> {
-    Vector3::new(rows[0][lane], rows[1][lane], rows[2][lane])
 }
 
 impl Chain {

@@ -2,9 +2,9 @@
 //! (thesis §2.3; design: chain model, sensor cart).
 
 use super::chain::Chain;
-use super::inspect::{attitude, vector};
 use super::state::PACK;
 use crate::chain_input::Sensor;
+use crate::dynamics::state::{attitude, vector};
 use crate::signal::filter::Lowpass;
 use crate::signal::{Channel, FORCES};
 use nalgebra::Vector3;

@@ -1,6 +1,8 @@
 //! What moves, in packs of eight carts: each number of a cart beside the same number of its seven neighbours, so that a
 //! vector of any width up to eight loads it at once. Behind the last cart a pack holds idle places, which rest.
 
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
 /// Carts a pack.
 pub const PACK: usize = 8;
 
@@ -74,4 +76,15 @@ impl State {
 /// Packs that hold so many carts.
 pub fn packs(carts: usize) -> usize {
     carts.div_ceil(PACK)
+}
+
+/// Orientation of a cart.
+pub fn attitude(bodies: &Bodies, lane: usize) -> UnitQuaternion<f64> {
+    let [w, i, j, k] = bodies.attitude.map(|row| row[lane]);
+    UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k))
+}
+
+/// A row of three at one cart.
+pub fn vector(rows: &[[f64; PACK]; 3], lane: usize) -> Vector3<f64> {
+    Vector3::new(rows[0][lane], rows[1][lane], rows[2][lane])
 }

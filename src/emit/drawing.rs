@@ -1,30 +1,8 @@
 //! The drawings' files.
 
-use std::fmt;
-
-use super::{dxf, png, svg};
+use super::{DrawError, dxf, png, svg};
 use crate::compiled::Compiled;
 use crate::geometry::Corner;
-
-/// Why there is no drawing.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DrawError {
-    /// Coordinates that are not finite, or a layout without extent or beyond 10 000 km.
-    Extent,
-    /// The renderer's words.
-    Raster(String),
-}
-
-impl fmt::Display for DrawError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            DrawError::Extent => write!(f, "no sheet can show the layout's extent"),
-            DrawError::Raster(message) => write!(f, "the drawing could not be rendered: {message}"),
-        }
-    }
-}
-
-impl std::error::Error for DrawError {}
 
 /// `drawing.svg`, `drawing.png` and `drawing.dxf`: names and contents, in this order.
 ///

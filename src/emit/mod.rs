@@ -5,6 +5,7 @@ use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 
 pub mod bom;
+mod draw_error;
 mod drawing;
 pub mod dxf;
 pub mod freedom;
@@ -16,7 +17,8 @@ pub mod png;
 pub mod svg;
 
 pub use crate::source::disk::{Files, WriteError};
-pub use drawing::{DrawError, drawing_files, stages_png, stages_svg};
+pub use draw_error::DrawError;
+pub use drawing::{drawing_files, stages_png, stages_svg};
 
 /// The data outputs, name and content: `layout.json`, `simulation.json`, `bom.csv` and `bom.json`.
 pub fn data_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {

@@ -5,11 +5,11 @@
 
 use super::evidence::{Evidence, most_off};
 use super::floor::{Floor, floors};
-use super::refit::{Fitted, Hypothesis};
 use super::screen::{Signature, explain};
 use super::simulator::{Laps, Request, Simulator, Strength};
 use crate::base::trig;
 use crate::effects::RandomEffect;
+use crate::gap::hypothesis::{Fitted, Hypothesis};
 use nalgebra::{DMatrix, DVector};
 
 /// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.

@@ -3,12 +3,13 @@
 use super::evidence::{self, Evidence};
 use super::floor::Floor;
 use super::judge;
-use super::refit::{Fitted, Hypothesis, along};
+use super::refit::along;
 use super::screen::Signature;
 use super::significance::{self, Score};
 use super::simulator::{Band, Candidate, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
+use crate::gap::hypothesis::{Fitted, Hypothesis};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 

@@ -8,10 +8,11 @@ use super::evidence::Evidence;
 use super::floor::floors;
 use super::judge::MOST_FREEDOM;
 use super::looks::UNSETTLED;
-use super::refit::{Fitted, refit};
+use super::refit::refit;
 use super::report::report;
 use super::screen::{self, Signature};
 use super::simulator::Simulator;
+use crate::gap::hypothesis::Fitted;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -6,9 +6,9 @@
 //! is raised for nothing costs.
 
 use super::evidence::{self, Evidence};
-use super::refit::Fitted;
 use super::screen::{Signature, explain};
 use super::simulator::{Candidate, Laps, Request, Simulator};
+use crate::gap::hypothesis::Fitted;
 use nalgebra::{DMatrix, DVector};
 
 /// Carts whose laps are held beside each other over the runs.

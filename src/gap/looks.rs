@@ -1,10 +1,10 @@
 //! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion to their strengths.
 
 use super::court::{Court, Judged};
-use super::refit::{Fitted, Hypothesis};
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Candidate;
 use super::tune::Tuner;
+use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How often a closer look is taken, at how many effects, and what share of the gap they must explain.

@@ -12,6 +12,7 @@ mod diagnose;
 mod diagnosis;
 mod evidence;
 mod floor;
+mod hypothesis;
 mod judge;
 mod looks;
 pub mod outside;

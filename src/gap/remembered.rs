@@ -8,9 +8,9 @@
 
 use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
-use crate::signal::run::DATA_LIMIT;
+use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Temporary, sweep, sync_folder};
-use crate::source::input;
+use crate::source::root;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -232,7 +232,7 @@ fn line(text: &mut String, key: &str, features: &[f64]) {
 /// `None` without a file, `Some(None)` for one of another origin.
 fn read(path: &Path, first: &str) -> Option<Option<Known>> {
     path.symlink_metadata().ok().filter(fs::Metadata::is_file)?;
-    let text = String::from_utf8(input::read_given(path, DATA_LIMIT).ok()?).ok()?;
+    let text = String::from_utf8(root::read_given(path, DATA_LIMIT).ok()?).ok()?;
     let mut lines = text.lines();
     if lines.next() != Some(first) {
         return Some(None);

@@ -2,8 +2,8 @@
 //! times as much, in which a second one drowns.
 
 use super::court::{Court, Judged};
-use super::refit::{Fitted, Hypothesis};
 use super::screen::explain;
+use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::BTreeSet;
 
 /// So many are really fitted.

@@ -2,9 +2,9 @@
 //! to nothing, and a strength that is a little off leaves more than another sensor's effect does.
 
 use super::evidence::Evidence;
-use super::refit::{Hypothesis, norm_squared};
 use super::screen::{Signature, explain};
 use super::simulator::{Band, Request, Simulator};
+use crate::gap::hypothesis::{Hypothesis, norm_squared};
 use nalgebra::DVector;
 
 /// Steps at most, and the share of the squares that another one is worth.

@@ -7,8 +7,8 @@
 
 use super::court::Court;
 use super::judge;
-use super::refit::Hypothesis;
 use crate::base::trig;
+use crate::gap::hypothesis::Hypothesis;
 use std::collections::BTreeMap;
 
 /// An effect at a place of which some strengths could not be simulated in all runs.

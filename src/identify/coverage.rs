@@ -5,7 +5,6 @@
 //!
 //! Parts of the lap are counted from the trigger, as a run knows no other places.
 
-use super::recipe::hop;
 use crate::signal::FORCES;
 
 /// Samples of one passage that a part of the lap is long.
@@ -165,6 +164,14 @@ impl Weighing<'_> {
             _ => Weight { own: f64::from(passes.simulated[part]), shared: f64::from(passes.simulated[part]) },
         }
     }
+}
+
+/// Length of a spectrum's segment, s.
+const SEGMENT_S: f64 = 4.0;
+
+/// Samples between the beginnings of a spectrum's segments, half of one.
+pub(super) fn hop(rate: f64) -> usize {
+    ((SEGMENT_S * rate).round() as usize).max(16).next_power_of_two() / 2
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ const CENTRE_PASSES: f64 = 90.0;
 pub const WITH_FLOOR: usize = COUNT + 1;
 
 /// Logarithm of the factor by which a design moves the floor of approach speeds.
-const FLOOR_REACH: f64 = super::fit::FLOOR_SCALE;
+const FLOOR_REACH: f64 = crate::identify::FLOOR_SCALE;
 
 /// Parameters that a design moves; the trigger's place needs no simulation.
 const MOVED: [Parameter; 9] = [

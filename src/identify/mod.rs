@@ -32,5 +32,6 @@ pub use fit::{Fit, Settings};
 pub use goodness::Goodness;
 pub use measured::Measured;
 pub use model::{Coordinates, Model};
+pub use parameter::FLOOR_SCALE;
 pub use parameter::{COUNT, Parameter, damping, restitution};
 pub use posterior::interval;

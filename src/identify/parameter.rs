@@ -214,6 +214,9 @@ pub fn restitution(law: ContactLaw, damping_wanted: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// What the floor of approach speeds is divided by, as the logarithm of a factor.
+pub const FLOOR_SCALE: f64 = 0.35;
+
 #[cfg(test)]
 mod tests {
     use super::*;

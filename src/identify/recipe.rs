@@ -1,6 +1,6 @@
 //! How samples become a summary: places, thresholds, and the lines of a spectrum.
 
-use super::coverage::{Coverage, Weighing};
+use super::coverage::{Coverage, Weighing, hop};
 use super::places::{Kind, Places};
 use crate::base::trig;
 use crate::signal::FORCES;
@@ -17,9 +17,6 @@ pub(super) const KINDS: usize = 3;
 
 /// Samples that are averaged before they are held against a threshold: 40 ms at 500 Hz.
 const BLOCK_S: f64 = 0.04;
-
-/// Length of a spectrum's segment, s.
-const SEGMENT_S: f64 = 4.0;
 
 /// Edges of the bands, in passings of a cart.
 const EDGES: [f64; 9] = [0.3, 0.7, 1.3, 1.7, 2.3, 4.0, 9.0, 20.0, 60.0];
@@ -159,11 +156,6 @@ impl Recipe {
             }
         }
     }
-}
-
-/// Samples between the beginnings of a spectrum's segments, half of one.
-pub(super) fn hop(rate: f64) -> usize {
-    ((SEGMENT_S * rate).round() as usize).max(16).next_power_of_two() / 2
 }
 
 /// Part of the lap in which a station lies.

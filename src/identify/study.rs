@@ -338,7 +338,7 @@ fn fitted(
         achieved,
         nrmsd: BTreeMap::new(),
         nrmsd_two_carts: BTreeMap::new(),
-        identifiability: identifiability(&found.information, &prior, super::fit::FLOOR_SCALE, &settings.free),
+        identifiability: identifiability(&found.information, &prior, crate::identify::FLOOR_SCALE, &settings.free),
         misfits: misfits.collect(),
         goodness,
         noise: names(found.noise),

@@ -1,11 +1,11 @@
 //! Components to the model's types. A complete component has every required field; `None` stands for one that has
 //! been reported.
 
-use super::declaration::Component;
 use crate::model::{
     Cart, Catalog, Contact, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock,
     VerticalStock, Wheel,
 };
+use crate::semantics::component::Component;
 use crate::source::Span;
 
 /// The catalogue; `span` is the layout's statement.

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::declaration::{Component, FieldValue};
 use super::dimension::{Dimension, parse_unit};
 use super::fields::{Bounds, FieldSpec, Shape, fields};
 use super::program::Space;
@@ -11,6 +10,7 @@ use super::scope::{Context, Env, Scope};
 use super::value::{Value, number, shown};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Interval;
+use crate::semantics::component::{Component, FieldValue};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind, Item, Kind, Name};
 

@@ -10,7 +10,7 @@
 //! once.
 
 mod arguments;
-mod checks;
+mod component;
 mod components;
 mod declaration;
 pub mod dimension;

@@ -4,11 +4,11 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use super::declaration::Component;
 use super::program::{Program, Space, Symbol, mentions};
 use super::sink::Sink;
 use super::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::semantics::component::Component;
 use crate::source::{SourceMap, Span};
 use crate::syntax::nearest;
 use crate::syntax::tree::{Expr, Item, Let, Name};

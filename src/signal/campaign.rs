@@ -10,7 +10,7 @@
 //! ```
 
 use super::keys::{self, Reader, Table, Text};
-use super::{Place, Problem, Run, RunError, Sidecar, run, sidecar_path};
+use super::{Place, Problem, Run, RunError, Sidecar, read, sidecar_path};
 use crate::source::{InputError, Root, SIZE_LIMIT, one_line, root, steers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -119,7 +119,7 @@ impl Campaign {
             return Err(RunError::new(&list, foreign));
         }
         let mut campaign = Campaign { folder, root, ..Campaign::default() };
-        let listed = if run::is_data(&list) {
+        let listed = if read::is_data(&list) {
             vec![Listed::found(list.clone())]
         } else {
             match campaign.root.read(&list, SIZE_LIMIT) {
@@ -132,7 +132,7 @@ impl Campaign {
             if !list.exists()
                 && let Some(alone) = without_sidecar(&campaign.folder).map_err(|why| unreadable(why.into()))?
             {
-                let missing = Problem::MissingSidecar(sidecar_path(&alone));
+                let missing = Problem::MissingSidecar { path: sidecar_path(&alone), keys: &Sidecar::KEYS };
                 return Err(RunError::new(&alone, missing));
             }
             return Err(RunError::new(if list.exists() { &list } else { path }, Problem::NoRuns));
@@ -282,7 +282,7 @@ fn without_sidecar(folder: &Path) -> std::io::Result<Option<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if run::is_data(&path) && !sidecar_path(&path).is_file() {
+        if read::is_data(&path) && !sidecar_path(&path).is_file() {
             files.push(path);
         }
     }
@@ -298,7 +298,7 @@ fn found(folder: &Path) -> std::io::Result<Vec<Listed>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if run::is_data(&path) && sidecar_path(&path).is_file() {
+        if read::is_data(&path) && sidecar_path(&path).is_file() {
             files.push(path);
         }
     }

@@ -1,6 +1,6 @@
 //! Runs as CSV: a header, a row a sample, an empty field for a lost one.
 
-use super::{Channel, Problem, Run, RunError, digits, run};
+use super::{Channel, Problem, Run, RunError, columns, digits};
 use crate::base::number::shortest;
 use crate::source::InputError;
 use std::collections::BTreeMap;
@@ -53,8 +53,9 @@ pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
 /// As [`read`].
 pub fn read_from(source: impl Read + Seek, file: &Path) -> Result<Columns, RunError> {
     let mut source = BufReader::with_capacity(BUFFER, source);
-    let columns = table(&mut source, file, &|name, taken| run::channel(name, taken).map(Some), run::MOST_NUMBERS)?;
-    run::check_trigger(&columns.1, file, 0).map_err(|error| on_line(error, &mut source))?;
+    let columns =
+        table(&mut source, file, &|name, taken| columns::channel(name, taken).map(Some), columns::MOST_NUMBERS)?;
+    columns::check_trigger(&columns.1, file, 0).map_err(|error| on_line(error, &mut source))?;
     Ok(columns)
 }
 
@@ -63,8 +64,12 @@ pub fn read_from(source: impl Read + Seek, file: &Path) -> Result<Columns, RunEr
 /// # Errors
 ///
 /// As [`read`], and what `pick` says.
-pub fn read_as<C: run::Column>(source: impl Read + Seek, file: &Path, pick: Pick<C>) -> Result<Columns<C>, RunError> {
-    table(&mut BufReader::with_capacity(BUFFER, source), file, pick, run::MOST_NUMBERS)
+pub fn read_as<C: columns::Column>(
+    source: impl Read + Seek,
+    file: &Path,
+    pick: Pick<C>,
+) -> Result<Columns<C>, RunError> {
+    table(&mut BufReader::with_capacity(BUFFER, source), file, pick, columns::MOST_NUMBERS)
 }
 
 /// Bytes that are read at a time.
@@ -86,7 +91,7 @@ fn begin<R: Read + Seek>(source: &mut BufReader<R>) -> std::io::Result<()> {
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The columns that are picked. The text is read piece by piece and never held.
-fn table<C: run::Column, R: Read + Seek>(
+fn table<C: columns::Column, R: Read + Seek>(
     source: &mut BufReader<R>,
     file: &Path,
     pick: Pick<C>,
@@ -111,7 +116,7 @@ fn table<C: run::Column, R: Read + Seek>(
         if record.len() != width {
             break Some(error(Problem::Length { expected: width, found: record.len() }));
         }
-        if let Err(problem) = run::room(samples + 1, columns.len(), most) {
+        if let Err(problem) = columns::room(samples + 1, columns.len(), most) {
             break Some(error(problem));
         }
         let fields = record.iter().zip(&taken).filter(|(_, taken)| **taken).map(|(text, _)| text.trim());
@@ -136,7 +141,7 @@ fn table<C: run::Column, R: Read + Seek>(
     let mut columns = columns.into_iter();
     let time = columns.next().unwrap_or_default();
     let channels = header.into_iter().zip(columns).collect();
-    run::check(&time, &channels, file, 0).map_err(|error| on_line(error, source))?;
+    columns::check(&time, &channels, file, 0).map_err(|error| on_line(error, source))?;
     Ok((time, channels))
 }
 
@@ -237,7 +242,7 @@ mod tests {
     #[test]
     fn beyond_the_limit_the_way_out_is_told() {
         let text = b"time,joint_xi\n0,1\n1,2\n\n2,3\n";
-        let pick = |name: &str, taken: &[Channel]| run::channel(name, taken).map(Some);
+        let pick = |name: &str, taken: &[Channel]| columns::channel(name, taken).map(Some);
         let within = |most| table(&mut BufReader::new(Cursor::new(text)), Path::new("run.csv"), &pick, most);
         assert!(within(6).is_ok());
         let told = within(5).expect_err("too long").to_string();

@@ -77,7 +77,10 @@ pub enum Problem {
         found: f64,
     },
     /// There is no sidecar of this name.
-    MissingSidecar(PathBuf),
+    MissingSidecar {
+        path: PathBuf,
+        keys: &'static [&'static str],
+    },
     /// The sidecar or campaign lacks a key.
     MissingKey,
     /// The value is not what the key takes.
@@ -186,7 +189,7 @@ impl RunError {
             Problem::TimeStandsStill { .. } => {
                 "times increase from row to row; split the file where the recording was started again".to_owned()
             }
-            Problem::MissingSidecar(_) => format!("write it with {}", super::Sidecar::KEYS.join(", ")),
+            Problem::MissingSidecar { keys, .. } => format!("write it with {}", keys.join(", ")),
             Problem::MissingKey => match column {
                 "layout" => "add layout = \"FILE.lss\", the path of the layout or of its simulation.json".to_owned(),
                 "sensor_cart" => "add sensor_cart = K, the number of the cart that carries the sensors".to_owned(),
@@ -275,7 +278,7 @@ impl fmt::Display for Problem {
             Problem::NotATrigger(value) => write!(f, "{value} is neither 0 nor 1"),
             Problem::LostTime => write!(f, "the time is missing"),
             Problem::TimeStandsStill { before, found } => write!(f, "{found} s does not come after {before} s"),
-            Problem::MissingSidecar(path) => write!(f, "there is no sidecar {}", shown(path)),
+            Problem::MissingSidecar { path, .. } => write!(f, "there is no sidecar {}", shown(path)),
             Problem::MissingKey => write!(f, "the key is missing"),
             Problem::WrongValue { expected } => write!(f, "the value is not {expected}"),
             Problem::UnknownKey { .. } => write!(f, "there is no such key"),

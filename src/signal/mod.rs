@@ -17,6 +17,7 @@
 
 pub mod campaign;
 mod channel;
+pub(crate) mod columns;
 pub mod compare;
 pub mod csv;
 mod digits;
@@ -31,14 +32,17 @@ pub mod order;
 pub mod parquet;
 pub mod position;
 pub mod rainflow;
-pub(crate) mod run;
+pub(crate) mod read;
+mod run;
 mod sidecar;
 pub mod spectrum;
 mod supports;
+mod warnings;
 
 pub use campaign::{Campaign, Entry};
 pub use channel::{Channel, FORCES};
+pub use columns::{Column, MOST_NUMBERS};
 pub use error::{Place, Problem, RunError};
-pub use run::{Column, MOST_NUMBERS, Run, sidecar_path};
-pub use sidecar::Sidecar;
+pub use run::Run;
+pub use sidecar::{Sidecar, sidecar_path};
 pub use supports::SupportLoad;

@@ -1,7 +1,7 @@
 //! Runs as Parquet: a column of doubles for time and for each channel, NaN for a lost sample.
 
 use super::csv::{Columns, Pick};
-use super::{Problem, Run, RunError, digits, run};
+use super::{Problem, Run, RunError, columns, digits};
 use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
 use ::parquet::column::page::{Page, PageMetadata, PageReader};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
@@ -56,8 +56,8 @@ pub fn write(run: &Run) -> Result<Vec<u8>, ParquetError> {
 ///
 /// The first of what [`Problem`] lists, with its row and column.
 pub fn read<R: ChunkReader + 'static>(data: R, file: &Path) -> Result<Columns, RunError> {
-    let columns = read_as(data, file, &|name, taken| run::channel(name, taken).map(Some))?;
-    run::check_trigger(&columns.1, file, 1)?;
+    let columns = read_as(data, file, &|name, taken| columns::channel(name, taken).map(Some))?;
+    columns::check_trigger(&columns.1, file, 1)?;
     Ok(columns)
 }
 
@@ -66,7 +66,7 @@ pub fn read<R: ChunkReader + 'static>(data: R, file: &Path) -> Result<Columns, R
 /// # Errors
 ///
 /// As [`read`], and what `pick` says.
-pub fn read_as<C: run::Column, R: ChunkReader + 'static>(
+pub fn read_as<C: columns::Column, R: ChunkReader + 'static>(
     data: R,
     file: &Path,
     pick: Pick<C>,
@@ -97,7 +97,7 @@ fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     done.ok()
 }
 
-fn decode<C: run::Column, R: ChunkReader + 'static>(
+fn decode<C: columns::Column, R: ChunkReader + 'static>(
     data: R,
     file: &Path,
     pick: Pick<C>,
@@ -133,7 +133,7 @@ fn decode<C: run::Column, R: ChunkReader + 'static>(
     // A column that repeats one value takes some bytes, however long it is.
     let groups = reader.metadata().row_groups().iter().map(|g| g.num_rows().max(0)).fold(0, i64::saturating_add);
     let rows = usize::try_from(groups).unwrap_or(usize::MAX);
-    run::room(rows, 1 + channels.len(), run::MOST_NUMBERS).map_err(error)?;
+    columns::room(rows, 1 + channels.len(), columns::MOST_NUMBERS).map_err(error)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + channels.len()];
     for g in 0..reader.num_row_groups() {
         let group = reader.get_row_group(g).map_err(malformed)?;
@@ -156,7 +156,7 @@ fn decode<C: run::Column, R: ChunkReader + 'static>(
     let mut columns = columns.into_iter();
     let time = columns.next().unwrap_or_default();
     let channels: BTreeMap<_, _> = channels.into_iter().zip(columns).collect();
-    run::check(&time, &channels, file, 1)?;
+    columns::check(&time, &channels, file, 1)?;
     Ok((time, channels))
 }
 

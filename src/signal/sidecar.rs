@@ -1,11 +1,12 @@
 //! The sidecar: what stands beside the data, in TOML.
 
 use super::keys::{self, Text};
-use super::{Problem, RunError, sidecar_path};
+use super::{Problem, RunError};
 use crate::source::{InputError, Root, SIZE_LIMIT};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::path::PathBuf;
 use toml::Value;
 
 /// What is known about a run beside its samples. The values are nominal.
@@ -54,7 +55,9 @@ impl Sidecar {
         let file = sidecar_path(data);
         match root.read(&file, SIZE_LIMIT) {
             Ok(bytes) => Sidecar::read(&bytes, &file),
-            Err(InputError::Missing(_)) => Err(RunError::new(data, Problem::MissingSidecar(file))),
+            Err(InputError::Missing(_)) => {
+                Err(RunError::new(data, Problem::MissingSidecar { path: file, keys: &Sidecar::KEYS }))
+            }
             Err(why) => Err(RunError::unreadable(&file, why)),
         }
     }
@@ -78,6 +81,11 @@ impl Sidecar {
             notes: reader.rest(),
         })
     }
+}
+
+/// The sidecar beside a data file: `run-01.toml` for `run-01.csv`.
+pub fn sidecar_path(data: &Path) -> PathBuf {
+    data.with_extension("toml")
 }
 
 #[cfg(test)]

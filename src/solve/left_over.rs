@@ -1,10 +1,11 @@
 //! What a whole number of carts leaves over on a solved layout, where that is more than the take-up compensates.
 
-use super::report::opposite;
 use crate::base::number::trimmed;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::Point;
 use crate::geometry::{CentreLine, Track};
 use crate::kinematics::{Fit, better_length};
+use crate::model::{ConstraintKind, FixKind};
 use crate::model::{Goal, Layout};
 
 /// The warning that the chain does not fit, with what would make it fit.
@@ -75,4 +76,21 @@ fn other(layout: &Layout, line: &CentreLine) -> Option<String> {
 
 fn mm(metres: f64) -> String {
     format!("{} mm", trimmed(1e3 * metres, 1))
+}
+
+/// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like pairs.
+pub(super) fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
+    let held = |i: usize| {
+        layout.constraints.iter().any(|c| {
+            matches!(&c.kind, ConstraintKind::FixSection { target, kinds } if target.from == i && kinds.contains(&FixKind::Length))
+        })
+    };
+    let n = track.corners.len();
+    let along = |i: usize| Point::unit(track.straight(i).heading);
+    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).filter(|p| !p.iter().any(|&i| held(i)));
+    let order = |p: &[usize; 2]| {
+        let against = (1e6 * along(p[0]).dot(along(p[1]))).round();
+        (against, -track.straight(p[0]).length - track.straight(p[1]).length)
+    };
+    pairs.min_by(|a, b| order(a).0.total_cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
 }

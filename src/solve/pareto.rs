@@ -4,8 +4,8 @@
 //! is best then lies below the line between them, or there is nothing (Aneja and Nair 1979). Layouts that are best for no price
 //! of a metre are not found this way.
 
-use super::stages::{Options, Progress, solve};
 use super::{Certificate, Stage, Status, worth};
+use super::{Options, Progress, solve};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout, Objective};
 

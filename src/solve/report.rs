@@ -6,9 +6,9 @@ use super::{Stage, Status, Violation};
 use crate::base::number::trimmed;
 use crate::base::trig::PI;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{CentreLine, Point, Track};
+use crate::geometry::{CentreLine, Track};
 use crate::kinematics::{Fit, fit};
-use crate::model::{ConstraintKind, FixKind, Layout};
+use crate::model::Layout;
 
 /// Rows named in one message besides the worst.
 const MOST_RELATED: usize = 7;
@@ -85,23 +85,6 @@ pub fn unclosed(layout: &Layout, track: &Track, line: &CentreLine) -> Option<Dia
     let help = lengthen(layout, track, left_over)
         .unwrap_or_else(|| "give a section some freedom, so that the track can be lengthened".to_owned());
     Some(Diagnostic::new(Code::E0603, message, closes.span, label).help(help))
-}
-
-/// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like pairs.
-pub(super) fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
-    let held = |i: usize| {
-        layout.constraints.iter().any(|c| {
-            matches!(&c.kind, ConstraintKind::FixSection { target, kinds } if target.from == i && kinds.contains(&FixKind::Length))
-        })
-    };
-    let n = track.corners.len();
-    let along = |i: usize| Point::unit(track.straight(i).heading);
-    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).filter(|p| !p.iter().any(|&i| held(i)));
-    let order = |p: &[usize; 2]| {
-        let against = (1e6 * along(p[0]).dot(along(p[1]))).round();
-        (against, -track.straight(p[0]).length - track.straight(p[1]).length)
-    };
-    pairs.min_by(|a, b| order(a).0.total_cmp(&order(b).0).then(order(a).1.total_cmp(&order(b).1)))
 }
 
 /// `clearance of column_a to the straight P4..P5: 0.214 m short`

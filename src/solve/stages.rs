@@ -1,84 +1,17 @@
 //! The thesis' three stages (§3.3): shortest under user constraints and building, then with obstacles, then on the
 //! catalogue's grid.
 
+use super::options::{Discretise, Options, Progress, Solver};
 use super::sqp::{self, Settings, Solution, Watch};
-use super::{Certificate, Effort, Stage, Status, Stop, Violation, complex, conflict, exact, polygon};
-use crate::geometry::Track;
+use super::violations::{as_written, off_grid, stage};
+use super::{Stage, Status, complex, conflict};
 use crate::model::{Layout, Side};
-use crate::problem::measures::{radius as radius_of, to_corners};
-use crate::problem::perturbed;
-use crate::problem::{Function, Problem, RowKey, RowValue, Scope};
+use crate::problem::{Problem, Scope, perturbed};
+use crate::solve::certificate::Certificate;
 use std::time::Instant;
 
-/// Which solver runs the continuous stages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Solver {
-    /// Sequential quadratic programming on Clarabel.
-    #[default]
-    Sqp,
-    /// Box's complex method.
-    Complex,
-}
-
-/// How a layout is solved.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    pub solver: Solver,
-    /// Start from the written layout with noise of this size (m) and seed.
-    pub perturb: Option<(f64, u64)>,
-    /// Threads that may run; the result does not depend on it.
-    pub threads: usize,
-    /// When the search of stage 3 ends.
-    pub effort: Effort,
-    /// When all of it ends with the best so far.
-    pub stop: Stop,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options { solver: Solver::Sqp, perturb: None, threads: 2, effort: Effort::default(), stop: Stop::NEVER }
-    }
-}
-
-/// What a solve tells while it goes on.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    pub stage: &'static str,
-    pub iteration: usize,
-    /// m
-    pub length: f64,
-    /// m or rad
-    pub max_violation: f64,
-}
-
-/// Takes a continuous optimum to the catalogue's grid. Stages do not know which method does.
-pub type Discretise = fn(&Layout, &Problem, &Solution, &Settings, &Effort) -> Discretised;
-
-/// A layout on the grid, with what was proven of it.
-#[derive(Clone, Debug)]
-pub struct Discretised {
-    pub solution: Solution,
-    pub certificate: Option<Certificate>,
-    /// Why the grid itself admits no layout.
-    pub refused: Vec<Violation>,
-    /// Whether it is proven that there is no layout on the grid.
-    pub refuted: bool,
-}
-
-impl From<Solution> for Discretised {
-    /// A layout of which nothing was proven.
-    fn from(solution: Solution) -> Self {
-        Discretised { solution, certificate: None, refused: Vec::new(), refuted: false }
-    }
-}
-
-/// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last.
-pub fn solve(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
-    solve_with(layout, options, exact::discretise, watch)
-}
-
-/// The same with a discretisation of the caller's choice.
-pub fn solve_with(
+/// Solves a layout for length or cost; the last stage returned is the result. A stage that finds no feasible layout is the last.
+pub(super) fn solve_in_stages(
     layout: &Layout,
     options: &Options,
     discretise: Discretise,
@@ -93,9 +26,6 @@ pub fn solve_with(
 
 /// A solve for each way past the obstacles whose side is open.
 fn ways(layout: &Layout, options: &Options, discretise: Discretise, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
-    if let Some(goal) = polygon::Smooth::of(&layout.objective) {
-        return polygon::solve(layout, goal, options, discretise, watch);
-    }
     let open: Vec<usize> = (0..layout.obstacles.len()).filter(|&i| layout.obstacles[i].side == Side::Either).collect();
     if open.is_empty() || layout.objective.terms.is_empty() {
         return one_way(layout, options, discretise, watch);
@@ -244,27 +174,6 @@ fn again(
     if rank(&other, settings) < rank(&ended, settings) { other } else { ended }
 }
 
-/// Turns and radii that are not the catalogue's. A radius that the layout fixes is the user's own choice.
-pub(super) fn off_grid(layout: &Layout, problem: &Problem, x: &[f64], tolerance: f64) -> Vec<Violation> {
-    let step = layout.catalog.curve.angle_step;
-    let track = Track::new(&to_corners(x));
-    let mut out = Vec::new();
-    for (i, fillet) in track.fillets.iter().enumerate() {
-        let (name, span) = (&layout.vertices[i].name, problem.vertex_span(i));
-        let turn = (fillet.turn - (fillet.turn / step).round() * step).abs();
-        if turn > tolerance {
-            out.push(Violation { row: format!("angle step of the turn at {name}"), span, amount: turn, unit: "rad" });
-        }
-        let distance = |r: &f64| (r - fillet.radius).abs();
-        let radius = layout.catalog.curve.radii.iter().map(distance).fold(f64::INFINITY, f64::min);
-        let bound = problem.bounds[radius_of(i)];
-        if radius > tolerance && bound.low < bound.high {
-            out.push(Violation { row: format!("standard radius at {name}"), span, amount: radius, unit: "m" });
-        }
-    }
-    out
-}
-
 /// Feasible solutions by length, after them the others by violation.
 fn rank(s: &Solution, settings: &Settings) -> (bool, f64) {
     let feasible = s.max_violation <= settings.feasibility;
@@ -285,83 +194,13 @@ fn in_parallel<T: Send>(threads: usize, a: impl FnOnce() -> T + Send, b: impl Fn
     })
 }
 
-pub(super) fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Settings, clock: Instant) -> Stage {
-    let violations = violations(problem, &s.variables, settings.feasibility, |_| true);
-    let max_violation = violations.iter().map(|v| v.amount).fold(s.max_violation, f64::max);
-    let status = match (max_violation <= settings.feasibility, s.converged) {
-        (true, true) => Status::Converged,
-        (true, false) => Status::Feasible,
-        _ => Status::Infeasible,
-    };
-    Stage {
-        name,
-        corners: to_corners(&s.variables),
-        length: problem.evaluate(&s.variables, 0.0).length,
-        max_violation,
-        violations,
-        iterations: s.iterations,
-        seconds: clock.elapsed().as_secs_f64(),
-        status,
-        cut: None,
-        certificate: None,
-        refuted: false,
-    }
-}
-
-/// The written layout. Turns and straights that the catalogue lacks are not violations here: elements report them.
-pub(super) fn as_written(problem: &Problem) -> Stage {
-    // Rows begin with a turn and a straight a vertex; later ones on straights are the user's.
-    let from_catalog = |key: RowKey| match key {
-        RowKey::Listed(i) => {
-            let catalogue = 2 * problem.vertices.len();
-            i < catalogue && matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_))
-        }
-        RowKey::Clearance(..) | RowKey::Own(..) => false,
-    };
-    let violations = violations(problem, &problem.start, Settings::default().feasibility, |key| !from_catalog(key));
-    Stage {
-        name: "written",
-        corners: to_corners(&problem.start),
-        length: problem.evaluate(&problem.start, 0.0).length,
-        max_violation: violations.iter().map(|v| v.amount).fold(0.0, f64::max),
-        violations,
-        iterations: 0,
-        seconds: 0.0,
-        status: Status::AsWritten,
-        cut: None,
-        certificate: None,
-        refuted: false,
-    }
-}
-
-/// Rows that are violated by more than `tolerance`, the worst first; several places of one obstacle count once.
-fn violations(problem: &Problem, x: &[f64], tolerance: f64, counts: impl Fn(RowKey) -> bool) -> Vec<Violation> {
-    let at = problem.evaluate(x, 0.0);
-    let mut out: Vec<Violation> = Vec::new();
-    let mut rows: Vec<&RowValue> = at.rows.iter().filter(|r| counts(r.key) && r.violation() > tolerance).collect();
-    rows.sort_by(|a, b| b.violation().total_cmp(&a.violation()).then(a.key.cmp(&b.key)));
-    for row in rows {
-        let (label, span) = problem.describe(row.key);
-        if out.iter().all(|v| v.row != label || v.span != span) {
-            out.push(Violation { row: label, span, amount: row.violation(), unit: problem.unit(row.key) });
-        }
-    }
-    // Rows watch where strands come close; strands that have crossed are beyond them.
-    let pieces = &at.track.pieces;
-    for (i, j) in problem.crossings(&at.track) {
-        let (first, second) = (problem.piece_name(&pieces[i]), problem.piece_name(&pieces[j]));
-        let row = format!("the loop crosses itself: {first} and {second}");
-        let span = problem.vertex_span(pieces[i].vertex);
-        out.push(Violation { row, span, amount: 2.0 * problem.half_width, unit: "m" });
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Track;
     use crate::geometry::{Point, clearance::lateral_offset};
     use crate::model::instances::{horseshoe, thesis10};
+    use crate::solve::{solve, solve_with};
 
     fn quiet(_: Progress) {}
 

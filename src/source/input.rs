@@ -1,6 +1,5 @@
 //! Opening inputs: regular files of a bounded size, and nothing else.
 
-use super::root;
 use std::fmt;
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read};
@@ -58,24 +57,6 @@ impl From<io::Error> for InputError {
 
 fn mebibytes(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 20)
-}
-
-/// Reads a file that the command line names.
-///
-/// # Errors
-///
-/// As [`root::given`] and [`read`].
-pub fn read_given(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
-    read(&root::given(path)?, limit)
-}
-
-/// Opens a file that the command line names.
-///
-/// # Errors
-///
-/// As [`root::given`] and [`open`].
-pub fn open_given(path: &Path) -> Result<File, InputError> {
-    open(&root::given(path)?)
 }
 
 /// Reads a file at a canonical place.
@@ -159,6 +140,7 @@ fn is_system(_: &Metadata) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::root::read_given;
 
     #[test]
     fn a_file_at_the_limit_is_read_and_one_beyond_is_not() {

@@ -150,7 +150,7 @@ impl Loader {
 /// Reads a drawing from the disk. Programs write them in many encodings: what is not UTF-8 is taken for Latin-1, in which
 /// every byte is a character.
 pub fn drawing(sources: &mut SourceMap, path: &Path) -> Result<FileId, LoadError> {
-    let bytes = input::read_given(path, DRAWING_LIMIT)?;
+    let bytes = root::read_given(path, DRAWING_LIMIT)?;
     let text = String::from_utf8(bytes)
         .unwrap_or_else(|error| error.as_bytes().iter().map(|byte| char::from(*byte)).collect());
     Ok(sources.add(path.to_string_lossy(), text))

@@ -207,6 +207,24 @@ pub(super) fn normalise(path: &Path) -> Option<PathBuf> {
     Some(out)
 }
 
+/// Reads a file that the command line names.
+///
+/// # Errors
+///
+/// As [`given`] and [`input::read`].
+pub fn read_given(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
+    input::read(&given(path)?, limit)
+}
+
+/// Opens a file that the command line names.
+///
+/// # Errors
+///
+/// As [`given`] and [`input::open`].
+pub fn open_given(path: &Path) -> Result<File, InputError> {
+    input::open(&given(path)?)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@ use crate::base::json;
 use crate::base::parallel;
 use crate::chain_input::ContactLaw;
 use crate::cli::cases::{Case, cases};
+use crate::cli::identify::reports::law_name;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, report};
 use crate::dynamics::Width;
 use crate::emit::Files;
@@ -14,7 +15,7 @@ use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, Fitted, carry, fit_run};
 use crate::identify::{Measured, Model, Parameter, Settings};
 use crate::report::identification;
-use crate::source::{SIZE_LIMIT, input, one_line, root, shown};
+use crate::source::{SIZE_LIMIT, one_line, root, shown};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -65,11 +66,6 @@ fn laws(text: &str) -> Result<Laws, String> {
         let names: Vec<String> = ContactLaw::value_variants().iter().map(|l| law_name(*l)).collect();
         format!("there is no law {text}; take `all` or one of {}", names.join(", "))
     })
-}
-
-/// A law as files and options call it.
-pub fn law_name(law: ContactLaw) -> String {
-    law.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
 }
 
 impl Campaign {
@@ -243,7 +239,7 @@ impl Work<'_> {
 
     /// A fit on the disk, if it came from the same.
     fn known(&self, name: &str, key: &str) -> Option<Fitted> {
-        let bytes = input::read_given(&self.folder().join(format!("{name}.json")), SIZE_LIMIT).ok()?;
+        let bytes = root::read_given(&self.folder().join(format!("{name}.json")), SIZE_LIMIT).ok()?;
         let known: Fitted = serde_json::from_slice(&bytes).ok()?;
         (known.key == key && known.is_whole()).then_some(known)
     }

@@ -11,8 +11,9 @@ use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::Fitted;
 use crate::identify::{Parameter, damping, restitution};
 use crate::model::Layout;
+use crate::source::SIZE_LIMIT;
+use crate::source::root;
 use crate::source::root::is_marked;
-use crate::source::{SIZE_LIMIT, input};
 use std::fmt::Write;
 use std::path::{Component, Path};
 
@@ -108,7 +109,7 @@ pub fn import(layout: &Path, output: &Path, name: &str) -> (String, Option<Vec<u
     if let Some(path) = root.filter(|root| layout.starts_with(root)).map(|_| relative(&layout, &output)) {
         return (path, None);
     }
-    (format!("{name}.lss"), input::read_given(&layout, SIZE_LIMIT).ok())
+    (format!("{name}.lss"), root::read_given(&layout, SIZE_LIMIT).ok())
 }
 
 /// `to` as seen from the folder `from`.

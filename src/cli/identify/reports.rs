@@ -1,6 +1,5 @@
 //! What fits amount to: a law's runs one by one, and the study in summary, by set point.
 
-use super::campaign::law_name;
 use crate::base::number::tidy;
 use crate::chain_input::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
@@ -8,6 +7,7 @@ use crate::identify::lack_of_fit::{Warning, at_bounds, warning};
 use crate::identify::share::Shared;
 use crate::identify::study::{CONFIDENCE, Estimate, Fitted};
 use crate::identify::{Parameter, interval};
+use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -146,4 +146,9 @@ impl Study {
         }
         said
     }
+}
+
+/// A law as files and options call it.
+pub fn law_name(law: ContactLaw) -> String {
+    law.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
 }

@@ -5,7 +5,8 @@ use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::identify::static_test::{self, Direction, Points};
 use crate::identify::stiffness::{Estimate, Fixed, Unfit, fit, fit_with};
 use crate::source::disk;
-use crate::source::{SIZE_LIMIT, input, shown};
+use crate::source::root;
+use crate::source::{SIZE_LIMIT, shown};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -65,7 +66,7 @@ struct Declared {
 
 impl Stiffness {
     pub fn run(&self) -> Outcome {
-        let bytes = match input::read_given(&self.file, SIZE_LIMIT) {
+        let bytes = match root::read_given(&self.file, SIZE_LIMIT) {
             Ok(bytes) => bytes,
             Err(why) => return could_not("read", &self.file, why),
         };

@@ -4,10 +4,10 @@
 use super::Forces;
 use crate::base::trig;
 use crate::chain_input::closed;
-use crate::dynamics::inspect::{attitude, vector};
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::Home;
 use crate::dynamics::state::{Bodies, PACK, Row};
+use crate::dynamics::state::{attitude, vector};
 use nalgebra::Vector3;
 
 /// Of a pack.

@@ -29,7 +29,7 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
         let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
         doubts.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
     }
-    let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::fit::FLOOR_SCALE, |p| p.reach());
+    let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::FLOOR_SCALE, |p| p.reach());
     let slopes = &landing.sensitivity.slopes;
     Frame {
         run: name.to_owned(),
@@ -64,7 +64,7 @@ fn telling(variance: f64) -> f64 {
 /// Of a nuisance's step from where the fit ended.
 fn prior(run: &Fitted, j: usize) -> (f64, f64) {
     let Some(p) = Parameter::ALL.get(j) else {
-        return (0.0, FLOOR_DEVIATION / crate::identify::fit::FLOOR_SCALE);
+        return (0.0, FLOOR_DEVIATION / crate::identify::FLOOR_SCALE);
     };
     let (mean, deviation) = p.prior(run.model.law, run.model.nominal[j]);
     ((mean - run.landing.at[j]) / p.reach(), deviation / p.reach())

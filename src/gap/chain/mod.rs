@@ -228,7 +228,7 @@ impl Chains {
                     let (low, high) = fitted.model.range(*p);
                     at[p.index()] = (at[p.index()] + moved * p.reach()).clamp(low, high);
                 }
-                None => plan.floor = moved * crate::identify::fit::FLOOR_SCALE,
+                None => plan.floor = moved * crate::identify::FLOOR_SCALE,
             }
         }
         let starts: Vec<Start> = effects.iter().filter_map(|e| Some((named(&e.name)?.start)(&e.strengths))).collect();

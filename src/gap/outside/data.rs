@@ -2,7 +2,7 @@
 
 use super::Error;
 use crate::base::digest::sha256_of;
-use crate::signal::{Campaign, Entry, Problem, RunError, csv, parquet, run};
+use crate::signal::{Campaign, Entry, Problem, RunError, csv, parquet, read};
 use crate::source::shown;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     let (time, mut columns) = if is_parquet {
         parquet::read_as(data, path, &pick)?
     } else {
-        csv::read_as(run::bounded(data, path)?, path, &pick)?
+        csv::read_as(read::bounded(data, path)?, path, &pick)?
     };
     let mut channels = Vec::with_capacity(declared.len());
     for name in declared.keys() {

@@ -3,7 +3,7 @@
 
 use super::Error;
 use crate::gap::{Candidate, Strength};
-use crate::signal::run::FARTHEST;
+use crate::signal::columns::FARTHEST;
 use crate::source::steers;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};

@@ -34,9 +34,6 @@ impl Default for Settings {
     }
 }
 
-/// What the floor of approach speeds is divided by, as the logarithm of a factor.
-pub const FLOOR_SCALE: f64 = 0.35;
-
 /// Steps at most.
 const STEPS: usize = 5;
 

@@ -1,10 +1,11 @@
 //! How far a run is from the model, and what that says of the parameters.
 
-use super::{FLOOR_SCALE, Fitter};
+use super::Fitter;
 use crate::base::trig;
 use crate::identify::floor::{Floor, Numerics};
 use crate::identify::local::{Centre, Sensitivity, WITH_FLOOR};
 use crate::identify::model::{Coordinates, Model};
+use crate::identify::parameter::FLOOR_SCALE;
 use crate::identify::parameter::{COUNT, Parameter};
 use crate::identify::posterior::Information;
 use crate::identify::summary::Block;

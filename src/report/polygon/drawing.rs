@@ -1,6 +1,8 @@
 //! The polygon action of a layout on a sheet: the plan with its straights as rough as they run, the matrix of starts and
 //! straights, and the curves' first harmonics head to tail.
 
+use crate::base::number::{fixed, trimmed};
+use crate::emit::DrawError;
 use crate::emit::svg::sheet::{Area, Extent, Sheet, path, path_line, rectangle};
 use crate::emit::svg::strip;
 use crate::emit::svg::strip::field;
@@ -8,8 +10,6 @@ use crate::emit::svg::text;
 use crate::emit::svg::text::Height;
 use crate::emit::svg::xml::{Element, number};
 use crate::emit::svg::{Theme, root, symbol};
-use crate::base::number::{fixed, trimmed};
-use crate::emit::DrawError;
 use crate::geometry::{CentreLine, Point, bounds};
 use crate::kinematics::polygon::{Course, CurvePhasor, Phasor, curve_phasor, superposed};
 use crate::report::polygon::Report;

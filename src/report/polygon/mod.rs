@@ -6,9 +6,9 @@ mod table;
 mod verify;
 mod words;
 
+mod drawing;
 #[cfg(test)]
 mod tests;
-mod drawing;
 
 pub use drawing::polygon as drawing;
 pub use names::Names;

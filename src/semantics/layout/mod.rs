@@ -1,5 +1,6 @@
 //! A layout's statements to the model.
 
+mod checks;
 mod constraints;
 mod draft;
 mod equipment;
@@ -9,9 +10,7 @@ mod vertices;
 use std::rc::Rc;
 
 use super::arguments::Arguments;
-use super::checks::{Facts, Limits};
 use super::components;
-use super::declaration::Component;
 use super::dimension::Dimension;
 use super::fields::Bounds;
 use super::program::{Space, Symbol, mentions};
@@ -19,6 +18,8 @@ use super::scope::{Context, Env, Scope};
 use super::value::{metres, shown};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Cart, Catalog, Chain, Drive, Interval, Layout, Sensor};
+use crate::semantics::component::Component;
+use crate::semantics::layout::checks::{Facts, Limits};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, Item, Kind, LayoutDeclaration, Reference, Statement};
 use draft::{Draft, Placed, keyword};

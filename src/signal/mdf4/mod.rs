@@ -12,7 +12,7 @@ mod blocks;
 mod records;
 
 use super::csv::Columns;
-use super::{Channel, Problem, RunError, run};
+use super::{Channel, Problem, RunError, columns};
 use blocks::{Block, Blocks};
 use records::{Reader, Records};
 use std::collections::BTreeMap;
@@ -55,7 +55,7 @@ pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
         let Some((first, _)) = group.channels.first() else { continue };
         let at = |problem| RunError::new(file, problem).column(first.name());
         let rows = usize::try_from(group.records.count).unwrap_or(usize::MAX);
-        run::room(rows, taken.len() + 1, run::MOST_NUMBERS).map_err(at)?;
+        columns::room(rows, taken.len() + 1, columns::MOST_NUMBERS).map_err(at)?;
         let Some(time) = &group.time else {
             return Err(at(Problem::Malformed("its group has no channel of time".to_owned())));
         };
@@ -77,8 +77,8 @@ pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
         channels.extend(group.channels.iter().map(|(channel, _)| *channel).zip(columns));
     }
     let time = base.ok_or_else(|| RunError::new(file, Problem::TooFewSamples))?;
-    run::check(&time, &channels, file, 1)?;
-    run::check_trigger(&channels, file, 1)?;
+    columns::check(&time, &channels, file, 1)?;
+    columns::check_trigger(&channels, file, 1)?;
     Ok((time, channels))
 }
 
@@ -105,7 +105,7 @@ fn group<R: Read + Seek>(
             }
             continue;
         }
-        let channel = run::channel(&name, taken).map_err(at)?;
+        let channel = columns::channel(&name, taken).map_err(at)?;
         if channel != Channel::Trigger {
             unit(blocks, &block, channel.unit()).map_err(at)?;
         }

@@ -8,11 +8,12 @@
 //! arc that bulges towards an edge keeps n·(c − p) − R >= D, or its lowest point is not over the edge.
 
 use super::grid::Grid;
-use super::network::{Choice, Open};
 use super::row::{Row, Touch};
 use crate::geometry::clearance::{Feature, Part, Region, offset};
 use crate::geometry::{Point, Track};
 use crate::problem::{Keepout, Problem, RowKey};
+use crate::solve::exact::choice::Choice;
+use crate::solve::exact::open::Open;
 
 /// How an arc passes a corner, once that is decided.
 #[derive(Clone, Copy, Debug, PartialEq)]

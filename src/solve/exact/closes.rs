@@ -1,6 +1,6 @@
 //! A whole number of carts: how much longer a layout has to be for its chain to close.
 
-use super::search::{Polish, track};
+use super::grid::track;
 use crate::geometry::Track;
 use crate::kinematics::{fit, level};
 use crate::model::Layout;
@@ -67,3 +67,6 @@ impl Closes {
         bound.max(band(carts).0)
     }
 }
+
+/// See [`Setting::polish`].
+pub type Polish<'a> = dyn Fn(&[f64], Option<f64>) -> Option<Vec<f64>> + 'a;

@@ -183,3 +183,8 @@ fn radii(layout: &Layout, problem: &Problem, vertex: usize) -> Vec<f64> {
     let within = |r: &f64| *r >= bound.low - SLACK && *r <= bound.high + SLACK;
     layout.catalog.curve.radii.iter().copied().filter(within).collect()
 }
+
+/// The centre line at some variables.
+pub fn track(x: &[f64]) -> Track {
+    Track::new(&crate::problem::measures::to_corners(x))
+}

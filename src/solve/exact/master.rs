@@ -4,9 +4,11 @@
 //! Nothing here has to be exact: whatever multipliers come out, the bound is evaluated by [`network`](super::network).
 
 use super::grid::Grid;
-use super::network::{Choice, Dual, Limits, Open, minimise};
+use super::network::{Dual, Limits, minimise};
 use super::row::Row;
 use super::tariff::Tariff;
+use crate::solve::exact::choice::Choice;
+use crate::solve::exact::open::Open;
 use std::rc::Rc;
 
 /// A choice with what it costs and the rows' values.

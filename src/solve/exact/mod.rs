@@ -7,31 +7,35 @@
 //! relaxed in a bound, never in a layout: that meets every row of its [`Problem`].
 
 mod beside;
+mod choice;
 mod closes;
 mod grid;
 mod master;
 mod network;
 mod offset;
+mod open;
 mod parts;
 mod row;
 mod search;
 mod tariff;
 
-pub use search::Effort;
 pub use tariff::worth;
 
+use super::options::Discretised;
 use super::sqp::{Settings, Solution};
-use super::stages::Discretised;
 use super::{Certificate, Counted, Stop, Violation, discrete};
 use crate::geometry::{Point, bounds};
 use crate::model::Layout;
 use crate::problem::Problem;
+use crate::solve::options::Effort;
 use beside::Beside;
 use closes::Closes;
-use grid::{Grid, NoGrid};
-use network::{Limits, Open};
+use closes::Polish;
+use grid::{Grid, NoGrid, track};
+use network::Limits;
+use open::{Open, place};
 use row::Stated;
-use search::{FEASIBLE, Found, Polish, Setting, Value};
+use search::{FEASIBLE, Found, Setting, Value};
 use std::cell::RefCell;
 use std::time::Instant;
 use tariff::{Aim, Detail, Tariff};
@@ -65,7 +69,7 @@ pub fn discretise(
         aim,
         cheapest: RefCell::new(None),
     };
-    let fits = parts::place(&grid, &rough.variables).is_some() && sound(problem, &rough.variables);
+    let fits = place(&grid, &rough.variables).is_some() && sound(problem, &rough.variables);
     let incumbent = fits.then(|| (rough.variables.clone(), task.worth(&rough.variables))).filter(|i| i.1.is_finite());
     let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
     if !problem.keepouts.is_empty() {
@@ -127,7 +131,7 @@ impl Task<'_> {
     fn worth(&self, x: &[f64]) -> f64 {
         match self.aim {
             Aim::Length => self.problem.evaluate(x, 0.0).length,
-            Aim::Price { metre } => worth(self.layout, &search::track(x), metre) / tariff::unit(self.layout, self.aim),
+            Aim::Price { metre } => worth(self.layout, &track(x), metre) / tariff::unit(self.layout, self.aim),
         }
     }
 
@@ -224,7 +228,7 @@ impl Task<'_> {
     /// The shortest layout whose chain closes, from what is known of all.
     fn closing(&self, grid: &Grid, any: Found, closes: Closes) -> Found {
         let Some(x) = any.variables else { return any };
-        let written = search::track(&self.problem.start);
+        let written = track(&self.problem.start);
         let bound = closes.next(self.layout, &written, any.bound.max(0.0));
         let best = closes.stretch(&x, self.polish).map(|x| {
             let length = self.problem.evaluate(&x, 0.0).length;
@@ -261,8 +265,8 @@ impl Task<'_> {
             Some(&(0, p)) => (p, p),
             _ => surroundings(self.layout, longest),
         };
-        let mut known = vec![search::track(&problem.start)];
-        known.extend(incumbent.iter().map(|i| search::track(&i.0)));
+        let mut known = vec![track(&problem.start)];
+        known.extend(incumbent.iter().map(|i| track(&i.0)));
         let tariff = match self.aim {
             Aim::Length => Tariff::metres(grid.len()),
             Aim::Price { metre } => Tariff::prices(self.layout, problem, grid, (metre, detail), &straights),

@@ -7,19 +7,10 @@
 
 use super::grid::Grid;
 use super::row::{Row, Touch};
-use super::tariff::{Tariff, on_hull};
+use super::tariff::Tariff;
 use crate::geometry::Point;
-use std::rc::Rc;
-
-/// What is still open: headings by stage 0..=n, and radii (first and last of the list) by vertex stage.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Open {
-    pub headings: Vec<Vec<i32>>,
-    pub radii: Vec<(usize, usize)>,
-    /// First and last cell of each straight, by stage, and the hull of their prices; empty where only metres count.
-    pub cells: Vec<(usize, usize)>,
-    pub hulls: Vec<Rc<[(f64, f64)]>>,
-}
+use crate::solve::exact::choice::Choice;
+use crate::solve::exact::open::Open;
 
 /// Limits that hold everywhere.
 pub struct Limits {
@@ -28,76 +19,6 @@ pub struct Limits {
     pub straights: Vec<(f64, f64)>,
     /// Corners of a box that holds the first vertex, m.
     pub first: (Point, Point),
-}
-
-/// A choice of everything.
-#[derive(Clone, Debug)]
-pub struct Choice {
-    pub headings: Vec<i32>,
-    pub radii: Vec<f64>,
-    pub straights: Vec<f64>,
-    pub first: Point,
-}
-
-impl Choice {
-    /// What it costs at least with straights in their cells, in the tariff's units.
-    pub fn cost(&self, grid: &Grid, tariff: &Tariff, open: &Open) -> f64 {
-        let n = grid.len();
-        let arc = |k: usize| {
-            let steps = self.headings[k] - self.headings[k - 1];
-            tariff.arc[k % n] * self.radii[k % n] * grid.turn(steps).0 + tariff.turn(k % n, steps)
-        };
-        let straight = |k: usize| {
-            let pieces = open.hulls.get(k).map_or(0.0, |hull| on_hull(hull, self.straights[k]));
-            tariff.straight[k] * self.straights[k] + pieces
-        };
-        (0..n).map(straight).sum::<f64>() + (1..=n).map(arc).sum::<f64>()
-    }
-
-    /// Tangent length at a vertex stage, m.
-    fn tangent(&self, grid: &Grid, k: usize) -> f64 {
-        let k = if k == 0 { grid.len() } else { k };
-        self.radii[k % grid.len()] * grid.turn(self.headings[k] - self.headings[k - 1]).1
-    }
-
-    /// Vertices by stage 0..=n.
-    pub fn vertices(&self, grid: &Grid) -> Vec<Point> {
-        let n = grid.len();
-        let mut at = vec![self.first];
-        for k in 0..n {
-            let length = self.straights[k] + self.tangent(grid, k) + self.tangent(grid, (k + 1) % n);
-            at.push(at[k] + grid.unit(self.headings[k]) * length);
-        }
-        at
-    }
-
-    /// The row's value.
-    pub fn value(&self, grid: &Grid, row: &Row, vertices: &[Point]) -> f64 {
-        let n = grid.len();
-        let scalars =
-            |list: &[(usize, f64)], f: &dyn Fn(usize) -> f64| list.iter().map(|&(k, a)| a * f(k)).sum::<f64>();
-        let before = |k: usize| grid.unit(self.headings[if k == 0 { n - 1 } else { k - 1 }]);
-        let t = |k: usize| self.tangent(grid, k);
-        row.at.iter().map(|&(k, g)| g.dot(vertices[k])).sum::<f64>()
-            + scalars(&row.straight, &|k| self.straights[k])
-            + scalars(&row.length, &|k| self.straights[k] + t(k) + t((k + 1) % n))
-            + scalars(&row.radius, &|k| self.radii[k])
-            + row.into.iter().map(|&(k, g)| t(k) * g.dot(before(k))).sum::<f64>()
-            + row.out.iter().map(|&(k, g)| t(k) * g.dot(grid.unit(self.headings[k]))).sum::<f64>()
-            + row.normal.iter().map(|&(k, g)| self.radii[k] * g.dot(before(k).left())).sum::<f64>()
-            + row.touch.iter().map(|touch| self.touched(grid, touch)).sum::<f64>()
-    }
-
-    fn touched(&self, grid: &Grid, touch: &Touch) -> f64 {
-        let sign = grid.signs[touch.from % grid.len()];
-        let along = |k: usize| (self.headings[k], grid.unit(self.headings[k]));
-        let arc = |k: usize| {
-            let (tangent, radius) = touch.arc(k, sign, along(k - 1), along(k));
-            tangent * self.tangent(grid, k % grid.len()) + radius * self.radii[k % grid.len()]
-        };
-        let straight = |k: usize| touch.straight(k, sign, along(k)) * self.straights[k];
-        (touch.from..=touch.to).map(arc).sum::<f64>() + (touch.from..touch.to).map(straight).sum::<f64>()
-    }
 }
 
 /// The sum of rows under multipliers, by the stage that each part belongs to.
@@ -319,49 +240,4 @@ fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -
         total += radius * (tariff.arc[k] * angle + p.radius[k].abs() + size(p.normal[k]) + turning);
     }
     f64::EPSILON * (32.0 + 4.0 * n as f64) * total
-}
-
-impl Open {
-    /// Whether one heading is left at every stage.
-    pub fn settled(&self) -> bool {
-        self.headings.iter().all(|h| h.len() == 1)
-    }
-
-    /// How many headings are open.
-    pub fn count(&self) -> usize {
-        self.headings.iter().map(Vec::len).sum()
-    }
-
-    /// Drops headings through which no choice is shorter than `cutoff`. `false` when nothing remains.
-    pub fn drop_from(&mut self, through: &[Vec<f64>], cutoff: f64) -> bool {
-        for (headings, through) in self.headings.iter_mut().zip(through) {
-            let mut bounds = through.iter();
-            headings.retain(|_| bounds.next().is_some_and(|&b| b < cutoff));
-            if headings.is_empty() {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Lets a straight lie in these cells only. `false` when none of them can be made.
-    pub fn restrict(&mut self, tariff: &Tariff, k: usize, cells: (usize, usize)) -> bool {
-        let hull = tariff.cells[k].hull(cells);
-        self.cells[k] = cells;
-        self.hulls[k] = hull.into();
-        !self.hulls[k].is_empty()
-    }
-
-    pub fn admits(&self, choice: &Choice, grid: &Grid) -> bool {
-        let inside = |(h, value): (&Vec<i32>, &i32)| h.binary_search(value).is_ok();
-        let within =
-            |((range, list), r): ((&(usize, usize), &Vec<f64>), &f64)| list[range.0] <= *r && *r <= list[range.1];
-        let made = |(hull, s): (&Rc<[(f64, f64)]>, &f64)| match (hull.first(), hull.last()) {
-            (Some(first), Some(last)) => first.0 <= *s && *s <= last.0,
-            _ => false,
-        };
-        self.hulls.iter().zip(&choice.straights).all(made)
-            && self.headings.iter().zip(&choice.headings).all(inside)
-            && self.radii.iter().zip(&grid.radii).zip(&choice.radii).all(within)
-    }
 }

@@ -4,9 +4,10 @@
 //! vertex. No point of a loop of length L through that vertex is farther from it than L/2, so that none moves by more than
 //! δ L/2: with rows and regions relaxed by as much, the search at the middle bounds the whole interval.
 
-use super::search::{Effort, Found};
+use super::search::Found;
 use crate::model::Interval as Bounds;
 use crate::problem::{Function, Problem, Row};
+use crate::solve::Effort;
 use crate::solve::Stop;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

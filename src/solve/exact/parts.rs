@@ -5,9 +5,10 @@
 //! a chain is searched, and checked of the whole; if they do not hold, the whole is searched.
 
 use super::grid::Grid;
-use super::network::Open;
 use super::row::{Row, Stated};
-use super::search::{FEASIBLE, Found, Setting, search as whole, track};
+use super::search::{FEASIBLE, Found, Setting, search as whole};
+use crate::solve::exact::grid::track;
+use crate::solve::exact::open::place;
 
 /// Searches chain by chain where that is possible.
 pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64), longest: f64) -> Found {
@@ -112,23 +113,4 @@ fn one_chain(row: &Row, pins: &[usize]) -> bool {
     chains.extend(row.at.iter().filter(|e| !pins.contains(&e.0)).map(|e| section(e.0)));
     chains.dedup();
     chains.windows(2).all(|w| w[0] == w[1])
-}
-
-/// The headings and radii of a layout, if they are on the grid.
-pub fn place(grid: &Grid, x: &[f64]) -> Option<Open> {
-    let (n, track) = (grid.len(), track(x));
-    let mut headings = vec![vec![0]];
-    let mut radii = vec![(0, 0); n];
-    for k in 1..=n {
-        let fillet = &track.fillets[grid.vertex(k % n)];
-        let steps = fillet.turn / grid.step;
-        let place = grid.radii[k % n].iter().position(|r| (r - fillet.radius).abs() < 1e-6)?;
-        if (steps - steps.round()).abs() > 1e-4 {
-            return None;
-        }
-        headings.push(vec![headings[k - 1][0] + steps.round() as i32]);
-        radii[k % n] = (place, place);
-    }
-    let inside = headings.iter().zip(&grid.headings).all(|(h, all)| all.contains(&h[0]));
-    inside.then_some(Open { headings, radii, cells: Vec::new(), hulls: Vec::new() })
 }

@@ -4,31 +4,20 @@ use super::beside::{Alternative, Beside, Decided, Remedy};
 use super::closes::Closes;
 use super::grid::Grid;
 use super::master::{Column, relax};
-use super::network::{Choice, Limits, Open};
+use super::network::Limits;
 use super::row::Row;
 use super::tariff::{Tariff, on_hull};
-use crate::geometry::{Corner, Point, Track};
+use crate::geometry::{Corner, Point};
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
 use crate::solve::Stop;
+use crate::solve::exact::choice::Choice;
+use crate::solve::exact::closes::Polish;
+use crate::solve::exact::open::Open;
+use crate::solve::options::Effort;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
-
-/// When a search ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
-    /// Relative gap that is good enough; 0 for the optimum.
-    pub gap: f64,
-    /// Most nodes.
-    pub nodes: usize,
-}
-
-impl Default for Effort {
-    fn default() -> Self {
-        Effort { gap: 0.0, nodes: 6_000 }
-    }
-}
 
 /// Values that differ by less are alike, m or as many units of price: a tenth of what rows hold to.
 pub const ALIKE: f64 = 1e-7;
@@ -42,9 +31,6 @@ const FAR: f64 = 3.0;
 const EARLY: f64 = 1e-2;
 /// The same for what a straight's pieces cost above the bound of them, in units of price.
 const EARLY_STEP: f64 = 0.05;
-
-/// See [`Setting::polish`].
-pub type Polish<'a> = dyn Fn(&[f64], Option<f64>) -> Option<Vec<f64>> + 'a;
 
 /// See [`Setting::value`].
 pub type Value<'a> = dyn Fn(&Tariff, &[f64]) -> f64 + 'a;
@@ -486,9 +472,4 @@ fn variables(grid: &Grid, choice: &Choice) -> Vec<f64> {
     };
     let corners: Vec<Corner> = (0..grid.len()).map(corner).collect();
     to_variables(&corners)
-}
-
-/// The centre line at some variables.
-pub fn track(x: &[f64]) -> Track {
-    Track::new(&crate::problem::measures::to_corners(x))
 }

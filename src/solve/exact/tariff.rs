@@ -6,9 +6,8 @@
 //! branches on its *cells*: break points, and the open intervals between them.
 
 use super::grid::Grid;
-use super::network::Open;
-use super::parts::place;
-use super::search::track;
+use super::grid::track;
+use super::open::{Open, place};
 use crate::elements::{self, Piece, Space, Step, Steps, Ware};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout};
@@ -291,4 +290,14 @@ fn lower_hull(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
         hull.push(p);
     }
     hull
+}
+
+impl Open {
+    /// Lets a straight lie in these cells only. `false` when none of them can be made.
+    pub fn restrict(&mut self, tariff: &Tariff, k: usize, cells: (usize, usize)) -> bool {
+        let hull = tariff.cells[k].hull(cells);
+        self.cells[k] = cells;
+        self.hulls[k] = hull.into();
+        !self.hulls[k].is_empty()
+    }
 }

@@ -8,7 +8,8 @@ use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
 use crate::solve::discrete;
 use crate::solve::sqp::{self, Settings};
-use crate::solve::stages::{as_written, off_grid, solve_with, stage};
+use crate::solve::stages::solve_in_stages;
+use crate::solve::violations::{as_written, off_grid, stage};
 use crate::solve::{Discretise, Options, Progress, Stage, Status};
 use crate::source::Span;
 use std::time::Instant;
@@ -37,7 +38,7 @@ pub fn base(
     let find = |layout: &Layout| {
         if goal.weighs_length() {
             let shortest = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: layout.objective.span };
-            solve_with(&Layout { objective: shortest, ..layout.clone() }, options, discretise, watch)
+            solve_in_stages(&Layout { objective: shortest, ..layout.clone() }, options, discretise, watch)
         } else {
             nearest(layout)
         }

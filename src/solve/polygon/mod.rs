@@ -29,7 +29,7 @@ pub use goal::Smooth;
 pub use rival::{Rival, rival};
 
 use super::sqp::Settings;
-use super::stages::stage;
+use super::violations::stage;
 use super::{Discretise, Options, Progress, Stage, Status};
 use crate::model::Layout;
 use crate::problem::{Problem, Scope};
@@ -83,7 +83,7 @@ pub fn run(
     let mut last = stage("polygon", &problem, &best.solution, &Settings::default(), clock);
     // The budget and the closing are rows of ours: elsewhere the layout's own count.
     let off =
-        super::stages::off_grid(&base.layout, &problem, &best.solution.variables, Settings::default().feasibility);
+        super::violations::off_grid(&base.layout, &problem, &best.solution.variables, Settings::default().feasibility);
     if !off.is_empty() {
         last.status = Status::Infeasible;
         last.violations.extend(off);

@@ -7,7 +7,7 @@ use crate::kinematics::polygon::{Course, Objective, action, curve_phasor};
 use crate::model::instances::thesis10;
 use crate::model::{Goal, fixture};
 use crate::problem::measures::to_variables;
-use crate::solve::stages::solve;
+use crate::solve::solve;
 use crate::source::{FileId, Span};
 
 fn quiet(_: Progress) {}
@@ -46,7 +46,7 @@ fn thesis10_runs_evenly_within_a_budget() {
     // On the grid, with every constraint of the source.
     let problem = Problem::new(&layout, Scope::Obstacles);
     let x = to_variables(&last.corners);
-    assert!(super::super::stages::off_grid(&layout, &problem, &x, 1e-6).is_empty());
+    assert!(super::super::violations::off_grid(&layout, &problem, &x, 1e-6).is_empty());
     let at = problem.evaluate(&x, 0.0);
     assert!(at.rows.iter().all(|r| r.violation() <= 1e-6));
 }

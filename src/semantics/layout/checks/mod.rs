@@ -9,14 +9,14 @@ mod range;
 mod sides;
 mod vertices;
 
-use super::layout::Geometry;
-use super::scope::Context;
 use crate::geometry::{Corner, Track};
 use crate::model::{Catalog, Interval, Level, Objective};
+use crate::semantics::layout::Geometry;
+use crate::semantics::scope::Context;
 use crate::source::{Span, Spanned};
 
 /// What the checks go by, besides the geometry.
-pub(super) struct Facts<'a> {
+pub(in crate::semantics) struct Facts<'a> {
     pub levels: &'a [Level],
     /// `None` when the catalogue or the layout's limits have a mistake.
     pub limits: Option<Limits>,
@@ -26,7 +26,7 @@ pub(super) struct Facts<'a> {
 
 /// What turns (absolute) and radii may be.
 #[derive(Clone, Copy)]
-pub(super) struct Limits {
+pub(in crate::semantics) struct Limits {
     pub turns: Spanned<Interval>,
     pub radii: Spanned<Interval>,
 }

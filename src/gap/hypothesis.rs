@@ -1,0 +1,98 @@
+//! What may explain a gap: effects at places, with strengths that fit.
+
+use crate::gap::evidence::Evidence;
+use crate::gap::screen::Explained;
+use crate::gap::screen::Signature;
+use crate::gap::screen::explain;
+use crate::gap::simulator::Applied;
+use crate::gap::simulator::Candidate;
+use nalgebra::DMatrix;
+use nalgebra::DVector;
+
+/// One effect or two, each at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// Candidates.
+    pub members: Vec<usize>,
+    /// Signatures of their strengths.
+    pub signatures: Vec<usize>,
+}
+
+/// A hypothesis with strengths that fit.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    pub hypothesis: Hypothesis,
+    pub strengths: Vec<f64>,
+    pub covariance: DMatrix<f64>,
+    /// What is left of each run, projected.
+    pub residuals: Vec<DVector<f64>>,
+    /// What one more of each strength changes.
+    pub columns: Vec<Vec<DVector<f64>>>,
+    /// What the effects change in each run's features, nuisances held.
+    pub changes: Vec<Vec<f64>>,
+    /// Steps of each run's nuisances at which it is simulated.
+    pub moves: Vec<Vec<f64>>,
+    /// Features of each run, nuisances at their best; of the nominal model where only the screen was asked.
+    pub features: Option<Vec<Vec<f64>>>,
+}
+
+impl Hypothesis {
+    /// Bounds of the strengths.
+    pub fn bounds(&self, candidates: &[Candidate], signatures: &[Signature]) -> Vec<(f64, f64)> {
+        let of = |k: &usize| {
+            let strength = &candidates[signatures[*k].candidate].strengths[signatures[*k].strength];
+            (strength.low, strength.high)
+        };
+        self.signatures.iter().map(of).collect()
+    }
+
+    /// Both.
+    pub fn with(&self, other: &Hypothesis) -> Hypothesis {
+        let both = |one: &[usize], other: &[usize]| one.iter().chain(other).copied().collect();
+        Hypothesis {
+            members: both(&self.members, &other.members),
+            signatures: both(&self.signatures, &other.signatures),
+        }
+    }
+
+    /// The effects with strengths in the order of `signatures`.
+    pub fn applied(&self, candidates: &[Candidate], signatures: &[Signature], strengths: &[f64]) -> Vec<Applied> {
+        let one = |&candidate: &usize| {
+            let mut own = vec![0.0; candidates[candidate].strengths.len()];
+            for (k, x) in self.signatures.iter().zip(strengths) {
+                if signatures[*k].candidate == candidate {
+                    own[signatures[*k].strength] = *x;
+                }
+            }
+            Applied { candidate, strengths: candidates[candidate].bounded(&own) }
+        };
+        self.members.iter().map(one).collect()
+    }
+
+    /// By the signatures alone.
+    pub fn screened(&self, evidence: &[Evidence], signatures: &[Signature], candidates: &[Candidate]) -> Fitted {
+        let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
+        let columns: Vec<&[DVector<f64>]> = self.signatures.iter().map(|k| &signatures[*k].columns[..]).collect();
+        let Explained { strengths, covariance, residuals } =
+            explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
+        let columns = columns.iter().map(|c| c.to_vec()).collect();
+        let changes: Vec<Vec<f64>> = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
+        let moves = evidence.iter().zip(&changes).map(|(e, change)| e.moves(change)).collect();
+        Fitted { hypothesis: self.clone(), strengths, covariance, residuals, columns, changes, moves, features: None }
+    }
+
+    /// What strengths change in a run's features, by the signatures.
+    pub fn change(&self, signatures: &[Signature], strengths: &[f64], run: usize) -> Vec<f64> {
+        let mut change = Vec::new();
+        for (k, x) in self.signatures.iter().zip(strengths) {
+            let own = &signatures[*k].change[run];
+            change.resize(own.len(), 0.0);
+            change.iter_mut().zip(own).for_each(|(sum, d)| *sum += x * d);
+        }
+        change
+    }
+}
+
+pub fn norm_squared(each: &[DVector<f64>]) -> f64 {
+    each.iter().map(DVector::norm_squared).sum()
+}

@@ -1,0 +1,27 @@
+//! Which method solves a layout's goal: polygon action has one of its own, on top of the stages that all others go through.
+
+use super::options::{Discretise, Options, Progress};
+use super::{Stage, exact, polygon, stages};
+use crate::model::Layout;
+
+/// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last.
+pub fn solve(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
+    solve_with(layout, options, exact::discretise, watch)
+}
+
+/// The same with a discretisation of the caller's choice.
+pub fn solve_with(
+    layout: &Layout,
+    options: &Options,
+    discretise: Discretise,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> Vec<Stage> {
+    let Some(goal) = polygon::Smooth::of(&layout.objective) else {
+        return stages::solve_in_stages(layout, options, discretise, watch);
+    };
+    let mut stages = polygon::solve(layout, goal, options, discretise, watch);
+    if let Some(last) = stages.last_mut() {
+        last.cut = options.stop.cut();
+    }
+    stages
+}

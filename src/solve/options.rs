@@ -1,0 +1,83 @@
+//! How a layout is to be solved, and what a solve tells while it goes on.
+
+use super::sqp::{Settings, Solution};
+use super::{Certificate, Stop, Violation};
+use crate::model::Layout;
+use crate::problem::Problem;
+
+/// Which solver runs the continuous stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// Sequential quadratic programming on Clarabel.
+    #[default]
+    Sqp,
+    /// Box's complex method.
+    Complex,
+}
+
+/// How a layout is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    pub solver: Solver,
+    /// Start from the written layout with noise of this size (m) and seed.
+    pub perturb: Option<(f64, u64)>,
+    /// Threads that may run; the result does not depend on it.
+    pub threads: usize,
+    /// When the search of stage 3 ends.
+    pub effort: Effort,
+    /// When all of it ends with the best so far.
+    pub stop: Stop,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { solver: Solver::Sqp, perturb: None, threads: 2, effort: Effort::default(), stop: Stop::NEVER }
+    }
+}
+
+/// What a solve tells while it goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    pub stage: &'static str,
+    pub iteration: usize,
+    /// m
+    pub length: f64,
+    /// m or rad
+    pub max_violation: f64,
+}
+
+/// Takes a continuous optimum to the catalogue's grid. Stages do not know which method does.
+pub type Discretise = fn(&Layout, &Problem, &Solution, &Settings, &Effort) -> Discretised;
+
+/// A layout on the grid, with what was proven of it.
+#[derive(Clone, Debug)]
+pub struct Discretised {
+    pub solution: Solution,
+    pub certificate: Option<Certificate>,
+    /// Why the grid itself admits no layout.
+    pub refused: Vec<Violation>,
+    /// Whether it is proven that there is no layout on the grid.
+    pub refuted: bool,
+}
+
+impl From<Solution> for Discretised {
+    /// A layout of which nothing was proven.
+    fn from(solution: Solution) -> Self {
+        Discretised { solution, certificate: None, refused: Vec::new(), refuted: false }
+    }
+}
+
+/// When a search ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Relative gap that is good enough; 0 for the optimum.
+    pub gap: f64,
+    /// Most nodes.
+    pub nodes: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Effort { gap: 0.0, nodes: 6_000 }
+    }
+}
