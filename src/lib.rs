@@ -1,29 +1,31 @@
 //! `lss` compiles conveyor track layouts.
 //!
-//! A layout flows one way through the stages, each a pure function from one plain type to the next:
+//! A layout flows one way through the rooms below, each a pure function from one plain type to the next. A room uses only rooms above it;
+//! `tests/architecture.rs` holds that, and `docs/architecture.md` says why.
 //!
-//! 1. [`source`] reads files,
-//! 2. [`syntax`] turns text into a tree and back,
-//! 3. [`semantics`] resolves names, imports and dimensions: tree to [`model`],
-//! 4. [`geometry`] gives the model lines, arcs, clearances and contact areas,
-//! 5. `problem` states the optimisation problem without a solver,
-//! 6. `solve` solves it in stages,
-//! 7. `elements` covers the result with standard track elements,
-//! 8. `emit` writes drawings, tables and simulation inputs,
-//! 9. [`kinematics`] closes the chain of carts on the centre line,
-//! 10. [`dynamics`] moves it.
-//!
-//! [`signal`] judges runs, measured or simulated: files, filters, spectra, load cycles, deviations.
-//!
-//! [`identify`] finds the parameters of the model that measurements speak for.
-//!
-//! [`gap`] says where a built system and its simulation part, which effect does it, and how much adding it closes.
-//!
-//! [`import`] is a way in: it makes source text of a drawing from CAD.
-//!
-//! [`base`] is below all of them: hashes, and files that are replaced whole.
-//!
-//! [`diagnostic`] stands beside every stage; the `lss` binary is a verb a file over these.
+//! - [`base`]: what has no subject: writing of numbers, JSON, random numbers, Student's t, a parallel map, hashing, trigonometry,
+//! - [`source`]: files and spans; the only door to the disk, with the project's root,
+//! - [`diagnostic`]: one type of diagnostic, its codes and their pages, as text and as JSON,
+//! - [`syntax`]: text to a tree and back, keeping comments,
+//! - [`geometry`]: lines, arcs, spirals, fillets, polygons, clearances, the centre line,
+//! - [`model`]: the checked layout: immutable, in SI units, each item with its span; what effects a layout may name,
+//! - [`semantics`]: names, imports, dimensions and checks: a tree to the model,
+//! - [`import`]: a drawing from CAD to a layout's text,
+//! - [`elements`]: standard track elements: sequence, closure, space, bill,
+//! - [`problem`]: the optimisation problem without a solver: variables, rows, objective; files for other solvers,
+//! - [`kinematics`]: the chain on the centre line, polygon action,
+//! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
+//! - [`compiled`]: a solved layout with everything that its readers need worked out once,
+//! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have from it,
+//! - [`signal`]: runs and campaigns, filters, spectra, load cycles, deviations between runs,
+//! - [`dynamics`]: bodies, contacts, motors, control, integration, the sensor cart; deviations, but no effects,
+//! - [`effects`]: one file an effect: what it does to the chain or to its sensors, and how it is told from others,
+//! - [`identify`]: parameters of the model from measurements,
+//! - [`gap`]: where a built system and its simulation part, and which effect does it; models outside,
+//! - [`benchmark`]: sealed challenges: campaigns whose effects are withheld, and what a diagnosis makes of them,
+//! - [`emit`]: files of a layout: SVG, PNG, DXF, CSV, JSON,
+//! - [`report`]: pages that a person reads: a lap, an identification, a diagnosis, polygon action,
+//! - [`cli`]: one file a verb.
 
 pub mod base;
 pub mod benchmark;

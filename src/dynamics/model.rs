@@ -1,6 +1,6 @@
 //! The chain model's constants, worked out once from a simulation input (design: chain model).
 
-use super::law::{Damped, tangent};
+use super::law::{self, Damped, tangent};
 use super::segments::Segments;
 use super::state::{PACK, Row};
 use crate::chain_input as input;
@@ -256,7 +256,12 @@ fn tangent_of(contact: &input::Contact, load: f64) -> f64 {
 
 fn damped(law: ContactLaw, contact: &input::Contact, load: f64, mass: f64) -> Damped {
     let (stiffness, exponent, e) = (contact.stiffness_n_per_m_n, contact.exponent, contact.restitution);
-    Damped { stiffness, exponent, factor: law.factor(e), viscosity: law.viscosity(e, stiffness, exponent, load, mass) }
+    Damped {
+        stiffness,
+        exponent,
+        factor: law::factor(law, e),
+        viscosity: law::viscosity(law, e, stiffness, exponent, load, mass),
+    }
 }
 
 /// Refuses numbers that no chain can have.

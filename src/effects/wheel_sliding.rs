@@ -1,4 +1,4 @@
-//! Running wheels that slide sideways: Coulomb friction −μN tanh(v/v_s) across the track (thesis, chapter 5, names it missing; the
+//! Running wheels that slide sideways: Coulomb friction −μN tanh(v/v_s) across the track (thesis §4.2 names it missing; the
 //! smoothing of dry friction after Andersson, Söderberg and Björklund 2007).
 //!
 //! Signature: sideways motion of the carts is damped; steering forces peak less where curves begin.

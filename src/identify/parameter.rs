@@ -6,6 +6,7 @@
 
 use crate::base::trig;
 use crate::chain_input::{ContactLaw, Simulation};
+use crate::dynamics::law;
 use std::fmt;
 
 /// A parameter of identification.
@@ -197,7 +198,7 @@ impl fmt::Display for Parameter {
 /// What a restitution means as damping: χ(e), or Kelvin-Voigt's ζ(e).
 pub fn damping(law: ContactLaw, e: f64) -> f64 {
     if law != ContactLaw::KelvinVoigt {
-        return law.factor(e);
+        return law::factor(law, e);
     }
     let ln = trig::ln(e);
     -ln / trig::hypot(trig::PI, ln)

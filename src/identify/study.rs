@@ -15,7 +15,7 @@ use crate::base;
 use crate::base::digest::sha256;
 use crate::base::number::tidy;
 use crate::chain_input::{ContactLaw, Simulation};
-use crate::dynamics::law::achieved_restitution;
+use crate::dynamics::law::{self, achieved_restitution};
 use crate::dynamics::{Plan, Width};
 use crate::effects;
 use crate::signal::FORCES;
@@ -271,7 +271,7 @@ fn carried(model: &Model, from: ContactLaw, at: &Coordinates) -> Coordinates {
 
 /// The restitution that a free impact really has.
 fn achieved(law: ContactLaw, e: f64) -> f64 {
-    if law == ContactLaw::KelvinVoigt { e } else { achieved_restitution(law.factor(e)) }
+    if law == ContactLaw::KelvinVoigt { e } else { achieved_restitution(law::factor(law, e)) }
 }
 
 type Estimates = (BTreeMap<String, Estimate>, BTreeMap<String, f64>, BTreeMap<String, f64>);
