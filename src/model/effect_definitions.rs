@@ -30,6 +30,8 @@ pub struct StrengthDefinition {
 pub struct PlaceDefinition {
     pub name: &'static str,
     pub kind: PlaceKind,
+    /// In a few words; empty where the name says it.
+    pub about: &'static str,
     /// Of an effect that does not say it.
     pub default: f64,
 }
@@ -83,8 +85,18 @@ pub const TRACK_FLEXIBILITY: EffectDefinition = EffectDefinition {
         high: 1e-4,
     }],
     places: &[
-        PlaceDefinition { name: "span", kind: PlaceKind::Length, default: 0.0 },
-        PlaceDefinition { name: "shape", kind: PlaceKind::Number, default: 0.0 },
+        PlaceDefinition {
+            name: "span",
+            kind: PlaceKind::Length,
+            about: "between two supports; 0 takes the layout's",
+            default: 0.0,
+        },
+        PlaceDefinition {
+            name: "shape",
+            kind: PlaceKind::Number,
+            about: "0 as each cart bends its own span, 1 as the whole chain's weight bends hinged spans",
+            default: 0.0,
+        },
     ],
 };
 
@@ -93,8 +105,18 @@ pub const WHEEL_OUT_OF_ROUND: EffectDefinition = EffectDefinition {
     about: "a wheel out of round or with a flat spot",
     strengths: &[StrengthDefinition { name: "amplitude", unit: "m", about: "of the radius", low: 0.0, high: 2e-3 }],
     places: &[
-        PlaceDefinition { name: "wheel", kind: PlaceKind::Number, default: 2.0 },
-        PlaceDefinition { name: "shape", kind: PlaceKind::Number, default: 0.0 },
+        PlaceDefinition {
+            name: "wheel",
+            kind: PlaceKind::Number,
+            about: "1 steering, 2 left running, 3 right running",
+            default: 2.0,
+        },
+        PlaceDefinition {
+            name: "shape",
+            kind: PlaceKind::Number,
+            about: "0 for an ellipse, 1 for a flat spot",
+            default: 0.0,
+        },
     ],
 };
 
@@ -103,10 +125,15 @@ pub const RAIL_STEP: EffectDefinition = EffectDefinition {
     about: "a step at a joint of the track",
     strengths: &[StrengthDefinition { name: "height", unit: "m", about: "of the step", low: -5e-3, high: 5e-3 }],
     places: &[
-        PlaceDefinition { name: "at", kind: PlaceKind::Length, default: 0.0 },
-        PlaceDefinition { name: "rail", kind: PlaceKind::Number, default: 2.0 },
-        PlaceDefinition { name: "rise", kind: PlaceKind::Length, default: 0.05 },
-        PlaceDefinition { name: "back", kind: PlaceKind::Length, default: 2.0 },
+        PlaceDefinition { name: "at", kind: PlaceKind::Length, about: "arc length", default: 0.0 },
+        PlaceDefinition {
+            name: "rail",
+            kind: PlaceKind::Number,
+            about: "1 of the steering wheels, 2 of the left and 3 of the right running wheels",
+            default: 2.0,
+        },
+        PlaceDefinition { name: "rise", kind: PlaceKind::Length, about: "over which it goes off", default: 0.05 },
+        PlaceDefinition { name: "back", kind: PlaceKind::Length, about: "over which it comes back", default: 2.0 },
     ],
 };
 
@@ -115,8 +142,8 @@ pub const MOTOR_RIPPLE: EffectDefinition = EffectDefinition {
     about: "thrust that ripples with the pole pitch",
     strengths: &[StrengthDefinition { name: "ratio", unit: "", about: "amplitude over thrust", low: 0.0, high: 1.0 }],
     places: &[
-        PlaceDefinition { name: "wavelength", kind: PlaceKind::Length, default: 0.2 },
-        PlaceDefinition { name: "phase", kind: PlaceKind::Number, default: 0.0 },
+        PlaceDefinition { name: "wavelength", kind: PlaceKind::Length, about: "of the pole pitch", default: 0.2 },
+        PlaceDefinition { name: "phase", kind: PlaceKind::Number, about: "rad", default: 0.0 },
     ],
 };
 
@@ -124,7 +151,12 @@ pub const MOTOR_IMBALANCE: EffectDefinition = EffectDefinition {
     name: "motor_imbalance",
     about: "a weak or dead motor",
     strengths: &[StrengthDefinition { name: "loss", unit: "", about: "of its thrust", low: -1.0, high: 1.0 }],
-    places: &[PlaceDefinition { name: "motor", kind: PlaceKind::Number, default: 1.0 }],
+    places: &[PlaceDefinition {
+        name: "motor",
+        kind: PlaceKind::Number,
+        about: "counted from 1 in driving order",
+        default: 1.0,
+    }],
 };
 
 pub const JOINT_FRICTION: EffectDefinition = EffectDefinition {
@@ -145,8 +177,13 @@ pub const LOAD_DISTRIBUTION: EffectDefinition = EffectDefinition {
         high: 200.0,
     }],
     places: &[
-        PlaceDefinition { name: "on_sensor", kind: PlaceKind::Number, default: 0.0 },
-        PlaceDefinition { name: "draw", kind: PlaceKind::Number, default: 1.0 },
+        PlaceDefinition {
+            name: "on_sensor",
+            kind: PlaceKind::Number,
+            about: "1 when all carts are loaded; 2, 3, 4 when the cart before, the one after, or both beside the one with sensors are",
+            default: 0.0,
+        },
+        PlaceDefinition { name: "draw", kind: PlaceKind::Number, about: "which others are loaded", default: 1.0 },
     ],
 };
 
@@ -190,7 +227,12 @@ pub const CURVE_GEOMETRY: EffectDefinition = EffectDefinition {
             high: 2.0,
         },
     ],
-    places: &[PlaceDefinition { name: "curve", kind: PlaceKind::Number, default: 1.0 }],
+    places: &[PlaceDefinition {
+        name: "curve",
+        kind: PlaceKind::Number,
+        about: "counted from 1 in driving order",
+        default: 1.0,
+    }],
 };
 
 pub const PITCH_WEAR: EffectDefinition = EffectDefinition {
@@ -218,8 +260,18 @@ pub const CONTROL_DELAY: EffectDefinition = EffectDefinition {
     about: "a drive that answers late",
     strengths: &[StrengthDefinition { name: "delay", unit: "s", about: "from speed to thrust", low: 0.0, high: 5.0 }],
     places: &[
-        PlaceDefinition { name: "saturation", kind: PlaceKind::Number, default: 1.0 },
-        PlaceDefinition { name: "gains", kind: PlaceKind::Number, default: 1.0 },
+        PlaceDefinition {
+            name: "saturation",
+            kind: PlaceKind::Number,
+            about: "share of the largest thrust",
+            default: 1.0,
+        },
+        PlaceDefinition {
+            name: "gains",
+            kind: PlaceKind::Number,
+            about: "of the controller, over the planned ones",
+            default: 1.0,
+        },
     ],
 };
 
@@ -246,7 +298,7 @@ pub const SENSOR_GAIN: EffectDefinition = EffectDefinition {
         low: -0.9,
         high: 3.0,
     }],
-    places: &[PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, default: 1.0 }],
+    places: &[PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, about: "", default: 1.0 }],
 };
 
 pub const SENSOR_BIAS_DRIFT: EffectDefinition = EffectDefinition {
@@ -256,7 +308,7 @@ pub const SENSOR_BIAS_DRIFT: EffectDefinition = EffectDefinition {
         StrengthDefinition { name: "offset", unit: "N", about: "from the beginning", low: -2e3, high: 2e3 },
         StrengthDefinition { name: "drift", unit: "N/s", about: "of the offset", low: -50.0, high: 50.0 },
     ],
-    places: &[PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, default: 1.0 }],
+    places: &[PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, about: "", default: 1.0 }],
 };
 
 pub const SENSOR_CROSSTALK: EffectDefinition = EffectDefinition {
@@ -270,8 +322,8 @@ pub const SENSOR_CROSSTALK: EffectDefinition = EffectDefinition {
         high: 0.5,
     }],
     places: &[
-        PlaceDefinition { name: "first", kind: PlaceKind::ForceChannel, default: 1.0 },
-        PlaceDefinition { name: "second", kind: PlaceKind::ForceChannel, default: 2.0 },
+        PlaceDefinition { name: "first", kind: PlaceKind::ForceChannel, about: "which it comes from", default: 1.0 },
+        PlaceDefinition { name: "second", kind: PlaceKind::ForceChannel, about: "which it goes into", default: 2.0 },
     ],
 };
 
@@ -280,8 +332,13 @@ pub const SENSOR_LAG: EffectDefinition = EffectDefinition {
     about: "a channel that comes late",
     strengths: &[StrengthDefinition { name: "delay", unit: "s", about: "behind the others", low: 0.0, high: 2.0 }],
     places: &[
-        PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, default: 1.0 },
-        PlaceDefinition { name: "order", kind: PlaceKind::Number, default: 0.0 },
+        PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, about: "", default: 1.0 },
+        PlaceDefinition {
+            name: "order",
+            kind: PlaceKind::Number,
+            about: "lags of the first order in a row; 0 for a pure delay",
+            default: 0.0,
+        },
     ],
 };
 
@@ -295,7 +352,7 @@ pub const SENSOR_CLIPPING: EffectDefinition = EffectDefinition {
         low: 0.0,
         high: 0.95,
     }],
-    places: &[PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, default: 1.0 }],
+    places: &[PlaceDefinition { name: "channel", kind: PlaceKind::ForceChannel, about: "", default: 1.0 }],
 };
 
 pub const SENSOR_SWAPPED: EffectDefinition = EffectDefinition {
@@ -303,8 +360,8 @@ pub const SENSOR_SWAPPED: EffectDefinition = EffectDefinition {
     about: "two channels exchanged",
     strengths: &[StrengthDefinition { name: "share", unit: "", about: "1 for exchanged", low: 0.5, high: 1.0 }],
     places: &[
-        PlaceDefinition { name: "first", kind: PlaceKind::ForceChannel, default: 1.0 },
-        PlaceDefinition { name: "second", kind: PlaceKind::ForceChannel, default: 2.0 },
+        PlaceDefinition { name: "first", kind: PlaceKind::ForceChannel, about: "", default: 1.0 },
+        PlaceDefinition { name: "second", kind: PlaceKind::ForceChannel, about: "", default: 2.0 },
     ],
 };
 
@@ -318,7 +375,7 @@ pub const RAIL_WAVINESS: EffectDefinition = EffectDefinition {
         low: 0.0,
         high: 2e-3,
     }],
-    places: &[PlaceDefinition { name: "draw", kind: PlaceKind::Number, default: 1.0 }],
+    places: &[PlaceDefinition { name: "draw", kind: PlaceKind::Number, about: "which waves", default: 1.0 }],
 };
 
 /// Effects that a diagnosis may name.
