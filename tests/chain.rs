@@ -5,8 +5,8 @@
 
 use lss::chain_input::{Piece, Simulation, Track};
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
-use lss::dynamics::{Chain, End, Kind, Method, PACK, Plan, Survey, Width, parameters};
-use lss::effects::{self, simulate, simulate_all, survey};
+use lss::dynamics::{Chain, End, EnsemblePlan, Kind, Method, PACK, Plan, Width, parameters};
+use lss::effects::{self, run_ensemble, simulate, simulate_all};
 use lss::signal::Channel;
 use std::path::Path;
 use std::sync::Arc;
@@ -408,18 +408,18 @@ fn numbers_that_no_chain_can_have_are_refused() {
     assert!(unknown.why.contains("cart.mass_kg"), "{unknown}");
 }
 
-/// Without the integral part a survey starts as a simulation does, and its carts measure what a sensor cart does.
+/// Without the integral part an ensemble starts as a simulation does, and its carts measure what a sensor cart does.
 #[test]
 fn every_cart_of_a_survey_is_a_sensor_cart() {
     let simulation = with(&input("levels"), &[("controller.integral_n_per_m", 0.0)]);
-    let plan = Survey { settle: 0.2, duration: 0.8, step: None, method: Method::Verlet, front: 0.4 };
-    let fleet = survey(&simulation, &plan, None, Width::widest()).expect("fit");
-    assert_eq!((fleet.carts.len(), fleet.trouble), (120, None));
+    let plan = EnsemblePlan { settle: 0.2, duration: 0.8, step: None, method: Method::Verlet, front: 0.4 };
+    let ensemble = run_ensemble(&simulation, &plan, None, Width::widest()).expect("fit");
+    assert_eq!((ensemble.carts.len(), ensemble.trouble), (120, None));
     for cart in [1, 2, 77] {
         let own = with(&simulation, &[("sensor.cart", f64::from(cart))]);
         let plan = Plan { settle: 0.2, front: 0.4, ..Plan::default() };
         let run = simulate(&own, &plan, Width::widest(), &mut |p| p.time < 1.2).expect("fit").run;
-        let record = &fleet.carts[cart as usize - 1];
+        let record = &ensemble.carts[cart as usize - 1];
         for (channel, force) in Channel::FORCES.iter().zip(&record.forces) {
             assert_eq!(force.len(), 400);
             let expected: Vec<f32> = run.channels[channel][..400].iter().map(|x| *x as f32).collect();
@@ -428,7 +428,12 @@ fn every_cart_of_a_survey_is_a_sensor_cart() {
     }
     // From where it ended, at another speed, it goes on without a jolt.
     let faster = with(&simulation, &[("chain.speed_m_s", 2.02)]);
-    let on = survey(&faster, &Survey { settle: 0.0, duration: 0.5, ..plan }, Some(&fleet.settled), Width::widest());
+    let on = run_ensemble(
+        &faster,
+        &EnsemblePlan { settle: 0.0, duration: 0.5, ..plan },
+        Some(&ensemble.settled),
+        Width::widest(),
+    );
     let speeds = on.expect("fit").carts.into_iter().flat_map(|cart| cart.speed);
     assert!(speeds.into_iter().all(|v| (1.85..2.15).contains(&v)));
 }

@@ -15,7 +15,7 @@ use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::solve::unsupported;
 use crate::solve::{self, Certificate, Counted, Effort, Options, Solver};
-use crate::source::disk::{Found, survey};
+use crate::source::disk::{Found, inspect};
 use crate::source::shown;
 use clap::ValueEnum;
 use serde::Serialize;
@@ -223,7 +223,7 @@ impl Build {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", &self.file, why),
             };
-            told_of(&survey(folder, SET), folder);
+            told_of(&inspect(folder, SET), folder);
             if let Err(error) = files.write_set(folder, SET) {
                 return could_not("write", &error.path, &error.reason);
             }

@@ -25,7 +25,7 @@ pub struct Case {
 
 /// The runs that can be read, and whether some cannot.
 pub fn cases(folder: &Path, layout: Option<&Path>) -> Result<(Vec<Case>, bool), Outcome> {
-    let (campaign, refused) = signal::Campaign::survey(folder).map_err(|error| {
+    let (campaign, refused) = signal::Campaign::read_each(folder).map_err(|error| {
         report::error(&error.to_string());
         if error.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
     })?;

@@ -4,7 +4,7 @@ mod chain;
 mod clock;
 mod contact;
 mod control;
-mod fleet;
+mod ensemble;
 pub mod forces;
 mod inspect;
 pub mod integrate;
@@ -23,7 +23,7 @@ mod trouble;
 mod width;
 
 pub use chain::Chain;
-pub use fleet::{CartRecord, Fleet, Settled, Survey, survey};
+pub use ensemble::{CartRecord, Ensemble, EnsemblePlan, Settled, run_ensemble};
 pub use inspect::Placement;
 pub use model::Model;
 pub use run::{End, Method, Outcome, Plan, Progress, simulate};

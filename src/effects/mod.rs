@@ -35,7 +35,7 @@ use crate::chain_input::{Deviations, Simulation, Unfit};
 use crate::model::effect_definitions::{self, EffectDefinition, StrengthDefinition};
 use crate::signal::FORCES;
 use crate::syntax::by_likeness;
-pub use simulate::{model, simulate, simulate_all, survey};
+pub use simulate::{model, run_ensemble, simulate, simulate_all};
 use sites::Site;
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@
 use super::{Sensed, built, sense};
 use crate::base::parallel;
 use crate::chain_input::{Simulation, Unfit};
-use crate::dynamics::{self, Fleet, Model, Outcome, Plan, Progress, Settled, Survey, Width};
+use crate::dynamics::{self, Ensemble, EnsemblePlan, Model, Outcome, Plan, Progress, Settled, Width};
 use crate::signal::{Channel, Run};
 
 /// The chain of an input with its effects.
@@ -38,14 +38,19 @@ pub fn simulate_all(inputs: &[(Simulation, Plan)], width: Width, threads: usize)
     parallel::map(inputs, threads, |(simulation, plan)| simulate(simulation, plan, width, &mut |_| true))
 }
 
-/// As [`dynamics::survey`], of an input with its effects on the chain. Those of sensors are for who reads the carts' records.
+/// As [`dynamics::run_ensemble`], of an input with its effects on the chain. Those of sensors are for who reads the carts' records.
 ///
 /// # Errors
 ///
 /// As [`model`].
-pub fn survey(simulation: &Simulation, survey: &Survey, from: Option<&Settled>, width: Width) -> Result<Fleet, Unfit> {
+pub fn run_ensemble(
+    simulation: &Simulation,
+    ensemble: &EnsemblePlan,
+    from: Option<&Settled>,
+    width: Width,
+) -> Result<Ensemble, Unfit> {
     let (nominal, deviations) = built(simulation)?;
-    dynamics::survey(&nominal, deviations, survey, from, width)
+    dynamics::run_ensemble(&nominal, deviations, ensemble, from, width)
 }
 
 /// Puts the sensors' effects into a run.

@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::trig;
 use crate::compiled::fixture::compile;
-use crate::dynamics::{Fleet, Method, Survey, Width};
+use crate::dynamics::{Ensemble, EnsemblePlan, Method, Width};
 use crate::model::fixture;
 
 /// A short track with two motors.
@@ -18,15 +18,15 @@ fn with(name: &str, strengths: &[(&str, f64)]) -> Simulation {
     simulation
 }
 
-fn fleet(simulation: &Simulation) -> Fleet {
-    let plan = Survey { settle: 6.0, duration: 3.0, step: None, method: Method::Verlet, front: 0.0 };
-    let fleet = survey(simulation, &plan, None, Width::widest()).expect("a chain");
-    assert!(fleet.trouble.is_none());
-    fleet
+fn ensemble_of(simulation: &Simulation) -> Ensemble {
+    let plan = EnsemblePlan { settle: 6.0, duration: 3.0, step: None, method: Method::Verlet, front: 0.0 };
+    let ensemble = run_ensemble(simulation, &plan, None, Width::widest()).expect("a chain");
+    assert!(ensemble.trouble.is_none());
+    ensemble
 }
 
-fn mean(fleet: &Fleet, force: usize) -> f64 {
-    let all = || fleet.carts.iter().flat_map(|c| &c.forces[force]);
+fn mean(ensemble: &Ensemble, force: usize) -> f64 {
+    let all = || ensemble.carts.iter().flat_map(|c| &c.forces[force]);
     all().map(|x| f64::from(*x)).sum::<f64>() / all().count() as f64
 }
 
@@ -42,10 +42,10 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; FORCES] {
 
 #[test]
 fn every_effect_of_the_chain_moves_what_carts_measure() {
-    let plain = fleet(&nominal());
+    let plain = ensemble_of(&nominal());
     for effect in LIBRARY.into_iter().chain(AS_BUILT).filter(|e| !e.is_sensor()) {
         for (strength, fitted) in effect.strengths() {
-            let moved = fleet(&with(effect.name(), &[(strength.name, fitted.trial)]));
+            let moved = ensemble_of(&with(effect.name(), &[(strength.name, fitted.trial)]));
             assert!(
                 plain.carts[0].forces != moved.carts[0].forces,
                 "{} of {} does nothing",
@@ -54,7 +54,7 @@ fn every_effect_of_the_chain_moves_what_carts_measure() {
             );
         }
         // Without strength it is the nominal chain, bit for bit where nothing else changes.
-        let none = fleet(&with(effect.name(), &[(effect.definition.strengths[0].name, 0.0)]));
+        let none = ensemble_of(&with(effect.name(), &[(effect.definition.strengths[0].name, 0.0)]));
         let near = (mean(&none, 4) - mean(&plain, 4)).abs() < 1e-2 * mean(&plain, 4).abs();
         assert!(near, "{}: {} and {}", effect.name(), mean(&none, 4), mean(&plain, 4));
     }
@@ -84,11 +84,11 @@ fn a_step_is_as_steep_wherever_it_lies_and_no_steeper_than_its_wheel_climbs() {
 
 #[test]
 fn a_track_that_is_built_off_has_the_tension_that_was_asked_for() {
-    let plain = mean(&fleet(&nominal()), 4);
+    let plain = mean(&ensemble_of(&nominal()), 4);
     for (name, strength) in
         [("offset", -0.01), ("offset", 0.01), ("radius", 0.1), ("heading", 0.01), ("transition", 1.0)]
     {
-        let built = mean(&fleet(&with("curve_geometry", &[(name, strength), ("curve", 2.0)])), 4);
+        let built = mean(&ensemble_of(&with("curve_geometry", &[(name, strength), ("curve", 2.0)])), 4);
         assert!((built - plain).abs() < 5.0, "{name} {strength}: {built} N and {plain} N");
     }
 }
@@ -125,8 +125,9 @@ fn curves_are_built_as_their_strengths_say() {
 fn items_on_all_carts_weigh_on_the_running_wheels() {
     let share = 0.2;
     let mass = share * nominal().cart.mass_kg;
-    let (plain, loaded) = (fleet(&nominal()), fleet(&with("load_distribution", &[("mass", mass), ("on_sensor", 1.0)])));
-    let weight = |f: &Fleet| mean(f, 2) + mean(f, 3);
+    let (plain, loaded) =
+        (ensemble_of(&nominal()), ensemble_of(&with("load_distribution", &[("mass", mass), ("on_sensor", 1.0)])));
+    let weight = |f: &Ensemble| mean(f, 2) + mean(f, 3);
     let ratio = weight(&loaded) / weight(&plain);
     assert!((ratio - 1.0 - share).abs() < 0.01, "{ratio}");
 }

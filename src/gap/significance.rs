@@ -110,7 +110,7 @@ mod tests {
     use crate::gap::simulator::{Band, Frame, Label, Laps};
     use nalgebra::DMatrix;
 
-    /// As few laps for the features as a fleet has.
+    /// As few laps for the features as an ensemble has.
     const FEATURES: usize = 400;
     const LAPS: usize = 100;
 

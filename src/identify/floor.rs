@@ -4,7 +4,7 @@
 use super::model::{Coordinates, Model, Plan};
 use super::summary::{Block, Summary};
 use crate::base::trig;
-use crate::dynamics::{Fleet, Settled};
+use crate::dynamics::{Ensemble, Settled};
 use std::collections::BTreeMap;
 
 /// How features of one cart's lap scatter about those of all carts.
@@ -63,7 +63,7 @@ impl Numerics {
         let finer = Plan { passes, step: Some(0.5 * model.step(at)?), from: Some(from), ..Plan::default() };
         let fresh = Plan { passes, settle: Some(RAN_BEFORE), ..Plan::default() };
         let less = |plan: &Plan| -> Option<Vec<f64>> {
-            let features = model.answer(&model.survey(at, plan)?, 0.0, noise).features;
+            let features = model.answer(&model.run_ensemble(at, plan)?, 0.0, noise).features;
             Some(features.iter().zip(usual).map(|(a, b)| if (a - b).is_nan() { 0.0 } else { a - b }).collect())
         };
         let correction: Vec<f64> = less(&finer)?.into_iter().map(|x| 4.0 / 3.0 * x).collect();
@@ -85,9 +85,9 @@ impl Numerics {
 }
 
 impl Floor {
-    /// From a survey in which every cart went at least once around.
-    pub fn new(model: &Model, fleet: &Fleet, noise: u64) -> Floor {
-        let each = model.each(fleet, noise);
+    /// From an ensemble in which every cart went at least once around.
+    pub fn new(model: &Model, ensemble: &Ensemble, noise: u64) -> Floor {
+        let each = model.each(ensemble, noise);
         let mut all = Summary::new(&model.recipe);
         each.iter().for_each(|one| all.merge(one));
         let whole = all.features(1.0);
@@ -124,9 +124,9 @@ impl Floor {
         }
     }
 
-    /// A survey of a lap at a point.
-    pub fn fleet(model: &Model, at: &Coordinates, from: Option<&Settled>) -> Option<Fleet> {
-        model.survey(at, &Plan { passes: model.simulation.chain.carts as f64, from, ..Plan::default() })
+    /// A ensemble of a lap at a point.
+    pub fn run_ensemble(model: &Model, at: &Coordinates, from: Option<&Settled>) -> Option<Ensemble> {
+        model.run_ensemble(at, &Plan { passes: model.simulation.chain.carts as f64, from, ..Plan::default() })
     }
 }
 

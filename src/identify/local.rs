@@ -6,7 +6,7 @@ use super::model::{Answer, Coordinates, Model, Plan};
 use super::parameter::{COUNT, Parameter};
 use super::summary::{Block, Summary};
 use crate::base::parallel;
-use crate::dynamics::{Fleet, Settled};
+use crate::dynamics::{Ensemble, Settled};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -33,20 +33,20 @@ const MOVED: [Parameter; 9] = [
     Parameter::KI,
 ];
 
-/// Features and speed at a point, with the fleet that gave them.
+/// Features and speed at a point, with the ensemble that gave them.
 pub struct Centre {
-    pub fleet: Fleet,
+    pub ensemble: Ensemble,
     pub answer: Answer,
 }
 
 impl Centre {
     pub fn new(model: &Model, at: &Coordinates, from: &Settled, seed: u64) -> Option<Centre> {
         let plan = Plan { passes: CENTRE_PASSES, from: Some(from), ..Plan::default() };
-        model.survey(at, &plan).map(|fleet| Centre::of(model, fleet, seed))
+        model.run_ensemble(at, &plan).map(|ensemble| Centre::of(model, ensemble, seed))
     }
 
-    pub fn of(model: &Model, fleet: Fleet, seed: u64) -> Centre {
-        Centre { answer: model.answer(&fleet, 0.0, seed), fleet }
+    pub fn of(model: &Model, ensemble: Ensemble, seed: u64) -> Centre {
+        Centre { answer: model.answer(&ensemble, 0.0, seed), ensemble }
     }
 }
 
@@ -84,9 +84,9 @@ impl Sensitivity {
             let lift = levels[MOVED.len()] * FLOOR_REACH;
             let seed = seed.wrapping_add(1000 * (run as u64 + 1));
             let plan =
-                Plan { passes: DESIGN_PASSES, floor: lift, from: Some(&centre.fleet.settled), ..Plan::default() };
-            let fleet = model.survey(&point, &plan)?;
-            let answer = model.answer(&fleet, 0.0, seed);
+                Plan { passes: DESIGN_PASSES, floor: lift, from: Some(&centre.ensemble.settled), ..Plan::default() };
+            let ensemble = model.run_ensemble(&point, &plan)?;
+            let answer = model.answer(&ensemble, 0.0, seed);
             let moved: Vec<f64> = MOVED.iter().map(|p| point[p.index()] - at[p.index()]).chain([lift]).collect();
             Some((moved, answer))
         });
@@ -171,7 +171,7 @@ impl Blocks {
 /// The trigger moves every sample along the track: the model's own features, moved, give the slopes.
 fn trigger(slopes: &mut DMatrix<f64>, model: &Model, centre: &Centre, seed: u64) {
     let reach = Parameter::TriggerPosition.reach();
-    let [ahead, behind] = [reach, -reach].map(|by| model.answer(&centre.fleet, by, seed).features);
+    let [ahead, behind] = [reach, -reach].map(|by| model.answer(&centre.ensemble, by, seed).features);
     for (k, (a, b)) in ahead.iter().zip(&behind).enumerate() {
         // Moving the measured samples ahead leaves the model behind.
         let slope = (b - a) / (2.0 * reach);

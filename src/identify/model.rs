@@ -6,7 +6,7 @@ use super::places::Places;
 use super::summary::{Recipe, Samples, Summary};
 use crate::base::trig;
 use crate::chain_input::{ContactLaw, Simulation};
-use crate::dynamics::{CartRecord, Fleet, Method, Settled, Survey, Width};
+use crate::dynamics::{CartRecord, Ensemble, EnsemblePlan, Method, Settled, Width};
 use crate::effects;
 use crate::signal::FORCES;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// A point of the parameters' space, in coordinates.
 pub type Coordinates = [f64; COUNT];
 
-/// Time before a survey is recorded, s, from the start and from a chain that has settled with nearly the same parameters: the
+/// Time before an ensemble is recorded, s, from the start and from a chain that has settled with nearly the same parameters: the
 /// waves along the chain that a start leaves die away slowly.
 const SETTLE: (f64, f64) = (40.0, 12.0);
 
@@ -99,18 +99,20 @@ impl Model {
     }
 
     /// Simulates a point.
-    pub fn survey(&self, at: &Coordinates, plan: &Plan) -> Option<Fleet> {
+    pub fn run_ensemble(&self, at: &Coordinates, plan: &Plan) -> Option<Ensemble> {
         let mut simulation = self.input(at);
         simulation.joint.approach_floor_m_s *= trig::exp(plan.floor);
         let pitch = self.recipe.places.lap / simulation.chain.carts as f64;
-        let survey = Survey {
+        let ensemble = EnsemblePlan {
             settle: plan.settle.unwrap_or(if plan.from.is_some() { SETTLE.1 } else { SETTLE.0 }),
             duration: plan.passes * pitch / simulation.chain.speed_m_s,
             step: plan.step,
             method: Method::Verlet,
             front: 0.0,
         };
-        effects::survey(&simulation, &survey, plan.from, self.width).ok().filter(|fleet| fleet.trouble.is_none())
+        effects::run_ensemble(&simulation, &ensemble, plan.from, self.width)
+            .ok()
+            .filter(|ensemble| ensemble.trouble.is_none())
     }
 
     /// The usual largest step at a point, s.
@@ -118,23 +120,23 @@ impl Model {
         effects::model(&self.input(at)).ok().map(|model| model.largest_step())
     }
 
-    /// The features of a fleet, moved along the track by `offset`, m.
-    pub fn answer(&self, fleet: &Fleet, offset: f64, noise: u64) -> Answer {
+    /// The features of an ensemble, moved along the track by `offset`, m.
+    pub fn answer(&self, ensemble: &Ensemble, offset: f64, noise: u64) -> Answer {
         let mut summary = Summary::new(&self.recipe);
-        for (k, cart) in fleet.carts.iter().enumerate() {
+        for (k, cart) in ensemble.carts.iter().enumerate() {
             summary.add(&self.recipe, &samples(cart), offset, Some(noise.wrapping_add(k as u64)));
         }
         Answer { features: summary.features(1.0), speed: summary.mean_speed().unwrap_or(f64::NAN), summary }
     }
 
     /// Each cart's own summary.
-    pub fn each(&self, fleet: &Fleet, noise: u64) -> Vec<Summary> {
+    pub fn each(&self, ensemble: &Ensemble, noise: u64) -> Vec<Summary> {
         let one = |(k, cart): (usize, &CartRecord)| {
             let mut summary = Summary::new(&self.recipe);
             summary.add(&self.recipe, &samples(cart), 0.0, Some(noise.wrapping_add(k as u64)));
             summary
         };
-        fleet.carts.iter().enumerate().map(one).collect()
+        ensemble.carts.iter().enumerate().map(one).collect()
     }
 }
 

@@ -94,7 +94,7 @@ impl Campaign {
     /// [`Problem::MissingRun`], [`Problem::DuplicateRun`], [`Problem::NoRuns`]; and what [`Sidecar::read`] says when the
     /// layout has to be found there.
     pub fn read(path: &Path) -> Result<Campaign, RunError> {
-        let (campaign, refused) = Campaign::survey(path)?;
+        let (campaign, refused) = Campaign::read_each(path)?;
         match refused.into_iter().next() {
             Some(refused) => Err(refused.error),
             None => Ok(campaign),
@@ -106,7 +106,7 @@ impl Campaign {
     /// # Errors
     ///
     /// Those of [`Campaign::read`] that concern the campaign as a whole.
-    pub fn survey(path: &Path) -> Result<(Campaign, Vec<Refused>), RunError> {
+    pub fn read_each(path: &Path) -> Result<(Campaign, Vec<Refused>), RunError> {
         let unreadable = |why: InputError| RunError::unreadable(path, why);
         let (folder, list, root) = if root::given(path).map_err(unreadable)?.is_dir() {
             (path.to_owned(), path.join(Campaign::FILE), Root::of_campaign(path))
@@ -431,7 +431,7 @@ mod tests {
     #[test]
     fn a_bad_run_does_not_hide_the_good_ones() {
         let files = [("a.csv", ""), ("a.toml", "laps = 1"), ("b.csv", ""), ("b.toml", SIDECAR)];
-        let (campaign, refused) = Campaign::survey(folder(&files).path()).expect("a campaign");
+        let (campaign, refused) = Campaign::read_each(folder(&files).path()).expect("a campaign");
         assert_eq!((campaign.runs[0].name.as_str(), refused[0].name.as_str()), ("b", "a"));
         assert_eq!(refused[0].error.problem, Problem::MissingKey);
     }

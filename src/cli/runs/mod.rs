@@ -74,7 +74,7 @@ struct Refused {
 
 impl Runs {
     pub fn run(&self) -> Outcome {
-        let (campaign, refused) = match Campaign::survey(&self.folder) {
+        let (campaign, refused) = match Campaign::read_each(&self.folder) {
             Ok(found) => found,
             Err(error) => {
                 report::error(&error.to_string());

@@ -56,7 +56,7 @@ pub fn loudness(landing: &Landing, lap: f64, measured: &Samples, trigger: f64, n
     let of = |force: usize| {
         let (mut real, mut simulated) = (vec![(0.0, 0.0); parts], vec![(0.0, 0.0); parts]);
         add(&mut real, measured, force, trigger);
-        landing.centre.fleet.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
+        landing.centre.ensemble.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
         let white = 2.0 * f64::from(noise[force]) * f64::from(noise[force]);
         let louder = |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / (y / m + white));
         real.iter().zip(&simulated).map(louder).collect()

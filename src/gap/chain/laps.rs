@@ -4,7 +4,7 @@ use super::Chains;
 use super::frame;
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
-use crate::dynamics::Fleet;
+use crate::dynamics::Ensemble;
 use crate::effects::built;
 use crate::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};
@@ -30,17 +30,17 @@ impl Chains {
         }
         let (run, frame) = (&self.runs[request.run], &self.frames[request.run]);
         let drawn = |draw: usize| self.like(request, with_draw(&effects, draw));
-        let (model, mut fleet) = drawn(1)?;
+        let (model, mut ensemble) = drawn(1)?;
         let loaded = effects.iter().any(|e| e.name == LOAD.name());
         for draw in 2..=LOADED {
-            if loaded && fleet.carts.len() < SOME_LAPS {
-                fleet.carts.append(&mut drawn(draw)?.1.carts);
+            if loaded && ensemble.carts.len() < SOME_LAPS {
+                ensemble.carts.append(&mut drawn(draw)?.1.carts);
             }
         }
-        if fleet.carts.len() < FEW_LAPS {
+        if ensemble.carts.len() < FEW_LAPS {
             return None;
         }
-        let floor = Floor::new(&model, &fleet, run.seed);
+        let floor = Floor::new(&model, &ensemble, run.seed);
         let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
         let added = |(k, passes): (usize, &f64)| {
             let added = own[k] * own[k] - nominal[k] * nominal[k];
@@ -56,14 +56,14 @@ impl Chains {
     }
 
     /// Carts of a run's chain with effects that are like the one with the sensors.
-    fn like(&self, request: &Request, effects: Vec<input::Effect>) -> Option<(Model, Fleet)> {
+    fn like(&self, request: &Request, effects: Vec<input::Effect>) -> Option<(Model, Ensemble)> {
         let carts = self.runs[request.run].model.simulation.chain.carts as f64;
-        let (model, _, mut fleet) = self.survey(request.run, &request.step, effects, carts)?;
+        let (model, _, mut ensemble) = self.run_ensemble(request.run, &request.step, effects, carts)?;
         let load = built(&model.simulation).ok()?.1.load;
-        let heard = heard(&model.simulation, &load, fleet.carts.len());
+        let heard = heard(&model.simulation, &load, ensemble.carts.len());
         let mut each = heard.iter();
-        fleet.carts.retain(|_| each.next().is_none_or(|heard| *heard));
-        Some((model, fleet))
+        ensemble.carts.retain(|_| each.next().is_none_or(|heard| *heard));
+        Some((model, ensemble))
     }
 }
 

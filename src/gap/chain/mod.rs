@@ -11,7 +11,7 @@ use crate::base::parallel;
 use crate::base::trig;
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
-use crate::dynamics::{CartRecord, Fleet, Width};
+use crate::dynamics::{CartRecord, Ensemble, Width};
 use crate::effects::sites::Site;
 use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, built, named, sense};
 use crate::identify::fit::Landing;
@@ -204,24 +204,24 @@ impl Chains {
         // Where few carts are like the one with the sensors, they pass more often.
         let like = heard(&chain, &load, carts).iter().filter(|heard| **heard).count() as f64 / carts as f64;
         let all = (passes / like).min(passes.max(carts as f64));
-        let (model, at, fleet) = self.survey(run, step, effects, all)?;
-        let features = fitted.features(&model, &fleet, &load, sensor, at);
+        let (model, at, ensemble) = self.run_ensemble(run, step, effects, all)?;
+        let features = fitted.features(&model, &ensemble, &load, sensor, at);
         // Of what differs, chaos' share is taken out, block by block.
         Some(fitted.calmed(&self.frames[run], &features, all * like))
     }
 
     /// A run's chain with nuisances moved and effects added, as its carts pass each place so often.
-    fn survey(
+    fn run_ensemble(
         &self,
         run: usize,
         step: &[f64],
         effects: Vec<input::Effect>,
         passes: f64,
-    ) -> Option<(Model, Coordinates, Fleet)> {
+    ) -> Option<(Model, Coordinates, Ensemble)> {
         let fitted = &self.runs[run];
         let mut at = fitted.landing.at;
         let settle = step.is_empty().then_some(SIGNATURE_SETTLE);
-        let mut plan = Plan { passes, settle, from: Some(&fitted.landing.centre.fleet.settled), ..Plan::default() };
+        let mut plan = Plan { passes, settle, from: Some(&fitted.landing.centre.ensemble.settled), ..Plan::default() };
         for (k, moved) in step.iter().enumerate() {
             match Parameter::ALL.get(k) {
                 Some(p) => {
@@ -244,15 +244,15 @@ impl Chains {
             (plan.from, plan.settle) = (None, None);
         }
         let model = fitted.with(effects);
-        let mut fleet = model.survey(&at, &plan);
+        let mut ensemble = model.run_ensemble(&at, &plan);
         // A blow may ask for shorter steps than the chain does.
         for _ in 0..SHORTER {
-            if fleet.is_none() {
+            if ensemble.is_none() {
                 plan.step = Some(0.5 * plan.step.or_else(|| model.step(&at))?);
-                fleet = model.survey(&at, &plan);
+                ensemble = model.run_ensemble(&at, &plan);
             }
         }
-        Some((model, at, fleet?))
+        Some((model, at, ensemble?))
     }
 
     /// What the runs lack, and what it costs.
@@ -332,16 +332,16 @@ impl Fitted {
         model
     }
 
-    /// Features of a fleet as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
-    fn features(&self, model: &Model, fleet: &Fleet, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
-        let heard = heard(&model.simulation, load, fleet.carts.len());
+    /// Features of an ensemble as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
+    fn features(&self, model: &Model, ensemble: &Ensemble, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
+        let heard = heard(&model.simulation, load, ensemble.carts.len());
         // Moving the measured samples ahead leaves the model behind.
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - self.landing.at[trigger];
         let (mut summary, mut tilts) = (Summary::new(&self.model.recipe), Tilts::new(self));
-        for (k, cart) in fleet.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
+        for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
             let noise = Some(self.seed.wrapping_add(k as u64));
-            let sensed = sensor.then(|| self.heard(model, cart, fleet.rate));
+            let sensed = sensor.then(|| self.heard(model, cart, ensemble.rate));
             let samples = samples(sensed.as_ref().unwrap_or(cart));
             summary.add(&self.model.recipe, &samples, 0.0, noise);
             tilts.add(&samples, -moved);
@@ -364,13 +364,13 @@ impl Fitted {
     /// Features of the nominal chain, heard by sensors with effects: a sensor's effect needs no simulation, and few carts, as what chaos
     /// does to them is the same with and without it.
     fn overheard(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
-        let fleet = &self.landing.centre.fleet;
-        let every = (fleet.carts.len() / LISTENERS).max(1);
+        let ensemble = &self.landing.centre.ensemble;
+        let every = (ensemble.carts.len() / LISTENERS).max(1);
         let (mut plain, mut other) = (Summary::new(&self.model.recipe), Summary::new(&self.model.recipe));
         let (mut tilts, mut tilted) = (Tilts::new(self), Tilts::new(self));
-        for (k, cart) in fleet.carts.iter().enumerate().step_by(every) {
+        for (k, cart) in ensemble.carts.iter().enumerate().step_by(every) {
             let noise = Some(self.seed.wrapping_add(k as u64));
-            let mut heard = self.heard(model, cart, fleet.rate);
+            let mut heard = self.heard(model, cart, ensemble.rate);
             let mut as_it_is = cart.clone();
             for force in 0..FORCES {
                 // Channels that nothing was done to say nothing.

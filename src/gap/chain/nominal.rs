@@ -56,9 +56,9 @@ fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
     };
     std::array::from_fn(|k| {
         let run = measured.forces[k].to_vec();
-        let fleet: Vec<f32> = landing.centre.fleet.carts.iter().flat_map(|c| &c.forces[k]).copied().collect();
-        let rank = FEW * fleet.len() / run.len().max(1);
-        (high(run, FEW), high(fleet, rank))
+        let ensemble: Vec<f32> = landing.centre.ensemble.carts.iter().flat_map(|c| &c.forces[k]).copied().collect();
+        let rank = FEW * ensemble.len() / run.len().max(1);
+        (high(run, FEW), high(ensemble, rank))
     })
 }
 

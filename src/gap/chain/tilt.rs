@@ -132,7 +132,7 @@ impl Blow {
         let part = (blows::part_of(at, lap, parts).0 + parts - 1) % parts;
         let mut all = empty(lap);
         let mut tilts = Vec::new();
-        for cart in &run.landing.centre.fleet.carts {
+        for cart in &run.landing.centre.ensemble.carts {
             let mut own = empty(lap);
             add(&mut own, &samples(cart), force, lap, 0.0);
             tilts.extend(Line::new(&own, part).map(|line| line.tilt));

@@ -2,7 +2,7 @@
 
 use super::Fitter;
 use crate::base::trig;
-use crate::dynamics::Fleet;
+use crate::dynamics::Ensemble;
 use crate::identify::floor::Floor;
 use crate::identify::local::Centre;
 use crate::identify::model::{Coordinates, Model};
@@ -21,8 +21,8 @@ const WHOLE: f64 = 0.88;
 
 impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
-    pub(super) fn listen(&self, model: &mut Model, fleet: &Fleet) {
-        let simulated = model.answer(fleet, 0.0, 0).summary;
+    pub(super) fn listen(&self, model: &mut Model, ensemble: &Ensemble) {
+        let simulated = model.answer(ensemble, 0.0, 0).summary;
         let mut measured = Summary::new(&model.recipe);
         measured.add(&model.recipe, &self.measured.samples(), 0.0, None);
         let ((a, share), (b, _)) = (measured.high_power(&model.recipe), simulated.high_power(&model.recipe));

@@ -12,7 +12,7 @@ use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter};
 use super::posterior::{Information, Posterior, posterior};
 use super::summary::{Block, Summary};
-use crate::dynamics::Fleet;
+use crate::dynamics::Ensemble;
 use crate::signal::FORCES;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -126,15 +126,15 @@ pub fn land(
         fitter.limit(model, &at);
     }
     fitter.set_thresholds(model, &at);
-    let fleet = Floor::fleet(model, &at, None).ok_or(lost)?;
-    fitter.listen(model, &fleet);
-    let mut floor = fitter.floor(model, &fleet);
-    let mut centre = Centre::of(model, fleet, settings.seed);
+    let ensemble = Floor::run_ensemble(model, &at, None).ok_or(lost)?;
+    fitter.listen(model, &ensemble);
+    let mut floor = fitter.floor(model, &ensemble);
+    let mut centre = Centre::of(model, ensemble, settings.seed);
     if global {
         fitter.place(model, &mut at, &centre, &floor);
         if fitter.limit(model, &at) {
-            floor = fitter.floor(model, &centre.fleet);
-            centre = Centre::of(model, centre.fleet, settings.seed);
+            floor = fitter.floor(model, &centre.ensemble);
+            centre = Centre::of(model, centre.ensemble, settings.seed);
         }
         for _ in 0..2 {
             let slack = at;
@@ -149,9 +149,9 @@ pub fn land(
             centre = tight;
         }
         fitter.set_thresholds(model, &at);
-        let fleet = Floor::fleet(model, &at, Some(&centre.fleet.settled)).ok_or(lost)?;
-        floor = fitter.floor(model, &fleet);
-        centre = Centre::of(model, fleet, settings.seed);
+        let ensemble = Floor::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
+        floor = fitter.floor(model, &ensemble);
+        centre = Centre::of(model, ensemble, settings.seed);
     }
     let mut numerics = Numerics::none(floor.deviation.len());
     let base = Parameter::ALL.map(Parameter::reach);
@@ -266,14 +266,14 @@ pub fn land(
         }
         if steps < 2 {
             // The floor, and how far a design need go, depend on what is fitted.
-            let fleet = Floor::fleet(model, &at, Some(&centre.fleet.settled)).ok_or(lost)?;
-            floor = fitter.floor(model, &fleet);
-            centre = Centre::of(model, fleet, settings.seed);
+            let ensemble = Floor::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
+            floor = fitter.floor(model, &ensemble);
+            centre = Centre::of(model, ensemble, settings.seed);
         }
         let far = |k: usize| base[k] * (8.0 * found.covariance[(k, k)].sqrt()).max(found.step[k].abs());
         reach = std::array::from_fn(|k| far(k).clamp(LEAST_REACH * base[k], base[k]));
         if steps == 1 {
-            let (features, settled) = (&centre.answer.features, &centre.fleet.settled);
+            let (features, settled) = (&centre.answer.features, &centre.ensemble.settled);
             numerics = Numerics::new(model, &at, features, settled, settings.seed).ok_or(lost)?;
             fitter.simulations += 2;
         }
@@ -307,12 +307,12 @@ struct Fitter<'a> {
 impl Fitter<'_> {
     fn centre(&mut self, model: &Model, at: &Coordinates, from: &Centre) -> Option<Centre> {
         self.simulations += 1;
-        Centre::new(model, at, &from.fleet.settled, self.settings.seed.wrapping_add(self.simulations as u64))
+        Centre::new(model, at, &from.ensemble.settled, self.settings.seed.wrapping_add(self.simulations as u64))
     }
 
-    fn floor(&mut self, model: &Model, fleet: &Fleet) -> Floor {
+    fn floor(&mut self, model: &Model, ensemble: &Ensemble) -> Floor {
         self.simulations += 1;
-        Floor::new(model, fleet, self.settings.seed.wrapping_add(500_000))
+        Floor::new(model, ensemble, self.settings.seed.wrapping_add(500_000))
     }
 
     fn set_thresholds(&self, model: &mut Model, at: &Coordinates) {

@@ -58,7 +58,7 @@ impl Files {
         self.commit(folder, None)
     }
 
-    /// The same, with a manifest: it says first what is about to be replaced, and last that all of it was. [`super::survey`] reads it.
+    /// The same, with a manifest: it says first what is about to be replaced, and last that all of it was. [`super::inspect`] reads it.
     ///
     /// # Errors
     ///

@@ -83,7 +83,7 @@ fn json(manifest: &Manifest) -> Vec<u8> {
 }
 
 /// Compares a folder with its manifest of a set.
-pub fn survey(folder: &Path, set: &str) -> Found {
+pub fn inspect(folder: &Path, set: &str) -> Found {
     let Some(manifest) = Manifest::read(folder, set) else { return Found::Whole };
     let now: BTreeMap<&String, Option<String>> = manifest.files.keys().map(|n| (n, hash(&folder.join(n)))).collect();
     let names = |keep: &dyn Fn(&String) -> bool| -> Vec<String> {
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn what_was_interrupted_is_told_from_what_was_changed() {
         let folder = tempfile::tempdir().unwrap();
-        let (at, say) = (folder.path(), || survey(folder.path(), "build"));
+        let (at, say) = (folder.path(), || inspect(folder.path(), "build"));
         let write = |name: &str, text: &str| fs::write(at.join(name), text).unwrap();
         assert_eq!(say(), Found::Whole);
         set(["1", "2"]).write_set(at, "build").unwrap();
@@ -156,7 +156,7 @@ mod tests {
         later.write_set(at, "build").unwrap();
         assert_eq!(fs::read(at.join(".lss-manifest-build.json")).unwrap(), manifest.complete());
         write("b", "mine");
-        assert_eq!(survey(at, "simulate"), Found::Whole, "each set has its own");
+        assert_eq!(inspect(at, "simulate"), Found::Whole, "each set has its own");
         write(".lss-manifest-build.json", r#"{"set":"build","complete":true,"files":{"../b":""}}"#);
         assert_eq!(say(), Found::Whole, "no names of other folders");
     }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// What to record of a whole chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Survey {
+pub struct EnsemblePlan {
     /// Time before recording, s. The controller begins with the thrust that rolling resistance needs, so that the chain
     /// does not slow down first.
     pub settle: f64,
@@ -90,7 +90,7 @@ pub struct CartRecord {
 
 /// What the carts of a chain measured.
 #[derive(Clone, Debug)]
-pub struct Fleet {
+pub struct Ensemble {
     /// Samples a second, Hz.
     pub rate: f64,
     pub carts: Vec<CartRecord>,
@@ -111,17 +111,17 @@ const BLOCK: usize = 64;
 /// # Errors
 ///
 /// [`Unfit`] for an input that no chain can have.
-pub fn survey(
+pub fn run_ensemble(
     simulation: &Simulation,
     deviations: Deviations,
-    survey: &Survey,
+    ensemble: &EnsemblePlan,
     from: Option<&Settled>,
     width: Width,
-) -> Result<Fleet, Unfit> {
+) -> Result<Ensemble, Unfit> {
     let model = Arc::new(Model::new(simulation, deviations)?);
     let sensor = &simulation.sensor;
     let clock = Clock::new(
-        survey.step.unwrap_or(f64::INFINITY).min(model.largest_step()),
+        ensemble.step.unwrap_or(f64::INFINITY).min(model.largest_step()),
         sensor.rate_hz,
         model.controller.period,
     );
@@ -129,14 +129,14 @@ pub fn survey(
         place: "sensor.lowpass_hz".into(),
         why: format!("{} Hz must be below half the rate of steps, {:.0} Hz", sensor.lowpass_hz, 0.5 / clock.step),
     })?;
-    let mut integrator = survey.method.integrator(clock.step, false);
-    let mut chain = Chain::new(model.clone(), survey.front, width)?;
+    let mut integrator = ensemble.method.integrator(clock.step, false);
+    let mut chain = Chain::new(model.clone(), ensemble.front, width)?;
     match from {
         Some(settled) => settled.put(&mut chain),
         None => chain.control.integral = rolling_thrust(&model),
     }
-    let settling = (survey.settle / clock.step).round() as u64;
-    let samples = (survey.duration * sensor.rate_hz).round() as usize;
+    let settling = (ensemble.settle / clock.step).round() as u64;
+    let samples = (ensemble.duration * sensor.rate_hz).round() as usize;
     let mut filters = Filters::new(&chain, lowpass);
     let mut log = Log::new(model.carts, samples);
     let mut trouble = None;
@@ -166,7 +166,7 @@ pub fn survey(
             filters.step(&chain);
         }
     }
-    Ok(Fleet { rate: sensor.rate_hz, carts: log.finish(), settled: Settled::of(&chain), trouble })
+    Ok(Ensemble { rate: sensor.rate_hz, carts: log.finish(), settled: Settled::of(&chain), trouble })
 }
 
 /// The controller's integral at which the motors hold rolling resistance, m.
