@@ -5,7 +5,7 @@
 use lss::base::trig;
 use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic};
-use lss::elements::{Ware, pieces};
+use lss::elements::{Part, pieces};
 use lss::geometry::Track;
 use lss::model::Layout;
 use lss::semantics::analyse;
@@ -127,13 +127,13 @@ fn the_bill_is_as_long_as_the_track() {
         let path = format!("{}/examples/{name}.lss", env!("CARGO_MANIFEST_DIR"));
         let compiled = build(&std::fs::read_to_string(path).expect("an example"));
         let list = pieces(&compiled.sequence, &compiled.space, &compiled.layout);
-        let length: f64 = list.iter().map(|p| p.ware.length()).sum();
+        let length: f64 = list.iter().map(|p| p.part.length()).sum();
         assert!((length - compiled.space.line.length).abs() < 1e-6, "{name}: {length}");
-        let count = |kind: fn(&Ware) -> bool| list.iter().filter(|p| kind(&p.ware)).count();
+        let count = |kind: fn(&Part) -> bool| list.iter().filter(|p| kind(&p.part)).count();
         // Two climbs, a vertical curve at each end.
-        assert_eq!(count(|w| matches!(w, Ware::Vertical { .. })), 4, "{name}");
+        assert_eq!(count(|w| matches!(w, Part::Vertical { .. })), 4, "{name}");
         let spirals = if name == "spiral" { 2 } else { 0 };
-        assert_eq!(count(|w| matches!(w, Ware::Spiral { .. })), spirals, "{name}");
+        assert_eq!(count(|w| matches!(w, Part::Spiral { .. })), spirals, "{name}");
         let ordered: usize = compiled.bill.lines.iter().map(|l| l.count).sum();
         assert_eq!(ordered, list.len(), "{name}");
     }
@@ -157,7 +157,7 @@ fn climbs_cost() {
     let certificate = compiled.stages.last().and_then(|s| s.certificate.clone()).expect("a certificate");
     assert!((compiled.bill.price - certificate.value).abs() <= 0.005 * compiled.bill.count as f64 + 1e-3);
     assert!(certificate.lower_bound > 0.0 && certificate.lower_bound <= certificate.value);
-    assert!(compiled.bill.lines.iter().any(|l| matches!(l.ware, Ware::Vertical { .. })));
+    assert!(compiled.bill.lines.iter().any(|l| matches!(l.part, Part::Vertical { .. })));
     let shortest = few(&text.replace("optimise cost", "optimise length"));
     assert!(certificate.lower_bound <= shortest.bill.price);
 }

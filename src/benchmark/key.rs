@@ -125,7 +125,7 @@ pub struct Answer {
     pub verdict: Option<Verdict>,
     pub effects: Vec<Named>,
     #[serde(rename = "where")]
-    pub places: Vec<Part>,
+    pub places: Vec<GapPart>,
     pub unknown_probability: Option<f64>,
     pub none_probability: Option<f64>,
     pub gap_closed: Option<f64>,
@@ -157,7 +157,7 @@ pub struct Interval {
 /// A part of the gap in an answer.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub struct Part {
+pub struct GapPart {
     pub from_m: Option<f64>,
     pub to_m: Option<f64>,
     pub share: Option<f64>,

@@ -1,4 +1,4 @@
-use super::key::{Interval, Named, Part};
+use super::key::{GapPart, Interval, Named};
 use super::*;
 use crate::gap::Verdict;
 use std::collections::BTreeMap;
@@ -40,9 +40,9 @@ fn answer(verdict: Verdict, effects: Vec<Named>, unknown: f64, none: f64) -> Ans
         verdict: Some(verdict),
         effects,
         places: vec![
-            Part { from_m: Some(10.0), to_m: Some(15.0), share: Some(0.6) },
-            Part { from_m: Some(50.0), to_m: Some(60.0), share: Some(0.2) },
-            Part { from_m: Some(0.0), to_m: Some(100.0), share: Some(0.2) },
+            GapPart { from_m: Some(10.0), to_m: Some(15.0), share: Some(0.6) },
+            GapPart { from_m: Some(50.0), to_m: Some(60.0), share: Some(0.2) },
+            GapPart { from_m: Some(0.0), to_m: Some(100.0), share: Some(0.2) },
         ],
         unknown_probability: Some(unknown),
         none_probability: Some(none),

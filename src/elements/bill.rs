@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::sequence::{degrees, millimetres};
-use super::{Piece, Ware};
+use super::{Part, Piece};
 use crate::model::Layout;
 use serde::Serialize;
 
@@ -12,8 +12,8 @@ use serde::Serialize;
 pub struct BillLine {
     pub article: String,
     pub description: String,
-    /// Of one piece, as [`Ware::turned`] has it.
-    pub ware: Ware,
+    /// Of one piece, as [`Part::turned`] has it.
+    pub part: Part,
     pub count: usize,
     /// EUR a piece and in all; a piece's price is rounded to the cent.
     pub unit_price: f64,
@@ -44,7 +44,7 @@ pub struct Bill {
 pub fn bill(pieces: &[Piece], layout: &Layout) -> Bill {
     let mut counts: BTreeMap<Key, (usize, &Piece)> = BTreeMap::new();
     for piece in pieces {
-        counts.entry(Key::of(&piece.ware.turned(), piece.in_catalog)).or_insert((0, piece)).0 += 1;
+        counts.entry(Key::of(&piece.part.turned(), piece.in_catalog)).or_insert((0, piece)).0 += 1;
     }
     let lines: Vec<BillLine> = counts.into_values().map(|(count, piece)| line(count, piece, layout)).collect();
     Bill {
@@ -57,53 +57,53 @@ pub fn bill(pieces: &[Piece], layout: &Layout) -> Bill {
 
 /// What pieces cost together before prices are rounded to the cent, EUR. [`bill`] rounds the price of each piece.
 pub fn price(pieces: &[Piece], layout: &Layout) -> f64 {
-    pieces.iter().map(|piece| rates(&piece.ware, layout).0).sum()
+    pieces.iter().map(|piece| rates(&piece.part, layout).0).sum()
 }
 
 /// Price (EUR) and mass (kg) of a piece.
-fn rates(ware: &Ware, layout: &Layout) -> (f64, f64) {
+fn rates(part: &Part, layout: &Layout) -> (f64, f64) {
     let catalog = &layout.catalog;
     let (straight, curve) = (&catalog.straight, &catalog.curve);
-    let length = ware.length();
+    let length = part.length();
     // What the catalogue has none of is estimated by its curves.
-    let (price, mass) = match ware {
-        Ware::Straight { .. } => (straight.price, straight.mass),
-        Ware::Curve { .. } => (curve.price, curve.mass),
-        Ware::Vertical { .. } => catalog.vertical.as_ref().map_or((curve.price, curve.mass), |v| (v.price, v.mass)),
-        Ware::Spiral { .. } => catalog.spiral.as_ref().map_or((curve.price, curve.mass), |s| (s.price, s.mass)),
+    let (price, mass) = match part {
+        Part::Straight { .. } => (straight.price, straight.mass),
+        Part::Curve { .. } => (curve.price, curve.mass),
+        Part::Vertical { .. } => catalog.vertical.as_ref().map_or((curve.price, curve.mass), |v| (v.price, v.mass)),
+        Part::Spiral { .. } => catalog.spiral.as_ref().map_or((curve.price, curve.mass), |s| (s.price, s.mass)),
     };
-    let surcharge = if matches!(ware, Ware::Straight { cut: true, .. }) { straight.cut_price } else { 0.0 };
+    let surcharge = if matches!(part, Part::Straight { cut: true, .. }) { straight.cut_price } else { 0.0 };
     (price.of(length) + surcharge, mass.of(length))
 }
 
 fn line(count: usize, piece: &Piece, layout: &Layout) -> BillLine {
     let special = if piece.in_catalog { "" } else { ", special" };
-    let ware = piece.ware.turned();
-    let description = match ware {
-        Ware::Straight { length, cut } => {
+    let part = piece.part.turned();
+    let description = match part {
+        Part::Straight { length, cut } => {
             let how = if cut { " cut to" } else { "," };
             format!("straight{how} {} mm{special}", millimetres(length))
         }
-        Ware::Curve { radius, turn } => {
+        Part::Curve { radius, turn } => {
             format!("curve, radius {} mm, {}°{special}", millimetres(radius), degrees(turn))
         }
-        Ware::Vertical { radius, turn } => {
+        Part::Vertical { radius, turn } => {
             let (radius, angle) = (millimetres(radius), degrees(turn));
             let kind = if turn < 0.0 { "crest" } else { "sag" };
             format!("vertical curve, {kind}, radius {radius} mm, {angle}°{special}")
         }
-        Ware::Spiral { radius, turn, rise } => {
+        Part::Spiral { radius, turn, rise } => {
             let (radius, angle, rise) = (millimetres(radius), degrees(turn), millimetres(rise));
             let hand = if turn < 0.0 { "right" } else { "left" };
             format!("spiral, rising {rise} mm to the {hand}, radius {radius} mm, {angle}°{special}")
         }
     };
-    let (price, mass) = rates(&ware, layout);
+    let (price, mass) = rates(&part, layout);
     let (unit_price, unit_mass) = (rounded(price, 100.0), rounded(mass, 1000.0));
     BillLine {
         article: piece.article.clone(),
         description,
-        ware,
+        part,
         count,
         unit_price,
         price: rounded(unit_price * count as f64, 100.0),
@@ -130,14 +130,14 @@ struct Key {
 }
 
 impl Key {
-    fn of(ware: &Ware, in_catalog: bool) -> Self {
+    fn of(part: &Part, in_catalog: bool) -> Self {
         let micrometres = |length: f64| (length * 1e6).round() as i64;
         let angle = |turn: f64| (turn.to_degrees() * 1e4).round() as i64;
-        let (kind, size, angle, rise, cut) = match *ware {
-            Ware::Straight { length, cut } => (0, length, 0, 0.0, cut),
-            Ware::Curve { radius, turn } => (1, radius, angle(turn), 0.0, false),
-            Ware::Vertical { radius, turn } => (2, radius, angle(turn), 0.0, false),
-            Ware::Spiral { radius, turn, rise } => (3, radius, angle(turn), rise, false),
+        let (kind, size, angle, rise, cut) = match *part {
+            Part::Straight { length, cut } => (0, length, 0, 0.0, cut),
+            Part::Curve { radius, turn } => (1, radius, angle(turn), 0.0, false),
+            Part::Vertical { radius, turn } => (2, radius, angle(turn), 0.0, false),
+            Part::Spiral { radius, turn, rise } => (3, radius, angle(turn), rise, false),
         };
         Key { kind, size: micrometres(size), angle, rise: micrometres(rise), cut, special: !in_catalog }
     }

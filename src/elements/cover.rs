@@ -37,7 +37,7 @@ impl Cover {
 
 /// One piece of a covered straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct StraightPiece {
     /// m
     pub length: f64,
     pub cut: bool,
@@ -45,7 +45,7 @@ pub struct Part {
 
 /// The pieces that cover a straight of this length (m), stock lengths first and longest first, then the cut pieces;
 /// `None` when the stock cannot cover it. Among equally good covers the one with the longest stock pieces is taken.
-pub fn straight(length: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
+pub fn straight(length: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<StraightPiece>> {
     best(length, EXACT, stock, cover)
 }
 
@@ -56,14 +56,14 @@ pub fn nearest_stock(length: f64, tolerance: f64, stock: &StraightStock, cover: 
 }
 
 /// The best cover, where stock lengths alone need only come within `tolerance`.
-fn best(length: f64, tolerance: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<Part>> {
+fn best(length: f64, tolerance: f64, stock: &StraightStock, cover: Cover) -> Option<Vec<StraightPiece>> {
     let price = |pieces: usize, cuts: usize| stock.price.per_piece * pieces as f64 + stock.cut_price * cuts as f64;
     // Worth of a cover by its numbers of pieces and cuts: less is better.
     let worth = |pieces: usize, cuts: usize| match cover {
         Cover::Fewest => (pieces as f64, price(pieces, cuts)),
         Cover::Cheapest => (price(pieces, cuts), pieces as f64),
     };
-    let mut best: Option<Vec<Part>> = None;
+    let mut best: Option<Vec<StraightPiece>> = None;
     for cuts in 0..=MOST_PIECES {
         // More cuts alone are already worse, or longer than the straight.
         let hopeless = best.as_ref().is_some_and(|b| {
@@ -90,9 +90,9 @@ fn best(length: f64, tolerance: f64, stock: &StraightStock, cover: Cover) -> Opt
             best.as_ref().is_none_or(|b| worth(pieces, cuts) < worth(b.len(), b.iter().filter(|p| p.cut).count()));
         if better {
             let rest = length - lengths.iter().sum::<f64>();
-            let whole = lengths.iter().map(|&length| Part { length, cut: false });
+            let whole = lengths.iter().map(|&length| StraightPiece { length, cut: false });
             let cut = range.map_or(Vec::new(), |range| split(rest, cuts, range));
-            best = Some(whole.chain(cut.into_iter().map(|length| Part { length, cut: true })).collect());
+            best = Some(whole.chain(cut.into_iter().map(|length| StraightPiece { length, cut: true })).collect());
         }
     }
     best
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    fn lengths(parts: &[Part]) -> Vec<f64> {
+    fn lengths(parts: &[StraightPiece]) -> Vec<f64> {
         parts.iter().map(|p| p.length).collect()
     }
 
@@ -307,7 +307,7 @@ mod tests {
         let cheap = stock(&[0.5, 3.1], Some((0.1, 3.0)), 25.0);
         let dear = stock(&[0.5, 3.1], Some((0.1, 3.0)), 1000.0);
         assert_eq!(straight(3.5, &cheap, Cover::Cheapest).unwrap().len(), 2);
-        assert_eq!(straight(3.5, &dear, Cover::Cheapest).unwrap(), vec![Part { length: 0.5, cut: false }; 7]);
+        assert_eq!(straight(3.5, &dear, Cover::Cheapest).unwrap(), vec![StraightPiece { length: 0.5, cut: false }; 7]);
         assert_eq!(straight(3.5, &dear, Cover::Fewest).unwrap().len(), 2);
     }
 

@@ -8,18 +8,18 @@ mod bill;
 mod course;
 mod cover;
 mod lacking;
+mod part;
 mod sequence;
 mod space;
 mod steps;
-mod ware;
 
 pub use bill::{Bill, BillLine, bill, price};
 pub use cover::Cover;
 pub use lacking::lacking;
+pub use part::{Part, Piece, Place, climbs_lacking, pieces};
 pub use sequence::sequence;
 pub use space::{Leg, Length, Room, Space, merged, rooms};
 pub use steps::{Step, Steps};
-pub use ware::{Piece, Place, Ware, climbs_lacking, pieces};
 
 use crate::base::trig;
 use crate::geometry::Point;

@@ -3,7 +3,7 @@
 use crate::base::json;
 use crate::base::number::{fixed, normal, trimmed};
 use crate::compiled::Compiled;
-use crate::elements::{BillLine, Ware};
+use crate::elements::{BillLine, Part};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -82,19 +82,19 @@ impl Article {
     fn new(line: &BillLine) -> Self {
         let micrometre = |length: f64| (length * 1e6).round() / 1e6;
         let degrees = |turn: f64| (turn.to_degrees() * 1e4).round() / 1e4;
-        let (cut, radius_m, turn_deg, rise_m) = match line.ware {
-            Ware::Straight { cut, .. } => (Some(cut), None, None, None),
-            Ware::Curve { radius, turn } | Ware::Vertical { radius, turn } => {
+        let (cut, radius_m, turn_deg, rise_m) = match line.part {
+            Part::Straight { cut, .. } => (Some(cut), None, None, None),
+            Part::Curve { radius, turn } | Part::Vertical { radius, turn } => {
                 (None, Some(micrometre(radius)), Some(degrees(turn)), None)
             }
-            Ware::Spiral { radius, turn, rise } => {
+            Part::Spiral { radius, turn, rise } => {
                 (None, Some(micrometre(radius)), Some(degrees(turn)), Some(micrometre(rise)))
             }
         };
         Article {
             article: line.article.clone(),
             description: line.description.clone(),
-            length_m: micrometre(line.ware.length()),
+            length_m: micrometre(line.part.length()),
             cut,
             radius_m,
             turn_deg,
@@ -133,7 +133,7 @@ pub fn csv(compiled: &Compiled) -> Vec<u8> {
             line.article.clone(),
             line.description.clone(),
             line.count.to_string(),
-            trimmed(line.ware.length(), 6),
+            trimmed(line.part.length(), 6),
             fixed(line.unit_price, 2),
             fixed(line.price, 2),
             fixed(line.unit_mass, 3),

@@ -29,7 +29,7 @@ pub enum Feature {
 
 /// The part of the track that approaches, by vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
+pub enum NearPiece {
     Straight(usize),
     Arc(usize),
 }
@@ -38,7 +38,7 @@ pub enum Part {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     pub feature: Feature,
-    pub part: Part,
+    pub part: NearPiece,
     /// Signed distance from the centre line to the forbidden part, m; negative when the track is in it or passes it
     /// on the wrong side.
     pub distance: f64,
@@ -161,7 +161,7 @@ impl Region {
             if behind && (!self.forbids(lowest) || self.nearest_edge(lowest) != i) {
                 continue;
             }
-            found.push(Approach { feature: Feature::Edge(i), part: Part::Arc(vertex), distance });
+            found.push(Approach { feature: Feature::Edge(i), part: NearPiece::Arc(vertex), distance });
         }
     }
 
@@ -198,7 +198,7 @@ fn piece_meets(track: &Track, piece: &Piece, a: Point, b: Point) -> bool {
 }
 
 /// The lateral offset (m, left positive) of `q` from piece `index`, when the foot lies on the piece.
-pub fn offset(track: &Track, index: usize, q: Point) -> Option<(Part, f64)> {
+pub fn offset(track: &Track, index: usize, q: Point) -> Option<(NearPiece, f64)> {
     let piece = &track.pieces[index];
     match piece.kind {
         PieceKind::Straight => {
@@ -209,11 +209,14 @@ pub fn offset(track: &Track, index: usize, q: Point) -> Option<(Part, f64)> {
                 (track.corners[piece.vertex].point, track.corners[(piece.vertex + 1) % track.corners.len()].point);
             let along = (b - a) * (1.0 / a.distance(b));
             let foot = along.dot(q - piece.begin);
-            (foot >= -SLACK && foot <= piece.length + SLACK).then(|| (Part::Straight(piece.vertex), along.cross(q - a)))
+            (foot >= -SLACK && foot <= piece.length + SLACK)
+                .then(|| (NearPiece::Straight(piece.vertex), along.cross(q - a)))
         }
         PieceKind::Arc { centre, radius, turn } => {
             let fillet = &track.fillets[piece.vertex];
-            fillet.faces(q - centre).then(|| (Part::Arc(piece.vertex), turn.signum() * (radius - q.distance(centre))))
+            fillet
+                .faces(q - centre)
+                .then(|| (NearPiece::Arc(piece.vertex), turn.signum() * (radius - q.distance(centre))))
         }
     }
 }

@@ -5,14 +5,14 @@
 //! do not meet in this sense; [`self_crossings`](super::self_crossings) finds those.
 
 use super::Track;
-use super::clearance::Part;
+use super::clearance::NearPiece;
 
 /// A local minimum of the distance between two parts of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meeting {
     /// Vertex of the arc that bulges towards the other part.
     pub arc: usize,
-    pub other: Part,
+    pub other: NearPiece,
     /// On which side of the other part, in its direction of travel, the arc lies: +1 left, -1 right.
     pub side: f64,
     /// m
@@ -50,7 +50,7 @@ fn with_straight(track: &Track, arc: usize, vertex: usize, reach: f64) -> Option
     let beside = straight.length > 0.0 && foot >= 0.0 && foot <= straight.length;
     (beside && distance > 0.0 && distance < reach && fillet.faces(along.left() * -side)).then_some(Meeting {
         arc,
-        other: Part::Straight(vertex),
+        other: NearPiece::Straight(vertex),
         side,
         distance,
     })
@@ -62,7 +62,7 @@ fn with_arc(track: &Track, arc: usize, vertex: usize, reach: f64) -> Option<Meet
     let between = b.centre - a.centre;
     let distance = between.norm() - a.radius - b.radius;
     let meet = distance > 0.0 && distance < reach && a.faces(between) && b.faces(-between);
-    meet.then_some(Meeting { arc, other: Part::Arc(vertex), side: -b.turn.signum(), distance })
+    meet.then_some(Meeting { arc, other: NearPiece::Arc(vertex), side: -b.turn.signum(), distance })
 }
 
 /// The arc of `arc` on the concave side of that of `vertex`.
@@ -71,7 +71,7 @@ fn within_arc(track: &Track, arc: usize, vertex: usize, reach: f64) -> Option<Me
     let out = a.centre - b.centre;
     let distance = b.radius - out.norm() - a.radius;
     let meet = distance > 0.0 && distance < reach && a.faces(out) && b.faces(out);
-    meet.then_some(Meeting { arc, other: Part::Arc(vertex), side: b.turn.signum(), distance })
+    meet.then_some(Meeting { arc, other: NearPiece::Arc(vertex), side: b.turn.signum(), distance })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 use super::expansion::Expansion;
 use super::jet::{Jet, Vector};
 use super::measures::{self, AtVertex, Measures};
-use crate::geometry::clearance::{Approach, Edge, Feature, Part, Region, offset};
+use crate::geometry::clearance::{Approach, Edge, Feature, NearPiece, Region, offset};
 use crate::geometry::proximity::Meeting;
 use crate::geometry::{Point, Track};
 
@@ -45,12 +45,12 @@ pub fn form(region: &Region, approach: &Approach, track: &Track) -> Form {
         Feature::Corner(i) => {
             let (corner, lies) = (region.polygon.points()[i], region.lies);
             match nearest_part(track, approach.part, corner) {
-                Part::Straight(section) => Form::CornerAtLine { section, corner, lies },
-                Part::Arc(vertex) => Form::CornerAtCircle { vertex, corner, lies },
+                NearPiece::Straight(section) => Form::CornerAtLine { section, corner, lies },
+                NearPiece::Arc(vertex) => Form::CornerAtCircle { vertex, corner, lies },
             }
         }
         Feature::Edge(i) => {
-            let Part::Arc(vertex) = approach.part else { unreachable!("edges are approached by arcs only") };
+            let NearPiece::Arc(vertex) = approach.part else { unreachable!("edges are approached by arcs only") };
             let edge = region.edge(i);
             let fillet = &track.fillets[vertex];
             let height = |p: Point| edge.normal.dot(p - edge.begin);
@@ -68,7 +68,7 @@ pub fn form(region: &Region, approach: &Approach, track: &Track) -> Form {
 pub fn own_form(meeting: &Meeting, track: &Track, signs: &[f64]) -> Form {
     let (arc, side) = (meeting.arc, meeting.side);
     match meeting.other {
-        Part::Straight(section) => {
+        NearPiece::Straight(section) => {
             let (a, b) = (track.corners[section].point, track.corners[(section + 1) % track.corners.len()].point);
             let (fillet, towards) = (&track.fillets[arc], (b - a).left() * -side);
             let away = |p: Point| -towards.dot(p - a);
@@ -79,7 +79,7 @@ pub fn own_form(meeting: &Meeting, track: &Track, signs: &[f64]) -> Form {
             };
             Form::ArcAtLine { arc, section, side, spot }
         }
-        Part::Arc(other) => Form::Arcs { arc, other, within: side == signs[other] },
+        NearPiece::Arc(other) => Form::Arcs { arc, other, within: side == signs[other] },
     }
 }
 
@@ -124,11 +124,11 @@ pub fn distance(form: &Form, measures: &Measures, signs: &[f64]) -> Expansion {
     }
 }
 
-fn nearest_part(track: &Track, anchor: Part, q: Point) -> Part {
+fn nearest_part(track: &Track, anchor: NearPiece, q: Point) -> NearPiece {
     let count = track.pieces.len();
     let index = match anchor {
-        Part::Straight(v) => 2 * v,
-        Part::Arc(v) => (2 * v + count - 1) % count,
+        NearPiece::Straight(v) => 2 * v,
+        NearPiece::Arc(v) => (2 * v + count - 1) % count,
     };
     (0..=2 * WINDOW)
         .filter_map(|k| offset(track, (index + count + k - WINDOW) % count, q))

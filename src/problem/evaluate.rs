@@ -4,7 +4,7 @@ use super::expansion::Expansion;
 use super::measures::{Measures, to_corners};
 use super::{Aim, Elastic, Function, LEVER, Problem, aim, clearance, formula};
 use crate::base::trig;
-use crate::geometry::clearance::{Approach, Feature, Part};
+use crate::geometry::clearance::{Approach, Feature, NearPiece};
 use crate::geometry::proximity::{self, Meeting};
 use crate::geometry::{Piece, PieceKind, Track};
 use crate::model::Formula;
@@ -16,9 +16,9 @@ pub enum RowKey {
     /// Index into `Problem::rows`.
     Listed(usize),
     /// Index into `Problem::keepouts`, and the approach.
-    Clearance(usize, Feature, Part),
+    Clearance(usize, Feature, NearPiece),
     /// Vertex of an arc of the track, another part of it, and whether the arc lies to the left of that.
-    Own(usize, Part, bool),
+    Own(usize, NearPiece, bool),
 }
 
 impl RowKey {
@@ -88,11 +88,11 @@ impl Problem {
     /// Rows that keep the band off itself.
     fn own_keys(&self, track: &Track, reach: f64) -> impl Iterator<Item = RowKey> {
         let meetings = proximity::meetings(track, 2.0 * self.half_width + reach);
-        let piece = |part: Part| match part {
-            Part::Straight(vertex) => &track.pieces[2 * vertex],
-            Part::Arc(vertex) => &track.pieces[(2 * vertex + track.pieces.len() - 1) % track.pieces.len()],
+        let piece = |part: NearPiece| match part {
+            NearPiece::Straight(vertex) => &track.pieces[2 * vertex],
+            NearPiece::Arc(vertex) => &track.pieces[(2 * vertex + track.pieces.len() - 1) % track.pieces.len()],
         };
-        let meetings = meetings.into_iter().filter(|m| !self.passes(piece(Part::Arc(m.arc)), piece(m.other)));
+        let meetings = meetings.into_iter().filter(|m| !self.passes(piece(NearPiece::Arc(m.arc)), piece(m.other)));
         meetings.collect::<Vec<_>>().into_iter().map(|m| RowKey::Own(m.arc, m.other, m.side > 0.0))
     }
 
@@ -207,7 +207,7 @@ impl Problem {
                 (format!("clearance of {} to {}", keepout.name, self.part_name(part)), keepout.span)
             }
             RowKey::Own(arc, other, _) => {
-                let (arc_name, other) = (self.part_name(Part::Arc(arc)), self.part_name(other));
+                let (arc_name, other) = (self.part_name(NearPiece::Arc(arc)), self.part_name(other));
                 (format!("the track's own width between {arc_name} and {other}"), self.vertex_span(arc))
             }
         }
@@ -216,8 +216,8 @@ impl Problem {
     /// The straight or curve that a piece is.
     pub fn piece_name(&self, piece: &Piece) -> String {
         match piece.kind {
-            PieceKind::Straight => self.part_name(Part::Straight(piece.vertex)),
-            PieceKind::Arc { .. } => self.part_name(Part::Arc(piece.vertex)),
+            PieceKind::Straight => self.part_name(NearPiece::Straight(piece.vertex)),
+            PieceKind::Arc { .. } => self.part_name(NearPiece::Arc(piece.vertex)),
         }
     }
 
@@ -226,10 +226,10 @@ impl Problem {
         self.rows[vertex].span
     }
 
-    fn part_name(&self, part: Part) -> String {
+    fn part_name(&self, part: NearPiece) -> String {
         match part {
-            Part::Straight(i) => format!("the straight {}", self.section_name(i)),
-            Part::Arc(i) => format!("the curve at {}", self.vertices[i]),
+            NearPiece::Straight(i) => format!("the straight {}", self.section_name(i)),
+            NearPiece::Arc(i) => format!("the curve at {}", self.vertices[i]),
         }
     }
 

@@ -2,7 +2,7 @@
 //! choice of [`place`](super::place) keeps them off each other and off the track.
 
 use crate::base::trig;
-use crate::elements::{Piece, Ware};
+use crate::elements::{Part, Piece};
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
 use crate::geometry::{PieceKind, Point, Track};
 use crate::model::{Layout, Obstacle};
@@ -348,7 +348,7 @@ pub fn all(labels: &mut Labels, pieces: &[Piece], marks: &[Mark], climbs: &[Clim
     (0..n).for_each(|i| labels.straight(i));
     let curved = |piece: &&crate::geometry::Piece| matches!(piece.kind, PieceKind::Arc { .. }) && piece.length > 1e-9;
     let vertices: Vec<usize> = labels.track.pieces.iter().filter(curved).map(|piece| piece.vertex).collect();
-    let spiral = |i: usize| pieces.iter().any(|p| p.place.vertex == i && matches!(p.ware, Ware::Spiral { .. }));
+    let spiral = |i: usize| pieces.iter().any(|p| p.place.vertex == i && matches!(p.part, Part::Spiral { .. }));
     vertices.into_iter().for_each(|i| labels.curve(i, spiral(i)));
     (0..n).for_each(|i| labels.vertex(i));
     // Curves are short: their articles have less choice than those of the straights.

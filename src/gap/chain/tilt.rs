@@ -30,7 +30,7 @@ const DEVIATION: f64 = 0.6;
 #[derive(Clone, Debug)]
 pub struct Blow {
     force: usize,
-    /// Part of the lap in which the line begins.
+    /// SlopeSums of the lap in which the line begins.
     part: usize,
     /// Tilt of the nominal chain, N, and the scale, N.
     nominal: f64,
@@ -42,7 +42,7 @@ pub struct Blow {
 /// Sums over samples of a force in a part of the lap: how many, u and u² where u is how far each is from the part's middle in parts, the
 /// force and u times the force.
 #[derive(Clone, Copy, Default)]
-pub struct Part {
+pub struct SlopeSums {
     count: f64,
     u: f64,
     square: f64,
@@ -50,8 +50,8 @@ pub struct Part {
     moment: f64,
 }
 
-impl Part {
-    fn add(&mut self, more: &Part) {
+impl SlopeSums {
+    fn add(&mut self, more: &SlopeSums) {
         self.count += more.count;
         self.u += more.u;
         self.square += more.square;
@@ -61,7 +61,7 @@ impl Part {
 }
 
 /// Parts of a whole lap.
-pub type Profile = Vec<Part>;
+pub type Profile = Vec<SlopeSums>;
 
 /// Sums of each force that was measured, its trigger at `trigger`, m.
 pub fn profiles(measured: &Samples, lap: f64, trigger: f64) -> Vec<Profile> {
@@ -74,7 +74,7 @@ pub fn profiles(measured: &Samples, lap: f64, trigger: f64) -> Vec<Profile> {
 }
 
 fn empty(lap: f64) -> Profile {
-    vec![Part::default(); blows::parts(lap)]
+    vec![SlopeSums::default(); blows::parts(lap)]
 }
 
 fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset: f64) {
@@ -82,7 +82,7 @@ fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset:
     for (x, station) in samples.forces[force].iter().zip(samples.station).filter(|(x, _)| x.is_finite()) {
         let (part, share) = blows::part_of(f64::from(*station) + offset, lap, parts);
         let (u, x) = (share - 0.5, f64::from(*x));
-        profile[part].add(&Part { count: 1.0, u, square: u * u, force: x, moment: u * x });
+        profile[part].add(&SlopeSums { count: 1.0, u, square: u * u, force: x, moment: u * x });
     }
 }
 
@@ -99,21 +99,21 @@ struct Line {
 impl Line {
     /// By least squares from a part on; `None` where a part has no samples.
     fn new(profile: &Profile, from: usize) -> Option<Line> {
-        let mut all = Part::default();
+        let mut all = SlopeSums::default();
         for k in 0..PARTS {
             let own = profile[(from + k) % profile.len()];
             if own.count == 0.0 {
                 return None;
             }
             let centre = k as f64 + 0.5 * (1.0 - PARTS as f64);
-            all.add(&Part {
+            all.add(&SlopeSums {
                 u: centre * own.count + own.u,
                 square: centre * centre * own.count + 2.0 * centre * own.u + own.square,
                 moment: centre * own.force + own.moment,
                 ..own
             });
         }
-        let Part { count, u, square, force, moment } = all;
+        let SlopeSums { count, u, square, force, moment } = all;
         let slope = (moment - u * force / count) / (square - u * u / count);
         Some(Line { tilt: 0.5 * PARTS as f64 * slope, mean: force / count, count })
     }
@@ -250,13 +250,13 @@ mod tests {
 
     #[test]
     fn a_part_that_nothing_was_heard_of_has_no_tilt() {
-        let part = |force: f64| Part { count: 2.0, square: 0.08, force: 2.0 * force, ..Part::default() };
+        let part = |force: f64| SlopeSums { count: 2.0, square: 0.08, force: 2.0 * force, ..SlopeSums::default() };
         let even = vec![part(3.0); 8];
         assert!(Line::new(&even, 0).is_some_and(|line| line.tilt.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12));
-        let rising: Vec<Part> = (0..8).map(|k| part(f64::from(k))).collect();
+        let rising: Vec<SlopeSums> = (0..8).map(|k| part(f64::from(k))).collect();
         assert!(Line::new(&rising, 2).is_some_and(|line| line.tilt > 2.4 && (line.mean - 4.0).abs() < 1e-12));
         let mut lost = even;
-        lost[2] = Part::default();
+        lost[2] = SlopeSums::default();
         assert!(Line::new(&lost, 0).is_none());
         assert!(Line::new(&lost, 7).is_none(), "the lap is a circle");
         assert!(Line::new(&lost, 3).is_some());

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// A stretch of time of a run.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct RunPart {
     /// The run's name, and behind it which part this is.
     pub name: String,
     /// The run's own name.
@@ -29,13 +29,13 @@ pub(super) struct Part {
 
 /// Reads a campaign: its channels with their units, and its runs. A single run is cut into so many parts of equal length, so that some
 /// can be left out.
-pub(super) fn read(campaign: &Path, parts: usize) -> Result<(BTreeMap<String, String>, Vec<Part>), Error> {
+pub(super) fn read(campaign: &Path, parts: usize) -> Result<(BTreeMap<String, String>, Vec<RunPart>), Error> {
     let campaign = Campaign::read(campaign)?;
     if campaign.channels.is_empty() {
         return Err(Error::NoChannels);
     }
     let runs = campaign.runs.iter().map(|entry| part(entry, &campaign.channels)).collect::<Result<Vec<_>, _>>()?;
-    let runs = match <[Part; 1]>::try_from(runs) {
+    let runs = match <[RunPart; 1]>::try_from(runs) {
         Ok([whole]) => whole.cut(parts),
         Err(several) => several,
     };
@@ -43,7 +43,7 @@ pub(super) fn read(campaign: &Path, parts: usize) -> Result<(BTreeMap<String, St
 }
 
 /// A whole run.
-fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Error> {
+fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<RunPart, Error> {
     let path = &entry.file;
     let unreadable = |why| Error::Run(RunError::unreadable(path, why));
     let absolute = std::path::absolute(path).map_err(|why| unreadable(why.into()))?;
@@ -74,7 +74,7 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     settings.extend(nominal.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))));
     let content = entry.open().map_err(unreadable)?;
     let content = sha256_of(&mut &content).map_err(|why| unreadable(why.into()))?;
-    Ok(Part {
+    Ok(RunPart {
         content,
         name: entry.name.clone(),
         run: entry.name.clone(),
@@ -85,7 +85,7 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<Part, Erro
     })
 }
 
-impl Part {
+impl RunPart {
     /// First and last time, s.
     pub fn ends(&self) -> (f64, f64) {
         let end = |t: Option<&f64>| t.copied().unwrap_or_default();
@@ -93,7 +93,7 @@ impl Part {
     }
 
     /// Consecutive stretches of equal length that hold two samples or more.
-    fn cut(self, parts: usize) -> Vec<Part> {
+    fn cut(self, parts: usize) -> Vec<RunPart> {
         let (from, to) = self.ends();
         let end = |k: usize| from + (to - from) * k as f64 / parts.max(1) as f64;
         let mut all = Vec::with_capacity(parts);
@@ -101,7 +101,7 @@ impl Part {
         for k in 1..=parts {
             let stop = if k == parts { self.time.len() } else { self.time.partition_point(|t| *t < end(k)) };
             if stop >= begin + 2 {
-                all.push(Part {
+                all.push(RunPart {
                     name: format!("{} part {k}", self.run),
                     time: self.time[begin..stop].to_vec(),
                     channels: self.channels.iter().map(|x| x[begin..stop].to_vec()).collect(),

@@ -2,7 +2,7 @@
 //! differences.
 
 use super::Error;
-use super::data::Part;
+use super::data::RunPart;
 use super::floor::{Evidence, Floor};
 use super::protocol::Nuisance;
 use super::windows::Windows;
@@ -57,7 +57,7 @@ pub(super) fn value(nuisance: &Nuisance, share: f64) -> f64 {
 }
 
 pub(super) struct Fitter<'a> {
-    pub part: &'a Part,
+    pub part: &'a RunPart,
     pub nuisances: &'a [Nuisance],
     /// How closely the model is believed to follow each channel.
     pub accuracy: &'a [f64],

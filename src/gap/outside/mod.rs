@@ -15,7 +15,7 @@ mod windows;
 pub use error::Error;
 
 use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator};
-use data::Part;
+use data::RunPart;
 use fit::{Fitted, Fitter, Rows};
 use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
@@ -68,7 +68,7 @@ pub struct Outside {
     description: Description,
     channels: BTreeMap<String, String>,
     names: Vec<String>,
-    parts: Vec<Part>,
+    parts: Vec<RunPart>,
     windows: Vec<Windows>,
     /// Of each part the fitted nuisances, from 0 at their lower bounds to 1 at their upper ones.
     fitted: Vec<Vec<f64>>,
@@ -162,7 +162,7 @@ impl Outside {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn fit(&self, part: &Part) -> Result<Fitted, Error> {
+    fn fit(&self, part: &RunPart) -> Result<Fitted, Error> {
         let simulate = |points: &[Vec<f64>]| in_parallel(points, self.pool.most(), |at| self.ask(part, at, &[]));
         let accuracy: Vec<f64> =
             self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
@@ -174,7 +174,7 @@ impl Outside {
     }
 
     /// A fitted part becomes a run of the diagnosis.
-    fn keep(&mut self, part: Part, fitted: Fitted) {
+    fn keep(&mut self, part: RunPart, fitted: Fitted) {
         let nuisances = &self.description.nuisances;
         let Fitted { at, windows, measured, nominal, floor, slopes } = fitted;
         let lost = measured.iter().filter(|x| !x.is_finite()).count();
@@ -210,7 +210,7 @@ impl Outside {
     }
 
     /// Simulates a part, with strengths that keep to their bounds: rows of samples on its own times, a row a channel.
-    fn ask(&self, part: &Part, at: &[f64], effects: &[Applied]) -> Result<Rows, Error> {
+    fn ask(&self, part: &RunPart, at: &[f64], effects: &[Applied]) -> Result<Rows, Error> {
         let named = self.description.nuisances.iter().zip(at);
         let effect = |applied: &Applied| {
             let candidate = self.description.effects.get(applied.candidate)?;

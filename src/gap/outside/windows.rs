@@ -1,6 +1,6 @@
 //! Means over windows in time: the features by which a run is compared with a model.
 
-use super::data::Part;
+use super::data::RunPart;
 use crate::gap::{Band, Label};
 
 /// Windows of a part: at most so many, at least so many when the noise remembers long.
@@ -34,7 +34,7 @@ pub(super) struct Windows {
 
 impl Windows {
     /// So many windows, or fewer when that would leave fewer than [`SAMPLES`] in each.
-    pub fn new(part: &Part, count: usize) -> Windows {
+    pub fn new(part: &RunPart, count: usize) -> Windows {
         let count = count.min(part.time.len() / SAMPLES).max(1);
         let (from, to) = part.ends();
         let edge = |half: usize| from + (to - from) * half as f64 / (2 * count) as f64;
@@ -50,7 +50,7 @@ impl Windows {
     }
 
     /// Windows whose length suits the noise in what is left of each channel.
-    pub fn suited(part: &Part, left: &[Vec<f64>]) -> Windows {
+    pub fn suited(part: &RunPart, left: &[Vec<f64>]) -> Windows {
         let samples = part.time.len() as f64;
         let memory = left.iter().map(|x| correlation(x, part.time.len() / 30)).max().unwrap_or(1) as f64;
         let length = (CORRELATION_TIMES * memory).clamp(samples / MOST, samples / LEAST);
@@ -125,8 +125,8 @@ fn correlation(x: &[f64], slow: usize) -> usize {
 mod tests {
     use super::*;
 
-    fn part(samples: Vec<f64>) -> Part {
-        Part {
+    fn part(samples: Vec<f64>) -> RunPart {
+        RunPart {
             content: String::new(),
             name: "run".into(),
             run: "run".into(),

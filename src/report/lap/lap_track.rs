@@ -28,7 +28,7 @@ impl Kind {
 
 /// A stretch of the track with the name that hotspots use.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct TrackPart {
     pub kind: Kind,
     /// Arc length where it begins and ends, m.
     pub from: f64,
@@ -40,7 +40,7 @@ pub struct Part {
 /// The centre line with its parts and motors.
 pub struct LapTrack {
     pub line: CentreLine,
-    pub parts: Vec<Part>,
+    pub parts: Vec<TrackPart>,
     /// Arc lengths where motors begin and end, m.
     pub motors: Vec<(f64, f64)>,
 }
@@ -55,7 +55,7 @@ impl LapTrack {
     pub fn without_motors(track: &Track) -> Self {
         let line = track.centre_line();
         let (mut curves, mut spirals, mut verticals) = (0, 0, 0);
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<TrackPart> = Vec::new();
         let mut s = 0.0;
         let mut last_curve: Option<String> = None;
         let hand = |turn: f64| if turn > 0.0 { "left" } else { "right" };
@@ -88,14 +88,14 @@ impl LapTrack {
                     (Kind::Climb, format!("vertical curve {verticals} ({} m)", trimmed(radius, 3)))
                 }
             };
-            parts.push(Part { kind, from: s, to, name });
+            parts.push(TrackPart { kind, from: s, to, name });
             s = to;
         }
         LapTrack { line, parts, motors: Vec::new() }
     }
 
     /// The part at arc length `s`, in [0, S).
-    pub fn part(&self, s: f64) -> Option<&Part> {
+    pub fn part(&self, s: f64) -> Option<&TrackPart> {
         self.parts.iter().find(|part| part.from <= s && s < part.to)
     }
 }

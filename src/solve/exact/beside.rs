@@ -9,7 +9,7 @@
 
 use super::grid::Grid;
 use super::row::{Row, Touch};
-use crate::geometry::clearance::{Feature, Part, Region, offset};
+use crate::geometry::clearance::{Feature, NearPiece, Region, offset};
 use crate::geometry::{Point, Track};
 use crate::problem::{Keepout, Problem, RowKey};
 use crate::solve::exact::choice::Choice;
@@ -72,8 +72,8 @@ pub struct Alternative {
 pub enum Remedy {
     /// Choose the heading of this stage first.
     Settle(usize),
-    /// Part the headings of this stage, those below from the others.
-    Part(usize, i32),
+    /// Halve the headings of this stage, those below from the others.
+    Halve(usize, i32),
     Split(Vec<Alternative>),
 }
 
@@ -100,7 +100,7 @@ impl Beside<'_> {
         let keepout = &self.problem.keepouts[k];
         let settled = |stage: usize| open.headings[stage].len() == 1;
         match (feature, part) {
-            (Feature::Corner(corner), Part::Straight(i)) => {
+            (Feature::Corner(corner), NearPiece::Straight(i)) => {
                 let stage = self.grid.stage(i);
                 if !settled(stage) {
                     let heading = f64::from(choice.headings[stage]);
@@ -109,7 +109,7 @@ impl Beside<'_> {
                 }
                 Some(Remedy::Split(self.straight(k, corner, i, choice, decided, open)))
             }
-            (_, Part::Arc(v)) => {
+            (_, NearPiece::Arc(v)) => {
                 let stage = self.grid.stage(v);
                 let before = (stage + n - 1) % n;
                 if let (Feature::Corner(corner), false) = (feature, settled(before) && settled(stage)) {
@@ -122,7 +122,7 @@ impl Beside<'_> {
                     let whole = [stage, before]
                         .into_iter()
                         .filter_map(|k| self.convex(keepout, corner, k, heading, open))
-                        .min_by_key(|r| matches!(r, Remedy::Part(..)));
+                        .min_by_key(|r| matches!(r, Remedy::Halve(..)));
                     if whole.is_some() {
                         return whole;
                     }
@@ -136,7 +136,7 @@ impl Beside<'_> {
                     Feature::Edge(edge) => edge_rows(&arc, keepout, edge).map(Remedy::Split),
                 }
             }
-            (Feature::Edge(_), Part::Straight(_)) => None,
+            (Feature::Edge(_), NearPiece::Straight(_)) => None,
         }
     }
 
@@ -145,8 +145,8 @@ impl Beside<'_> {
         let RowKey::Clearance(k, Feature::Corner(corner), part) = key else { return None };
         let (grid, keepout) = (self.grid, &self.problem.keepouts[k]);
         let (stages, direction) = match part {
-            Part::Straight(i) => (vec![grid.stage(i)], track.straight(i).end - track.straight(i).begin),
-            Part::Arc(v) => {
+            NearPiece::Straight(i) => (vec![grid.stage(i)], track.straight(i).end - track.straight(i).begin),
+            NearPiece::Arc(v) => {
                 let stage = grid.stage(v);
                 let from = keepout.region.polygon.points()[corner] - track.fillets[v].centre;
                 (vec![stage, (stage + grid.len() - 1) % grid.len()], from.left() * f64::from(grid.signs[stage]))
@@ -163,7 +163,7 @@ impl Beside<'_> {
             return Some(Remedy::Split(vec![inside]));
         }
         let found = stages.into_iter().filter_map(|stage| self.convex(keepout, corner, stage, near(stage), open));
-        found.min_by_key(|r| matches!(r, Remedy::Part(..)))
+        found.min_by_key(|r| matches!(r, Remedy::Halve(..)))
     }
 
     /// A corner on the inner side of the two arcs at a section's ends, whatever headings are chosen: the track between is convex,
@@ -190,7 +190,7 @@ impl Beside<'_> {
                 }
                 let rising = side * ahead > 0.0;
                 let above = if rising { heading.ceil() } else { heading.floor() + 1.0 };
-                return Some(Remedy::Part(k, above as i32));
+                return Some(Remedy::Halve(k, above as i32));
             }
         }
         let q = keepout.region.polygon.points()[corner];

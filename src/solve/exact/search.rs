@@ -350,7 +350,7 @@ impl Search<'_> {
         for &(key, _) in &violated {
             let remedy = self.setting.beside.remedy(key, &choice, &node.open, &at.track, &node.decided);
             match remedy {
-                Some(Remedy::Part(k, above)) => return self.halve(node, k, above),
+                Some(Remedy::Halve(k, above)) => return self.halve(node, k, above),
                 Some(Remedy::Settle(k)) => return self.single_out(node, k, choice.headings[k]),
                 Some(Remedy::Split(alternatives)) if self.leads_on(&choice, &alternatives) => {
                     self.branch(&node, alternatives);

@@ -8,7 +8,7 @@
 use super::grid::Grid;
 use super::grid::track;
 use super::open::{Open, place};
-use crate::elements::{self, Piece, Space, Step, Steps, Ware};
+use crate::elements::{self, Part, Piece, Space, Step, Steps};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout};
 use crate::problem::Problem;
@@ -188,7 +188,7 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
     let stock = &layout.catalog.straight;
     let least = stock.stock.iter().copied().chain(stock.cut.map(|c| c.low)).fold(f64::INFINITY, f64::min);
     let left_over = |length: f64| !layout.is_flat() && length < least;
-    let lacking = |p: &Piece| matches!(p.ware, Ware::Straight { length, .. } if !p.in_catalog && !left_over(length));
+    let lacking = |p: &Piece| matches!(p.part, Part::Straight { length, .. } if !p.in_catalog && !left_over(length));
     if pieces.iter().any(lacking) {
         return f64::INFINITY;
     }

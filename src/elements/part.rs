@@ -13,7 +13,7 @@ use serde::Serialize;
 /// What a piece is, wherever it lies. Metres and radians.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Ware {
+pub enum Part {
     Straight {
         length: f64,
         cut: bool,
@@ -36,22 +36,22 @@ pub enum Ware {
     },
 }
 
-impl Ware {
+impl Part {
     /// Of the centre line, m.
     pub fn length(&self) -> f64 {
         match *self {
-            Ware::Straight { length, .. } => length,
-            Ware::Curve { radius, turn } | Ware::Vertical { radius, turn } => radius * turn.abs(),
-            Ware::Spiral { radius, turn, rise } => trig::hypot(radius * turn, rise),
+            Part::Straight { length, .. } => length,
+            Part::Curve { radius, turn } | Part::Vertical { radius, turn } => radius * turn.abs(),
+            Part::Spiral { radius, turn, rise } => trig::hypot(radius * turn, rise),
         }
     }
 
     /// Turned end for end where that makes fewer articles: a right curve is a left one, and a spiral that falls to the right
     /// one that rises to the left. A sag stays a sag.
-    pub fn turned(self) -> Ware {
+    pub fn turned(self) -> Part {
         match self {
-            Ware::Curve { radius, turn } => Ware::Curve { radius, turn: turn.abs() },
-            Ware::Spiral { radius, turn, rise } if rise < 0.0 => Ware::Spiral { radius, turn: -turn, rise: -rise },
+            Part::Curve { radius, turn } => Part::Curve { radius, turn: turn.abs() },
+            Part::Spiral { radius, turn, rise } if rise < 0.0 => Part::Spiral { radius, turn: -turn, rise: -rise },
             other => other,
         }
     }
@@ -59,16 +59,16 @@ impl Ware {
     fn article(&self, in_catalog: bool, catalog: &Catalog) -> String {
         let special = if in_catalog { "" } else { "X-" };
         match self.turned() {
-            Ware::Straight { length, .. } => format!("{special}{}-{}", catalog.straight.article, millimetres(length)),
-            Ware::Curve { radius, turn } => {
+            Part::Straight { length, .. } => format!("{special}{}-{}", catalog.straight.article, millimetres(length)),
+            Part::Curve { radius, turn } => {
                 format!("{special}{}-{}-{}", catalog.curve.article, millimetres(radius), degrees(turn))
             }
-            Ware::Vertical { radius, turn } => {
+            Part::Vertical { radius, turn } => {
                 let prefix = catalog.vertical.as_ref().map_or("VC", |v| v.article.as_str());
                 let kind = if turn < 0.0 { "C" } else { "S" };
                 format!("{special}{prefix}-{}-{}{kind}", millimetres(radius), degrees(turn))
             }
-            Ware::Spiral { radius, turn, rise } => {
+            Part::Spiral { radius, turn, rise } => {
                 let prefix = catalog.spiral.as_ref().map_or("SP", |s| s.article.as_str());
                 let hand = if turn < 0.0 { "R" } else { "L" };
                 let (radius, rise) = (millimetres(radius), millimetres(rise));
@@ -81,7 +81,7 @@ impl Ware {
 /// One orderable piece of the track in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    pub ware: Ware,
+    pub part: Part,
     /// `ST-3000`, `CU-4000-45` as in the sequence; `VC-10000-8S` is the vertical curve of 10 m and 8° that is a sag (`C`: a
     /// crest), `SP-4000-45-400L` the spiral of 4 m and 45° that rises by 400 mm to the left. `X-` is before what the
     /// catalogue lacks.
@@ -115,8 +115,8 @@ pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece>
     for (leg, stretch) in space.legs.iter().zip(&space.line.stretches) {
         let mut within = 0.0;
         let share = leg.form.run() / leg.form.length().max(f64::MIN_POSITIVE);
-        for (ware, article, in_catalog) in wares(leg, sequence, layout) {
-            let run = ware.length() * share;
+        for (part, article, in_catalog) in parts_of_leg(leg, sequence, layout) {
+            let run = part.length() * share;
             let frame = stretch.at(leg.form.along(within));
             let place = Place {
                 vertex: leg.vertex,
@@ -125,7 +125,7 @@ pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece>
                 position: Point::new(frame.position.x, frame.position.y),
                 heading: frame.heading(),
             };
-            list.push(Piece { ware, article, in_catalog, place });
+            list.push(Piece { part, article, in_catalog, place });
             within += run;
         }
         s += leg.form.run();
@@ -135,12 +135,12 @@ pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece>
 
 impl Piece {
     fn of(e: &super::Element, place: Place) -> Self {
-        Piece { ware: ware(e), article: e.article.clone(), in_catalog: e.in_catalog, place }
+        Piece { part: part(e), article: e.article.clone(), in_catalog: e.in_catalog, place }
     }
 
     /// Whether it lies on a turn of the plan.
     pub fn turns(&self) -> bool {
-        matches!(self.ware, Ware::Curve { .. } | Ware::Spiral { .. })
+        matches!(self.part, Part::Curve { .. } | Part::Spiral { .. })
     }
 }
 
@@ -148,35 +148,35 @@ fn in_plan(e: &super::Element) -> Place {
     Place { vertex: e.vertex, s: e.s, run: e.length, position: e.position, heading: e.heading }
 }
 
-fn ware(e: &super::Element) -> Ware {
+fn part(e: &super::Element) -> Part {
     match e.shape {
-        Shape::Straight { length, cut } => Ware::Straight { length, cut },
-        Shape::Curve { radius, turn } => Ware::Curve { radius, turn },
+        Shape::Straight { length, cut } => Part::Straight { length, cut },
+        Shape::Curve { radius, turn } => Part::Curve { radius, turn },
     }
 }
 
 /// What a leg in space is made of, with the article and whether the catalogue has it.
-fn wares(leg: &Leg, sequence: &Sequence, layout: &Layout) -> Vec<(Ware, String, bool)> {
+fn parts_of_leg(leg: &Leg, sequence: &Sequence, layout: &Layout) -> Vec<(Part, String, bool)> {
     let catalog = &layout.catalog;
-    let made = |ware: Ware, in_catalog: bool| (ware, ware.article(in_catalog, catalog), in_catalog);
+    let made = |part: Part, in_catalog: bool| (part, part.article(in_catalog, catalog), in_catalog);
     match leg.form {
         Form::Straight { length, .. } => match cover::straight(length, &catalog.straight, Cover::of(layout)) {
             Some(parts) => {
-                parts.into_iter().map(|p| made(Ware::Straight { length: p.length, cut: p.cut }, true)).collect()
+                parts.into_iter().map(|p| made(Part::Straight { length: p.length, cut: p.cut }, true)).collect()
             }
-            None => vec![made(Ware::Straight { length, cut: true }, false)],
+            None => vec![made(Part::Straight { length, cut: true }, false)],
         },
         Form::Arc { .. } => {
             let curve = |e: &&super::Element| e.vertex == leg.vertex && matches!(e.shape, Shape::Curve { .. });
             let elements = sequence.elements.iter().filter(curve);
-            elements.map(|e| (ware(e), e.article.clone(), e.in_catalog)).collect()
+            elements.map(|e| (part(e), e.article.clone(), e.in_catalog)).collect()
         }
         Form::Vertical { radius, slope_from, slope_to } => {
             let turn = trig::atan(slope_to) - trig::atan(slope_from);
-            vec![made(Ware::Vertical { radius, turn }, has_vertical(catalog, radius, turn))]
+            vec![made(Part::Vertical { radius, turn }, has_vertical(catalog, radius, turn))]
         }
         Form::Spiral { radius, turn, rise } => {
-            spiral(catalog, radius, turn, rise).into_iter().map(|(ware, has)| made(ware, has)).collect()
+            spiral(catalog, radius, turn, rise).into_iter().map(|(part, has)| made(part, has)).collect()
         }
     }
 }
@@ -190,7 +190,7 @@ fn has_vertical(catalog: &Catalog, radius: f64, turn: f64) -> bool {
 }
 
 /// A spiral as pieces of at most the largest angle of a curve, each with its share of the rise.
-fn spiral(catalog: &Catalog, radius: f64, turn: f64, rise: f64) -> Vec<(Ware, bool)> {
+fn spiral(catalog: &Catalog, radius: f64, turn: f64, rise: f64) -> Vec<(Part, bool)> {
     let listed = catalog.spiral.as_ref().filter(|stock| {
         let slope = rise.abs() / (radius * turn.abs());
         stock.radii.iter().any(|r| (r - radius).abs() <= SNAP) && slope <= stock.steepest + SNAP
@@ -203,13 +203,13 @@ fn spiral(catalog: &Catalog, radius: f64, turn: f64, rise: f64) -> Vec<(Ware, bo
         Some(parts.into_iter().map(|k| k as f64 / steps).collect::<Vec<f64>>())
     });
     let in_catalog = parts.is_some();
-    let share = |k: f64| (Ware::Spiral { radius, turn: turn * k, rise: rise * k }, in_catalog);
+    let share = |k: f64| (Part::Spiral { radius, turn: turn * k, rise: rise * k }, in_catalog);
     parts.unwrap_or_else(|| vec![1.0]).into_iter().map(share).collect()
 }
 
 /// A warning for the vertical curves and spirals that the layout's catalogue does not have.
 pub fn climbs_lacking(pieces: &[Piece], layout: &Layout) -> Option<Diagnostic> {
-    let climbs = |p: &&Piece| matches!(p.ware, Ware::Vertical { .. } | Ware::Spiral { .. }) && !p.in_catalog;
+    let climbs = |p: &&Piece| matches!(p.part, Part::Vertical { .. } | Part::Spiral { .. }) && !p.in_catalog;
     let mut articles: Vec<&str> = pieces.iter().filter(climbs).map(|p| p.article.as_str()).collect();
     articles.sort_unstable();
     articles.dedup();
