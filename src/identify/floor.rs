@@ -2,9 +2,9 @@
 //! from a fresh start say what the computation adds.
 
 use super::model::{Coordinates, Model, Plan};
-use super::summary::{Block, Summary};
 use crate::base::trig;
 use crate::dynamics::{Ensemble, Settled};
+use crate::identify::accumulator::{Block, FeatureAccumulator};
 use std::collections::BTreeMap;
 
 /// How features of one cart's lap scatter about those of all carts.
@@ -68,7 +68,7 @@ impl Numerics {
         };
         let correction: Vec<f64> = less(&finer)?.into_iter().map(|x| 4.0 / 3.0 * x).collect();
         let doubts = [correction.iter().map(|x| 0.5 * x).collect(), less(&fresh)?];
-        let named = Summary::blocks(&model.recipe);
+        let named = FeatureAccumulator::blocks(&model.spec);
         // What is mostly made by the step is left out: neither its size nor its slopes are the chain's.
         let made = |k: usize| !matches!(named[k], Block::Mean(_)) && correction[k].abs() > MADE_BY_THE_STEP;
         let own = |k: usize| doubts.iter().map(|d: &Vec<f64>| d[k] * d[k]).sum::<f64>();
@@ -88,7 +88,7 @@ impl Floor {
     /// From an ensemble in which every cart went at least once around.
     pub fn new(model: &Model, ensemble: &Ensemble, noise: u64) -> Floor {
         let each = model.each(ensemble, noise);
-        let mut all = Summary::new(&model.recipe);
+        let mut all = FeatureAccumulator::new(&model.spec);
         each.iter().for_each(|one| all.merge(one));
         let whole = all.features(1.0);
         let single: Vec<Vec<f64>> = each.iter().map(|one| one.features(1.0)).collect();
@@ -96,7 +96,7 @@ impl Floor {
         let column = |k: usize| single.iter().map(move |one| one[k]).filter(|x| !x.is_nan());
         let mean: Vec<f64> =
             (0..whole.len()).map(|k| column(k).sum::<f64>() / column(k).count().max(1) as f64).collect();
-        let resolution = each.first().map_or_else(Vec::new, Summary::resolution);
+        let resolution = each.first().map_or_else(Vec::new, FeatureAccumulator::resolution);
         let deviation: Vec<f64> = (0..whole.len())
             .map(|k| {
                 let count = column(k).count();
@@ -109,11 +109,11 @@ impl Floor {
                 }
             })
             .collect();
-        let agreed = Agreed::new(&deviation, &whole, Summary::blocks(&model.recipe));
+        let agreed = Agreed::new(&deviation, &whole, FeatureAccumulator::blocks(&model.spec));
         let deviation = agreed.levelled(&deviation);
         let scatter =
             single.iter().map(|one| one.iter().zip(&mean).map(|(x, m)| if x.is_nan() { 0.0 } else { x - m }).collect());
-        let speeds: Vec<f64> = each.iter().filter_map(Summary::mean_speed).collect();
+        let speeds: Vec<f64> = each.iter().filter_map(FeatureAccumulator::mean_speed).collect();
         let speed = speeds.iter().sum::<f64>() / n;
         Floor {
             deviation,

@@ -7,8 +7,8 @@
 
 use super::floor::{Floor, Numerics};
 use super::places::Places;
-use super::summary::Block;
 use crate::base::number::tidy;
+use crate::identify::accumulator::Block;
 use crate::signal::Channel;
 use crate::signal::FORCES;
 use nalgebra::{DMatrix, DVector};

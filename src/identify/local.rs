@@ -4,9 +4,9 @@ use super::design::{self, COLUMNS, RUNS};
 use super::floor::Floor;
 use super::model::{Answer, Coordinates, Model, Plan};
 use super::parameter::{COUNT, Parameter};
-use super::summary::{Block, Summary};
 use crate::base::parallel;
 use crate::dynamics::{Ensemble, Settled};
+use crate::identify::accumulator::{Block, FeatureAccumulator};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -133,7 +133,7 @@ struct Blocks(BTreeMap<Block, Vec<usize>>);
 impl Blocks {
     fn new(model: &Model, floor: &Floor, left_over: &[f64]) -> Self {
         let mut rows: BTreeMap<Block, Vec<usize>> = BTreeMap::new();
-        let named = Summary::blocks(&model.recipe);
+        let named = FeatureAccumulator::blocks(&model.spec);
         for k in (0..named.len()).filter(|k| floor.deviation[*k] > 0.0 && !left_over[*k].is_nan()) {
             rows.entry(named[k]).or_default().push(k);
         }

@@ -1,8 +1,8 @@
 //! A measured run made ready: gaps bridged, and every sample's place told from the trigger and the wheels.
 
 use super::coverage::Coverage;
-use super::summary::Samples;
 use crate::chain_input::Simulation;
+use crate::identify::accumulator::Samples;
 use crate::signal::FORCES;
 use crate::signal::gaps::bridge;
 use crate::signal::measures::statistics;
@@ -101,7 +101,7 @@ impl Measured {
         })
     }
 
-    /// The samples; a summary's offset is the trigger's place.
+    /// The samples; an accumulator's offset is the trigger's place.
     pub fn samples(&self) -> Samples<'_> {
         Samples {
             station: &self.past,

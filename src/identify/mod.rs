@@ -3,12 +3,14 @@
 //! [`Measured`] makes a run ready; [`fit`](fit::fit) finds the parameters of one run in one damping law; [`study`] goes over the runs
 //! of a campaign and all laws; [`share`] combines runs. [`stiffness`] is the static test of a joint.
 //!
-//! The motion is chaotic, so laps are compared by what two honest laps share (`summary`), weighted by how far apart
+//! The motion is chaotic, so laps are compared by what two replicate laps share (`accumulator`), weighted by how far apart
 //! such laps are (`floor`). Slopes come from designs of simulations rather than from single differences (`design`, `local`), and
 //! what the run and the prior together say is a normal distribution within bounds (`posterior`).
 
+pub mod accumulator;
 pub mod coverage;
 mod design;
+pub mod feature_spec;
 pub mod fit;
 pub mod floor;
 pub mod goodness;
@@ -20,12 +22,10 @@ pub mod model;
 mod parameter;
 pub mod places;
 mod posterior;
-pub mod recipe;
 pub mod share;
 pub mod static_test;
 pub mod stiffness;
 pub mod study;
-pub mod summary;
 mod words;
 
 pub use fit::{Fit, Settings};

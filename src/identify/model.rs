@@ -1,13 +1,13 @@
-//! The chain as a model of summaries: parameters in, features out.
+//! The chain as a model of accumulators: parameters in, features out.
 
 use super::measured::Measured;
 use super::parameter::{COUNT, Parameter};
 use super::places::Places;
-use super::summary::{Recipe, Samples, Summary};
 use crate::base::trig;
 use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{CartRecord, Ensemble, EnsemblePlan, Method, Settled, Width};
 use crate::effects;
+use crate::identify::accumulator::{FeatureAccumulator, FeatureSpec, Samples};
 use crate::signal::FORCES;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub struct Model {
     pub law: ContactLaw,
     pub nominal: [f64; COUNT],
     pub bounds: [(f64, f64); COUNT],
-    pub recipe: Recipe,
+    pub spec: FeatureSpec,
     pub width: Width,
 }
 
@@ -45,7 +45,7 @@ pub struct Plan<'a> {
 
 /// What a simulated point gives.
 pub struct Answer {
-    pub summary: Summary,
+    pub accumulator: FeatureAccumulator,
     pub features: Vec<f64>,
     /// m/s
     pub speed: f64,
@@ -67,7 +67,7 @@ impl Model {
         Model {
             nominal,
             bounds: Parameter::ALL.map(|p| p.bounds(nominal[p.index()])),
-            recipe: Recipe::new(places, measured.rate, passing, measured.lowpass),
+            spec: FeatureSpec::new(places, measured.rate, passing, measured.lowpass),
             simulation,
             law,
             width,
@@ -102,7 +102,7 @@ impl Model {
     pub fn run_ensemble(&self, at: &Coordinates, plan: &Plan) -> Option<Ensemble> {
         let mut simulation = self.input(at);
         simulation.joint.approach_floor_m_s *= trig::exp(plan.floor);
-        let pitch = self.recipe.places.lap / simulation.chain.carts as f64;
+        let pitch = self.spec.places.lap / simulation.chain.carts as f64;
         let ensemble = EnsemblePlan {
             settle: plan.settle.unwrap_or(if plan.from.is_some() { SETTLE.1 } else { SETTLE.0 }),
             duration: plan.passes * pitch / simulation.chain.speed_m_s,
@@ -122,19 +122,19 @@ impl Model {
 
     /// The features of an ensemble, moved along the track by `offset`, m.
     pub fn answer(&self, ensemble: &Ensemble, offset: f64, noise: u64) -> Answer {
-        let mut summary = Summary::new(&self.recipe);
+        let mut accumulator = FeatureAccumulator::new(&self.spec);
         for (k, cart) in ensemble.carts.iter().enumerate() {
-            summary.add(&self.recipe, &samples(cart), offset, Some(noise.wrapping_add(k as u64)));
+            accumulator.add(&self.spec, &samples(cart), offset, Some(noise.wrapping_add(k as u64)));
         }
-        Answer { features: summary.features(1.0), speed: summary.mean_speed().unwrap_or(f64::NAN), summary }
+        Answer { features: accumulator.features(1.0), speed: accumulator.mean_speed().unwrap_or(f64::NAN), accumulator }
     }
 
-    /// Each cart's own summary.
-    pub fn each(&self, ensemble: &Ensemble, noise: u64) -> Vec<Summary> {
+    /// Each cart's own accumulator.
+    pub fn each(&self, ensemble: &Ensemble, noise: u64) -> Vec<FeatureAccumulator> {
         let one = |(k, cart): (usize, &CartRecord)| {
-            let mut summary = Summary::new(&self.recipe);
-            summary.add(&self.recipe, &samples(cart), 0.0, Some(noise.wrapping_add(k as u64)));
-            summary
+            let mut accumulator = FeatureAccumulator::new(&self.spec);
+            accumulator.add(&self.spec, &samples(cart), 0.0, Some(noise.wrapping_add(k as u64)));
+            accumulator
         };
         ensemble.carts.iter().enumerate().map(one).collect()
     }

@@ -9,7 +9,6 @@ use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter, damping};
 use super::posterior::{Information, correlations, interval, posterior};
-use super::summary::Block;
 use super::words::identifiability;
 use crate::base;
 use crate::base::digest::sha256;
@@ -18,6 +17,7 @@ use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::law::{self, achieved_restitution};
 use crate::dynamics::{Plan, Width};
 use crate::effects;
+use crate::identify::accumulator::Block;
 use crate::signal::FORCES;
 use crate::signal::compare::{Scale, compare_from};
 use crate::signal::{Channel, Run};
@@ -352,7 +352,7 @@ fn fitted(
         information: rows(&found.own.matrix),
         pull: found.own.pull.iter().map(|x| tidy(*x)).collect(),
     };
-    (out.nrmsd, out.nrmsd_two_carts) = deviations(subject, &out, model.recipe.places.lap, model.width);
+    (out.nrmsd, out.nrmsd_two_carts) = deviations(subject, &out, model.spec.places.lap, model.width);
     Ok(out)
 }
 

@@ -5,10 +5,10 @@ use crate::base::trig;
 use crate::effects::rail_step;
 use crate::effects::sites::Site;
 use crate::gap::simulator::Frame;
+use crate::identify::accumulator::Block;
+use crate::identify::feature_spec::Samples;
 use crate::identify::fit::Landing;
 use crate::identify::model::samples;
-use crate::identify::recipe::Samples;
-use crate::identify::summary::Block;
 use crate::signal::FORCES;
 use std::collections::BTreeMap;
 
@@ -85,7 +85,7 @@ impl Suspect {
 /// the cells in which these are worst.
 pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
-    let places = &first.model.recipe.places;
+    let places = &first.model.spec.places;
     let cell = places.lap / places.cells as f64;
     let mut all = Vec::new();
     for (rail, forces) in RAILS.into_iter().enumerate() {
@@ -126,7 +126,7 @@ fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
 /// Where a blow begins that is loudest in a cell in all runs, m; none where nothing strikes.
 fn struck(runs: &[Fitted], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
     let parts = runs.first()?.loudness.first()?.len();
-    let length = runs.first()?.model.recipe.places.lap / parts as f64;
+    let length = runs.first()?.model.spec.places.lap / parts as f64;
     let of = |part: usize, force: usize| {
         let each: Vec<f64> = runs.iter().map(|r| r.loudness[force][part]).filter(|x| x.is_finite()).collect();
         each.iter().sum::<f64>() / each.len().max(1) as f64

@@ -3,8 +3,8 @@
 use super::Fitted;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
 use crate::identify::Parameter;
+use crate::identify::accumulator::Block;
 use crate::identify::local::WITH_FLOOR;
-use crate::identify::summary::Block;
 use crate::signal::Channel;
 use crate::signal::FORCES;
 use nalgebra::DMatrix;
@@ -79,11 +79,11 @@ fn bounds(run: &Fitted, j: usize) -> (f64, f64) {
 }
 
 fn lap_mm(run: &Fitted) -> i64 {
-    (1e3 * run.model.recipe.places.lap).round() as i64
+    (1e3 * run.model.spec.places.lap).round() as i64
 }
 
 fn labels(run: &Fitted) -> Vec<Label> {
-    let places = &run.model.recipe.places;
+    let places = &run.model.spec.places;
     let mut counted: BTreeMap<Block, usize> = BTreeMap::new();
     let lap = lap_mm(run);
     let mm = |x: f64| (1e3 * x).round() as i64;

@@ -14,11 +14,11 @@ use crate::chain_input::Simulation;
 use crate::dynamics::{CartRecord, Ensemble, Width};
 use crate::effects::sites::Site;
 use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, built, named, sense};
+use crate::identify::accumulator::FeatureAccumulator;
 use crate::identify::fit::Landing;
 use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::study::Subject;
-use crate::identify::summary::Summary;
 use crate::identify::{Model, Parameter, Settings};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::Channel;
@@ -143,7 +143,7 @@ impl Chains {
 
     /// Length over which means are taken, m.
     fn cell(&self) -> f64 {
-        self.runs.first().map_or(1.0, |run| run.model.recipe.places.lap / run.model.recipe.places.cells as f64)
+        self.runs.first().map_or(1.0, |run| run.model.spec.places.lap / run.model.spec.places.cells as f64)
     }
 
     fn offer(&mut self, effect: &'static Effect, site: Site, beside: Option<usize>) {
@@ -338,15 +338,15 @@ impl Fitted {
         // Moving the measured samples ahead leaves the model behind.
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - self.landing.at[trigger];
-        let (mut summary, mut tilts) = (Summary::new(&self.model.recipe), Tilts::new(self));
+        let (mut accumulator, mut tilts) = (FeatureAccumulator::new(&self.model.spec), Tilts::new(self));
         for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
             let noise = Some(self.seed.wrapping_add(k as u64));
             let sensed = sensor.then(|| self.heard(model, cart, ensemble.rate));
             let samples = samples(sensed.as_ref().unwrap_or(cart));
-            summary.add(&self.model.recipe, &samples, 0.0, noise);
+            accumulator.add(&self.model.spec, &samples, 0.0, noise);
             tilts.add(&samples, -moved);
         }
-        let mut features = summary.features(1.0);
+        let mut features = accumulator.features(1.0);
         let landing = &self.landing;
         for (k, x) in features.iter_mut().enumerate() {
             *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.passes[k];
@@ -356,7 +356,7 @@ impl Fitted {
                 *x += landing.sensitivity.slopes[(k, trigger)] * moved;
             }
         }
-        features.push(summary.mean_speed().unwrap_or(f64::NAN));
+        features.push(accumulator.mean_speed().unwrap_or(f64::NAN));
         features.extend(tilts.features());
         features
     }
@@ -366,7 +366,8 @@ impl Fitted {
     fn overheard(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
         let ensemble = &self.landing.centre.ensemble;
         let every = (ensemble.carts.len() / LISTENERS).max(1);
-        let (mut plain, mut other) = (Summary::new(&self.model.recipe), Summary::new(&self.model.recipe));
+        let (mut plain, mut other) =
+            (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
         let (mut tilts, mut tilted) = (Tilts::new(self), Tilts::new(self));
         for (k, cart) in ensemble.carts.iter().enumerate().step_by(every) {
             let noise = Some(self.seed.wrapping_add(k as u64));
@@ -379,8 +380,8 @@ impl Fitted {
                     as_it_is.forces[force].clear();
                 }
             }
-            plain.add(&self.model.recipe, &samples(&as_it_is), 0.0, noise);
-            other.add(&self.model.recipe, &samples(&heard), 0.0, noise);
+            plain.add(&self.model.spec, &samples(&as_it_is), 0.0, noise);
+            other.add(&self.model.spec, &samples(&heard), 0.0, noise);
             tilts.add(&samples(&as_it_is), 0.0);
             tilted.add(&samples(&heard), 0.0);
         }
@@ -393,7 +394,7 @@ impl Fitted {
 
     /// A cart's record as sensors with effects have it. Time is that of the measured run at the same place.
     fn heard(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
-        let lap = self.model.recipe.places.lap;
+        let lap = self.model.spec.places.lap;
         let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
         let at = |station: &f32| passed(f64::from(*station) - self.begin, lap, self.laps) / speed;
         let time: Vec<f64> = cart.station.iter().map(at).collect();

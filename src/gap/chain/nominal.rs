@@ -6,8 +6,8 @@ use super::tilt::profiles;
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::dynamics::Width;
+use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, land};
-use crate::identify::recipe::Samples;
 use crate::identify::study::Subject;
 use crate::identify::{Measured, Model, Parameter, Settings};
 use crate::signal::FORCES;
@@ -26,8 +26,8 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
     simulation.effects.clear();
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
-    model.recipe.set_orders(&orders(&simulation, speed));
-    model.recipe.local = true;
+    model.spec.set_orders(&orders(&simulation, speed));
+    model.spec.local = true;
     let (_, landing) = land(&mut model, &measured, None, settings)?;
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
@@ -37,7 +37,7 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
         begin,
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples),
-        loudness: loudness(&landing, lap, &samples, trigger, model.recipe.noise),
+        loudness: loudness(&landing, lap, &samples, trigger, model.spec.noise),
         profiles: profiles(&samples, lap, trigger),
         blows: Vec::new(),
         measured: std::array::from_fn(|k| measured.has(k)),

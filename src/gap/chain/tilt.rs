@@ -10,8 +10,8 @@ use super::Fitted;
 use super::blows::{self, RAILS, Suspect};
 use crate::base::trig;
 use crate::gap::simulator::{Band, Frame, Label};
+use crate::identify::feature_spec::Samples;
 use crate::identify::model::samples;
-use crate::identify::recipe::Samples;
 use crate::signal::Channel;
 use crate::signal::FORCES;
 
@@ -127,7 +127,7 @@ impl Blow {
     }
 
     fn new(run: &Fitted, at: f64, force: usize) -> Blow {
-        let lap = run.model.recipe.places.lap;
+        let lap = run.model.spec.places.lap;
         let parts = blows::parts(lap);
         let part = (blows::part_of(at, lap, parts).0 + parts - 1) % parts;
         let mut all = empty(lap);
@@ -143,7 +143,7 @@ impl Blow {
         let carts = (squares / tilts.len().max(1) as f64).sqrt();
         let measured = Line::new(&run.profiles[force], part);
         // A line's rise to its end has three times the variance of its mean.
-        let white = |line: &Line| f64::from(run.model.recipe.noise[force]) * (3.0 / line.count).sqrt();
+        let white = |line: &Line| f64::from(run.model.spec.noise[force]) * (3.0 / line.count).sqrt();
         let noise = measured.as_ref().map_or(0.0, white);
         let else_known = OF_MEAN * nominal.mean.abs() + OF_NOMINAL * nominal.tilt.abs();
         Blow {
@@ -170,7 +170,7 @@ pub struct Tilts<'a> {
 
 impl<'a> Tilts<'a> {
     pub fn new(run: &'a Fitted) -> Tilts<'a> {
-        let lap = run.model.recipe.places.lap;
+        let lap = run.model.spec.places.lap;
         Tilts { blows: &run.blows, lap, sums: vec![empty(lap); FORCES] }
     }
 
@@ -191,7 +191,7 @@ impl<'a> Tilts<'a> {
 
 /// Adds blows to a run as the diagnosis sees it, behind its other features.
 pub fn extend(frame: &mut Frame, run: &Fitted) {
-    let (lap, count) = (run.model.recipe.places.lap, run.blows.len());
+    let (lap, count) = (run.model.spec.places.lap, run.blows.len());
     let length = lap / blows::parts(lap) as f64;
     let mm = |x: f64| (1e3 * x.min(lap)).round() as i64;
     for (k, blow) in run.blows.iter().enumerate() {

@@ -3,11 +3,11 @@
 use super::Fitter;
 use crate::base::trig;
 use crate::dynamics::Ensemble;
+use crate::identify::accumulator::FeatureAccumulator;
 use crate::identify::floor::Floor;
 use crate::identify::local::Centre;
 use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::Parameter;
-use crate::identify::summary::Summary;
 use crate::signal::FORCES;
 
 /// The channel whose mean tells the tension: joint_xi.
@@ -22,13 +22,13 @@ const WHOLE: f64 = 0.88;
 impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
     pub(super) fn listen(&self, model: &mut Model, ensemble: &Ensemble) {
-        let simulated = model.answer(ensemble, 0.0, 0).summary;
-        let mut measured = Summary::new(&model.recipe);
-        measured.add(&model.recipe, &self.measured.samples(), 0.0, None);
-        let ((a, share), (b, _)) = (measured.high_power(&model.recipe), simulated.high_power(&model.recipe));
+        let simulated = model.answer(ensemble, 0.0, 0).accumulator;
+        let mut measured = FeatureAccumulator::new(&model.spec);
+        measured.add(&model.spec, &self.measured.samples(), 0.0, None);
+        let ((a, share), (b, _)) = (measured.high_power(&model.spec), simulated.high_power(&model.spec));
         for k in 0..FORCES {
             let variance = if share > 0.0 { (a[k] - b[k]).max(0.0) / share } else { 0.0 };
-            model.recipe.noise[k] = variance.sqrt() as f32;
+            model.spec.noise[k] = variance.sqrt() as f32;
         }
     }
 
@@ -66,12 +66,12 @@ impl Fitter<'_> {
 
     /// Of each channel how far its means along the track are off, over the deviation of a lap's; of those that are known.
     fn off_places(&self, model: &Model, trigger: f64, centre: &Centre, floor: &Floor) -> [Vec<f64>; FORCES] {
-        let mut summary = Summary::new(&model.recipe);
-        summary.add_places(&model.recipe, &self.measured.samples(), trigger);
-        let places = &model.recipe.places;
+        let mut accumulator = FeatureAccumulator::new(&model.spec);
+        accumulator.add_places(&model.spec, &self.measured.samples(), trigger);
+        let places = &model.spec.places;
         // Cells that the run covers: of the others it has other places than the simulation.
         let whole = places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;
-        let features = summary.features(WHOLE * whole);
+        let features = accumulator.features(WHOLE * whole);
         let off = |i: usize| (features[i] - centre.answer.features[i]) / floor.deviation[i];
         let cells = places.cells;
         std::array::from_fn(|k| (k * cells..(k + 1) * cells).map(off).filter(|x| x.is_finite()).collect())
@@ -103,9 +103,10 @@ impl Fitter<'_> {
     /// Whether it moved much.
     pub(super) fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
-        let mut measured = Summary::new(&model.recipe);
-        measured.add_places(&model.recipe, &self.measured.samples(), 0.0);
-        let (Some(found), Some(simulated)) = (measured.mean(TELLS_TENSION), centre.answer.summary.mean(TELLS_TENSION))
+        let mut measured = FeatureAccumulator::new(&model.spec);
+        measured.add_places(&model.spec, &self.measured.samples(), 0.0);
+        let (Some(found), Some(simulated)) =
+            (measured.mean(TELLS_TENSION), centre.answer.accumulator.mean(TELLS_TENSION))
         else {
             return false;
         };

@@ -11,8 +11,8 @@ use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter};
 use super::posterior::{Information, Posterior, posterior};
-use super::summary::{Block, Summary};
 use crate::dynamics::Ensemble;
+use crate::identify::accumulator::{Block, FeatureAccumulator};
 use crate::signal::FORCES;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -113,7 +113,7 @@ pub fn land(
     start: Option<Coordinates>,
     settings: &Settings,
 ) -> Result<(Fit, Landing), String> {
-    let mut fitter = Fitter { measured, settings, simulations: 0, blocks: Summary::blocks(&model.recipe) };
+    let mut fitter = Fitter { measured, settings, simulations: 0, blocks: FeatureAccumulator::blocks(&model.spec) };
     let lost = "the chain cannot be simulated with parameters like these";
     let global = start.is_none();
     let mut at = start.unwrap_or_else(|| Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()])));
@@ -121,7 +121,7 @@ pub fn land(
         at[Parameter::Speed.index()] = model.coordinate(Parameter::Speed, speed);
     }
     // Where the run was is not known before its trigger is.
-    model.recipe.within = None;
+    model.spec.within = None;
     if !global {
         fitter.limit(model, &at);
     }
@@ -215,7 +215,7 @@ pub fn land(
                 passes: &bare.passes,
                 blocks: &fitter.blocks,
             };
-            let goodness = Some(Goodness::new(&left, &floor, &numerics, &model.recipe.places));
+            let goodness = Some(Goodness::new(&left, &floor, &numerics, &model.spec.places));
             let landing = Landing {
                 at,
                 measured: fitter.measure(model, &at).0,
@@ -243,7 +243,7 @@ pub fn land(
                 own: information,
                 steps,
                 simulations: fitter.simulations,
-                noise: model.recipe.noise.map(f64::from),
+                noise: model.spec.noise.map(f64::from),
             };
             return Ok((fit, landing));
         }
@@ -316,7 +316,7 @@ impl Fitter<'_> {
     }
 
     fn set_thresholds(&self, model: &mut Model, at: &Coordinates) {
-        model.recipe.set_thresholds(&self.measured.samples(), at[Parameter::TriggerPosition.index()]);
+        model.spec.set_thresholds(&self.measured.samples(), at[Parameter::TriggerPosition.index()]);
     }
 
     /// Simulated features are from now on those of the places that the run covers with its trigger at a place.
@@ -324,18 +324,18 @@ impl Fitter<'_> {
     fn limit(&self, model: &mut Model, at: &Coordinates) -> bool {
         let coverage = self.measured.coverage();
         let within = || (coverage.clone(), at[Parameter::TriggerPosition.index()]);
-        model.recipe.within = (!coverage.is_whole()).then(within);
-        model.recipe.within.is_some()
+        model.spec.within = (!coverage.is_whole()).then(within);
+        model.spec.within.is_some()
     }
 
     /// Features of the run with its trigger at a place, and how many passes each is a mean over.
     fn measure(&self, model: &Model, at: &Coordinates) -> (Vec<f64>, Vec<f64>) {
-        let mut summary = Summary::new(&model.recipe);
-        summary.add(&model.recipe, &self.measured.samples(), at[Parameter::TriggerPosition.index()], None);
+        let mut accumulator = FeatureAccumulator::new(&model.spec);
+        accumulator.add(&model.spec, &self.measured.samples(), at[Parameter::TriggerPosition.index()], None);
         // Half of what a cell's passage gives.
-        let places = &model.recipe.places;
+        let places = &model.spec.places;
         let least = 0.5 * places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;
-        (summary.features(least), summary.passes(self.measured.laps.max(residuals::LEAST_LAPS)))
+        (accumulator.features(least), accumulator.passes(self.measured.laps.max(residuals::LEAST_LAPS)))
     }
 
     fn posterior(&self, model: &Model, at: &Coordinates, information: &Information) -> Posterior {

@@ -2,13 +2,13 @@
 
 use super::Fitter;
 use crate::base::trig;
+use crate::identify::accumulator::Block;
 use crate::identify::floor::{Floor, Numerics};
 use crate::identify::local::{Centre, Sensitivity, WITH_FLOOR};
 use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::FLOOR_SCALE;
 use crate::identify::parameter::{COUNT, Parameter};
 use crate::identify::posterior::Information;
-use crate::identify::summary::Block;
 use crate::signal::FORCES;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;

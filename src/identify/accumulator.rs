@@ -6,10 +6,10 @@
 
 use super::coverage::{Weighing, Weight};
 use super::places::Places;
-use super::recipe::{KINDS, SPEED_BANDS, fine};
 use crate::base::trig;
+use crate::identify::feature_spec::{KINDS, SPEED_BANDS, fine};
 
-pub use super::recipe::{BANDS, Recipe, Samples, THRESHOLDS};
+pub use crate::identify::feature_spec::{BANDS, FeatureSpec, Samples, THRESHOLDS};
 pub use crate::signal::FORCES;
 
 /// Sums over samples of weights, forces, their squares, and of weights over how often a place was passed.
@@ -20,7 +20,7 @@ type Shares = [f64; THRESHOLDS + 2];
 
 /// Sums over samples.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
+pub struct FeatureAccumulator {
     cells: Vec<[Moments; FORCES]>,
     zones: Vec<[Moments; FORCES]>,
     below: [[Shares; FORCES]; KINDS],
@@ -56,10 +56,10 @@ pub enum Block {
     Local(usize),
 }
 
-impl Summary {
-    pub fn new(recipe: &Recipe) -> Self {
-        let places = &recipe.places;
-        Summary {
+impl FeatureAccumulator {
+    pub fn new(spec: &FeatureSpec) -> Self {
+        let places = &spec.places;
+        FeatureAccumulator {
             cells: vec![[[0.0; 4]; FORCES]; places.cells],
             zones: vec![[[0.0; 4]; FORCES]; places.zones.len()],
             below: Default::default(),
@@ -70,44 +70,44 @@ impl Summary {
             speed_power: Default::default(),
             speed_segments: 0.0,
             speed: (0.0, 0.0),
-            orders: vec![[0.0; FORCES]; recipe.orders.len()],
-            local: recipe.local,
+            orders: vec![[0.0; FORCES]; spec.orders.len()],
+            local: spec.local,
         }
     }
 
     /// Adds a cart's samples, moved along the track by `offset`, m. `noise` picks the white noise that is added to them.
-    pub fn add(&mut self, recipe: &Recipe, samples: &Samples, offset: f64, noise: Option<u64>) {
+    pub fn add(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64, noise: Option<u64>) {
         let noisy: Vec<Vec<f32>>;
         let mut samples = *samples;
-        if let Some(seed) = noise.filter(|_| recipe.noise.iter().any(|n| *n > 0.0)) {
+        if let Some(seed) = noise.filter(|_| spec.noise.iter().any(|n| *n > 0.0)) {
             noisy = samples
                 .forces
                 .iter()
                 .enumerate()
                 .map(|(k, force)| {
-                    crate::base::random::noisy(force, recipe.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64))
+                    crate::base::random::noisy(force, spec.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64))
                 })
                 .collect();
             samples.forces = std::array::from_fn(|k| noisy[k].as_slice());
         }
-        self.add_places(recipe, &samples, offset);
-        let weighing = recipe.weighing(&samples);
-        recipe.blocks(&samples, offset, |kind, force, begin, mean| {
-            let weight = block_weight(weighing, force, &samples.station[begin..begin + recipe.block]);
+        self.add_places(spec, &samples, offset);
+        let weighing = spec.weighing(&samples);
+        spec.blocks(&samples, offset, |kind, force, begin, mean| {
+            let weight = block_weight(weighing, force, &samples.station[begin..begin + spec.block]);
             let below = &mut self.below[kind][force];
-            for (count, threshold) in below.iter_mut().zip(recipe.thresholds[kind][force]) {
+            for (count, threshold) in below.iter_mut().zip(spec.thresholds[kind][force]) {
                 *count += if mean < threshold { weight.own } else { 0.0 };
             }
             below[THRESHOLDS] += weight.own;
             below[THRESHOLDS + 1] += weight.shared;
         });
-        self.add_spectra(recipe, &samples);
+        self.add_spectra(spec, &samples);
     }
 
     /// Adds to the sums by place alone.
-    pub fn add_places(&mut self, recipe: &Recipe, samples: &Samples, offset: f64) {
-        let places = &recipe.places;
-        let weighing = recipe.weighing(samples);
+    pub fn add_places(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64) {
+        let places = &spec.places;
+        let weighing = spec.weighing(samples);
         let parts: Vec<u32> = samples.station.iter().map(|s| fine(places, *s, offset) as u32).collect();
         for (force, values) in samples.forces.iter().enumerate() {
             // Runs of samples in the same part of the lap, which lies in one cell and one zone.
@@ -139,10 +139,10 @@ impl Summary {
         }
     }
 
-    fn add_spectra(&mut self, recipe: &Recipe, samples: &Samples) {
-        let n = recipe.segment;
-        let mut lines = recipe.plan.make_output_vec();
-        let mut scratch = recipe.plan.make_scratch_vec();
+    fn add_spectra(&mut self, spec: &FeatureSpec, samples: &Samples) {
+        let n = spec.segment;
+        let mut lines = spec.plan.make_output_vec();
+        let mut scratch = spec.plan.make_scratch_vec();
         let mut input = vec![0.0_f32; n];
         let scale = 8.0 / 3.0 / (n as f64 * n as f64);
         let mut spectrum = |part: &[f32]| -> Option<Vec<f64>> {
@@ -150,40 +150,40 @@ impl Summary {
             if mean.is_nan() {
                 return None;
             }
-            for ((x, y), w) in input.iter_mut().zip(part).zip(recipe.window.iter()) {
+            for ((x, y), w) in input.iter_mut().zip(part).zip(spec.window.iter()) {
                 *x = (y - mean) * w;
             }
-            recipe.plan.process_with_scratch(&mut input, &mut lines, &mut scratch).ok()?;
+            spec.plan.process_with_scratch(&mut input, &mut lines, &mut scratch).ok()?;
             // One-sided power in each line, so that the sum is the variance.
             Some(lines.iter().map(|c| 2.0 * scale * f64::from(c.norm_sqr())).collect())
         };
-        let weighing = recipe.weighing(samples);
+        let weighing = spec.weighing(samples);
         for (force, values) in samples.forces.iter().enumerate() {
             for begin in (0..values.len()).step_by(n / 2) {
                 let Some(power) = values.get(begin..begin + n).and_then(&mut spectrum) else { continue };
                 let weight = weighing.segment(force, samples.station[begin + n / 2]);
-                for (sum, (from, to)) in self.power[force].iter_mut().zip(recipe.bands) {
+                for (sum, (from, to)) in self.power[force].iter_mut().zip(spec.bands) {
                     *sum += weight.own * power[from..to].iter().sum::<f64>();
                 }
-                for (sum, (from, to)) in self.orders.iter_mut().zip(&recipe.orders) {
+                for (sum, (from, to)) in self.orders.iter_mut().zip(&spec.orders) {
                     sum[force] += weight.own * power[*from..*to].iter().sum::<f64>();
                 }
-                self.high[force].push(power[recipe.high.0..recipe.high.1].iter().sum());
+                self.high[force].push(power[spec.high.0..spec.high.1].iter().sum());
                 self.segments[force] += weight.own;
                 self.shared_segments[force] += weight.shared;
             }
         }
         for begin in (0..samples.speed.len()).step_by(n / 2) {
             let Some(power) = samples.speed.get(begin..begin + n).and_then(&mut spectrum) else { continue };
-            for (sum, (from, to)) in self.speed_power.iter_mut().zip(recipe.bands) {
+            for (sum, (from, to)) in self.speed_power.iter_mut().zip(spec.bands) {
                 *sum += power[from..to].iter().sum::<f64>();
             }
             self.speed_segments += 1.0;
         }
     }
 
-    /// Adds another summary of the same recipe.
-    pub fn merge(&mut self, other: &Summary) {
+    /// Adds another accumulator of the same spec.
+    pub fn merge(&mut self, other: &FeatureAccumulator) {
         let add = |a: &mut f64, b: &f64| *a += b;
         let pairs = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| add(a, b));
         for (a, b) in self.cells.iter_mut().flatten().zip(other.cells.iter().flatten()) {
@@ -211,8 +211,8 @@ impl Summary {
 
     /// Variance of what lies above the low-pass in the middle one of the segments, so that a blow at one place is no noise, and the share
     /// of white noise that does.
-    pub fn high_power(&self, recipe: &Recipe) -> ([f64; FORCES], f64) {
-        let share = 2.0 * (recipe.high.1 - recipe.high.0) as f64 / recipe.segment as f64;
+    pub fn high_power(&self, spec: &FeatureSpec) -> ([f64; FORCES], f64) {
+        let share = 2.0 * (spec.high.1 - spec.high.0) as f64 / spec.segment as f64;
         let middle = |of: &Vec<f64>| {
             let mut sorted = of.clone();
             sorted.sort_by(f64::total_cmp);
@@ -291,7 +291,7 @@ impl Summary {
         out
     }
 
-    /// How finely this summary tells each feature: a share changes by whole blocks of samples; 0 for the others.
+    /// How finely this accumulator tells each feature: a share changes by whole blocks of samples; 0 for the others.
     pub fn resolution(&self) -> Vec<f64> {
         let mut out = vec![0.0; (self.cells.len() + self.zones.len()) * FORCES];
         for force in 0..FORCES {
@@ -306,16 +306,16 @@ impl Summary {
     }
 
     /// The block of each feature.
-    pub fn blocks(recipe: &Recipe) -> Vec<Block> {
-        let places = &recipe.places;
+    pub fn blocks(spec: &FeatureSpec) -> Vec<Block> {
+        let places = &spec.places;
         let mut out = Vec::new();
         (0..FORCES).for_each(|f| out.extend(vec![Block::Mean(f); places.cells]));
         (0..FORCES).for_each(|f| out.extend(vec![Block::Spread(f); places.zones.len()]));
         (0..FORCES).for_each(|f| out.extend(vec![Block::Share(f); KINDS * THRESHOLDS]));
         (0..FORCES).for_each(|f| out.extend(vec![Block::Power(f); BANDS]));
         out.extend(vec![Block::SpeedPower; SPEED_BANDS]);
-        (0..FORCES).for_each(|f| out.extend(vec![Block::Order(f); recipe.orders.len()]));
-        let local = if recipe.local { places.cells } else { 0 };
+        (0..FORCES).for_each(|f| out.extend(vec![Block::Order(f); spec.orders.len()]));
+        let local = if spec.local { places.cells } else { 0 };
         (0..FORCES).for_each(|f| out.extend(vec![Block::Local(f); local]));
         out
     }
@@ -339,10 +339,10 @@ mod tests {
     use std::sync::Arc;
 
     /// A lap of 40 m in 8 cells, the second half a left curve.
-    fn recipe() -> Recipe {
+    fn spec() -> FeatureSpec {
         let zone = |from, to, kind| Zone { from, to, kind };
         let places = Places::of(40.0, 8, vec![zone(0.0, 20.0, Kind::Straight), zone(20.0, 40.0, Kind::Left)]);
-        Recipe::new(Arc::new(places), 500.0, 1.6, 100.0)
+        FeatureSpec::new(Arc::new(places), 500.0, 1.6, 100.0)
     }
 
     /// Two laps at 2 m/s: 100 N on the straight, 300 N in the curve, and a sine of 10 N at 4 Hz.
@@ -360,22 +360,22 @@ mod tests {
         Samples { station, speed: &[], forces, coverage: None }
     }
 
-    fn features_of(block: Block, recipe: &Recipe, features: &[f64]) -> Vec<f64> {
-        let blocks = Summary::blocks(recipe);
+    fn features_of(block: Block, spec: &FeatureSpec, features: &[f64]) -> Vec<f64> {
+        let blocks = FeatureAccumulator::blocks(spec);
         assert_eq!(blocks.len(), features.len());
         blocks.iter().zip(features).filter(|(b, _)| **b == block).map(|(_, x)| *x).collect()
     }
 
     #[test]
     fn features_of_a_known_signal() {
-        let mut recipe = recipe();
+        let mut spec = spec();
         let (station, force) = lap();
         let samples = of_joint(&station, &force);
-        recipe.set_thresholds(&samples, 0.0);
-        let mut summary = Summary::new(&recipe);
-        summary.add(&recipe, &samples, 0.0, None);
-        let features = summary.features(1.0);
-        let of = |block| features_of(block, &recipe, &features);
+        spec.set_thresholds(&samples, 0.0);
+        let mut accumulator = FeatureAccumulator::new(&spec);
+        accumulator.add(&spec, &samples, 0.0, None);
+        let features = accumulator.features(1.0);
+        let of = |block| features_of(block, &spec, &features);
         for (cell, mean) in of(Block::Mean(4)).iter().enumerate() {
             assert!((mean - if cell < 4 { 100.0 } else { 300.0 }).abs() < 0.02, "cell {cell}: {mean}");
         }
@@ -387,19 +387,19 @@ mod tests {
         assert!(shares[6..].iter().all(|x| x.is_nan()));
         // 4 Hz is 2.5 passings: in the fifth band, and without the levels in no other but for what the window leaks.
         let sine: Vec<f32> = force.iter().map(|x| if *x < 200.0 { x - 100.0 } else { x - 300.0 }).collect();
-        let mut alone = Summary::new(&recipe);
-        alone.add(&recipe, &of_joint(&station, &sine), 0.0, None);
-        let power = features_of(Block::Power(4), &recipe, &alone.features(1.0));
+        let mut alone = FeatureAccumulator::new(&spec);
+        alone.add(&spec, &of_joint(&station, &sine), 0.0, None);
+        let power = features_of(Block::Power(4), &spec, &alone.features(1.0));
         assert!((power[4] - trig::ln(10.0 / 2_f64.sqrt())).abs() < 1e-3, "{power:?}");
         assert!((0..BANDS).all(|k| k == 4 || power[k] < power[4] - 3.0), "{power:?}");
         assert!(of(Block::Mean(0)).iter().all(|x| x.is_nan()), "what was not measured has no features");
         // Moved by half a lap, the levels change places; two halves add up to the whole.
-        let mut moved = Summary::new(&recipe);
-        moved.add(&recipe, &samples, 20.0, None);
-        let means = features_of(Block::Mean(4), &recipe, &moved.features(1.0));
+        let mut moved = FeatureAccumulator::new(&spec);
+        moved.add(&spec, &samples, 20.0, None);
+        let means = features_of(Block::Mean(4), &spec, &moved.features(1.0));
         assert!((means[0] - 300.0).abs() < 0.5 && (means[5] - 100.0).abs() < 0.5);
-        let mut twice = summary.clone();
-        twice.merge(&summary);
+        let mut twice = accumulator.clone();
+        twice.merge(&accumulator);
         let both = twice.features(1.0);
         let same = |(a, b): (&f64, &f64)| (a.is_nan() && b.is_nan()) || (a - b).abs() < 1e-12 * a.abs().max(1.0);
         assert!(features.iter().zip(&both).all(same));
@@ -407,30 +407,30 @@ mod tests {
 
     #[test]
     fn lost_samples_take_no_part_and_noise_shows_above_the_low_pass() {
-        let mut recipe = recipe();
+        let mut spec = spec();
         let (station, mut force) = lap();
         force[300..400].fill(f32::NAN);
-        let mut summary = Summary::new(&recipe);
-        summary.add(&recipe, &of_joint(&station, &force), 0.0, None);
-        let means = features_of(Block::Mean(4), &recipe, &summary.features(1.0));
+        let mut accumulator = FeatureAccumulator::new(&spec);
+        accumulator.add(&spec, &of_joint(&station, &force), 0.0, None);
+        let means = features_of(Block::Mean(4), &spec, &accumulator.features(1.0));
         assert!(means.iter().all(|x| x.is_finite()));
-        recipe.noise[4] = 3.0;
-        let mut noisy = Summary::new(&recipe);
-        noisy.add(&recipe, &of_joint(&station, &force), 0.0, Some(5));
-        let ((clean, share), (loud, _)) = (summary.high_power(&recipe), noisy.high_power(&recipe));
+        spec.noise[4] = 3.0;
+        let mut noisy = FeatureAccumulator::new(&spec);
+        noisy.add(&spec, &of_joint(&station, &force), 0.0, Some(5));
+        let ((clean, share), (loud, _)) = (accumulator.high_power(&spec), noisy.high_power(&spec));
         let found = ((loud[4] - clean[4]) / share).sqrt();
         assert!((found - 3.0).abs() < 0.15, "{found}");
     }
 
     #[test]
     fn a_blow_is_no_noise() {
-        let mut recipe = recipe();
-        recipe.noise[4] = 3.0;
+        let mut spec = spec();
+        spec.noise[4] = 3.0;
         let (station, mut force) = lap();
         let heard = |force: &[f32]| {
-            let mut summary = Summary::new(&recipe);
-            summary.add(&recipe, &of_joint(&station, force), 0.0, Some(5));
-            summary.high_power(&recipe).0[4]
+            let mut accumulator = FeatureAccumulator::new(&spec);
+            accumulator.add(&spec, &of_joint(&station, force), 0.0, Some(5));
+            accumulator.high_power(&spec).0[4]
         };
         let before = heard(&force);
         let at = force.len() / 7;

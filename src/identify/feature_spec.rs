@@ -1,4 +1,4 @@
-//! How samples become a summary: places, thresholds, and the lines of a spectrum.
+//! How samples become features: places, thresholds, and the lines of a spectrum.
 
 use super::coverage::{Coverage, Weighing, hop};
 use super::places::{Kind, Places};
@@ -38,9 +38,9 @@ pub struct Samples<'a> {
     pub coverage: Option<&'a Coverage>,
 }
 
-/// How samples become a summary; the same for a measured run and every simulation of it.
+/// How samples become features; the same for a measured run and every simulation of it.
 #[derive(Clone)]
-pub struct Recipe {
+pub struct FeatureSpec {
     pub places: Arc<Places>,
     /// Samples a second, Hz.
     pub rate: f64,
@@ -65,7 +65,7 @@ pub struct Recipe {
     pub within: Option<(Arc<Coverage>, f64)>,
 }
 
-impl Recipe {
+impl FeatureSpec {
     pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64) -> Self {
         let segment = 2 * hop(rate);
         let line = |hz: f64| ((hz * segment as f64 / rate).round() as usize).clamp(1, segment / 2);
@@ -77,7 +77,7 @@ impl Recipe {
         let high = if 2.0 * lowpass < 0.46 * rate { (line(0.4 * rate), line(0.49 * rate)) } else { (0, 0) };
         let window: Vec<f32> =
             (0..segment).map(|i| (0.5 - 0.5 * trig::cos(trig::TAU * i as f64 / segment as f64)) as f32).collect();
-        Recipe {
+        FeatureSpec {
             places,
             rate,
             passing,
