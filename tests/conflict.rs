@@ -228,8 +228,8 @@ fn a_hall_too_short_for_its_chutes_is_named_with_them() {
     for diagnostic in &said {
         assert!(diagnostic.help.as_ref().is_some_and(|help| help.contains("proven")), "{diagnostic:?}");
     }
-    let mended = readme("28 m", "  fix all P1..P2\n");
-    assert!(solve::diagnose(&check(&mended).1, &continuous(&check(&mended).1)).is_empty());
+    let fixed = readme("28 m", "  fix all P1..P2\n");
+    assert!(solve::diagnose(&check(&fixed).1, &continuous(&check(&fixed).1)).is_empty());
     for conflict in solve::conflicts(&layout, &stages) {
         holds_up(&layout, &conflict);
     }

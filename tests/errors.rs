@@ -129,7 +129,7 @@ fn pages_have_one_form() {
         let page = code.page();
         let title = format!("# {} {}\n", code.as_str(), code.name());
         assert!(page.starts_with(&title), "{code:?}: the title is not {title:?}");
-        for heading in ["\n## Why\n", "\n## Example\n", "\n## How to mend it\n"] {
+        for heading in ["\n## Why\n", "\n## Example\n", "\n## How to fix it\n"] {
             assert!(page.contains(heading), "{code:?} lacks {heading:?}");
         }
     }
@@ -139,8 +139,8 @@ fn pages_have_one_form() {
 fn every_diagnostic_says_what_was_expected_and_found() {
     for code in Code::ALL.iter().filter(|c| c.as_str() >= "E02") {
         for diagnostic in run(*code).1 {
-            let mended = diagnostic.help.is_some() || diagnostic.fix.is_some() || diagnostic.expected.is_some();
-            assert!(mended, "{code:?}: {} shows no way out", diagnostic.message);
+            let fixed = diagnostic.help.is_some() || diagnostic.fix.is_some() || diagnostic.expected.is_some();
+            assert!(fixed, "{code:?}: {} shows no way out", diagnostic.message);
         }
     }
 }

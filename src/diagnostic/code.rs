@@ -23,7 +23,7 @@ macro_rules! codes {
                 match self { $(Code::$code => $name,)* }
             }
 
-            /// Its page in Markdown: what, why, an example, how to mend it. Shown by `lss explain`.
+            /// Its page in Markdown: what, why, an example, how to fix it. Shown by `lss explain`.
             pub fn page(self) -> &'static str {
                 match self { $(Code::$code => include_str!(concat!("pages/", stringify!($code), ".md")),)* }
             }

@@ -25,7 +25,7 @@ pub struct Label {
     pub text: String,
 }
 
-/// A replacement that would mend the problem.
+/// A replacement that would fix the problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fix {
     pub span: Span,

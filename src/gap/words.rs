@@ -219,7 +219,7 @@ pub fn next_experiment(found: &Diagnosis) -> String {
             Axis::Track => "A second run at another speed and tension, to confirm the cause on data left out.".into(),
             Axis::Time => "A second run under other conditions, to confirm the cause on data left out.".into(),
         },
-        _ => "Mend the cause, or add the effect to the model, and measure one more run to confirm.".into(),
+        _ => "Fix the cause, or add the effect to the model, and measure one more run to confirm.".into(),
     }
 }
 

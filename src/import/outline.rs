@@ -120,7 +120,7 @@ impl Areas<'_> {
                     "ignored",
                 )
                 .expected("a closed outline that does not cross itself", found)
-                .help("mend it in the drawing, or add the polygon to the layout by hand"),
+                .help("fix it in the drawing, or add the polygon to the layout by hand"),
             ),
         };
         for shape in self.items.shapes.iter().filter(|shape| shape.layer.eq_ignore_ascii_case(layer)) {

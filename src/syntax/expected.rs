@@ -1,4 +1,4 @@
-//! What should have stood where the grammar gave up, in words that a CAD engineer reads, and what may mend it.
+//! What should have stood where the grammar gave up, in words that a CAD engineer reads, and what may fix it.
 
 use super::Rule;
 use super::nearest::nearest;
@@ -157,7 +157,7 @@ impl Failure {
         self.words().join(", ")
     }
 
-    /// Edits of `text` that may mend the failure, the likeliest first. They are tried before one is proposed.
+    /// Edits of `text` that may fix the failure, the likeliest first. They are tried before one is proposed.
     pub fn candidates(&self, context: Context, text: &str) -> Vec<Edit> {
         let token = token_at(text, self.at);
         let before = text[..self.at].trim_end();

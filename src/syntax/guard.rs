@@ -1,6 +1,6 @@
 //! What is checked before the grammar sees a text: size, stray characters, quotes and brackets.
 //!
-//! One linear pass. Whatever is unbalanced is reported at its opener and mended by an [`Edit`], so that the grammar
+//! One linear pass. Whatever is unbalanced is reported at its opener and fixed by an [`Edit`], so that the grammar
 //! always works on balanced text of bounded nesting: its recursion is safe, and one forgotten bracket does not hide
 //! the rest of the file.
 

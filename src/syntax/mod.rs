@@ -3,7 +3,7 @@
 //! [`parse`] never fails: it gives a tree with everything that could be read and a diagnostic for each independent
 //! mistake. It goes through three steps: `guard` looks at characters and brackets, pest parses, `build` makes the tree
 //! from pest's pairs and hands what did not parse to `recover`, which finds the message and, if the mistake can be
-//! mended, the statement that was meant.
+//! fixed, the statement that was meant.
 
 mod build;
 mod expected;
@@ -53,10 +53,10 @@ pub fn parse(file: FileId, text: &str) -> (Tree, Vec<Diagnostic>) {
         items(file, text, &Origin::default(), &mut report)
     } else {
         let mut origin = Origin::default();
-        let mended = origin.edit(text, verdict.edits);
-        // Mending must leave nothing to mend: the grammar relies on it.
-        let balanced = guard::check(file, &mended).edits.is_empty();
-        if balanced { items(file, &mended, &origin, &mut report) } else { None }
+        let fixed = origin.edit(text, verdict.edits);
+        // Fixing must leave nothing to fix: the grammar relies on it.
+        let balanced = guard::check(file, &fixed).edits.is_empty();
+        if balanced { items(file, &fixed, &origin, &mut report) } else { None }
     };
     let items = items.unwrap_or_else(|| Block::absent(Span::new(file, 0, 0)));
     (Tree { file, items }, report.finish())
@@ -82,8 +82,8 @@ fn items(file: FileId, text: &str, origin: &Origin, report: &mut Report) -> Opti
 struct Report {
     file: FileId,
     diagnostics: Vec<Diagnostic>,
-    /// Where the guard mended the text: what does not parse there has been reported.
-    mended: Vec<usize>,
+    /// Where the guard fixed the text: what does not parse there has been reported.
+    fixed: Vec<usize>,
     /// Mistakes that were not looked at any more.
     dropped: usize,
     /// Whether a statement outside of a layout has been reported; one such message is enough.
@@ -94,10 +94,10 @@ struct Report {
 
 impl Report {
     fn new(file: FileId, verdict: &guard::Verdict) -> Self {
-        let mut mended: Vec<usize> = verdict.edits.iter().map(|edit| edit.at).collect();
-        mended.sort_unstable();
+        let mut fixed: Vec<usize> = verdict.edits.iter().map(|edit| edit.at).collect();
+        fixed.sort_unstable();
         let diagnostics = verdict.diagnostics.clone();
-        Report { file, diagnostics, mended, dropped: verdict.dropped, outside: false, nested: 0 }
+        Report { file, diagnostics, fixed, dropped: verdict.dropped, outside: false, nested: 0 }
     }
 
     fn is_full(&self) -> bool {
@@ -121,8 +121,8 @@ impl Report {
 
     /// Whether the guard has already reported something in this range of the user's text.
     fn covers(&self, start: usize, end: usize) -> bool {
-        let first = self.mended.partition_point(|&at| at < start);
-        self.mended.get(first).is_some_and(|&at| at <= end)
+        let first = self.fixed.partition_point(|&at| at < start);
+        self.fixed.get(first).is_some_and(|&at| at <= end)
     }
 
     fn finish(mut self) -> Vec<Diagnostic> {
@@ -132,7 +132,7 @@ impl Report {
             let message = format!("only the first {MAX_REPORTS} mistakes are shown");
             self.diagnostics.push(
                 Diagnostic::new(Code::E0112, message, last, "the last one shown")
-                    .help(format!("{} more wait; mend these first", self.dropped)),
+                    .help(format!("{} more wait; fix these first", self.dropped)),
             );
         }
         self.diagnostics

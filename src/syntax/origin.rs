@@ -1,6 +1,6 @@
 //! Repaired text, and the way back from a position in it to what was written.
 //!
-//! The parser goes on after a mistake by mending a copy: a missing bracket is put in, a misspelt keyword replaced.
+//! The parser goes on after a mistake by fixing a copy: a missing bracket is put in, a misspelt keyword replaced.
 //! Spans must still name the user's bytes, so each copy remembers its edits.
 
 /// `removed` bytes at `at` give way to `inserted`.
@@ -22,19 +22,19 @@ impl Layer {
     /// The text with the edits done. Edits are sorted here; where two overlap, the later one loses what is gone.
     fn apply(text: &str, mut edits: Vec<Edit>) -> (String, Layer) {
         edits.sort_by_key(|edit| edit.at);
-        let mut mended = String::with_capacity(text.len() + 2 * edits.len());
+        let mut fixed = String::with_capacity(text.len() + 2 * edits.len());
         let mut layer = Layer::default();
         let mut done = 0;
         for edit in edits {
             let at = edit.at.max(done);
             let end = (edit.at + edit.removed).max(at);
-            mended.push_str(&text[done..at]);
-            layer.places.push((mended.len(), at, edit.inserted.len(), end - at));
-            mended.push_str(&edit.inserted);
+            fixed.push_str(&text[done..at]);
+            layer.places.push((fixed.len(), at, edit.inserted.len(), end - at));
+            fixed.push_str(&edit.inserted);
             done = end;
         }
-        mended.push_str(&text[done..]);
-        (mended, layer)
+        fixed.push_str(&text[done..]);
+        (fixed, layer)
     }
 
     fn back(&self, position: usize) -> usize {
@@ -65,9 +65,9 @@ impl<'a> Origin<'a> {
 
     /// The text after `edits` (positions in `text`), remembered.
     pub fn edit(&mut self, text: &str, edits: Vec<Edit>) -> String {
-        let (mended, layer) = Layer::apply(text, edits);
+        let (fixed, layer) = Layer::apply(text, edits);
         self.layers.push(layer);
-        mended
+        fixed
     }
 
     /// The position in what the user wrote.
@@ -88,8 +88,8 @@ mod tests {
         let first = whole.edit(text, vec![Edit { at: 0, removed: 5, inserted: "vertex".into() }]);
         let second = whole.edit(&first, vec![Edit { at: 14, removed: 0, inserted: ",".into() }]);
         assert_eq!(second, "vertex P1 (1 m, 2 m)");
-        for (mended, written) in [(0, 0), (6, 5), (7, 6), (14, 13), (15, 13), (16, 14), (20, 18)] {
-            assert_eq!(whole.back(mended), written, "at {mended}");
+        for (fixed, written) in [(0, 0), (6, 5), (7, 6), (14, 13), (15, 13), (16, 14), (20, 18)] {
+            assert_eq!(whole.back(fixed), written, "at {fixed}");
         }
         let slice = Origin::slice(&whole, 10);
         assert_eq!(slice.back(0), 9);

@@ -1,4 +1,4 @@
-//! What to make of a line that fits nothing: a message, and where the mistake can be mended the line that was meant, so
+//! What to make of a line that fits nothing: a message, and where the mistake can be fixed the line that was meant, so
 //! that one slip does not bring a row of follow-up errors.
 
 use super::build::Builder;
@@ -40,9 +40,9 @@ impl Builder<'_> {
         };
         let last = start + brace.unwrap_or(slice.len());
         let known = self.report.covers(self.origin.back(start), self.origin.back(last));
-        let mended = if known { None } else { self.mend(context, head, &mut origin) };
+        let fixed = if known { None } else { self.fixed_line(context, head, &mut origin) };
         self.report.nested += 1;
-        let meant = match mended {
+        let meant = match fixed {
             Some(head) => {
                 let rest = brace.map_or("", |brace| &slice[brace + 1..]);
                 let kept = if brace.is_some() { head.strip_suffix('}').unwrap_or(&head) } else { &head };
@@ -59,8 +59,8 @@ impl Builder<'_> {
         meant
     }
 
-    /// Reports the mistakes of a line one after the other, as long as each can be mended; gives the mended line.
-    fn mend(&mut self, context: Context, mut text: String, origin: &mut Origin) -> Option<String> {
+    /// Reports the mistakes of a line one after the other, as long as each can be fixed; gives the fixed line.
+    fn fixed_line(&mut self, context: Context, mut text: String, origin: &mut Origin) -> Option<String> {
         let file = self.file;
         for round in 0..MAX_REPAIRS {
             let error = match Grammar::parse(context.entry(), &text) {
@@ -91,7 +91,7 @@ impl Builder<'_> {
         None
     }
 
-    /// Parses and builds the mended line. What is wrong inside its braces is recovered there.
+    /// Parses and builds the fixed line. What is wrong inside its braces is recovered there.
     fn meant<T>(
         &mut self,
         context: Context,
@@ -115,7 +115,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reports what is wrong inside the braces of a line whose head could not be mended.
+    /// Reports what is wrong inside the braces of a line whose head could not be fixed.
     fn look_inside(&mut self, context: Context, slice: &str, start: usize, brace: usize) {
         let end = slice.rfind('}').map_or(slice.len(), |end| end + 1);
         let Some(inner) = slice.get(brace..end) else { return };
@@ -140,15 +140,15 @@ impl Builder<'_> {
 
 /// Whether the grammar gets further with an edit than without.
 fn helps(context: Context, text: &str, failure: &Failure, edit: &Edit) -> bool {
-    let mut mended = text.to_string();
-    mended.replace_range(edit.at..edit.at + edit.removed, &edit.inserted);
-    match Grammar::parse(context.entry(), &mended) {
+    let mut fixed = text.to_string();
+    fixed.replace_range(edit.at..edit.at + edit.removed, &edit.inserted);
+    match Grammar::parse(context.entry(), &fixed) {
         Ok(_) => true,
         Err(error) => {
             // The first position that the edit did not touch, as it is now.
             let behind = edit.at + edit.inserted.len();
             let stopped = failure.at.max(edit.at + edit.removed) - edit.removed + edit.inserted.len();
-            Failure::new(&mended, &error).at > stopped.max(behind)
+            Failure::new(&fixed, &error).at > stopped.max(behind)
         }
     }
 }

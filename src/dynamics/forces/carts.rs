@@ -5,7 +5,7 @@ use super::{Evaluation, OFF_RAIL, arm, axes, load};
 use crate::dynamics::contact::{Side, contact, fresh_contact, hertz, opened, power, refreshed};
 use crate::dynamics::lanes::{Lane, Lane3, Mask, Splat};
 use crate::dynamics::model::Wheel;
-use crate::dynamics::segments::{Foot, Local, Mend, foot};
+use crate::dynamics::segments::{Foot, Handover, Local, foot};
 use crate::dynamics::state::PACK;
 use pulp::Simd;
 
@@ -79,15 +79,16 @@ impl Evaluation<'_> {
         if out.or(out_left).or(out_right).any() {
             if out.any() {
                 at_front =
-                    simd.vectorize(Mend::<S, LEVEL> { simd, segments, home, part, point: front, outside: out }).0;
+                    simd.vectorize(Handover::<S, LEVEL> { simd, segments, home, part, point: front, outside: out }).0;
             }
             if out_left.any() {
-                at_left =
-                    simd.vectorize(Mend::<S, LEVEL> { simd, segments, home, part, point: left, outside: out_left }).0;
+                at_left = simd
+                    .vectorize(Handover::<S, LEVEL> { simd, segments, home, part, point: left, outside: out_left })
+                    .0;
             }
             if out_right.any() {
-                let mend = Mend::<S, LEVEL> { simd, segments, home, part, point: right, outside: out_right };
-                at_right = simd.vectorize(mend).0;
+                let handover = Handover::<S, LEVEL> { simd, segments, home, part, point: right, outside: out_right };
+                at_right = simd.vectorize(handover).0;
             }
         }
 
@@ -169,7 +170,7 @@ impl Evaluation<'_> {
             let mut feet = foot::<S, LEVEL>(&local, point);
             let outside = feet.outside(&local).and(driven);
             if outside.any() {
-                feet = simd.vectorize(Mend::<S, LEVEL> { simd, segments, home, part, point, outside }).0;
+                feet = simd.vectorize(Handover::<S, LEVEL> { simd, segments, home, part, point, outside }).0;
             }
             let thrust = feet.tangent.scale(share * c.of(self.command));
             force = force + thrust;

@@ -2,7 +2,7 @@
 
 use super::{Evaluation, arm, axes, store};
 use crate::dynamics::lanes::Lane3;
-use crate::dynamics::segments::{Local, Mend, Rehome, foot};
+use crate::dynamics::segments::{Handover, Local, Rehome, foot};
 use crate::dynamics::state::PACK;
 use pulp::Simd;
 
@@ -39,7 +39,7 @@ impl Evaluation<'_> {
             if outside.any() {
                 let home = &self.memory.home[pack];
                 (feet, station) =
-                    simd.vectorize(Mend::<S, LEVEL> { simd, segments, home, part, point: position, outside });
+                    simd.vectorize(Handover::<S, LEVEL> { simd, segments, home, part, point: position, outside });
             }
         }
         station.store(&mut forces.station[place..]);

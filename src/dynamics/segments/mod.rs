@@ -5,9 +5,9 @@
 //! w = √(1 − κq): the offset towards the curvature is q/(1 + w), the tangent has turned by ψ with sin ψ = κa/w and
 //! cos ψ = (1 − κb)/w. For κ = 0 this is the straight line.
 
-mod mend;
+mod handover;
 
-pub use mend::{Mend, Rehome};
+pub use handover::{Handover, Rehome};
 
 use super::lanes::{Lane, Lane3, Mask};
 use super::state::{PACK, Row};

@@ -160,7 +160,7 @@ impl<'t> Context<'t> {
         b_expr: &Expr,
     ) -> Option<(Formula, f64, f64)> {
         if a.dimension != b.dimension {
-            // The side that is a constant is the one to mend.
+            // The side that is a constant is the one to fix.
             let (wrong, expr, wanted, place) = match a.as_constant() {
                 Some(_) => (a, a_expr, b.dimension, b_expr),
                 None => (b, b_expr, a.dimension, a_expr),

@@ -164,8 +164,8 @@ fn alternatives(conflict: &Conflict) -> Option<String> {
         _ if members.iter().all(known) => {
             let others = "without any one of them a layout was found that meets the others";
             let more = match members.iter().any(whole) {
-                true => "the layout has a further conflict, so only what is said without that remark mends all of it",
-                false => "the layout has a further conflict, so no change of a single line mends all of it",
+                true => "the layout has a further conflict, so only what is said without that remark settles all of it",
+                false => "the layout has a further conflict, so no change of a single line settles all of it",
             };
             Some(format!("{others}; {more}"))
         }

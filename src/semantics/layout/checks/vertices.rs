@@ -79,7 +79,7 @@ impl Context<'_> {
                     Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
                         .related(limits.turns.span, facts.source_of(limits.turns.span))
                         .expected(format!("{} .. {}", degrees(range.low), degrees(range.high)), found)
-                        .help(mended(facts)),
+                        .help(fix_for(facts)),
                 );
             }
         }
@@ -101,7 +101,7 @@ impl Context<'_> {
                     Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
                         .related(limits.radii.span, facts.source_of(limits.radii.span))
                         .expected(format!("{} .. {}", metres(range.low), metres(range.high)), found)
-                        .help(mended(facts)),
+                        .help(fix_for(facts)),
                 );
             }
         }
@@ -149,7 +149,7 @@ impl Context<'_> {
     }
 }
 
-fn mended(facts: &Facts) -> &'static str {
+fn fix_for(facts: &Facts) -> &'static str {
     match facts.as_written() {
         true => "the layout is compiled as written, outside its limits",
         false => "the optimiser starts from here and must bring it within the limits",

@@ -6,7 +6,7 @@ use crate::dynamics::state::PACK;
 use pulp::{Simd, WithSimd};
 
 /// Feet that lie beyond their segment's ends or on a spiral, each on the segment of its own.
-pub struct Mend<'a, S: Simd, const LEVEL: bool> {
+pub struct Handover<'a, S: Simd, const LEVEL: bool> {
     pub simd: S,
     pub segments: &'a Segments,
     pub home: &'a Home,
@@ -16,7 +16,7 @@ pub struct Mend<'a, S: Simd, const LEVEL: bool> {
     pub outside: Mask<S>,
 }
 
-impl<S: Simd, const LEVEL: bool> WithSimd for Mend<'_, S, LEVEL> {
+impl<S: Simd, const LEVEL: bool> WithSimd for Handover<'_, S, LEVEL> {
     /// The feet and their arc lengths, m.
     type Output = (Foot<S>, Lane<S>);
 
@@ -49,7 +49,7 @@ impl<S: Simd, const LEVEL: bool> WithSimd for Mend<'_, S, LEVEL> {
                 (y[lane], z[lane], s[lane]) = (own.y, own.z, own.s);
             }
         }
-        let mended = Foot {
+        let handed_over = Foot {
             tangent: Lane3::of(simd, &tangent, 0),
             normal: Lane3::of(simd, &normal, 0),
             up: Lane3::of(simd, &up, 0),
@@ -57,7 +57,7 @@ impl<S: Simd, const LEVEL: bool> WithSimd for Mend<'_, S, LEVEL> {
             z: Lane::of(simd, &z, 0),
             ..foot
         };
-        (mended, Lane::of(simd, &s, 0))
+        (handed_over, Lane::of(simd, &s, 0))
     }
 }
 
