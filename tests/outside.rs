@@ -324,7 +324,7 @@ fn the_example_misses_radiation() {
     assert!(all[1].1 < closed - 0.1, "{all:?}");
 }
 
-/// A real drive without its dry friction. A force balance fitted to one half of the data and scored on the other says the same in
+/// A real drive without its dry friction. A force balance fitted to one half of the data and by_signature on the other says the same in
 /// other numbers: Coulomb's law closes 73 %, quadratic 45 %, cubic 37 %, a spring 2 %.
 #[test]
 fn a_real_drive_misses_dry_friction() {

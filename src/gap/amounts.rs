@@ -1,9 +1,9 @@
 //! Fitted strengths with their 90 % intervals.
 
 use super::chance::SURE;
-use super::court::{Court, Judged};
+use super::comparison::{Comparison, Scored};
 use super::diagnosis::{Amount, Bound};
-use super::significance::Score;
+use super::significance::ScoreTest;
 use super::simulator::Strength;
 use crate::base::number::tidy;
 use crate::base::trig;
@@ -17,16 +17,16 @@ const NINETY: f64 = 1.644_853_627;
 const MISSED: f64 = 0.5;
 
 /// Strengths of an effect with their intervals.
-pub fn amounts(court: &Court, told: &Judged, name: &str) -> BTreeMap<String, Amount> {
+pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<String, Amount> {
     let fitted = &told.fitted;
     // A gap that is left makes every strength less sure.
-    let scale = told.excess.max(1.0).sqrt() * court.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
+    let scale = told.excess.max(1.0).sqrt() * comparison.evidence.first().map_or(1.0, |e| e.honest.max(0.3)).sqrt();
     // What the effect's equation misses of its own pattern may be as much of its strength.
-    let missed = MISSED * ((told.excess - 1.0) / (court.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
+    let missed = MISSED * ((told.excess - 1.0) / (comparison.excess - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
     let mut out = BTreeMap::new();
     for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
-        let signature = &court.signatures[*k];
-        let candidate = &court.candidates()[signature.candidate];
+        let signature = &comparison.signatures[*k];
+        let candidate = &comparison.candidates()[signature.candidate];
         if candidate.effect != name {
             continue;
         }
@@ -38,7 +38,7 @@ pub fn amounts(court: &Court, told: &Judged, name: &str) -> BTreeMap<String, Amo
         let uncertainty = match by_scatter {
             true => Uncertainty { sum: missed * size, factor: trig::hypot(SURE, candidate.doubt) },
             false => {
-                let own = (scale * own).max(scattered(court, &fitted.columns[i]));
+                let own = (scale * own).max(scattered(comparison, &fitted.columns[i]));
                 // Beside another effect it may as a whole be what that one's equation misses; alone it is there.
                 let beside = fitted.hypothesis.members.len() > 1;
                 let (doubt, factor) = if beside { (candidate.doubt, 0.0) } else { (0.0, candidate.doubt) };
@@ -85,7 +85,7 @@ fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
 }
 
 /// How far a strength is off by what scatters along its signature.
-fn scattered(court: &Court, column: &[DVector<f64>]) -> f64 {
+fn scattered(comparison: &Comparison, column: &[DVector<f64>]) -> f64 {
     let square: f64 = column.iter().map(DVector::norm_squared).sum();
-    Score::new(&court.evidence, &court.residuals(), column).deviation / square.max(1e-300)
+    ScoreTest::new(&comparison.evidence, &comparison.residuals(), column).deviation / square.max(1e-300)
 }

@@ -1,12 +1,12 @@
-//! The diagnosis: screen, re-fit, judge.
+//! The diagnosis: screen, re-fit, score.
 
 use super::chance::Chance;
 use super::checked::Checked;
-use super::court::{Court, Judged, mean_excess};
+use super::comparison::{Comparison, Scored, mean_excess};
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
 use super::floor::floors;
-use super::judge::MOST_FREEDOM;
+use super::likelihood::MOST_FREEDOM;
 use super::looks::UNSETTLED;
 use super::refit::refit;
 use super::report::report;
@@ -61,57 +61,60 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
     }
     let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
-    let mut court = Court { simulator, excess: 0.0, evidence, signatures, freedom, judged: Vec::new(), unknown: 0.0 };
-    court.excess = mean_excess(&court.evidence, court.evidence.iter().map(|e| &e.residual));
+    let mut comparison =
+        Comparison { simulator, excess: 0.0, evidence, signatures, freedom, scored: Vec::new(), unknown: 0.0 };
+    comparison.excess = mean_excess(&comparison.evidence, comparison.evidence.iter().map(|e| &e.residual));
 
     // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
-    let gap = court.excess > 1.0;
-    let heard = gap || court.singles().iter().any(|j| court.score(&j.fitted).z() > HEARD);
+    let gap = comparison.excess > 1.0;
+    let heard = gap || comparison.singles().iter().any(|j| comparison.score_test(&j.fitted).z() > HEARD);
     if heard {
-        court.look(gap, &mut |done, of| tell(Stage::Screening { done, of }));
+        comparison.look(gap, &mut |done, of| tell(Stage::Screening { done, of }));
     }
-    let singles = court.singles();
-    let pairs = court.pairs(&singles);
-    let (mut chosen, mut rest) = court.shortlist(singles, pairs);
+    let singles = comparison.singles();
+    let pairs = comparison.pairs(&singles);
+    let (mut chosen, mut rest) = comparison.shortlist(singles, pairs);
     if !gap {
         rest.append(&mut chosen);
     }
-    let turned = court.turned(&chosen);
+    let turned = comparison.turned(&chosen);
     let chosen = chosen.into_iter().map(|j| j.fitted).chain(turned).collect();
-    let fitted = refit(simulator, &court.evidence, &court.signatures, chosen, &mut |done, of| {
+    let fitted = refit(simulator, &comparison.evidence, &comparison.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let chance = Chance { simulator, nominal: &court.evidence, usual: &usual, signatures: &court.signatures };
+    let chance = Chance { simulator, nominal: &comparison.evidence, usual: &usual, signatures: &comparison.signatures };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
-    let mut judged = court.before_floors(fitted, &usual);
-    judged.extend(scattered.into_iter().map(|(fitted, floor)| court.weigh(fitted, floor)));
-    let unsettled = |judged: &[Judged]| judged.iter().all(|j| j.excess > UNSETTLED);
-    if gap && unsettled(&judged) {
-        let both = refit(simulator, &court.evidence, &court.signatures, court.seconds(&judged), &mut |_, _| {});
-        judged.extend(court.before_floors(both, &usual));
+    let mut scored = comparison.before_floors(fitted, &usual);
+    scored.extend(scattered.into_iter().map(|(fitted, floor)| comparison.score(fitted, floor)));
+    let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.excess > UNSETTLED);
+    if gap && unsettled(&scored) {
+        let both =
+            refit(simulator, &comparison.evidence, &comparison.signatures, comparison.seconds(&scored), &mut |_, _| {});
+        scored.extend(comparison.before_floors(both, &usual));
     }
-    if unsettled(&judged) {
-        let both = court.companion(&judged).map(|other| chance.beside(other, &court.by_chance(&judged, other)));
-        let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&court.signatures));
-        let both: Vec<Judged> = there.map(|(fitted, floor)| court.weigh(fitted, floor)).collect();
-        judged.extend(both);
+    if unsettled(&scored) {
+        let both =
+            comparison.companion(&scored).map(|other| chance.beside(other, &comparison.by_chance(&scored, other)));
+        let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&comparison.signatures));
+        let both: Vec<Scored> = there.map(|(fitted, floor)| comparison.score(fitted, floor)).collect();
+        scored.extend(both);
     }
-    judged.extend(rest);
-    court.charge_blows(&mut judged);
-    court.settle(&mut judged);
-    court.unknown = court.unknown(&judged);
-    court.judged = judged;
-    report(&mut court, checked.lost())
+    scored.extend(rest);
+    comparison.charge_blows(&mut scored);
+    comparison.settle(&mut scored);
+    comparison.unknown = comparison.unknown(&scored);
+    comparison.scored = scored;
+    report(&mut comparison, checked.lost())
 }
 
-impl Court<'_> {
+impl Comparison<'_> {
     /// Pairs of other effects with the best single ones, the likeliest first.
-    fn pairs(&self, singles: &[Judged]) -> Vec<Judged> {
-        let first = |judged: &Judged| judged.fitted.hypothesis.members[0];
-        let mut pairs: Vec<Judged> = Vec::new();
+    fn pairs(&self, singles: &[Scored]) -> Vec<Scored> {
+        let first = |scored: &Scored| scored.fitted.hypothesis.members[0];
+        let mut pairs: Vec<Scored> = Vec::new();
         // Each candidate once, in whichever way it is likeliest: a pair has some of its strengths, or all.
         let mut met = BTreeSet::new();
-        let leading: Vec<&Judged> = singles.iter().filter(|j| met.insert(first(j))).collect();
+        let leading: Vec<&Scored> = singles.iter().filter(|j| met.insert(first(j))).collect();
         for (rank, a) in leading.iter().enumerate().take(PAIRED) {
             for b in &leading[rank + 1..] {
                 let (x, y) = (first(a), first(b));
@@ -123,32 +126,32 @@ impl Court<'_> {
                 }
             }
         }
-        pairs.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        pairs.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         pairs
     }
 
     /// The effect that leaves least of those that differ by nothing and explain something.
-    fn companion<'b>(&self, judged: &'b [Judged]) -> Option<&'b Fitted> {
+    fn companion<'b>(&self, scored: &'b [Scored]) -> Option<&'b Fitted> {
         let most = self.excess - SOME * (self.excess - 1.0);
-        let alone = |j: &&Judged| {
+        let alone = |j: &&Scored| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && self.candidates()[members[0]].differs.is_none() && j.fitted.simulated()
         };
-        let explains = judged.iter().filter(alone).filter(|j| j.excess < most);
+        let explains = scored.iter().filter(alone).filter(|j| j.excess < most);
         explains.min_by(|a, b| a.excess.total_cmp(&b.excess)).map(|j| &j.fitted)
     }
 
     /// What differs by chance and leaves least, of other effects than one beside which no re-fit has it.
-    fn by_chance<'b>(&self, judged: &'b [Judged], other: &Fitted) -> Vec<&'b Fitted> {
+    fn by_chance<'b>(&self, scored: &'b [Scored], other: &Fitted) -> Vec<&'b Fitted> {
         let beside = other.hypothesis.members[0];
-        let fitted = |c: usize| judged.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
-        let alone = |j: &&Judged| {
+        let fitted = |c: usize| scored.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
+        let alone = |j: &&Scored| {
             let [own] = j.fitted.hypothesis.members[..] else { return false };
             let (candidate, beside) = (&self.candidates()[own], &self.candidates()[beside]);
             let differs = candidate.differs.is_some() && candidate.strengths.len() == 1 && j.floor.is_some();
             differs && candidate.effect != beside.effect && !fitted(own)
         };
-        let mut found: Vec<&Judged> = judged.iter().filter(alone).collect();
+        let mut found: Vec<&Scored> = scored.iter().filter(alone).collect();
         found.sort_by(|a, b| a.excess.total_cmp(&b.excess));
         let mut met = BTreeSet::new();
         found.retain(|j| met.insert(j.fitted.hypothesis.members[0]));
@@ -156,14 +159,14 @@ impl Court<'_> {
     }
 
     /// What was fitted before the floors that it makes itself. A pair of which one does nothing is the other one alone.
-    fn before_floors(&self, fitted: Vec<Fitted>, usual: &[Vec<Vec<f64>>]) -> Vec<Judged> {
+    fn before_floors(&self, fitted: Vec<Fitted>, usual: &[Vec<Vec<f64>>]) -> Vec<Scored> {
         let asked = self.worth_a_floor(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
         let mut own = floors(self.simulator, &self.evidence, usual, &self.signatures, &some).into_iter();
         let with = fitted.into_iter().zip(asked);
         let with: Vec<_> = with.map(|(f, asked)| (f, if asked { own.next().flatten() } else { None })).collect();
         let there = with.into_iter().filter(|(fitted, _)| fitted.all_there(&self.signatures));
-        there.map(|(fitted, floor)| self.weigh(fitted, floor)).collect()
+        there.map(|(fitted, floor)| self.score(fitted, floor)).collect()
     }
 
     /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.
@@ -178,14 +181,14 @@ impl Court<'_> {
     }
 
     /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.
-    fn shortlist(&self, singles: Vec<Judged>, pairs: Vec<Judged>) -> (Vec<Judged>, Vec<Judged>) {
+    fn shortlist(&self, singles: Vec<Scored>, pairs: Vec<Scored>) -> (Vec<Scored>, Vec<Scored>) {
         let (mut chosen, mut rest) = (Vec::new(), Vec::new());
         let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
-        let mut all: Vec<Judged> = singles.into_iter().chain(pairs).collect();
-        all.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let mut all: Vec<Scored> = singles.into_iter().chain(pairs).collect();
+        all.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         let mut single = 0;
-        for judged in all {
-            let members = &judged.fitted.hypothesis.members;
+        for scored in all {
+            let members = &scored.fitted.hypothesis.members;
             let mut names: Vec<&str> = members.iter().map(|c| self.candidates()[*c].effect.as_str()).collect();
             names.sort_unstable();
             let alone = members.len() == 1;
@@ -195,12 +198,12 @@ impl Court<'_> {
                 chosen.len() + REFITTED.1.saturating_sub(single) < REFITTED.0
             };
             let known = seen.entry(names).or_default();
-            if room && *known == 0 && judged.fitted.strengths.iter().any(|x| *x != 0.0) {
+            if room && *known == 0 && scored.fitted.strengths.iter().any(|x| *x != 0.0) {
                 *known += 1;
                 single += usize::from(alone);
-                chosen.push(judged);
+                chosen.push(scored);
             } else {
-                rest.push(judged);
+                rest.push(scored);
             }
         }
         (chosen, rest)

@@ -4,7 +4,7 @@
 //! common deviations of honest laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
-use super::judge::MOST_FREEDOM;
+use super::likelihood::MOST_FREEDOM;
 use super::simulator::{Band, Frame, Laps};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -65,7 +65,7 @@ impl Evidence {
         let (weights, honest, common) = factors(frame, &rows, laps);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
-        // Mean squares weigh features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
+        // Mean squares score features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
         let strict = (n as f64 / MOST_FREEDOM).max(1.0).sqrt();
         let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
             of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
@@ -117,12 +117,12 @@ impl Evidence {
         out.laps = honest.iter().map(|lap| out.projected(lap)).collect();
         out.built = frame.built.iter().map(|change| out.column(change)).collect();
         out.usual = usual.iter().map(|change| out.projected(change)).collect();
-        out.judge();
+        out.find_repeatability();
         out
     }
 
     /// How honest laps' mean squares scatter, with what is usual beside.
-    fn judge(&mut self) {
+    fn find_repeatability(&mut self) {
         let n = self.rows.len().max(1) as f64;
         let mut squares: Vec<f64> = self.laps.iter().map(|lap| lap.norm_squared() / n).collect();
         let built = self.usual.iter().map(|change| change.norm_squared() / n).sum::<f64>();

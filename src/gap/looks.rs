@@ -1,6 +1,6 @@
 //! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion to their strengths.
 
-use super::court::{Court, Judged};
+use super::comparison::{Comparison, Scored};
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Candidate;
 use super::tune::Tuner;
@@ -29,7 +29,7 @@ pub const UNSETTLED: f64 = 1.25;
 const NEAR: std::ops::Range<f64> = 0.6..1.6;
 const NEAR_SENSOR: std::ops::Range<f64> = 0.9..1.1;
 
-impl Court<'_> {
+impl Comparison<'_> {
     /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at what is beside it.
     pub fn look(&mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) {
         self.tune();
@@ -77,7 +77,7 @@ impl Court<'_> {
 
     /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and at the places
     /// beside. Where another hypothesis leads, in what that one leaves.
-    fn look_closer(&mut self, leader: Option<&Judged>, tell: &mut dyn FnMut(usize, usize)) {
+    fn look_closer(&mut self, leader: Option<&Scored>, tell: &mut dyn FnMut(usize, usize)) {
         let mut trials: Vec<Trial> = Vec::new();
         // Each strength of an effect where it fits best.
         let mut seen: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
@@ -92,8 +92,8 @@ impl Court<'_> {
         };
         // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too small.
         let rivals = leader.map(|_| self.leading()).unwrap_or_default();
-        for judged in looked_at.iter().filter(|j| before - j.excess > worth) {
-            let Fitted { hypothesis, strengths, .. } = &judged.fitted;
+        for scored in looked_at.iter().filter(|j| before - j.excess > worth) {
+            let Fitted { hypothesis, strengths, .. } = &scored.fitted;
             let (Some(own), Some(size)) = (hypothesis.signatures.last(), strengths.last()) else { continue };
             let signature = &self.signatures[*own];
             let candidate = &candidates[signature.candidate];
@@ -124,24 +124,24 @@ impl Court<'_> {
     }
 
     /// A single effect that explains most of the gap, where it leaves something.
-    fn leader(&self) -> Option<Judged> {
+    fn leader(&self) -> Option<Scored> {
         self.singles().into_iter().next().filter(|j| j.excess > UNSETTLED && self.leads(j))
     }
 
     /// Whether it explains most of the gap.
-    pub fn leads(&self, judged: &Judged) -> bool {
-        judged.excess - 1.0 < LEADS * (self.excess - 1.0)
+    pub fn leads(&self, scored: &Scored) -> bool {
+        scored.excess - 1.0 < LEADS * (self.excess - 1.0)
     }
 
     /// Effects of which one alone leads.
     fn leading(&self) -> BTreeSet<String> {
-        let effect = |j: Judged| self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect.clone();
+        let effect = |j: Scored| self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect.clone();
         self.singles().into_iter().filter(|j| self.leads(j)).map(effect).collect()
     }
 
     /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves asks for; but not of those
     /// that may lead in its stead.
-    fn screen_beside(&mut self, leader: &Judged, tell: &mut dyn FnMut(usize, usize)) {
+    fn screen_beside(&mut self, leader: &Scored, tell: &mut dyn FnMut(usize, usize)) {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
         let lead = self.leading();
         let others = |c: usize| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
@@ -154,17 +154,17 @@ impl Court<'_> {
     }
 
     /// Other effects beside one, the likeliest first.
-    fn beside(&self, leader: &Judged, others: impl Iterator<Item = Judged>) -> Vec<Judged> {
-        let effect = |j: &Judged| &self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect;
+    fn beside(&self, leader: &Scored, others: impl Iterator<Item = Scored>) -> Vec<Scored> {
+        let effect = |j: &Scored| &self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect;
         let others = others.filter(|j| effect(j) != effect(leader));
-        let mut both: Vec<Judged> =
+        let mut both: Vec<Scored> =
             others.map(|j| self.screened(leader.fitted.hypothesis.with(&j.fitted.hypothesis))).collect();
-        both.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        both.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         both
     }
 
     /// The same effects with the other sign, where they strike at a place: up and down look nearly alike until they are simulated.
-    pub fn turned(&mut self, chosen: &[Judged]) -> Vec<Fitted> {
+    pub fn turned(&mut self, chosen: &[Scored]) -> Vec<Fitted> {
         let candidates = self.simulator.candidates();
         let strikes = |signature: &Signature| {
             let places = candidates.iter().any(|c| c.beside == Some(signature.candidate));

@@ -1,6 +1,6 @@
 //! What is drawn: of the channels that have most of the gap, the kind of deviation that has most of it, in the run that is off most.
 
-use super::court::{Court, Judged};
+use super::comparison::{Comparison, Scored};
 use super::diagnosis::{Overlay, Place, ranked};
 use super::simulator::{Band, Frame};
 use super::words;
@@ -12,18 +12,18 @@ use std::collections::BTreeMap;
 const DRAWN: usize = 4;
 
 /// The first channels of where the gap lies.
-pub fn overlays(court: &Court, shown: Option<&Judged>, places: &[Place]) -> Vec<Overlay> {
+pub fn overlays(comparison: &Comparison, shown: Option<&Scored>, places: &[Place]) -> Vec<Overlay> {
     let channels = ranked(places).into_iter();
-    channels.filter_map(|(channel, _)| overlay(court, shown, places, &channel)).take(DRAWN).collect()
+    channels.filter_map(|(channel, _)| overlay(comparison, shown, places, &channel)).take(DRAWN).collect()
 }
 
-fn overlay(court: &Court, shown: Option<&Judged>, places: &[Place], channel: &str) -> Option<Overlay> {
-    let frames = court.simulator.frames();
+fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[Place], channel: &str) -> Option<Overlay> {
+    let frames = comparison.simulator.frames();
     let band = band(frames, places, channel)?;
-    let run = worst(court, channel, band)?;
+    let run = worst(comparison, channel, band)?;
     let frame = &frames[run];
     let rows = rows(frame, channel, band);
-    let steps = DVector::from_vec(court.evidence[run].steps(&vec![0.0; frame.nominal.len()]));
+    let steps = DVector::from_vec(comparison.evidence[run].steps(&vec![0.0; frame.nominal.len()]));
     let shift = &frame.slopes * steps;
     let after = shown.and_then(|j| j.fitted.features.as_ref()).map(|f| &f[run]);
     let pick = |x: &dyn Fn(usize) -> f64| rows.iter().map(|k| tidy(x(*k))).collect::<Vec<f64>>();
@@ -58,13 +58,13 @@ fn band(frames: &[Frame], places: &[Place], channel: &str) -> Option<Band> {
 }
 
 /// The run in which it is off most.
-fn worst(court: &Court, channel: &str, band: Band) -> Option<usize> {
+fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<usize> {
     let off = |run: usize| {
-        let (evidence, labels) = (&court.evidence[run], &court.simulator.frames()[run].labels);
+        let (evidence, labels) = (&comparison.evidence[run], &comparison.simulator.frames()[run].labels);
         let own = |k: usize| labels[k].channel == channel && labels[k].band == band;
         evidence.each(&evidence.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
     };
-    (0..court.evidence.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
+    (0..comparison.evidence.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
 }
 
 /// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the short ones.

@@ -137,8 +137,8 @@ pub fn hold(text: &str, found: &Diagnosis) -> Result<(), String> {
     let over = found.runs.iter().any(|run| run.before > run.honest_high);
     let left = found.runs.iter().any(|run| run.after > run.honest_high);
     let sure = |f: &&Finding| f.strength.is_empty() || f.strength.values().any(|a| a.low > 0.0 || a.high < 0.0);
-    let judged = !matches!(found.verdict, Verdict::None | Verdict::Unknown);
-    let shown = found.effects.iter().filter(|f| judged && found.shown.contains(&f.name)).filter(sure);
+    let scored = !matches!(found.verdict, Verdict::None | Verdict::Unknown);
+    let shown = found.effects.iter().filter(|f| scored && found.shown.contains(&f.name)).filter(sure);
     let named: Vec<&Finding> = shown.collect();
     let says = |words: &str| text.contains(words);
     if (says("There is a gap") || says("A gap that") || says("where the gap lies") || says("Where the gap lies"))
@@ -150,7 +150,7 @@ pub fn hold(text: &str, found: &Diagnosis) -> Result<(), String> {
         return wrong("no gap, but a run is over its limit or the verdict is another");
     }
     if (says("explains the gap") || says("explain the gap"))
-        && !(over && !left && found.gap_closed > Some(0.0) && judged)
+        && !(over && !left && found.gap_closed > Some(0.0) && scored)
     {
         return wrong("explained, but a run is left over its limit, nothing is closed or nothing is named");
     }

@@ -1,10 +1,10 @@
-//! The judged hypotheses as a diagnosis: probabilities, closures on runs left out, places, words.
+//! The scored hypotheses as a diagnosis: probabilities, closures on runs left out, places, words.
 
 use super::amounts::amounts;
-use super::court::{Court, Judged};
+use super::comparison::{Comparison, Scored};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, Group, Lost, Place, RunGap, Verdict};
 use super::evidence::Evidence;
-use super::judge;
+use super::likelihood;
 use super::looks::UNSETTLED;
 use super::overlays::overlays;
 use super::screen::explain;
@@ -16,7 +16,7 @@ use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Effects whose signatures are so nearly parallel are not told apart, unless the logarithms of their weights differ by this much (a factor
+/// Effects whose signatures are so nearly parallel are not told apart, unless the logarithms of their log_posteriors differ by this much (a factor
 /// of 20: strong evidence, Kass and Raftery 1995).
 const PARALLEL: f64 = 0.92;
 const APART: f64 = 3.0;
@@ -30,13 +30,13 @@ const HARDLY: f64 = 1.0;
 const PLACES: usize = 24;
 
 /// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is the other one alone.
-pub fn report(court: &mut Court, lost: Vec<Lost>) -> Diagnosis {
-    let untested = court.untested();
+pub fn report(comparison: &mut Comparison, lost: Vec<Lost>) -> Diagnosis {
+    let untested = comparison.untested();
     loop {
-        let chosen = choose(court, &untested);
+        let chosen = choose(comparison, &untested);
         match chosen.absent {
-            Some(at) => drop(court.judged.remove(at)),
-            None => return told(court, &chosen, &untested, lost),
+            Some(at) => drop(comparison.scored.remove(at)),
+            None => return told(comparison, &chosen, &untested, lost),
         }
     }
 }
@@ -47,58 +47,62 @@ struct Choice {
     /// Of no gap, something unknown, each hypothesis, and each effect that was not tested.
     none: f64,
     unknown: f64,
-    judged: Vec<f64>,
+    scored: Vec<f64>,
     untested: Vec<f64>,
     /// The hypothesis that is shown, and one that is none, as a member of it may be absent.
     shown: Option<usize>,
     absent: Option<usize>,
 }
 
-fn choose(court: &Court, untested: &[Untested]) -> Choice {
-    let logs = [trig::ln(judge::NONE) + judge::likelihood(court.excess, court.freedom), court.unknown];
-    let weights: Vec<f64> = logs.into_iter().chain(once(court)).chain(untested.iter().map(|u| u.weight)).collect();
-    let probability = judge::normalised(&weights);
+fn choose(comparison: &Comparison, untested: &[Untested]) -> Choice {
+    let logs = [
+        trig::ln(likelihood::NONE) + likelihood::likelihood(comparison.excess, comparison.freedom),
+        comparison.unknown,
+    ];
+    let log_posteriors: Vec<f64> =
+        logs.into_iter().chain(once(comparison)).chain(untested.iter().map(|u| u.log_posterior)).collect();
+    let probability = likelihood::normalised(&log_posteriors);
     let (none, unknown) = (probability[0], probability[1]);
-    let (judged, untested) = probability[2..].split_at(court.judged.len());
-    let count = |j: &Judged| j.fitted.hypothesis.members.len();
+    let (scored, untested) = probability[2..].split_at(comparison.scored.len());
+    let count = |j: &Scored| j.fitted.hypothesis.members.len();
     let of = |members: usize| -> f64 {
-        court.judged.iter().zip(judged).filter(|(j, _)| count(j) == members).map(|(_, p)| p).sum()
+        comparison.scored.iter().zip(scored).filter(|(j, _)| count(j) == members).map(|(_, p)| p).sum()
     };
     let (alone, pair) = (of(1), of(2));
     let best = |members: usize| {
-        let first = court.judged.iter().position(|j| count(j) == members)?;
-        Some((first, as_fitted(court, first)))
+        let first = comparison.scored.iter().position(|j| count(j) == members)?;
+        Some((first, as_fitted(comparison, first)))
     };
-    let candidates = court.candidates();
+    let candidates = comparison.candidates();
     let (verdict, chosen) = match [none, unknown, alone, pair] {
         [n, u, a, p] if n >= u && n >= a && n >= p => (Verdict::None, best(1)),
         [_, u, a, p] if u >= a && u >= p => (Verdict::Unknown, best(1)),
         [_, _, a, p] if p > a => (Verdict::Pair, best(2)),
         _ => {
-            let first = best(1).map(|(_, k)| court.judged[k].fitted.hypothesis.members[0]);
+            let first = best(1).map(|(_, k)| comparison.scored[k].fitted.hypothesis.members[0]);
             let sensor = first.is_some_and(|c| candidates[c].sensor);
             (if sensor { Verdict::Sensor } else { Verdict::Effect }, best(1))
         }
     };
     let named = chosen.filter(|_| !matches!(verdict, Verdict::None | Verdict::Unknown));
-    let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(court, *k)));
-    let (judged, untested) = (judged.to_vec(), untested.to_vec());
-    Choice { verdict, none, unknown, judged, untested, shown: chosen.map(|(_, k)| k), absent }
+    let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(comparison, *k)));
+    let (scored, untested) = (scored.to_vec(), untested.to_vec());
+    Choice { verdict, none, unknown, scored, untested, shown: chosen.map(|(_, k)| k), absent }
 }
 
 /// Whether a member of a hypothesis may be absent: the intervals of all its strengths hold 0.
-fn may_lack(court: &Court, judged: usize) -> bool {
-    let judged = &court.judged[judged];
-    let names = judged.fitted.hypothesis.members.iter().map(|c| court.candidates()[*c].effect.as_str());
-    let mut each = names.map(|name| amounts(court, whole(court, judged), name));
+fn may_lack(comparison: &Comparison, scored: usize) -> bool {
+    let scored = &comparison.scored[scored];
+    let names = scored.fitted.hypothesis.members.iter().map(|c| comparison.candidates()[*c].effect.as_str());
+    let mut each = names.map(|name| amounts(comparison, whole(comparison, scored), name));
     each.any(|own| !own.is_empty() && own.values().all(Amount::may_be_zero))
 }
 
-fn told(court: &Court, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) -> Diagnosis {
-    let candidates = court.candidates();
-    let chosen = choice.shown.map(|k| &court.judged[k]);
-    let of = |wanted: &dyn Fn(&Judged) -> bool| -> f64 {
-        court.judged.iter().zip(&choice.judged).filter(|(j, _)| wanted(j)).map(|(_, p)| p).sum()
+fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) -> Diagnosis {
+    let candidates = comparison.candidates();
+    let chosen = choice.shown.map(|k| &comparison.scored[k]);
+    let of = |wanted: &dyn Fn(&Scored) -> bool| -> f64 {
+        comparison.scored.iter().zip(&choice.scored).filter(|(j, _)| wanted(j)).map(|(_, p)| p).sum()
     };
     let never = |name: &str| -> f64 {
         let own = untested.iter().zip(&choice.untested).filter(|(u, _)| candidates[u.candidate].effect == name);
@@ -108,12 +112,13 @@ fn told(court: &Court, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) 
     let mut effects: Vec<Finding> = names
         .into_iter()
         .map(|name| {
-            let has = |j: &Judged| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
+            let has = |j: &Scored| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
             // What the effect does alone, unless the verdict has it beside another one.
-            let alone = |j: &Judged| has(j) && j.fitted.hypothesis.members.len() == 1;
-            let alone = || court.judged.iter().position(alone).map(|k| &court.judged[as_fitted(court, k)]);
+            let alone = |j: &Scored| has(j) && j.fitted.hypothesis.members.len() == 1;
+            let alone =
+                || comparison.scored.iter().position(alone).map(|k| &comparison.scored[as_fitted(comparison, k)]);
             let told = chosen.filter(|j| has(j)).or_else(alone);
-            let mut finding = finding(court, name, told);
+            let mut finding = finding(comparison, name, told);
             finding.untested_probability = tidy(never(name));
             finding.probability = tidy(of(&has) + never(name));
             finding
@@ -121,11 +126,11 @@ fn told(court: &Court, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) 
         .collect();
     // Of effects that are equally sure, the one that closes more alone comes first.
     let alone = |f: &Finding| {
-        let has = |j: &&Judged| {
+        let has = |j: &&Scored| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && candidates[members[0]].effect == f.name
         };
-        court.judged.iter().find(has).map_or(f64::INFINITY, |j| j.excess)
+        comparison.scored.iter().find(has).map_or(f64::INFINITY, |j| j.excess)
     };
     let sure = |f: &Finding| (20.0 * f.probability).round();
     effects.sort_by(|a, b| {
@@ -136,30 +141,30 @@ fn told(court: &Court, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) 
         });
         by.then(b.probability.total_cmp(&a.probability))
     });
-    let groups = groups(court, &mut effects);
+    let groups = groups(comparison, &mut effects);
     let verdict = choice.verdict;
     let shown = chosen.filter(|_| !matches!(verdict, Verdict::None));
-    let axis = court.simulator.axis();
-    let runs = runs(court, shown);
+    let axis = comparison.simulator.axis();
+    let runs = runs(comparison, shown);
     let gap = runs.iter().any(RunGap::over);
-    let closed = shown.filter(|_| gap).and_then(|j| closed(court, j, false));
-    let places = places(court, shown.filter(|_| verdict != Verdict::Unknown), axis);
+    let closed = shown.filter(|_| gap).and_then(|j| closed(comparison, j, false));
+    let places = places(comparison, shown.filter(|_| verdict != Verdict::Unknown), axis);
     let with = shown.map_or(&[][..], |j| &j.fitted.hypothesis.members);
     let mut out = Diagnosis {
         verdict,
         summary: String::new(),
         shown: with.iter().map(|c| candidates[*c].effect.clone()).collect(),
-        overlays: overlays(court, shown, &places),
-        places: if court.excess > 1.0 { places } else { Vec::new() },
+        overlays: overlays(comparison, shown, &places),
+        places: if comparison.excess > 1.0 { places } else { Vec::new() },
         unknown_probability: tidy(choice.unknown),
         none_probability: tidy(choice.none),
         untested_probability: tidy(choice.untested.iter().sum()),
-        floor: floor(court.simulator.frames()),
+        floor: floor(comparison.simulator.frames()),
         next_experiment: String::new(),
         groups,
-        gap_closed_black_box: black_box(court).filter(|_| gap).map(tidy),
+        gap_closed_black_box: black_box(comparison).filter(|_| gap).map(tidy),
         gap_closed: closed.map(tidy),
-        gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(court, j)),
+        gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(comparison, j)),
         runs,
         lost,
         axis,
@@ -170,7 +175,7 @@ fn told(court: &Court, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) 
     out
 }
 
-fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
+fn finding(comparison: &Comparison, name: &str, best: Option<&Scored>) -> Finding {
     let mut out = Finding {
         name: name.to_owned(),
         group: name.to_owned(),
@@ -182,79 +187,80 @@ fn finding(court: &Court, name: &str, best: Option<&Judged>) -> Finding {
         place: String::new(),
         fixed: BTreeMap::new(),
     };
-    let Some(judged) = best else { return out };
+    let Some(scored) = best else { return out };
     // Strengths are told with those beside them that may be there, too.
-    out.strength = amounts(court, whole(court, judged), name);
-    let own = |c: &&usize| court.candidates()[**c].effect == name;
-    if let Some(candidate) = judged.fitted.hypothesis.members.iter().find(own) {
-        let candidate = &court.candidates()[*candidate];
+    out.strength = amounts(comparison, whole(comparison, scored), name);
+    let own = |c: &&usize| comparison.candidates()[**c].effect == name;
+    if let Some(candidate) = scored.fitted.hypothesis.members.iter().find(own) {
+        let candidate = &comparison.candidates()[*candidate];
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    let gap = (0..court.evidence.len()).any(|run| over(court, run));
-    if gap && judged.fitted.features.is_some() {
-        out.gap_closed = closed(court, judged, false).map(tidy);
-        out.gap_closed_placebo = closed(court, judged, true).map(tidy);
+    let gap = (0..comparison.evidence.len()).any(|run| over(comparison, run));
+    if gap && scored.fitted.features.is_some() {
+        out.gap_closed = closed(comparison, scored, false).map(tidy);
+        out.gap_closed_placebo = closed(comparison, scored, true).map(tidy);
     }
     out
 }
 
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
-fn as_fitted(court: &Court, first: usize) -> usize {
-    let judged = &court.judged[first];
-    let likely = |(_, j): &(usize, &Judged)| judged.weight - j.weight < HARDLY;
-    let mut fitted = court.judged.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
-    fitted.find(|(_, j)| sites(court, j) == sites(court, judged)).map_or(first, |(k, _)| k)
+fn as_fitted(comparison: &Comparison, first: usize) -> usize {
+    let scored = &comparison.scored[first];
+    let likely = |(_, j): &(usize, &Scored)| scored.log_posterior - j.log_posterior < HARDLY;
+    let mut fitted = comparison.scored.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
+    fitted.find(|(_, j)| sites(comparison, j) == sites(comparison, scored)).map_or(first, |(k, _)| k)
 }
 
 /// Where a hypothesis' effects are.
-fn sites(court: &Court, judged: &Judged) -> BTreeSet<usize> {
-    judged.fitted.hypothesis.members.iter().map(|c| court.place(*c)).collect()
+fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<usize> {
+    scored.fitted.hypothesis.members.iter().map(|c| comparison.place(*c)).collect()
 }
 
-/// Logarithms of the hypotheses' weights. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
+/// Logarithms of the hypotheses' log_posteriors. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
 /// many strengths is no likelier before the runs than one with few.
-fn once(court: &Court) -> Vec<f64> {
+fn once(comparison: &Comparison) -> Vec<f64> {
     let mut met = BTreeSet::new();
-    let weight = |j: &Judged| if met.insert(sites(court, j)) { j.weight } else { f64::NEG_INFINITY };
-    court.judged.iter().map(weight).collect()
+    let log_posterior = |j: &Scored| if met.insert(sites(comparison, j)) { j.log_posterior } else { f64::NEG_INFINITY };
+    comparison.scored.iter().map(log_posterior).collect()
 }
 
 /// The same effects with more of their strengths, where that is not much less likely.
-fn whole<'a>(court: &'a Court, judged: &'a Judged) -> &'a Judged {
-    let one = &judged.fitted.hypothesis;
-    let more = |j: &&Judged| {
+fn whole<'a>(comparison: &'a Comparison, scored: &'a Scored) -> &'a Scored {
+    let one = &scored.fitted.hypothesis;
+    let more = |j: &&Scored| {
         let other = &j.fitted.hypothesis;
         other.members == one.members && other.signatures.len() > one.signatures.len()
     };
-    court.judged.iter().find(more).filter(|j| judged.weight - j.weight < NOT_MUCH).unwrap_or(judged)
+    comparison.scored.iter().find(more).filter(|j| scored.log_posterior - j.log_posterior < NOT_MUCH).unwrap_or(scored)
 }
 
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
-fn closed(court: &Court, judged: &Judged, placebo: bool) -> Option<f64> {
-    let after = left_out(court, judged, placebo)?;
-    share(&court.evidence, |run| judged.excess_of(court, run, &after[run]))
+fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64> {
+    let after = left_out(comparison, scored, placebo)?;
+    share(&comparison.evidence, |run| scored.excess_of(comparison, run, &after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
-fn left_out(court: &Court, judged: &Judged, placebo: bool) -> Option<Vec<DVector<f64>>> {
-    let evidence = judged.evidence(court);
+fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<Vec<DVector<f64>>> {
+    let evidence = scored.evidence(comparison);
     let runs = evidence.len();
     if runs < 2 {
         return None;
     }
-    let fitted = &judged.fitted;
-    let candidates = court.candidates();
-    let bounds = fitted.hypothesis.bounds(candidates, &court.signatures);
+    let fitted = &scored.fitted;
+    let candidates = comparison.candidates();
+    let bounds = fitted.hypothesis.bounds(candidates, &comparison.signatures);
     let (residuals, columns, bounds) = match placebo {
         false => {
             let moved = bounds.iter().zip(&fitted.strengths).map(|((low, high), x)| (low - x, high - x));
-            (judged.residuals().to_vec(), judged.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
+            (scored.residuals().to_vec(), scored.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
         }
         true => {
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
-                let change = &court.signatures[*k].change;
-                let moved = |run: usize| evidence[run].column(&moved(&court.simulator.frames()[run], &change[run]));
+                let change = &comparison.signatures[*k].change;
+                let moved =
+                    |run: usize| evidence[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
                 (0..runs).map(moved).collect()
             });
             let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
@@ -291,8 +297,8 @@ fn moved(frame: &Frame, change: &[f64]) -> Vec<f64> {
 }
 
 /// What a model of residuals that names nothing closes: the other runs' mean residual, feature by feature.
-fn black_box(court: &Court) -> Option<f64> {
-    let frames = court.simulator.frames();
+fn black_box(comparison: &Comparison) -> Option<f64> {
+    let frames = comparison.simulator.frames();
     let same = frames.windows(2).all(|w| w[0].labels == w[1].labels);
     if frames.len() < 2 || !same {
         return None;
@@ -306,18 +312,18 @@ fn black_box(court: &Court) -> Option<f64> {
                 known.iter().sum::<f64>() / known.len().max(1) as f64
             })
             .collect();
-        let evidence = &court.evidence[run];
+        let evidence = &comparison.evidence[run];
         evidence.excess(&(&evidence.residual - evidence.column(&mean)))
     };
-    share(&court.evidence, after)
+    share(&comparison.evidence, after)
 }
 
 /// Excess of each channel before, and what the hypothesis closes of it on runs left out.
-fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
-    let Some(after) = left_out(court, judged, false) else { return BTreeMap::new() };
+fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64> {
+    let Some(after) = left_out(comparison, scored, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
-    for (run, frame) in court.simulator.frames().iter().enumerate() {
-        let evidence = &judged.evidence(court)[run];
+    for (run, frame) in comparison.simulator.frames().iter().enumerate() {
+        let evidence = &scored.evidence(comparison)[run];
         for ((k, x), (_, y)) in evidence.each(&evidence.residual).zip(evidence.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
             *sum = [sum[0] + x * x / evidence.honest, sum[1] + y * y / evidence.honest, sum[2] + 1.0];
@@ -330,11 +336,11 @@ fn by_channel(court: &Court, judged: &Judged) -> BTreeMap<String, f64> {
 /// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is over the floor.
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
-fn places(court: &Court, shown: Option<&Judged>, axis: Axis) -> Vec<Place> {
+fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Place> {
     let mut excess: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
-    for (run, frame) in court.simulator.frames().iter().enumerate() {
-        let evidence = &shown.map_or(&court.evidence[..], |j| j.evidence(court))[run];
+    for (run, frame) in comparison.simulator.frames().iter().enumerate() {
+        let evidence = &shown.map_or(&comparison.evidence[..], |j| j.evidence(comparison))[run];
         let residual = match shown {
             Some(j) => &j.residuals()[run] + evidence.long(&j.fitted.changes[run]),
             None => evidence.residual.clone(),
@@ -392,31 +398,31 @@ fn floor(frames: &[Frame]) -> BTreeMap<String, f64> {
 }
 
 /// Whether a run is farther off than 95 % of repeated measurements.
-fn over(court: &Court, run: usize) -> bool {
-    let evidence = &court.evidence[run];
+fn over(comparison: &Comparison, run: usize) -> bool {
+    let evidence = &comparison.evidence[run];
     evidence.excess(&evidence.residual) > evidence.honest_high / evidence.honest
 }
 
-fn runs(court: &Court, shown: Option<&Judged>) -> Vec<RunGap> {
+fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
     let gap = |(run, frame): (usize, &Frame)| {
-        let evidence = &court.evidence[run];
+        let evidence = &comparison.evidence[run];
         let before = evidence.excess(&evidence.residual);
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| j.excess_of(court, run, &j.residuals()[run]))),
+            after: tidy(shown.map_or(before, |j| j.excess_of(comparison, run, &j.residuals()[run]))),
             honest: 1.0,
             honest_high: tidy(evidence.honest_high / evidence.honest),
         }
     };
-    court.simulator.frames().iter().enumerate().map(gap).collect()
+    comparison.simulator.frames().iter().enumerate().map(gap).collect()
 }
 
-/// Effects that cannot be told apart: their weights are alike, and their signatures are parallel or both leave nothing to choose by.
-fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
-    let candidates = court.candidates();
+/// Effects that cannot be told apart: their log_posteriors are alike, and their signatures are parallel or both leave nothing to choose by.
+fn groups(comparison: &Comparison, effects: &mut [Finding]) -> Vec<Group> {
+    let candidates = comparison.candidates();
     let single = |name: &str| {
-        court.judged.iter().find(|j| {
+        comparison.scored.iter().find(|j| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && candidates[members[0]].effect == name
         })
@@ -426,19 +432,19 @@ fn groups(court: &Court, effects: &mut [Finding]) -> Vec<Group> {
     for i in 0..effects.len().min(8) {
         let Some(own) = single(&effects[i].name) else { continue };
         let likely = effects[i].probability > 0.05;
-        let explains = |j: &Judged| j.excess < 0.5 * (court.excess + 1.0);
+        let explains = |j: &Scored| j.excess < 0.5 * (comparison.excess + 1.0);
         if !likely || effects[i].may_be_absent() || grouped.contains(&effects[i].name) || !explains(own) {
             continue;
         }
         let mut members = vec![effects[i].name.clone()];
         for other in effects.iter().skip(i + 1) {
-            let Some(judged) = single(&other.name) else { continue };
-            let near = (own.weight - judged.weight).abs() < APART;
+            let Some(scored) = single(&other.name) else { continue };
+            let near = (own.log_posterior - scored.log_posterior).abs() < APART;
             if other.may_be_absent() {
                 continue;
             }
-            let settled = explains(judged) && own.excess.max(judged.excess) < UNSETTLED;
-            if near && (settled || alike(&own.fitted.direction(), &judged.fitted.direction()) > PARALLEL) {
+            let settled = explains(scored) && own.excess.max(scored.excess) < UNSETTLED;
+            if near && (settled || alike(&own.fitted.direction(), &scored.fitted.direction()) > PARALLEL) {
                 members.push(other.name.clone());
             }
         }

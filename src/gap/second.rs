@@ -1,7 +1,7 @@
 //! A second effect beside the best one, looked for in what that one leaves where it was really fitted. What its signature leaves may be several
 //! times as much, in which a second one drowns.
 
-use super::court::{Court, Judged};
+use super::comparison::{Comparison, Scored};
 use super::screen::explain;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::BTreeSet;
@@ -9,20 +9,20 @@ use std::collections::BTreeSet;
 /// So many are really fitted.
 const SECONDS: usize = 3;
 
-impl Court<'_> {
+impl Comparison<'_> {
     /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it that no re-fit has there.
-    pub fn seconds(&self, judged: &[Judged]) -> Vec<Fitted> {
-        let alone = |j: &&Judged| j.fitted.hypothesis.members.len() == 1 && j.fitted.simulated() && self.leads(j);
-        let first = judged.iter().filter(alone).min_by(|a, b| a.excess.total_cmp(&b.excess));
-        let Some(Judged { fitted: first, .. }) = first else { return Vec::new() };
+    pub fn seconds(&self, scored: &[Scored]) -> Vec<Fitted> {
+        let alone = |j: &&Scored| j.fitted.hypothesis.members.len() == 1 && j.fitted.simulated() && self.leads(j);
+        let first = scored.iter().filter(alone).min_by(|a, b| a.excess.total_cmp(&b.excess));
+        let Some(Scored { fitted: first, .. }) = first else { return Vec::new() };
         let names = |h: &Hypothesis| -> BTreeSet<&str> {
             h.members.iter().map(|c| self.candidates()[*c].effect.as_str()).collect()
         };
-        let simulated = judged.iter().filter(|j| j.fitted.simulated());
+        let simulated = scored.iter().filter(|j| j.fitted.simulated());
         let mut met: BTreeSet<BTreeSet<&str>> = simulated.map(|j| names(&j.fitted.hypothesis)).collect();
-        let both = self.singles().into_iter().map(|j| self.weigh(self.joined(first, &j.fitted.hypothesis), None));
-        let mut both: Vec<Judged> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
-        both.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let both = self.singles().into_iter().map(|j| self.score(self.joined(first, &j.fitted.hypothesis), None));
+        let mut both: Vec<Scored> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
+        both.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
         both.into_iter().take(SECONDS).map(|j| j.fitted).collect()
     }

@@ -27,13 +27,13 @@ const DIFFERS: f64 = 0.2;
 
 /// What a direction finds in residuals of all runs: how far they lie along it, and what scatters along it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Score {
+pub struct ScoreTest {
     pub along: f64,
     pub deviation: f64,
 }
 
-impl Score {
-    pub fn new(evidence: &[Evidence], residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> Score {
+impl ScoreTest {
+    pub fn new(evidence: &[Evidence], residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> ScoreTest {
         let (mut along, mut variance) = (0.0, 0.0);
         // A chain is built once for all runs.
         let mut built: [Vec<f64>; 2] = Default::default();
@@ -56,13 +56,13 @@ impl Score {
         }
         let [drawn, usual] = &built;
         variance += squares(drawn) / drawn.len().max(1) as f64 + squares(usual);
-        Score { along, deviation: (variance * disagreement(&runs)).sqrt() }
+        ScoreTest { along, deviation: (variance * disagreement(&runs)).sqrt() }
     }
 
     /// With more that scatters along it.
-    pub fn beside(self, others: impl IntoIterator<Item = f64>) -> Score {
+    pub fn beside(self, others: impl IntoIterator<Item = f64>) -> ScoreTest {
         let variance = others.into_iter().map(|x| x * x).sum::<f64>() + self.deviation * self.deviation;
-        Score { deviation: variance.sqrt(), ..self }
+        ScoreTest { deviation: variance.sqrt(), ..self }
     }
 
     /// So many deviations.
@@ -144,7 +144,7 @@ mod tests {
         let evidence = [Evidence::new(&frame(size, seed), usual)];
         let residual = [evidence[0].residual.clone()];
         let direction = [evidence[0].column(&ramp())];
-        Score::new(&evidence, &residual, &direction).z()
+        ScoreTest::new(&evidence, &residual, &direction).z()
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
             let evidence: Vec<Evidence> = runs.map(|(size, seed)| Evidence::new(&frame(*size, seed), &[])).collect();
             let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
             let direction: Vec<DVector<f64>> = evidence.iter().map(|e| e.column(&ramp())).collect();
-            Score::new(&evidence, &residuals, &direction).z()
+            ScoreTest::new(&evidence, &residuals, &direction).z()
         };
         let (agreed, alone) = (score([1.0; 3]), score([3.0, 0.0, 0.0]));
         assert!(agreed > 15.0 && alone < 0.3 * agreed, "{agreed} and {alone}");

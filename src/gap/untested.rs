@@ -2,11 +2,11 @@
 //! best of what was compared, so that nobody inherits its share.
 //!
 //! With ln p its prior, m the number of its strengths and ln L the largest log likelihood of all that was compared (effects, no gap,
-//! something unknown), its weight is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
+//! something unknown), its log_posterior is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
 //! against that of the untested one: one half, where both are single effects with one place and one strength.
 
-use super::court::Court;
-use super::judge;
+use super::comparison::Comparison;
+use super::likelihood;
 use crate::base::trig;
 use crate::gap::hypothesis::Hypothesis;
 use std::collections::BTreeMap;
@@ -15,12 +15,12 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Untested {
     pub candidate: usize,
-    /// Logarithm of its weight.
-    pub weight: f64,
+    /// Logarithm of its log_posterior.
+    pub log_posterior: f64,
 }
 
-impl Court<'_> {
-    /// Candidates with strengths that have no signature, once all others are scored.
+impl Comparison<'_> {
+    /// Candidates with strengths that have no signature, once all others are by_signature.
     pub fn untested(&self) -> Vec<Untested> {
         let mut known: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for signature in &self.signatures {
@@ -38,20 +38,21 @@ impl Court<'_> {
         let best = self.best_likelihood();
         let weighed = |(candidate, strengths): (usize, usize)| {
             let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
-            let weight = self.prior(&alone) + best - judge::cost(strengths as f64, self.freedom);
-            Untested { candidate, weight }
+            let log_posterior = self.prior(&alone) + best - likelihood::cost(strengths as f64, self.freedom);
+            Untested { candidate, log_posterior }
         };
         lacking.into_iter().map(weighed).collect()
     }
 
     /// The largest log likelihood of all that was compared with the runs.
     fn best_likelihood(&self) -> f64 {
-        let none = judge::likelihood(self.excess, self.freedom);
-        let unknown = self.unknown - trig::ln(judge::UNKNOWN) + judge::cost(judge::UNKNOWN_STRENGTHS, self.freedom);
-        let scored = self.judged.iter().map(|j| {
+        let none = likelihood::likelihood(self.excess, self.freedom);
+        let unknown = self.unknown - trig::ln(likelihood::UNKNOWN)
+            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.freedom);
+        let by_signature = self.scored.iter().map(|j| {
             let strengths = j.fitted.strengths.len() as f64;
-            j.weight - self.prior(&j.fitted.hypothesis) + judge::cost(strengths, self.freedom)
+            j.log_posterior - self.prior(&j.fitted.hypothesis) + likelihood::cost(strengths, self.freedom)
         });
-        scored.fold(none.max(unknown), f64::max)
+        by_signature.fold(none.max(unknown), f64::max)
     }
 }

@@ -1,7 +1,7 @@
 //! Any program as a model: it speaks JSON on its standard input and output, and the diagnosis treats it as it does the chain.
 //!
 //! [`Outside::open`] starts the program, reads a campaign that declares its own channels, and fits the program's nuisances to each run;
-//! a campaign of a single run is cut into parts first. Features are means over windows in time, judged by a floor that is found in the
+//! a campaign of a single run is cut into parts first. Features are means over windows in time, scored by a floor that is found in the
 //! measurements themselves. `docs/outside-models.md` is what those read who write such programs.
 
 mod data;

@@ -215,21 +215,16 @@ impl Pool {
         self.most
     }
 
-    /// Asks a process that has nothing to do; `judge` reads its answer. A process that fails, or whose answer is not one, is ended,
+    /// Asks a process that has nothing to do; `read` reads its answer. A process that fails, or whose answer is not one, is ended,
     /// as what it says next may be about anything.
-    pub fn ask<T>(
-        &self,
-        request: &str,
-        blame: Blame,
-        judge: impl FnOnce(&str) -> Result<T, Error>,
-    ) -> Result<T, Error> {
+    pub fn ask<T>(&self, request: &str, blame: Blame, read: impl FnOnce(&str) -> Result<T, Error>) -> Result<T, Error> {
         let idle = self.take()?;
         let started = idle.map_or_else(|| self.program.start(), Ok);
         let mut process = match started {
             Ok(process) => process,
             Err(error) => return Err(self.lost(error, Blame::Program)),
         };
-        let answer = process.ask(request, self.timeout).and_then(|line| judge(&line));
+        let answer = process.ask(request, self.timeout).and_then(|line| read(&line));
         match answer {
             Ok(_) | Err(Error::Refused(_)) => {
                 let mut state = self.state();

@@ -13,7 +13,7 @@ const CORRELATION_TIMES: f64 = 5.0;
 /// Samples that a window holds at least.
 const SAMPLES: usize = 4;
 
-/// Windows without which nothing can be judged.
+/// Windows without which nothing can be scored.
 const FEWEST: usize = 8;
 
 /// Samples of a part that has enough of them.

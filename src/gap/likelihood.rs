@@ -43,7 +43,7 @@ const STRANGE: f64 = 0.07;
 const WRONG_WAY: f64 = 6.0;
 pub const WRONG_WAYS: f64 = 12.0;
 
-/// Strengths that something unknown is charged for.
+/// Strengths that something unknown costs as many of.
 pub const UNKNOWN_STRENGTHS: f64 = 2.0;
 
 /// Log likelihood of a mean square over that of honest laps.

@@ -1,11 +1,11 @@
-//! The court: what each hypothesis weighs before the runs, and something unknown beside them.
+//! Comparison of hypotheses: the log posterior of each, and of something unknown beside them.
 
 use super::evidence::{self, Evidence};
 use super::floor::Floor;
-use super::judge;
+use super::likelihood;
 use super::refit::along;
 use super::screen::Signature;
-use super::significance::{self, Score};
+use super::significance::{self, ScoreTest};
 use super::simulator::{Band, Candidate, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
@@ -16,29 +16,28 @@ use std::collections::BTreeSet;
 /// Hypotheses that are held against what is seen beyond them.
 const SETTLED: usize = 40;
 
-/// A hypothesis with its weight.
-pub struct Judged {
+/// A hypothesis with its log posterior.
+pub struct Scored {
     pub fitted: Fitted,
     /// Before the floor that it makes itself, where it makes one.
     pub floor: Option<Floor>,
     /// Mean square residual of all runs over that of honest laps.
     pub excess: f64,
-    /// Logarithm of its weight.
-    pub weight: f64,
-    /// What the weight has lost by what runs have in common, and by blows the other way round.
+    pub log_posterior: f64,
+    /// What the log posterior has lost by what runs have in common, and by blows the other way round.
     lost: f64,
 }
 
-/// What all hypotheses are judged by.
-pub struct Court<'a> {
+/// What all hypotheses are scored by.
+pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
     pub evidence: Vec<Evidence>,
     pub signatures: Vec<Signature>,
     pub freedom: f64,
     /// Of the nominal model.
     pub excess: f64,
-    pub judged: Vec<Judged>,
-    /// Logarithm of the weight of something unknown.
+    pub scored: Vec<Scored>,
+    /// Logarithm of the log_posterior of something unknown.
     pub unknown: f64,
 }
 
@@ -56,15 +55,15 @@ fn norm(each: &[DVector<f64>]) -> f64 {
     each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
 }
 
-impl Judged {
-    /// What it is judged by.
-    pub fn evidence<'a>(&'a self, court: &'a Court) -> &'a [Evidence] {
-        self.floor.as_ref().map_or(&court.evidence, |f| &f.evidence)
+impl Scored {
+    /// What it is scored by.
+    pub fn evidence<'a>(&'a self, comparison: &'a Comparison) -> &'a [Evidence] {
+        self.floor.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
     }
 
     /// Mean square of what is left of a run over that of honest laps; a floor that the hypothesis raises counts as left.
-    pub fn excess_of(&self, court: &Court, run: usize, residual: &DVector<f64>) -> f64 {
-        let (own, nominal) = (&self.evidence(court)[run], &court.evidence[run]);
+    pub fn excess_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
+        let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
         let raised = if self.floor.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
         raised * own.excess(residual)
     }
@@ -84,7 +83,7 @@ impl Judged {
     }
 }
 
-impl Court<'_> {
+impl Comparison<'_> {
     /// A candidate alone, each of its strengths by the first of its signatures.
     pub fn single(&self, candidate: usize) -> Hypothesis {
         let mut met = BTreeSet::new();
@@ -94,7 +93,7 @@ impl Court<'_> {
     }
 
     /// All candidates with signatures, the likeliest first.
-    pub fn singles(&self) -> Vec<Judged> {
+    pub fn singles(&self) -> Vec<Scored> {
         let known: BTreeSet<usize> = self.signatures.iter().map(|s| s.candidate).collect();
         let ways = known.into_iter().flat_map(|c| {
             let whole = self.single(c);
@@ -103,8 +102,8 @@ impl Court<'_> {
             let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
             some.chain([whole]).collect::<Vec<_>>()
         });
-        let mut singles: Vec<Judged> = ways.map(|h| self.screened(h)).collect();
-        singles.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let mut singles: Vec<Scored> = ways.map(|h| self.screened(h)).collect();
+        singles.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         singles
     }
 
@@ -118,28 +117,28 @@ impl Court<'_> {
         self.simulator.candidates()
     }
 
-    pub fn screened(&self, hypothesis: Hypothesis) -> Judged {
-        self.weigh(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
+    pub fn screened(&self, hypothesis: Hypothesis) -> Scored {
+        self.score(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
     }
 
-    pub fn weigh(&self, fitted: Fitted, floor: Option<Floor>) -> Judged {
+    pub fn score(&self, fitted: Fitted, floor: Option<Floor>) -> Scored {
         let excess = match &floor {
             Some(floor) => trig::exp(floor.raised) * mean_excess(&floor.evidence, &floor.residuals),
             None => mean_excess(&self.evidence, &fitted.residuals),
         };
         let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
-        let counts = judge::quiet(excess);
-        let scored = if counts > 0.0 { self.scored(&fitted, counts) } else { f64::NEG_INFINITY };
+        let counts = likelihood::quiet(excess);
+        let by_signature = if counts > 0.0 { self.along_signature(&fitted, counts) } else { f64::NEG_INFINITY };
         let common = floor.as_ref().map_or(0.0, |floor| self.in_common(&fitted, floor));
-        let whole = judge::likelihood(excess, self.freedom);
-        let likelihood = (whole - common).max(scored);
-        let lost = whole.max(scored) - likelihood;
-        let weight = likelihood - judge::cost(strengths, self.freedom) + prior;
-        Judged { fitted, floor, excess, weight, lost }
+        let whole = likelihood::likelihood(excess, self.freedom);
+        let likelihood = (whole - common).max(by_signature);
+        let lost = whole.max(by_signature) - likelihood;
+        let log_posterior = likelihood - likelihood::cost(strengths, self.freedom) + prior;
+        Scored { fitted, floor, excess, log_posterior, lost }
     }
 
-    /// Logarithm of what a hypothesis weighs before the runs: effects share their weight, and places of an effect.
+    /// Log prior of a hypothesis: effects share theirs, and places of an effect.
     pub fn prior(&self, hypothesis: &Hypothesis) -> f64 {
         let candidates = self.candidates();
         let effects = {
@@ -152,13 +151,13 @@ impl Court<'_> {
         let alike = |c: usize, o: &Candidate| o.beside.is_none() && o.effect == candidates[c].effect;
         let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
-        trig::ln(if members.len() == 1 { judge::ONE } else { judge::PAIR }) - shared
+        trig::ln(if members.len() == 1 { likelihood::ONE } else { likelihood::PAIR }) - shared
     }
 
-    /// Charges hypotheses for what they strike the other way round than measured, by what was simulated or, where nothing was, by signatures.
-    pub fn charge_blows(&self, judged: &mut [Judged]) {
-        for judged in judged {
-            let Fitted { features, hypothesis, strengths, .. } = &judged.fitted;
+    /// Takes from hypotheses what it costs that they strike the other way round than measured, by what was simulated or, where nothing was, by signatures.
+    pub fn charge_blows(&self, scored: &mut [Scored]) {
+        for scored in scored {
+            let Fitted { features, hypothesis, strengths, .. } = &scored.fitted;
             let mut cost = 0.0;
             for (run, frame) in self.simulator.frames().iter().enumerate() {
                 // A blow hardly grows with the strength: no more of it is believed than was simulated.
@@ -169,11 +168,11 @@ impl Court<'_> {
                 };
                 let blows = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Blow);
                 let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
-                cost += blows.map(|k| judge::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
+                cost += blows.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
             }
-            let cost = cost.min(judge::WRONG_WAYS);
-            judged.lost += cost;
-            judged.weight -= cost;
+            let cost = cost.min(likelihood::WRONG_WAYS);
+            scored.lost += cost;
+            scored.log_posterior -= cost;
         }
     }
 
@@ -189,7 +188,7 @@ impl Court<'_> {
             return 0.0;
         }
         let expected = if differs.iter().all(|d| *d == RandomEffect::ByCart) { floor.common } else { 0.0 };
-        judge::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.freedom)
+        likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.freedom)
     }
 
     /// How much runs have in common of what a hypothesis leaves.
@@ -204,20 +203,20 @@ impl Court<'_> {
     }
 
     /// How surely what a hypothesis changes is in what is off.
-    pub fn score(&self, fitted: &Fitted) -> Score {
+    pub fn score_test(&self, fitted: &Fitted) -> ScoreTest {
         let direction = fitted.direction();
         let along = |k: usize, column: &Vec<DVector<f64>>| {
             self.usual(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
-        Score::new(&self.evidence, &self.residuals(), &direction).beside(own)
+        ScoreTest::new(&self.evidence, &self.residuals(), &direction).beside(own)
     }
 
     /// How surely a signature is in what is off.
-    fn heard(&self, signature: usize, residuals: &[DVector<f64>]) -> Score {
+    fn heard(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        Score::new(&self.evidence, residuals, columns).beside([self.usual(signature) * square])
+        ScoreTest::new(&self.evidence, residuals, columns).beside([self.usual(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
@@ -230,11 +229,12 @@ impl Court<'_> {
     }
 
     /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever says it of the first.
-    fn scored(&self, fitted: &Fitted, counts: f64) -> f64 {
+    fn along_signature(&self, fitted: &Fitted, counts: f64) -> f64 {
         let hypothesis = &fitted.hypothesis;
-        let z = self.score(fitted).z().max(0.0);
-        let nothing = judge::likelihood(self.excess, self.freedom);
-        let heard = |z: f64, strengths: usize| counts * significance::support(z) - judge::SCORED * strengths as f64;
+        let z = self.score_test(fitted).z().max(0.0);
+        let nothing = likelihood::likelihood(self.excess, self.freedom);
+        let heard =
+            |z: f64, strengths: usize| counts * significance::support(z) - likelihood::SCORED * strengths as f64;
         if hypothesis.members.len() < 2 {
             return nothing + heard(z, hypothesis.signatures.len());
         }
@@ -248,14 +248,14 @@ impl Court<'_> {
             hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
         let alone = Hypothesis { members: vec![candidate], signatures: own };
         let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
-        let told = judge::likelihood(mean_excess(&self.evidence, &left.residuals), self.freedom);
-        let scores: Vec<(usize, Score)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
+        let told = likelihood::likelihood(mean_excess(&self.evidence, &left.residuals), self.freedom);
+        let scores: Vec<(usize, ScoreTest)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);
         let both = told.max(nothing + heard(first, alone.signatures.len())) + heard(second, others.len());
         // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be heard.
         let together = nothing + heard(trig::hypot(first, second), hypothesis.signatures.len());
-        both.min(together.max(judge::likelihood(0.0, self.freedom)))
+        both.min(together.max(likelihood::likelihood(0.0, self.freedom)))
     }
 
     /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of sensors are exact.
@@ -267,30 +267,31 @@ impl Court<'_> {
     }
 
     /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.
-    pub fn settle(&self, judged: &mut [Judged]) {
-        judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    pub fn settle(&self, scored: &mut [Scored]) {
+        scored.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         let residuals = self.residuals();
-        let scores: Vec<(usize, Score)> = (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
-        for judged in judged.iter_mut().take(SETTLED).filter(|j| judge::quiet(j.excess) > 0.0) {
-            let rest = match &judged.floor {
-                Some(floor) => self.seen_before(floor, &judged.fitted),
-                None => self.seen_beyond(&judged.fitted, &scores),
+        let scores: Vec<(usize, ScoreTest)> =
+            (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
+        for scored in scored.iter_mut().take(SETTLED).filter(|j| likelihood::quiet(j.excess) > 0.0) {
+            let rest = match &scored.floor {
+                Some(floor) => self.seen_before(floor, &scored.fitted),
+                None => self.seen_beyond(&scored.fitted, &scores),
             };
-            judged.weight -= judge::quiet(judged.excess) * self.beyond(rest);
+            scored.log_posterior -= likelihood::quiet(scored.excess) * self.beyond(rest);
         }
-        judged.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        scored.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
     }
 
     /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
-    fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, Score)]) -> f64 {
+    fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, ScoreTest)]) -> f64 {
         let missed = self.missed(fitted, &fitted.columns);
-        let rest = |(signature, score): &(usize, Score)| {
+        let rest = |(signature, score): &(usize, ScoreTest)| {
             let columns = &self.signatures[*signature].columns;
             let left = if fitted.features.is_some() {
                 self.heard(*signature, &fitted.residuals)
             } else {
                 let along = columns.iter().zip(&fitted.residuals).map(|(c, r)| c.dot(r)).sum();
-                Score { along, ..*score }
+                ScoreTest { along, ..*score }
             };
             left.beside([missed * norm(columns)]).z().abs()
         };
@@ -303,7 +304,7 @@ impl Court<'_> {
         let rest = |k: usize| {
             let own = floor.evidence.iter().zip(&self.signatures[k].change);
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
-            let score = Score::new(&floor.evidence, &floor.residuals, &columns);
+            let score = ScoreTest::new(&floor.evidence, &floor.residuals, &columns);
             let size = norm(&columns);
             score.beside([self.usual(k) * size * size, missed * size]).z().abs()
         };
@@ -315,31 +316,36 @@ impl Court<'_> {
         (significance::support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
     }
 
-    /// Logarithm of the weight of something unknown: it explains what the best effect of the library does.
-    pub fn unknown(&self, judged: &[Judged]) -> f64 {
-        let best = judged.first();
-        let known = judge::unknown(self.excess, self.freedom);
-        let counts = judge::quiet(self.excess);
-        let scored = best.filter(|_| counts > 0.0).map(|best| {
-            let gain = counts * self.beyond(self.score(&best.fitted).z());
-            judge::likelihood(self.excess, self.freedom) + gain - judge::cost(judge::UNKNOWN_STRENGTHS, self.freedom)
+    /// Logarithm of the log_posterior of something unknown: it explains what the best effect of the library does.
+    pub fn unknown(&self, scored: &[Scored]) -> f64 {
+        let best = scored.first();
+        let known = likelihood::unknown(self.excess, self.freedom);
+        let counts = likelihood::quiet(self.excess);
+        let by_signature = best.filter(|_| counts > 0.0).map(|best| {
+            let gain = counts * self.beyond(self.score_test(&best.fitted).z());
+            likelihood::likelihood(self.excess, self.freedom) + gain
+                - likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.freedom)
         });
-        let alike = judged.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
-        trig::ln(judge::UNKNOWN) + scored.map_or(known, |scored| known.max(scored)).max(alike)
+        let alike = scored.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
+        trig::ln(likelihood::UNKNOWN) + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
     }
 
     /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at places may have the same ones,
     /// but in all runs: what these say for it where a hypothesis is of that kind, and nothing else. What the hypothesis changes in the mean lap
     /// is its own.
-    fn alike(&self, judged: &Judged) -> Option<f64> {
-        let fitted = &judged.fitted;
-        let floor = judged.floor.as_ref().filter(|_| self.differs(fitted).len() >= fitted.hypothesis.members.len())?;
+    fn alike(&self, scored: &Scored) -> Option<f64> {
+        let fitted = &scored.fitted;
+        let floor = scored.floor.as_ref().filter(|_| self.differs(fitted).len() >= fitted.hypothesis.members.len())?;
         let patterns = mean_excess(&floor.evidence, floor.evidence.iter().map(|e| &e.residual));
-        let by_patterns = judge::likelihood(trig::exp(floor.raised) * patterns, self.freedom);
-        let own = (judge::likelihood(judged.excess, self.freedom) - by_patterns).max(0.0);
-        let said = judged.weight - self.prior(&fitted.hypothesis) + judged.lost - own;
+        let by_patterns = likelihood::likelihood(trig::exp(floor.raised) * patterns, self.freedom);
+        let own = (likelihood::likelihood(scored.excess, self.freedom) - by_patterns).max(0.0);
+        let said = scored.log_posterior - self.prior(&fitted.hypothesis) + scored.lost - own;
         let seen = self.seen_in_common(fitted);
-        let placed = judge::in_common(seen, seen.max(judge::PLACED), self.evidence.len(), self.freedom);
-        Some(trig::ln(judge::PATTERNED) + said - placed - judge::strange(self.excess, judged.excess, self.freedom))
+        let placed = likelihood::in_common(seen, seen.max(likelihood::PLACED), self.evidence.len(), self.freedom);
+        Some(
+            trig::ln(likelihood::PATTERNED) + said
+                - placed
+                - likelihood::strange(self.excess, scored.excess, self.freedom),
+        )
     }
 }
