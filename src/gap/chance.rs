@@ -150,7 +150,7 @@ impl Chance<'_> {
         if let Some(mean) = mean {
             left -= own.column(mean) * share;
         }
-        trig::ln(own.excess(&left).max(0.9)) + own.raised(&self.nominal[run])
+        trig::ln(own.mean_square(&left).max(0.9)) + own.raised(&self.nominal[run])
     }
 
     /// A run with the hypothesis at a strength, nuisances where they are without it.

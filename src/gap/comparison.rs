@@ -21,8 +21,8 @@ pub struct Scored {
     pub fitted: Fitted,
     /// Before the floor that it makes itself, where it makes one.
     pub floor: Option<Floor>,
-    /// Mean square residual of all runs over that of honest laps.
-    pub excess: f64,
+    /// Normalised mean-square residual: that of all runs over that of replicate laps.
+    pub mean_square: f64,
     pub log_posterior: f64,
     /// What the log posterior has lost by what runs have in common, and by blows the other way round.
     lost: f64,
@@ -33,19 +33,20 @@ pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
     pub evidence: Vec<Evidence>,
     pub signatures: Vec<Signature>,
-    pub freedom: f64,
+    pub degrees_of_freedom: f64,
     /// Of the nominal model.
-    pub excess: f64,
+    pub mean_square: f64,
     pub scored: Vec<Scored>,
-    /// Logarithm of the log_posterior of something unknown.
+    /// Log posterior of something unknown.
     pub unknown: f64,
 }
 
 /// Mean square residual over that of honest laps, over all runs, each for what it can tell.
-pub fn mean_excess<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
+pub fn overall_mean_square<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
     let mut sum = (0.0, 0.0);
     for (evidence, residual) in evidence.iter().zip(residuals) {
-        sum = (sum.0 + evidence.freedom * evidence.excess(residual), sum.1 + evidence.freedom);
+        sum =
+            (sum.0 + evidence.degrees_of_freedom * evidence.mean_square(residual), sum.1 + evidence.degrees_of_freedom);
     }
     sum.0 / sum.1.max(1e-9)
 }
@@ -62,10 +63,10 @@ impl Scored {
     }
 
     /// Mean square of what is left of a run over that of honest laps; a floor that the hypothesis raises counts as left.
-    pub fn excess_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
+    pub fn mean_square_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
         let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
         let raised = if self.floor.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
-        raised * own.excess(residual)
+        raised * own.mean_square(residual)
     }
 
     /// What is left of each run, projected.
@@ -122,20 +123,20 @@ impl Comparison<'_> {
     }
 
     pub fn score(&self, fitted: Fitted, floor: Option<Floor>) -> Scored {
-        let excess = match &floor {
-            Some(floor) => trig::exp(floor.raised) * mean_excess(&floor.evidence, &floor.residuals),
-            None => mean_excess(&self.evidence, &fitted.residuals),
+        let mean_square = match &floor {
+            Some(floor) => trig::exp(floor.raised) * overall_mean_square(&floor.evidence, &floor.residuals),
+            None => overall_mean_square(&self.evidence, &fitted.residuals),
         };
         let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
-        let counts = likelihood::quiet(excess);
+        let counts = likelihood::quiet(mean_square);
         let by_signature = if counts > 0.0 { self.along_signature(&fitted, counts) } else { f64::NEG_INFINITY };
         let common = floor.as_ref().map_or(0.0, |floor| self.in_common(&fitted, floor));
-        let whole = likelihood::likelihood(excess, self.freedom);
+        let whole = likelihood::log_likelihood(mean_square, self.degrees_of_freedom);
         let likelihood = (whole - common).max(by_signature);
         let lost = whole.max(by_signature) - likelihood;
-        let log_posterior = likelihood - likelihood::cost(strengths, self.freedom) + prior;
-        Scored { fitted, floor, excess, log_posterior, lost }
+        let log_posterior = likelihood - likelihood::cost(strengths, self.degrees_of_freedom) + prior;
+        Scored { fitted, floor, mean_square, log_posterior, lost }
     }
 
     /// Log prior of a hypothesis: effects share theirs, and places of an effect.
@@ -188,7 +189,7 @@ impl Comparison<'_> {
             return 0.0;
         }
         let expected = if differs.iter().all(|d| *d == RandomEffect::ByCart) { floor.common } else { 0.0 };
-        likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.freedom)
+        likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.degrees_of_freedom)
     }
 
     /// How much runs have in common of what a hypothesis leaves.
@@ -232,7 +233,7 @@ impl Comparison<'_> {
     fn along_signature(&self, fitted: &Fitted, counts: f64) -> f64 {
         let hypothesis = &fitted.hypothesis;
         let z = self.score_test(fitted).z().max(0.0);
-        let nothing = likelihood::likelihood(self.excess, self.freedom);
+        let nothing = likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom);
         let heard =
             |z: f64, strengths: usize| counts * significance::support(z) - likelihood::SCORED * strengths as f64;
         if hypothesis.members.len() < 2 {
@@ -248,14 +249,15 @@ impl Comparison<'_> {
             hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
         let alone = Hypothesis { members: vec![candidate], signatures: own };
         let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
-        let told = likelihood::likelihood(mean_excess(&self.evidence, &left.residuals), self.freedom);
+        let told =
+            likelihood::log_likelihood(overall_mean_square(&self.evidence, &left.residuals), self.degrees_of_freedom);
         let scores: Vec<(usize, ScoreTest)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);
         let both = told.max(nothing + heard(first, alone.signatures.len())) + heard(second, others.len());
         // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be heard.
         let together = nothing + heard(trig::hypot(first, second), hypothesis.signatures.len());
-        both.min(together.max(likelihood::likelihood(0.0, self.freedom)))
+        both.min(together.max(likelihood::log_likelihood(0.0, self.degrees_of_freedom)))
     }
 
     /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of sensors are exact.
@@ -272,12 +274,12 @@ impl Comparison<'_> {
         let residuals = self.residuals();
         let scores: Vec<(usize, ScoreTest)> =
             (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
-        for scored in scored.iter_mut().take(SETTLED).filter(|j| likelihood::quiet(j.excess) > 0.0) {
+        for scored in scored.iter_mut().take(SETTLED).filter(|j| likelihood::quiet(j.mean_square) > 0.0) {
             let rest = match &scored.floor {
                 Some(floor) => self.seen_before(floor, &scored.fitted),
                 None => self.seen_beyond(&scored.fitted, &scores),
             };
-            scored.log_posterior -= likelihood::quiet(scored.excess) * self.beyond(rest);
+            scored.log_posterior -= likelihood::quiet(scored.mean_square) * self.beyond(rest);
         }
         scored.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
     }
@@ -316,15 +318,15 @@ impl Comparison<'_> {
         (significance::support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
     }
 
-    /// Logarithm of the log_posterior of something unknown: it explains what the best effect of the library does.
+    /// Log posterior of something unknown: it explains what the best effect of the library does.
     pub fn unknown(&self, scored: &[Scored]) -> f64 {
         let best = scored.first();
-        let known = likelihood::unknown(self.excess, self.freedom);
-        let counts = likelihood::quiet(self.excess);
+        let known = likelihood::unknown(self.mean_square, self.degrees_of_freedom);
+        let counts = likelihood::quiet(self.mean_square);
         let by_signature = best.filter(|_| counts > 0.0).map(|best| {
             let gain = counts * self.beyond(self.score_test(&best.fitted).z());
-            likelihood::likelihood(self.excess, self.freedom) + gain
-                - likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.freedom)
+            likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom) + gain
+                - likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.degrees_of_freedom)
         });
         let alike = scored.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
         trig::ln(likelihood::UNKNOWN) + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
@@ -336,16 +338,17 @@ impl Comparison<'_> {
     fn alike(&self, scored: &Scored) -> Option<f64> {
         let fitted = &scored.fitted;
         let floor = scored.floor.as_ref().filter(|_| self.differs(fitted).len() >= fitted.hypothesis.members.len())?;
-        let patterns = mean_excess(&floor.evidence, floor.evidence.iter().map(|e| &e.residual));
-        let by_patterns = likelihood::likelihood(trig::exp(floor.raised) * patterns, self.freedom);
-        let own = (likelihood::likelihood(scored.excess, self.freedom) - by_patterns).max(0.0);
+        let patterns = overall_mean_square(&floor.evidence, floor.evidence.iter().map(|e| &e.residual));
+        let by_patterns = likelihood::log_likelihood(trig::exp(floor.raised) * patterns, self.degrees_of_freedom);
+        let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
         let said = scored.log_posterior - self.prior(&fitted.hypothesis) + scored.lost - own;
         let seen = self.seen_in_common(fitted);
-        let placed = likelihood::in_common(seen, seen.max(likelihood::PLACED), self.evidence.len(), self.freedom);
+        let placed =
+            likelihood::in_common(seen, seen.max(likelihood::PLACED), self.evidence.len(), self.degrees_of_freedom);
         Some(
             trig::ln(likelihood::PATTERNED) + said
                 - placed
-                - likelihood::strange(self.excess, scored.excess, self.freedom),
+                - likelihood::strange(self.mean_square, scored.mean_square, self.degrees_of_freedom),
         )
     }
 }

@@ -2,11 +2,11 @@
 
 use super::chance::Chance;
 use super::checked::Checked;
-use super::comparison::{Comparison, Scored, mean_excess};
+use super::comparison::{Comparison, Scored, overall_mean_square};
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
 use super::floor::floors;
-use super::likelihood::MOST_FREEDOM;
+use super::likelihood::MOST_DEGREES_OF_FREEDOM;
 use super::looks::UNSETTLED;
 use super::refit::refit;
 use super::report::report;
@@ -60,13 +60,20 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     for signature in &mut signatures {
         signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
     }
-    let freedom = evidence.iter().map(|e| e.freedom).sum::<f64>().min(MOST_FREEDOM);
-    let mut comparison =
-        Comparison { simulator, excess: 0.0, evidence, signatures, freedom, scored: Vec::new(), unknown: 0.0 };
-    comparison.excess = mean_excess(&comparison.evidence, comparison.evidence.iter().map(|e| &e.residual));
+    let degrees_of_freedom = evidence.iter().map(|e| e.degrees_of_freedom).sum::<f64>().min(MOST_DEGREES_OF_FREEDOM);
+    let mut comparison = Comparison {
+        simulator,
+        mean_square: 0.0,
+        evidence,
+        signatures,
+        degrees_of_freedom,
+        scored: Vec::new(),
+        unknown: 0.0,
+    };
+    comparison.mean_square = overall_mean_square(&comparison.evidence, comparison.evidence.iter().map(|e| &e.residual));
 
     // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
-    let gap = comparison.excess > 1.0;
+    let gap = comparison.mean_square > 1.0;
     let heard = gap || comparison.singles().iter().any(|j| comparison.score_test(&j.fitted).z() > HEARD);
     if heard {
         comparison.look(gap, &mut |done, of| tell(Stage::Screening { done, of }));
@@ -86,7 +93,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
     let mut scored = comparison.before_floors(fitted, &usual);
     scored.extend(scattered.into_iter().map(|(fitted, floor)| comparison.score(fitted, floor)));
-    let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.excess > UNSETTLED);
+    let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > UNSETTLED);
     if gap && unsettled(&scored) {
         let both =
             refit(simulator, &comparison.evidence, &comparison.signatures, comparison.seconds(&scored), &mut |_, _| {});
@@ -132,13 +139,13 @@ impl Comparison<'_> {
 
     /// The effect that leaves least of those that differ by nothing and explain something.
     fn companion<'b>(&self, scored: &'b [Scored]) -> Option<&'b Fitted> {
-        let most = self.excess - SOME * (self.excess - 1.0);
+        let most = self.mean_square - SOME * (self.mean_square - 1.0);
         let alone = |j: &&Scored| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && self.candidates()[members[0]].differs.is_none() && j.fitted.simulated()
         };
-        let explains = scored.iter().filter(alone).filter(|j| j.excess < most);
-        explains.min_by(|a, b| a.excess.total_cmp(&b.excess)).map(|j| &j.fitted)
+        let explains = scored.iter().filter(alone).filter(|j| j.mean_square < most);
+        explains.min_by(|a, b| a.mean_square.total_cmp(&b.mean_square)).map(|j| &j.fitted)
     }
 
     /// What differs by chance and leaves least, of other effects than one beside which no re-fit has it.
@@ -152,7 +159,7 @@ impl Comparison<'_> {
             differs && candidate.effect != beside.effect && !fitted(own)
         };
         let mut found: Vec<&Scored> = scored.iter().filter(alone).collect();
-        found.sort_by(|a, b| a.excess.total_cmp(&b.excess));
+        found.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
         let mut met = BTreeSet::new();
         found.retain(|j| met.insert(j.fitted.hypothesis.members[0]));
         found.into_iter().take(BY_CHANCE).map(|j| &j.fitted).collect()
@@ -171,11 +178,12 @@ impl Comparison<'_> {
 
     /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.
     fn worth_a_floor(&self, fitted: &[Fitted]) -> Vec<bool> {
-        let excess: Vec<f64> = fitted.iter().map(|f| mean_excess(&self.evidence, &f.residuals)).collect();
+        let mean_square: Vec<f64> = fitted.iter().map(|f| overall_mean_square(&self.evidence, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();
-        order.sort_by(|a, b| excess[*a].total_cmp(&excess[*b]));
-        let worth =
-            |k: &usize| fitted[*k].simulated() && self.excess - excess[*k] > SOME * (self.excess - 1.0).max(0.0);
+        order.sort_by(|a, b| mean_square[*a].total_cmp(&mean_square[*b]));
+        let worth = |k: &usize| {
+            fitted[*k].simulated() && self.mean_square - mean_square[*k] > SOME * (self.mean_square - 1.0).max(0.0)
+        };
         let best: BTreeSet<usize> = order.into_iter().filter(worth).take(FLOORS).collect();
         (0..fitted.len()).map(|k| best.contains(&k)).collect()
     }

@@ -4,7 +4,7 @@
 //! common deviations of honest laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
-use super::likelihood::MOST_FREEDOM;
+use super::likelihood::MOST_DEGREES_OF_FREEDOM;
 use super::simulator::{Band, Frame, Laps};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -48,7 +48,7 @@ pub struct Evidence {
     built: Vec<DVector<f64>>,
     usual: Vec<DVector<f64>>,
     /// As many independent features have mean squares that scatter as much as honest laps' do.
-    pub freedom: f64,
+    pub degrees_of_freedom: f64,
 }
 
 impl Evidence {
@@ -66,7 +66,7 @@ impl Evidence {
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
         // Mean squares score features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
-        let strict = (n as f64 / MOST_FREEDOM).max(1.0).sqrt();
+        let strict = (n as f64 / MOST_DEGREES_OF_FREEDOM).max(1.0).sqrt();
         let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
             of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
         };
@@ -112,7 +112,7 @@ impl Evidence {
             laps: Vec::new(),
             built: Vec::new(),
             usual: Vec::new(),
-            freedom: n as f64,
+            degrees_of_freedom: n as f64,
         };
         out.laps = honest.iter().map(|lap| out.projected(lap)).collect();
         out.built = frame.built.iter().map(|change| out.column(change)).collect();
@@ -138,7 +138,7 @@ impl Evidence {
         self.honest = mean.max(1.0) + built;
         self.honest_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
         // χ² of f degrees of freedom over f has the variance 2/f.
-        self.freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
+        self.degrees_of_freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
     }
 
     /// Whitened features, projected.
@@ -209,7 +209,7 @@ impl Evidence {
     }
 
     /// Mean square of a projected residual over that of honest laps.
-    pub fn excess(&self, residual: &DVector<f64>) -> f64 {
+    pub fn mean_square(&self, residual: &DVector<f64>) -> f64 {
         residual.norm_squared() / self.rows.len().max(1) as f64 / self.honest
     }
 
@@ -221,7 +221,8 @@ impl Evidence {
 
 /// The run of which most is left, for what it can tell.
 pub fn most_off<'a>(evidence: &[Evidence], left: impl IntoIterator<Item = &'a DVector<f64>>) -> usize {
-    let off = evidence.iter().zip(left).map(|(evidence, left)| evidence.freedom * evidence.excess(left));
+    let off =
+        evidence.iter().zip(left).map(|(evidence, left)| evidence.degrees_of_freedom * evidence.mean_square(left));
     off.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(run, _)| run)
 }
 

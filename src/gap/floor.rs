@@ -73,11 +73,11 @@ impl Floor {
         let columns: Vec<Vec<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
         let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
         let covariance = explain(&residuals, &by, &fitted.hypothesis.bounds(candidates, signatures), None).covariance;
-        let (mut raised, mut freedom) = (0.0, 0.0);
+        let (mut raised, mut degrees_of_freedom) = (0.0, 0.0);
         for (own, nominal) in evidence.iter().zip(nominal) {
-            raised += nominal.freedom * own.raised(nominal);
-            freedom += nominal.freedom;
+            raised += nominal.degrees_of_freedom * own.raised(nominal);
+            degrees_of_freedom += nominal.degrees_of_freedom;
         }
-        Floor { evidence, residuals, columns, covariance, raised: raised / freedom.max(1e-9), common: 0.0 }
+        Floor { evidence, residuals, columns, covariance, raised: raised / degrees_of_freedom.max(1e-9), common: 0.0 }
     }
 }

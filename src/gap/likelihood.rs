@@ -10,9 +10,9 @@
 use crate::base::trig;
 
 /// Degrees of freedom that are believed of all runs together, at most; and of what is left beyond so many times the floor.
-pub const MOST_FREEDOM: f64 = 60.0;
+pub const MOST_DEGREES_OF_FREEDOM: f64 = 60.0;
 const COARSE: f64 = 2.0;
-const COARSE_FREEDOM: f64 = 24.0;
+const COARSE_DEGREES_OF_FREEDOM: f64 = 24.0;
 
 /// How much runs have in common at most, as they differ in speed and tension.
 const ALIKE: f64 = 0.9;
@@ -47,20 +47,20 @@ pub const WRONG_WAYS: f64 = 12.0;
 pub const UNKNOWN_STRENGTHS: f64 = 2.0;
 
 /// Log likelihood of a mean square over that of honest laps.
-pub fn likelihood(excess: f64, freedom: f64) -> f64 {
+pub fn log_likelihood(mean_square: f64, degrees_of_freedom: f64) -> f64 {
     // Less than honest laps have speaks for nothing.
-    let near = freedom * trig::ln(excess.clamp(0.9, COARSE));
-    -0.5 * (near + freedom.min(COARSE_FREEDOM) * trig::ln((excess / COARSE).max(1.0)))
+    let near = degrees_of_freedom * trig::ln(mean_square.clamp(0.9, COARSE));
+    -0.5 * (near + degrees_of_freedom.min(COARSE_DEGREES_OF_FREEDOM) * trig::ln((mean_square / COARSE).max(1.0)))
 }
 
 /// How far scores count where a mean square is left: fully at the floor, not at all where so much is left that the equation misses much.
-pub fn quiet(excess: f64) -> f64 {
-    ((QUIET - excess) / (QUIET - 1.0)).clamp(0.0, 1.0)
+pub fn quiet(mean_square: f64) -> f64 {
+    ((QUIET - mean_square) / (QUIET - 1.0)).clamp(0.0, 1.0)
 }
 
 /// What is lost where residuals of runs have so much in common and should have so much: half the divergence of normal distributions with
 /// these correlations for each degree of freedom of a run (Kullback 1959).
-pub fn in_common(seen: f64, expected: f64, runs: usize, freedom: f64) -> f64 {
+pub fn in_common(seen: f64, expected: f64, runs: usize, degrees_of_freedom: f64) -> f64 {
     let n = runs as f64;
     // All runs together, and what is left of each of the others.
     let own = |c: f64| {
@@ -71,7 +71,7 @@ pub fn in_common(seen: f64, expected: f64, runs: usize, freedom: f64) -> f64 {
         let ratio = seen / expected;
         count * (ratio - 1.0 - trig::ln(ratio))
     });
-    0.5 * each.sum::<f64>() * freedom.min(COARSE_FREEDOM) / n.max(1.0)
+    0.5 * each.sum::<f64>() * degrees_of_freedom.min(COARSE_DEGREES_OF_FREEDOM) / n.max(1.0)
 }
 
 /// What it costs that a channel is struck the other way round than measured, each of which is in deviations.
@@ -82,20 +82,21 @@ pub fn wrong_way(measured: f64, simulated: f64) -> f64 {
 }
 
 /// What a strength costs.
-pub fn cost(strengths: f64, freedom: f64) -> f64 {
-    0.5 * strengths * trig::ln(freedom.max(2.0))
+pub fn cost(strengths: f64, degrees_of_freedom: f64) -> f64 {
+    0.5 * strengths * trig::ln(degrees_of_freedom.max(2.0))
 }
 
 /// The mean square that an unknown effect would leave.
-pub fn unknown(excess: f64, freedom: f64) -> f64 {
-    likelihood(1.0 + UNKNOWN_LEAVES * (excess - 1.0).max(0.0), freedom) - cost(UNKNOWN_STRENGTHS, freedom)
+pub fn unknown(mean_square: f64, degrees_of_freedom: f64) -> f64 {
+    log_likelihood(1.0 + UNKNOWN_LEAVES * (mean_square - 1.0).max(0.0), degrees_of_freedom)
+        - cost(UNKNOWN_STRENGTHS, degrees_of_freedom)
 }
 
 /// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share beyond the floor.
-pub fn strange(gap: f64, left: f64, freedom: f64) -> f64 {
+pub fn strange(gap: f64, left: f64, degrees_of_freedom: f64) -> f64 {
     let least = 1.0 + STRANGE * (gap - 1.0).max(0.0);
     let left = left.max(1.0);
-    likelihood(left, freedom) - likelihood(left.max(least), freedom)
+    log_likelihood(left, degrees_of_freedom) - log_likelihood(left.max(least), degrees_of_freedom)
 }
 
 /// Probabilities from logarithms of weights.
@@ -135,7 +136,7 @@ mod tests {
         assert!(lost(0.0, 0.0).abs() < 1e-12 && lost(0.7, 0.7).abs() < 1e-12);
         // −½ ln det of the correlation's matrix, where nothing should be in common: det = (1 − c)² (1 + 2 c).
         let determinant = 0.2_f64 * 0.2 * 2.6;
-        assert!((lost(0.8, 0.0) + 0.5 * trig::ln(determinant) * COARSE_FREEDOM / 3.0).abs() < 1e-9);
+        assert!((lost(0.8, 0.0) + 0.5 * trig::ln(determinant) * COARSE_DEGREES_OF_FREEDOM / 3.0).abs() < 1e-9);
         assert!(lost(0.0, 0.7) > lost(0.4, 0.7) && lost(0.4, 0.7) > 0.0);
         assert_eq!(in_common(0.5, 0.0, 1, 60.0), 0.0);
     }

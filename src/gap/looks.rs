@@ -52,13 +52,13 @@ impl Comparison<'_> {
     /// Takes signatures of what costs no simulation at the strengths that fit best.
     fn tune(&mut self) {
         let candidates = self.simulator.candidates();
-        let worth = WORTH * (self.excess - 1.0).max(0.0);
+        let worth = WORTH * (self.mean_square - 1.0).max(0.0);
         let cheap = self.singles().into_iter().filter(|j| match j.fitted.hypothesis.signatures[..] {
             [own] => {
                 let Signature { candidate, strength, .. } = self.signatures[own];
                 self.tuner().hears(candidate)
                     && !candidates[candidate].strengths[strength].whole()
-                    && self.excess - j.excess > worth
+                    && self.mean_square - j.mean_square > worth
             }
             _ => false,
         });
@@ -83,7 +83,7 @@ impl Comparison<'_> {
         let mut seen: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
         let mut sensors = 0;
         let candidates = self.simulator.candidates();
-        let before = leader.map_or(self.excess, |j| j.excess);
+        let before = leader.map_or(self.mean_square, |j| j.mean_square);
         let worth = WORTH * (before - 1.0).max(0.0);
         let alone = self.singles().into_iter().filter(|j| j.fitted.strengths.len() == 1);
         let looked_at = match leader {
@@ -92,7 +92,7 @@ impl Comparison<'_> {
         };
         // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too small.
         let rivals = leader.map(|_| self.leading()).unwrap_or_default();
-        for scored in looked_at.iter().filter(|j| before - j.excess > worth) {
+        for scored in looked_at.iter().filter(|j| before - j.mean_square > worth) {
             let Fitted { hypothesis, strengths, .. } = &scored.fitted;
             let (Some(own), Some(size)) = (hypothesis.signatures.last(), strengths.last()) else { continue };
             let signature = &self.signatures[*own];
@@ -125,12 +125,12 @@ impl Comparison<'_> {
 
     /// A single effect that explains most of the gap, where it leaves something.
     fn leader(&self) -> Option<Scored> {
-        self.singles().into_iter().next().filter(|j| j.excess > UNSETTLED && self.leads(j))
+        self.singles().into_iter().next().filter(|j| j.mean_square > UNSETTLED && self.leads(j))
     }
 
     /// Whether it explains most of the gap.
     pub fn leads(&self, scored: &Scored) -> bool {
-        scored.excess - 1.0 < LEADS * (self.excess - 1.0)
+        scored.mean_square - 1.0 < LEADS * (self.mean_square - 1.0)
     }
 
     /// Effects of which one alone leads.

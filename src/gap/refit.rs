@@ -60,8 +60,8 @@ impl Search {
     fn astray(&mut self, evidence: &[Evidence], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
         let mut astray = false;
         for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
-            let expected = evidence[run].excess(foretold).max(1.0);
-            if self.moved[run] && evidence[run].excess(left) > ASTRAY * expected {
+            let expected = evidence[run].mean_square(foretold).max(1.0);
+            if self.moved[run] && evidence[run].mean_square(left) > ASTRAY * expected {
                 (self.moved[run], astray) = (false, true);
             }
         }

@@ -16,7 +16,7 @@ use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Effects whose signatures are so nearly parallel are not told apart, unless the logarithms of their log_posteriors differ by this much (a factor
+/// Effects whose signatures are so nearly parallel are not told apart, unless their log posteriors differ by this much (a factor
 /// of 20: strong evidence, Kass and Raftery 1995).
 const PARALLEL: f64 = 0.92;
 const APART: f64 = 3.0;
@@ -56,7 +56,7 @@ struct Choice {
 
 fn choose(comparison: &Comparison, untested: &[Untested]) -> Choice {
     let logs = [
-        trig::ln(likelihood::NONE) + likelihood::likelihood(comparison.excess, comparison.freedom),
+        trig::ln(likelihood::NONE) + likelihood::log_likelihood(comparison.mean_square, comparison.degrees_of_freedom),
         comparison.unknown,
     ];
     let log_posteriors: Vec<f64> =
@@ -130,7 +130,7 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && candidates[members[0]].effect == f.name
         };
-        comparison.scored.iter().find(has).map_or(f64::INFINITY, |j| j.excess)
+        comparison.scored.iter().find(has).map_or(f64::INFINITY, |j| j.mean_square)
     };
     let sure = |f: &Finding| (20.0 * f.probability).round();
     effects.sort_by(|a, b| {
@@ -155,7 +155,7 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
         summary: String::new(),
         shown: with.iter().map(|c| candidates[*c].effect.clone()).collect(),
         overlays: overlays(comparison, shown, &places),
-        places: if comparison.excess > 1.0 { places } else { Vec::new() },
+        places: if comparison.mean_square > 1.0 { places } else { Vec::new() },
         unknown_probability: tidy(choice.unknown),
         none_probability: tidy(choice.none),
         untested_probability: tidy(choice.untested.iter().sum()),
@@ -217,7 +217,7 @@ fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<usize> {
     scored.fitted.hypothesis.members.iter().map(|c| comparison.place(*c)).collect()
 }
 
-/// Logarithms of the hypotheses' log_posteriors. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
+/// Log posteriors of the hypotheses. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
 /// many strengths is no likelier before the runs than one with few.
 fn once(comparison: &Comparison) -> Vec<f64> {
     let mut met = BTreeSet::new();
@@ -238,7 +238,7 @@ fn whole<'a>(comparison: &'a Comparison, scored: &'a Scored) -> &'a Scored {
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
 fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64> {
     let after = left_out(comparison, scored, placebo)?;
-    share(&comparison.evidence, |run| scored.excess_of(comparison, run, &after[run]))
+    share(&comparison.evidence, |run| scored.mean_square_of(comparison, run, &after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
@@ -275,7 +275,7 @@ fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<V
 fn share(evidence: &[Evidence], after: impl Fn(usize) -> f64) -> Option<f64> {
     let (mut before_sum, mut after_sum) = (0.0, 0.0);
     for (run, evidence) in evidence.iter().enumerate() {
-        before_sum += evidence.excess(&evidence.residual) - 1.0;
+        before_sum += evidence.mean_square(&evidence.residual) - 1.0;
         after_sum += after(run) - 1.0;
     }
     (before_sum > 0.05 * evidence.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
@@ -313,7 +313,7 @@ fn black_box(comparison: &Comparison) -> Option<f64> {
             })
             .collect();
         let evidence = &comparison.evidence[run];
-        evidence.excess(&(&evidence.residual - evidence.column(&mean)))
+        evidence.mean_square(&(&evidence.residual - evidence.column(&mean)))
     };
     share(&comparison.evidence, after)
 }
@@ -337,7 +337,7 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
 fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Place> {
-    let mut excess: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
+    let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in comparison.simulator.frames().iter().enumerate() {
         let evidence = &shown.map_or(&comparison.evidence[..], |j| j.evidence(comparison))[run];
@@ -349,13 +349,13 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Pl
             let label = &frame.labels[k];
             let over = (x * x / evidence.honest - 1.0).max(0.0);
             total += over;
-            *excess.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
+            *mean_square.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
         }
     }
     let mut found: Vec<Place> = Vec::new();
     let mut last: Option<(String, Band)> = None;
-    let mean = total / excess.len().max(1) as f64;
-    for ((channel, band, from, to), over) in excess {
+    let mean = total / mean_square.len().max(1) as f64;
+    for ((channel, band, from, to), over) in mean_square {
         let place = Place {
             extent: Extent::new(axis, tidy(from as f64 / 1e3), tidy(to as f64 / 1e3)),
             band: band.name().to_owned(),
@@ -400,17 +400,17 @@ fn floor(frames: &[Frame]) -> BTreeMap<String, f64> {
 /// Whether a run is farther off than 95 % of repeated measurements.
 fn over(comparison: &Comparison, run: usize) -> bool {
     let evidence = &comparison.evidence[run];
-    evidence.excess(&evidence.residual) > evidence.honest_high / evidence.honest
+    evidence.mean_square(&evidence.residual) > evidence.honest_high / evidence.honest
 }
 
 fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
     let gap = |(run, frame): (usize, &Frame)| {
         let evidence = &comparison.evidence[run];
-        let before = evidence.excess(&evidence.residual);
+        let before = evidence.mean_square(&evidence.residual);
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| j.excess_of(comparison, run, &j.residuals()[run]))),
+            after: tidy(shown.map_or(before, |j| j.mean_square_of(comparison, run, &j.residuals()[run]))),
             honest: 1.0,
             honest_high: tidy(evidence.honest_high / evidence.honest),
         }
@@ -418,7 +418,7 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
     comparison.simulator.frames().iter().enumerate().map(gap).collect()
 }
 
-/// Effects that cannot be told apart: their log_posteriors are alike, and their signatures are parallel or both leave nothing to choose by.
+/// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave nothing to choose by.
 fn groups(comparison: &Comparison, effects: &mut [Finding]) -> Vec<Group> {
     let candidates = comparison.candidates();
     let single = |name: &str| {
@@ -432,7 +432,7 @@ fn groups(comparison: &Comparison, effects: &mut [Finding]) -> Vec<Group> {
     for i in 0..effects.len().min(8) {
         let Some(own) = single(&effects[i].name) else { continue };
         let likely = effects[i].probability > 0.05;
-        let explains = |j: &Scored| j.excess < 0.5 * (comparison.excess + 1.0);
+        let explains = |j: &Scored| j.mean_square < 0.5 * (comparison.mean_square + 1.0);
         if !likely || effects[i].may_be_absent() || grouped.contains(&effects[i].name) || !explains(own) {
             continue;
         }
@@ -443,7 +443,7 @@ fn groups(comparison: &Comparison, effects: &mut [Finding]) -> Vec<Group> {
             if other.may_be_absent() {
                 continue;
             }
-            let settled = explains(scored) && own.excess.max(scored.excess) < UNSETTLED;
+            let settled = explains(scored) && own.mean_square.max(scored.mean_square) < UNSETTLED;
             if near && (settled || alike(&own.fitted.direction(), &scored.fitted.direction()) > PARALLEL) {
                 members.push(other.name.clone());
             }

@@ -64,7 +64,7 @@ pub fn signatures(
             strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
         })
         .collect();
-    let gap = evidence.iter().zip(left).any(|(e, left)| e.excess(left) > 1.0);
+    let gap = evidence.iter().zip(left).any(|(e, left)| e.mean_square(left) > 1.0);
     let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
     let trials = match gap {
         true => sized(simulator, evidence, left, &firsts, &mut |done| tell(done, all)),

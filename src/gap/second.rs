@@ -13,7 +13,7 @@ impl Comparison<'_> {
     /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it that no re-fit has there.
     pub fn seconds(&self, scored: &[Scored]) -> Vec<Fitted> {
         let alone = |j: &&Scored| j.fitted.hypothesis.members.len() == 1 && j.fitted.simulated() && self.leads(j);
-        let first = scored.iter().filter(alone).min_by(|a, b| a.excess.total_cmp(&b.excess));
+        let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
         let Some(Scored { fitted: first, .. }) = first else { return Vec::new() };
         let names = |h: &Hypothesis| -> BTreeSet<&str> {
             h.members.iter().map(|c| self.candidates()[*c].effect.as_str()).collect()

@@ -2,7 +2,7 @@
 //! best of what was compared, so that nobody inherits its share.
 //!
 //! With ln p its prior, m the number of its strengths and ln L the largest log likelihood of all that was compared (effects, no gap,
-//! something unknown), its log_posterior is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
+//! something unknown), its log posterior is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
 //! against that of the untested one: one half, where both are single effects with one place and one strength.
 
 use super::comparison::Comparison;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Untested {
     pub candidate: usize,
-    /// Logarithm of its log_posterior.
+    /// Log posterior.
     pub log_posterior: f64,
 }
 
@@ -38,7 +38,7 @@ impl Comparison<'_> {
         let best = self.best_likelihood();
         let weighed = |(candidate, strengths): (usize, usize)| {
             let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
-            let log_posterior = self.prior(&alone) + best - likelihood::cost(strengths as f64, self.freedom);
+            let log_posterior = self.prior(&alone) + best - likelihood::cost(strengths as f64, self.degrees_of_freedom);
             Untested { candidate, log_posterior }
         };
         lacking.into_iter().map(weighed).collect()
@@ -46,12 +46,12 @@ impl Comparison<'_> {
 
     /// The largest log likelihood of all that was compared with the runs.
     fn best_likelihood(&self) -> f64 {
-        let none = likelihood::likelihood(self.excess, self.freedom);
+        let none = likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom);
         let unknown = self.unknown - trig::ln(likelihood::UNKNOWN)
-            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.freedom);
+            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.degrees_of_freedom);
         let by_signature = self.scored.iter().map(|j| {
             let strengths = j.fitted.strengths.len() as f64;
-            j.log_posterior - self.prior(&j.fitted.hypothesis) + likelihood::cost(strengths, self.freedom)
+            j.log_posterior - self.prior(&j.fitted.hypothesis) + likelihood::cost(strengths, self.degrees_of_freedom)
         });
         by_signature.fold(none.max(unknown), f64::max)
     }
