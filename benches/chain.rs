@@ -237,7 +237,7 @@ fn accuracy() {
     }
 }
 
-/// What two honest simulations of one lap differ by: equal but for the step.
+/// What two replicate simulations of one lap differ by: equal but for the step.
 fn floor() {
     println!("chaos: a lap after 10 s of settling, 0.25 ms against 0.2 ms, NRMSD in %, raw and of the two-cart mean");
     let simulation = reference();

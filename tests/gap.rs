@@ -1,4 +1,4 @@
-//! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and honest
+//! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and replicate
 //! runs scatter by white noise.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]

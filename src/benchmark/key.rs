@@ -90,7 +90,7 @@ pub struct Case {
     pub name: String,
     pub kind: Kind,
     pub truth: Vec<Truth>,
-    /// What the effects do to the two-cart means over the floor: two honest laps' root mean square distance, in the channel in
+    /// What the effects do to the two-cart means over the floor: two replicate laps' root mean square distance, in the channel in
     /// which that is most. 0 without effects.
     pub strength_over_floor: f64,
     pub level: Option<Level>,

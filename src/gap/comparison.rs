@@ -41,7 +41,7 @@ pub struct Comparison<'a> {
     pub unknown: f64,
 }
 
-/// Mean square residual over that of honest laps, over all runs, each for what it can tell.
+/// Mean square residual over that of replicate laps, over all runs, each for what it can tell.
 pub fn overall_mean_square<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
     let mut sum = (0.0, 0.0);
     for (evidence, residual) in evidence.iter().zip(residuals) {
@@ -62,7 +62,7 @@ impl Scored {
         self.floor.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
     }
 
-    /// Mean square of what is left of a run over that of honest laps; a floor that the hypothesis raises counts as left.
+    /// Mean square of what is left of a run over that of replicate laps; a floor that the hypothesis raises counts as left.
     pub fn mean_square_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
         let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
         let raised = if self.floor.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };

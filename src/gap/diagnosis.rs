@@ -166,8 +166,10 @@ pub struct RunGap {
     pub before: f64,
     pub after: f64,
     /// What repeated measurements have, mean and upper 95 %: the limit over which there is a gap.
-    pub honest: f64,
-    pub honest_high: f64,
+    #[serde(rename = "honest")]
+    pub replicate: f64,
+    #[serde(rename = "honest_high")]
+    pub replicate_high: f64,
 }
 
 /// A channel of a run over a stretch: the features of one kind of deviation.
@@ -237,12 +239,12 @@ impl Amount {
 impl RunGap {
     /// Whether it is farther off than 95 % of repeated measurements: only then it has a gap.
     pub fn over(&self) -> bool {
-        self.before > self.honest_high
+        self.before > self.replicate_high
     }
 
     /// Whether the shown effects leave no more than that.
     pub fn settled(&self) -> bool {
-        self.after <= self.honest_high
+        self.after <= self.replicate_high
     }
 }
 

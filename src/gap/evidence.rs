@@ -1,7 +1,7 @@
 //! What the runs say of a hypothesis: residuals over the floor, with nuisances and the floor's correlations projected out.
 //!
 //! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, doubts and the strongest
-//! common deviations of honest laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
+//! common deviations of replicate laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
 use super::likelihood::MOST_DEGREES_OF_FREEDOM;
@@ -40,14 +40,14 @@ pub struct Evidence {
     pub residual: DVector<f64>,
     /// The same before projection.
     raw: DVector<f64>,
-    /// Mean square of honest laps' residuals, and the largest of 95 % of them.
-    pub honest: f64,
-    pub honest_high: f64,
-    /// Honest laps, chains as they are built, and what is usual, projected.
+    /// Mean square of replicate laps' residuals, and the largest of 95 % of them.
+    pub replicate: f64,
+    pub replicate_high: f64,
+    /// Replicate laps, chains as they are built, and what is usual, projected.
     laps: Vec<DVector<f64>>,
     built: Vec<DVector<f64>>,
     usual: Vec<DVector<f64>>,
-    /// As many independent features have mean squares that scatter as much as honest laps' do.
+    /// As many independent features have mean squares that scatter as much as replicate laps' do.
     pub degrees_of_freedom: f64,
 }
 
@@ -62,7 +62,7 @@ impl Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> =
             (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Blow).collect();
-        let (weights, honest, common) = factors(frame, &rows, laps);
+        let (weights, replicate, common) = factors(frame, &rows, laps);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
         // Mean squares score features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
@@ -107,21 +107,21 @@ impl Evidence {
             bounds: frame.bounds.clone(),
             shared,
             log_determinant,
-            honest: 1.0,
-            honest_high: 1.0,
+            replicate: 1.0,
+            replicate_high: 1.0,
             laps: Vec::new(),
             built: Vec::new(),
             usual: Vec::new(),
             degrees_of_freedom: n as f64,
         };
-        out.laps = honest.iter().map(|lap| out.projected(lap)).collect();
+        out.laps = replicate.iter().map(|lap| out.projected(lap)).collect();
         out.built = frame.built.iter().map(|change| out.column(change)).collect();
         out.usual = usual.iter().map(|change| out.projected(change)).collect();
         out.find_repeatability();
         out
     }
 
-    /// How honest laps' mean squares scatter, with what is usual beside.
+    /// How replicate laps' mean squares scatter, with what is usual beside.
     fn find_repeatability(&mut self) {
         let n = self.rows.len().max(1) as f64;
         let mut squares: Vec<f64> = self.laps.iter().map(|lap| lap.norm_squared() / n).collect();
@@ -133,10 +133,10 @@ impl Evidence {
         let count = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / count;
         let variance = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (count - 1.0);
-        // The variances hold doubts that honest laps of one simulation do not have.
+        // The variances hold doubts that replicate laps of one simulation do not have.
         let scale = mean.max(1.0) / mean.max(1e-9);
-        self.honest = mean.max(1.0) + built;
-        self.honest_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
+        self.replicate = mean.max(1.0) + built;
+        self.replicate_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
         // χ² of f degrees of freedom over f has the variance 2/f.
         self.degrees_of_freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
     }
@@ -157,7 +157,7 @@ impl Evidence {
         self.project(&self.long(change))
     }
 
-    /// How far honest laps lie along a direction, what chains as they are built, and each usual deviation.
+    /// How far replicate laps lie along a direction, what chains as they are built, and each usual deviation.
     pub fn along(&self, direction: &DVector<f64>) -> [Vec<f64>; 3] {
         [&self.laps, &self.built, &self.usual].map(|list| list.iter().map(|x| direction.dot(x)).collect())
     }
@@ -208,9 +208,9 @@ impl Evidence {
         (each.sum::<f64>() + self.log_determinant - from.log_determinant) / self.weights.len().max(1) as f64
     }
 
-    /// Mean square of a projected residual over that of honest laps.
+    /// Mean square of a projected residual over that of replicate laps.
     pub fn mean_square(&self, residual: &DVector<f64>) -> f64 {
-        residual.norm_squared() / self.rows.len().max(1) as f64 / self.honest
+        residual.norm_squared() / self.rows.len().max(1) as f64 / self.replicate
     }
 
     /// Each used feature's projected residual, over its deviation.
@@ -264,10 +264,10 @@ fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector
     let mut turns = if raised { TURNS } else { 0 };
     loop {
         let weights = tolerant(frame, rows, own.iter().map(|variance| 1.0 / variance.sqrt()).collect());
-        let honest: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
-        let common = modes(&honest, if raised { honest.len() } else { MODES });
+        let replicate: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
+        let common = modes(&replicate, if raised { replicate.len() } else { MODES });
         if turns == 0 {
-            return (weights, honest, common);
+            return (weights, replicate, common);
         }
         turns -= 1;
         for (i, (&k, weight)) in rows.iter().zip(&weights).enumerate() {
@@ -299,7 +299,7 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
     weights.into_iter().zip(squares).map(|(w, square)| w / (1.0 + square).sqrt()).collect()
 }
 
-/// The strongest common deviations of honest laps beyond what each feature has of its own, each of unit variance.
+/// The strongest common deviations of replicate laps beyond what each feature has of its own, each of unit variance.
 ///
 /// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of noise (Marchenko and
 /// Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
@@ -412,11 +412,11 @@ mod tests {
             let more = |sum: Vec<f64>, (p, x): (&Vec<f64>, f64)| sum.iter().zip(p).map(|(s, p)| s + x * p).collect();
             known.iter().zip(shares).fold(noise(features), more)
         };
-        let honest: Vec<Vec<f64>> = (0..laps).map(|_| lap(&[])).collect();
+        let replicate: Vec<Vec<f64>> = (0..laps).map(|_| lap(&[])).collect();
         let scatter: Vec<Vec<f64>> = (0..laps).map(|_| lap(&patterns[..ways])).collect();
         let spread = |k: usize| 1.0 + patterns[..ways].iter().map(|p| p[k] * p[k]).sum::<f64>();
         let with = Laps { variance: (0..features).map(spread).collect(), scatter };
-        let frame = bare(lap(&[]), honest);
+        let frame = bare(lap(&[]), replicate);
         let own = Evidence::with(&frame, &[], &with);
         let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
         let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));

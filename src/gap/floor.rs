@@ -1,4 +1,4 @@
-//! The floor of laps with an effect. Two honest laps of a chain whose wheels are out of round or whose carts carry items by chance are
+//! The floor of laps with an effect. Two replicate laps of a chain whose wheels are out of round or whose carts carry items by chance are
 //! farther apart than two of the nominal chain: what an effect makes of the floor belongs to its signature.
 //!
 //! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, doubts and modes, −f/2 (ln s + ln(det C/det C₀)/n)

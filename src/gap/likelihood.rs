@@ -1,6 +1,6 @@
 //! From mean squares to probabilities.
 //!
-//! With s the mean square residual of a hypothesis over that of honest laps and f their degrees of freedom, −f/2 ln s is the log
+//! With s the mean square residual of a hypothesis over that of replicate laps and f their degrees of freedom, −f/2 ln s is the log
 //! likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's equation is never that of the
 //! machine. So f is bounded, the more so far above the floor, where only the equations differ and no chance; and each strength costs
 //! ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior. Where a hypothesis leaves no more than the floor, its
@@ -17,7 +17,7 @@ const COARSE_DEGREES_OF_FREEDOM: f64 = 24.0;
 /// How much runs have in common at most, as they differ in speed and tension.
 const ALIKE: f64 = 0.9;
 
-/// Mean square over that of honest laps from which scores do not count.
+/// Mean square over that of replicate laps from which scores do not count.
 const QUIET: f64 = 1.25;
 
 /// What it costs beside that a score is the best of a strength's whole range, which is some hundred deviations wide.
@@ -46,9 +46,9 @@ pub const WRONG_WAYS: f64 = 12.0;
 /// Strengths that something unknown costs as many of.
 pub const UNKNOWN_STRENGTHS: f64 = 2.0;
 
-/// Log likelihood of a mean square over that of honest laps.
+/// Log likelihood of a mean square over that of replicate laps.
 pub fn log_likelihood(mean_square: f64, degrees_of_freedom: f64) -> f64 {
-    // Less than honest laps have speaks for nothing.
+    // Less than replicate laps have speaks for nothing.
     let near = degrees_of_freedom * trig::ln(mean_square.clamp(0.9, COARSE));
     -0.5 * (near + degrees_of_freedom.min(COARSE_DEGREES_OF_FREEDOM) * trig::ln((mean_square / COARSE).max(1.0)))
 }

@@ -22,7 +22,7 @@ const TURNED_PAIRS: usize = 2;
 /// is in proportion to nothing.
 const SENSORS: usize = 24;
 
-/// Mean square over that of honest laps from which on something is left to be looked for beside an effect.
+/// Mean square over that of replicate laps from which on something is left to be looked for beside an effect.
 pub const UNSETTLED: f64 = 1.25;
 
 /// How far a strength that fits may be from the one that a signature was taken at, as factors; of a sensor's effect.

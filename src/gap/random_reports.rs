@@ -35,12 +35,12 @@ impl Random {
     }
 
     fn run(&mut self, k: usize) -> RunGap {
-        let honest_high = 1.0 + 0.6 * self.one();
+        let replicate_high = 1.0 + 0.6 * self.one();
         // On either side of the limit.
         let mut square =
-            |under: f64, most: f64| if self.chance(under) { honest_high * self.one() } else { most * self.one() };
+            |under: f64, most: f64| if self.chance(under) { replicate_high * self.one() } else { most * self.one() };
         let (before, after) = (square(0.4, 40.0), square(0.7, 25.0));
-        RunGap { run: format!("run-{k}"), before, after, honest: 1.0, honest_high }
+        RunGap { run: format!("run-{k}"), before, after, replicate: 1.0, replicate_high }
     }
 
     fn amount(&mut self) -> Amount {
@@ -134,8 +134,8 @@ pub fn report(seed: u64) -> Diagnosis {
 pub fn hold(text: &str, found: &Diagnosis) -> Result<(), String> {
     let text = text.replace("need not add to 100 %", "");
     let wrong = |what: &str| Err(format!("{what}\n{text}\n{found:#?}"));
-    let over = found.runs.iter().any(|run| run.before > run.honest_high);
-    let left = found.runs.iter().any(|run| run.after > run.honest_high);
+    let over = found.runs.iter().any(|run| run.before > run.replicate_high);
+    let left = found.runs.iter().any(|run| run.after > run.replicate_high);
     let sure = |f: &&Finding| f.strength.is_empty() || f.strength.values().any(|a| a.low > 0.0 || a.high < 0.0);
     let scored = !matches!(found.verdict, Verdict::None | Verdict::Unknown);
     let shown = found.effects.iter().filter(|f| scored && found.shown.contains(&f.name)).filter(sure);

@@ -326,7 +326,7 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
         let evidence = &scored.evidence(comparison)[run];
         for ((k, x), (_, y)) in evidence.each(&evidence.residual).zip(evidence.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
-            *sum = [sum[0] + x * x / evidence.honest, sum[1] + y * y / evidence.honest, sum[2] + 1.0];
+            *sum = [sum[0] + x * x / evidence.replicate, sum[1] + y * y / evidence.replicate, sum[2] + 1.0];
         }
     }
     let clear = sums.into_iter().filter(|(_, [before, _, n])| *before > 1.2 * n);
@@ -347,7 +347,7 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Pl
         };
         for (k, x) in evidence.each(&residual) {
             let label = &frame.labels[k];
-            let over = (x * x / evidence.honest - 1.0).max(0.0);
+            let over = (x * x / evidence.replicate - 1.0).max(0.0);
             total += over;
             *mean_square.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
         }
@@ -400,7 +400,7 @@ fn floor(frames: &[Frame]) -> BTreeMap<String, f64> {
 /// Whether a run is farther off than 95 % of repeated measurements.
 fn over(comparison: &Comparison, run: usize) -> bool {
     let evidence = &comparison.evidence[run];
-    evidence.mean_square(&evidence.residual) > evidence.honest_high / evidence.honest
+    evidence.mean_square(&evidence.residual) > evidence.replicate_high / evidence.replicate
 }
 
 fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
@@ -411,8 +411,8 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
             run: frame.run.clone(),
             before: tidy(before),
             after: tidy(shown.map_or(before, |j| j.mean_square_of(comparison, run, &j.residuals()[run]))),
-            honest: 1.0,
-            honest_high: tidy(evidence.honest_high / evidence.honest),
+            replicate: 1.0,
+            replicate_high: tidy(evidence.replicate_high / evidence.replicate),
         }
     };
     comparison.simulator.frames().iter().enumerate().map(gap).collect()

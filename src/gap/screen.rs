@@ -223,7 +223,7 @@ impl Trial {
 fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<f64>, (low, high): (f64, f64)) -> f64 {
     let column = &signature.columns[run];
     let own = column.norm_squared().max(1e-300);
-    let gap = left.norm_squared() - evidence.honest * evidence.features() as f64;
+    let gap = left.norm_squared() - evidence.replicate * evidence.features() as f64;
     let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
     let now = signature.size.abs();
     let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
@@ -298,7 +298,7 @@ fn applied(candidates: &[Candidate], trial: &Trial) -> Applied {
 #[derive(Clone, Debug)]
 pub struct Explained {
     pub strengths: Vec<f64>,
-    /// Of the strengths, in units of the floor of honest laps.
+    /// Of the strengths, in units of the floor of replicate laps.
     pub covariance: DMatrix<f64>,
     pub residuals: Vec<DVector<f64>>,
 }

@@ -1,7 +1,7 @@
 //! How surely a signature is in what is left. A mean square over a thousand features hides what lies along one direction in all of them: an
-//! effect that does little everywhere may be seen beyond any doubt while the mean square is that of honest laps.
+//! effect that does little everywhere may be seen beyond any doubt while the mean square is that of replicate laps.
 //!
-//! The score z = Σ cᵀr / √(Σ cᵀ S c) of a direction c over all runs (Rao 1948), with the scatter S of honest laps and of chains as they are
+//! The score z = Σ cᵀr / √(Σ cᵀ S c) of a direction c over all runs (Rao 1948), with the scatter S of replicate laps and of chains as they are
 //! built, drawn rather than derived (White 1982), so that whatever correlation they have is in it.
 
 use super::evidence::Evidence;

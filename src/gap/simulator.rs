@@ -39,7 +39,7 @@ pub trait Simulator: Sync {
         false
     }
 
-    /// Of each request, honest laps with its effects, in place of its frame's. `None` where the frame's hold or nothing is known.
+    /// Of each request, replicate laps with its effects, in place of its frame's. `None` where the frame's hold or nothing is known.
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         vec![None; requests.len()]
     }
@@ -143,7 +143,7 @@ impl Strength {
     }
 }
 
-/// A run as the diagnosis sees it: features, how far two honest laps' are apart, and how they answer the nuisances.
+/// A run as the diagnosis sees it: features, how far two replicate laps' are apart, and how they answer the nuisances.
 #[derive(Clone, Debug)]
 pub struct Frame {
     pub run: String,
@@ -167,7 +167,7 @@ pub struct Frame {
     pub nuisances: Vec<String>,
 }
 
-/// How honest laps differ.
+/// How replicate laps differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Laps {
     /// Of each feature, variance of the difference of two; infinite for what tells nothing.

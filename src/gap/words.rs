@@ -43,7 +43,7 @@ fn nothing(found: &Diagnosis) -> String {
              (probability of no gap {}) than any known effect.",
             run.run,
             times(run.before),
-            times(run.honest_high),
+            times(run.replicate_high),
             percent(found.none_probability)
         ),
         _ => "There is no gap: these runs differ from the simulation no more than repeated measurements do. Weaker effects than the \
@@ -69,7 +69,7 @@ fn unknown(found: &Diagnosis) -> String {
                 names(&found.with())
             )
         }
-        Some(run) if run.after > run.honest_high => {
+        Some(run) if run.after > run.replicate_high => {
             format!("{lead} The best of them, {}, leaves {}.", names(&found.with()), left(run))
         }
         Some(_) => format!("{lead} The best of them is {}.", names(&found.with())),
@@ -98,7 +98,7 @@ fn best(found: &Diagnosis) -> String {
     let what = if named.len() > 1 { format!("{} together are", each(&named)) } else { format!("{} is", each(&named)) };
     let lead = format!("There is a gap, and {what} the best of the known effects");
     match worst(found, |run| run.after) {
-        Some(run) if run.after > run.honest_high => format!("{lead}, but leaves {}.", left(run)),
+        Some(run) if run.after > run.replicate_high => format!("{lead}, but leaves {}.", left(run)),
         _ => format!("{lead}."),
     }
 }
@@ -166,7 +166,7 @@ fn untested(found: &Diagnosis) -> String {
 
 /// The run that is farthest over its limit.
 fn worst(found: &Diagnosis, of: impl Fn(&RunGap) -> f64) -> Option<&RunGap> {
-    let over = |run: &RunGap| of(run) / run.honest_high.max(1e-9);
+    let over = |run: &RunGap| of(run) / run.replicate_high.max(1e-9);
     found.runs.iter().filter(|run| of(run).is_finite()).max_by(|a, b| over(a).total_cmp(&over(b)))
 }
 
@@ -175,7 +175,7 @@ fn left(run: &RunGap) -> String {
         "{} times the repeatability in run {}, over its limit of {}",
         times(run.after),
         run.run,
-        times(run.honest_high)
+        times(run.replicate_high)
     )
 }
 

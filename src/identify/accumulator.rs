@@ -1,4 +1,4 @@
-//! What a lap amounts to, in numbers that two honest simulations of it share.
+//! What a lap amounts to, in numbers that two replicate simulations of it share.
 //!
 //! The motion is chaotic, so samples are not compared at the same instant. Compared are means over the passing of two carts at
 //! each place of the track, the spread within each straight and curve, how often forces are low or high, and the power in

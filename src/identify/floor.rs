@@ -1,4 +1,4 @@
-//! The floor: how far apart two honest laps are. Each cart of a simulation is a lap of its own; a simulation with half the step and one
+//! The floor: how far apart two replicate laps are. Each cart of a simulation is a lap of its own; a simulation with half the step and one
 //! from a fresh start say what the computation adds.
 
 use super::model::{Coordinates, Model, Plan};

@@ -57,7 +57,7 @@ pub struct Fitted {
     pub key: String,
     /// Of another law, when it was not fitted anew but carried over through χ.
     pub carried_from: Option<ContactLaw>,
-    /// Residuals over the floor, root mean square: 1 is as near as two honest laps are.
+    /// Residuals over the floor, root mean square: 1 is as near as two replicate laps are.
     pub objective: f64,
     pub parameters: BTreeMap<String, Estimate>,
     /// χ of the restitutions (Kelvin-Voigt: ζ), and what a free impact achieves with it.

@@ -2,7 +2,7 @@
 //!
 //! Lateral motion of the chain is chaotic: after the first second or two, two simulations of the same lap agree in their
 //! statistics only, and so do two measured laps. A difference at the same instant over a lap therefore measures chaos as well
-//! as what is to be compared. [`Deviation`] says of each measure what two honest runs of the same lap differ by.
+//! as what is to be compared. [`Deviation`] says of each measure what two replicate runs of the same lap differ by.
 
 use super::filter::moving_mean;
 use super::gaps::{Bridged, bridge};
@@ -34,10 +34,10 @@ pub struct Deviation {
     pub reference: Statistics,
     pub other: Statistics,
     /// Root mean square of the difference at the same place of the track, lap by lap from each run's first sample, over the
-    /// reference's range (max − min). Two honest simulations of the same lap: 0.005 to 0.03.
+    /// reference's range (max − min). Two replicate simulations of the same lap: 0.005 to 0.03.
     pub nrmsd: Option<f64>,
     /// The same of the moving means over two carts' passage, over the range of the reference before the mean was taken.
-    /// What repeats with the carts cancels, and most of the chaos with it; curves, motors and ramps stay. Two honest
+    /// What repeats with the carts cancels, and most of the chaos with it; curves, motors and ramps stay. Two replicate
     /// simulations: 0.000 to 0.003.
     pub nrmsd_two_carts: Option<f64>,
     /// Log-spectral distance, dB, of the power spectral densities up to the lower of the two low-passes. Chance alone leaves

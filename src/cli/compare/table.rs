@@ -44,8 +44,8 @@ pub fn text(report: &Report) -> String {
     }
     out += &format!(
         "
-NRMSD     root mean square of B - A at the same place, over A's range; two honest simulations of a lap: 0.5 to 3 %
-2 carts   the same of the moving mean over two carts; two honest simulations: 0.0 to 0.3 %
+NRMSD     root mean square of B - A at the same place, over A's range; two replicate simulations of a lap: 0.5 to 3 %
+2 carts   the same of the moving mean over two carts; two replicate simulations: 0.0 to 0.3 %
 spectrum  log-spectral distance up to the low-pass; chance alone leaves about 1.5 dB for 100 s
 damage    damage-equivalent load of B over A for the same distance, slope {}
 ",

@@ -22,7 +22,7 @@ const PARTIAL: &str = "gap.partial";
 
 /// Diagnose the gap between a campaign of measured runs and the simulation of their layouts.
 ///
-/// Fits the nominal model to each run, maps what is left over the floor of two honest laps, asks every effect of the library
+/// Fits the nominal model to each run, maps what is left over the floor of two replicate laps, asks every effect of the library
 /// whether it explains that, and tells how much of the gap each closes on runs left out. Writes gap.json and gap.html. One that was
 /// stopped goes on where it was when it is started again with the same outputs' folder.
 #[derive(Debug, clap::Args)]
@@ -41,7 +41,7 @@ pub struct Diagnose {
     /// Also write a layout with the verdict's effects added, for `lss simulate`.
     #[arg(long)]
     apply: bool,
-    /// Which noise simulations get: another seed, another honest answer.
+    /// Which noise simulations get: another seed, another answer that is as good.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// How the result is written to standard output.

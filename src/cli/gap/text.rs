@@ -46,7 +46,7 @@ pub fn text(found: &Diagnosis) -> String {
         "\n  run                  before    after    (1: the repeatability; limit: 95 % of repeated measurements)"
     );
     for run in &found.runs {
-        let [a, b, c] = [run.before, run.after, run.honest_high].map(|x| fixed(x, 2));
+        let [a, b, c] = [run.before, run.after, run.replicate_high].map(|x| fixed(x, 2));
         let _ = writeln!(out, "  {:<18}{a:>9}{b:>9}    {c}", run.run);
     }
     for group in &found.groups {

@@ -44,7 +44,7 @@ pub struct Campaign {
     /// Only say what the runs can tell of the parameters, without fitting them.
     #[arg(long)]
     identifiability: bool,
-    /// Where in a pitch simulations start and which noise they get: another seed, another honest answer.
+    /// Where in a pitch simulations start and which noise they get: another seed, another answer that is as good.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// How the result is written to standard output: json is one object a line, a law each.

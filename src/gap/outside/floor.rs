@@ -26,7 +26,7 @@ const WAVES: usize = 8;
 /// The median of the square of a standard normal.
 const MEDIAN_SQUARE: f64 = 0.454_936;
 
-/// How far honest features differ.
+/// How far replicate features differ.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     pub variance: Vec<f64>,

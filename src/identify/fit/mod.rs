@@ -51,7 +51,7 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// −1 or 1 where a parameter is at its bound.
     pub bound: Vec<i8>,
-    /// Root mean square of the residuals, each over the floor of two honest laps: 1 is as near as laps are to each other.
+    /// Root mean square of the residuals, each over the floor of two replicate laps: 1 is as near as laps are to each other.
     pub objective: f64,
     /// The same of each block of features.
     pub blocks: BTreeMap<Block, f64>,
@@ -77,7 +77,7 @@ pub struct Landing {
     pub nominal: Vec<f64>,
     /// How many passes of its places each measured feature is a mean over.
     pub passes: Vec<f64>,
-    /// Of the difference of two honest runs.
+    /// Of the difference of two replicate runs.
     pub variance: Vec<f64>,
     pub sensitivity: Sensitivity,
     pub floor: Floor,

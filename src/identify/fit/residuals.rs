@@ -23,7 +23,7 @@ const WRONG: f64 = 4.0;
 pub(super) struct Residuals {
     /// NaN where a feature is missing.
     pub(super) of: Vec<f64>,
-    /// Variance of the difference of two honest laps, without what the model misses.
+    /// Variance of the difference of two replicate laps, without what the model misses.
     pub(super) variance: Vec<f64>,
     /// How many passes of its places each measured feature is a mean over.
     pub(super) passes: Vec<f64>,

@@ -100,8 +100,10 @@ pub fn closed(diagnosis: &Diagnosis, named: &[&Finding]) -> Markup {
 
 /// The gap of each run, before and after, on a logarithmic axis with what repeated measurements have.
 pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
-    let all =
-        runs.iter().flat_map(|r| [r.before, r.after, r.honest, r.honest_high]).filter(|x| *x > 0.0 && x.is_finite());
+    let all = runs
+        .iter()
+        .flat_map(|r| [r.before, r.after, r.replicate, r.replicate_high])
+        .filter(|x| *x > 0.0 && x.is_finite());
     let (low, high) = all.fold((1.0_f64, 1.0_f64), |(a, b), x| (a.min(x), b.max(x)));
     let (low, high) = (trig::log10(low) - 0.1, trig::log10(high) + 0.1);
     let x = |value: f64| LEFT + (trig::log10(value.max(1e-12)) - low) / (high - low) * (WIDTH - LEFT - RIGHT);
@@ -126,8 +128,8 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
             @for (k, run) in runs.iter().enumerate() {
                 @let y = ROW * k as f64 + 12.0;
                 text.name x=(LEFT - 10.0) y=(fixed(y + 4.0, 1)) text-anchor="end" { (run.run) }
-                @if run.honest_high > 0.0 && run.honest_high.is_finite() {
-                    rect.honest x=(LEFT) y=(fixed(y - 9.0, 1)) width=(fixed((x(run.honest_high) - LEFT).max(1.0), 1)) height="18" {}
+                @if run.replicate_high > 0.0 && run.replicate_high.is_finite() {
+                    rect.replicate x=(LEFT) y=(fixed(y - 9.0, 1)) width=(fixed((x(run.replicate_high) - LEFT).max(1.0), 1)) height="18" {}
                 }
                 @if changed { line.way x1=(at(run.before)) x2=(at(run.after)) y1=(fixed(y, 1)) y2=(fixed(y, 1)) {} }
                 circle.before cx=(at(run.before)) cy=(fixed(y, 1)) r="5" {}
@@ -140,7 +142,7 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
         p.legend.note {
             span { i.dot-before {} @if changed { "before" } @else { "the model as it is" } }
             @if changed { span { i.dot-after {} "with the named effect" } }
-            span { i.dot-honest {} "95 % of repeated measurements" }
+            span { i.dot-replicate {} "95 % of repeated measurements" }
         }
     }
 }

@@ -194,7 +194,7 @@ fn floor(diagnosis: &Diagnosis) -> Markup {
                 } "." }
         }
         @if !diagnosis.runs.is_empty() {
-            @let high = diagnosis.runs.iter().map(|r| r.honest_high).filter(|x| x.is_finite()).fold(0.0, f64::max);
+            @let high = diagnosis.runs.iter().map(|r| r.replicate_high).filter(|x| x.is_finite()).fold(0.0, f64::max);
             @if high > 0.0 { p.note { "95 % of repeated measurements stay under " (trimmed(high, 2)) " times its mean square." } }
         }
     }

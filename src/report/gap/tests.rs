@@ -34,7 +34,7 @@ fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> Place
 }
 
 fn run(run: &str, before: f64, after: f64) -> RunGap {
-    RunGap { run: run.into(), before, after, honest: 1.0, honest_high: 1.4 }
+    RunGap { run: run.into(), before, after, replicate: 1.0, replicate_high: 1.4 }
 }
 
 fn overlay(run: &str, channel: &str, unit: &str, from: f64) -> Overlay {
@@ -123,7 +123,8 @@ fn grouped() -> Diagnosis {
 fn nothing() -> Diagnosis {
     Diagnosis {
         verdict: Verdict::None,
-        summary: "Measured and simulated laps differ by no more than two honest laps do. No effect is needed.".into(),
+        summary: "Measured and simulated laps differ by no more than two replicate laps do. No effect is needed."
+            .into(),
         shown: Vec::new(),
         untested_probability: 0.0,
         effects: [("rail_step", 0.013), ("sensor_gain", 0.011), ("motor_ripple", 0.009), ("pitch_wear", 0.004)]

@@ -11,7 +11,7 @@ const RIGHT: f64 = 12.0;
 const TOP: f64 = 6.0;
 const BELOW: f64 = 20.0;
 
-/// Deviations of the repeatability that are drawn to either side: 95 % of honest cells are within.
+/// Deviations of the repeatability that are drawn to either side: 95 % of replicate cells are within.
 const DEVIATIONS: f64 = 2.0;
 
 /// Rules of the style sheet for these pictures.
