@@ -66,7 +66,7 @@ fn main() {
     );
 }
 
-/// A lap with a step of the right rail by 2 mm, measured with half the usual step and noise of 1 N.
+/// A lap with a step of the right rail by 2 mm, measured with half the as_built step and noise of 1 N.
 fn measured(nominal: &Simulation, number: usize, (speed, tension): (f64, f64)) -> Subject {
     let mut simulation = nominal.clone();
     for (p, over) in [(Parameter::Speed, speed), (Parameter::Tension, tension)] {

@@ -105,13 +105,13 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             name: "size".into(),
             unit: "m".into(),
             trial: 1.0,
-            usual: 0.0,
+            as_built: 0.0,
             low: -50.0,
             high: 50.0,
         }],
         sensor,
-        differs: None,
-        doubt: 0.0,
+        random_effect: None,
+        discrepancy: 0.0,
         beside: None,
     };
     let mut candidates = vec![
@@ -126,7 +126,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     ];
     // What only scatters explains a little of anything.
     if truth.iter().any(|t| t.0 == ROUGH) {
-        candidates.push(Candidate { differs: Some(RandomEffect::ByLap), ..one("rough", "", false) });
+        candidates.push(Candidate { random_effect: Some(RandomEffect::ByLap), ..one("rough", "", false) });
     }
     if truth.iter().any(|t| t.0 == FAR) {
         let mut far = one("far", "", false);
@@ -161,7 +161,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
                     .collect(),
                 nominal: vec![5.0; FEATURES],
                 laps: Laps { variance: vec![1.0; FEATURES], scatter: (0..40).map(|_| noise()).collect() },
-                doubts: Vec::new(),
+                discrepancies: Vec::new(),
                 built: Vec::new(),
                 slopes: DMatrix::from_fn(FEATURES, 1, |k, _| level(k)),
                 prior: vec![(0.0, 10.0)],
@@ -339,7 +339,7 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
 #[test]
 fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
     let mut made = made(&[(ROUGH, 0.0)], 0.0, 10);
-    made.candidates[ROUGH].differs = Some(RandomEffect::ByCart);
+    made.candidates[ROUGH].random_effect = Some(RandomEffect::ByCart);
     for frame in &mut made.frames {
         let mut state = 77;
         frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
@@ -428,9 +428,9 @@ fn what_cannot_be_simulated_is_not_ruled_out() {
 /// A second member of which the interval holds 0 is none: the first one stands alone.
 #[test]
 fn a_member_that_may_be_absent_is_not_named() {
-    let pair = |doubt: f64| {
+    let pair = |discrepancy: f64| {
         let mut made = made(&[(0, 8.0), (6, 3.0)], 0.0, 6);
-        made.candidates[6].doubt = doubt;
+        made.candidates[6].discrepancy = discrepancy;
         diagnose(&made, &mut |_| {})
     };
     assert_eq!(pair(0.0).verdict, Verdict::Pair);

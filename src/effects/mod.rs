@@ -1,6 +1,6 @@
 //! The library of effects that the nominal model lacks: each a change to the chain or to what its sensors say, with strengths.
 //!
-//! [`LIBRARY`] lists them; one file each. [`built`] and [`sense`] are what a simulation with effects is made of, so that
+//! [`LIBRARY`] lists them; one file each. [`deviations_of`] and [`sense`] are what a simulation with effects is made of, so that
 //! `effect joint_clearance(gap: 0.05 mm)` in a layout runs in `lss simulate` as it does in a diagnosis.
 
 mod cart_bending;
@@ -206,7 +206,7 @@ pub fn named(name: &str) -> Option<&'static Effect> {
 /// # Errors
 ///
 /// [`Unfit`] for an effect or a strength that there is not.
-pub fn built(simulation: &Simulation) -> Result<(Simulation, Deviations), Unfit> {
+pub fn deviations_of(simulation: &Simulation) -> Result<(Simulation, Deviations), Unfit> {
     let mut deviations = Deviations::default();
     if simulation.effects.is_empty() {
         return Ok((simulation.clone(), deviations));

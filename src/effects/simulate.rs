@@ -1,6 +1,6 @@
 //! Simulations of an input with its effects.
 
-use super::{Sensed, built, sense};
+use super::{Sensed, deviations_of, sense};
 use crate::base::parallel;
 use crate::chain_input::{Simulation, Unfit};
 use crate::dynamics::{self, Ensemble, EnsemblePlan, Model, Outcome, Plan, Progress, Settled, Width};
@@ -12,7 +12,7 @@ use crate::signal::{Channel, Run};
 ///
 /// [`Unfit`] for an input that no chain can have, or an effect that there is not.
 pub fn model(simulation: &Simulation) -> Result<Model, Unfit> {
-    let (nominal, deviations) = built(simulation)?;
+    let (nominal, deviations) = deviations_of(simulation)?;
     Model::new(&nominal, deviations)
 }
 
@@ -27,7 +27,7 @@ pub fn simulate(
     width: Width,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Outcome, Unfit> {
-    let (nominal, deviations) = built(simulation)?;
+    let (nominal, deviations) = deviations_of(simulation)?;
     let mut outcome = dynamics::simulate(&nominal, deviations, plan, width, watch)?;
     sense_run(simulation, &mut outcome.run);
     Ok(outcome)
@@ -49,7 +49,7 @@ pub fn run_ensemble(
     from: Option<&Settled>,
     width: Width,
 ) -> Result<Ensemble, Unfit> {
-    let (nominal, deviations) = built(simulation)?;
+    let (nominal, deviations) = deviations_of(simulation)?;
     dynamics::run_ensemble(&nominal, deviations, ensemble, from, width)
 }
 

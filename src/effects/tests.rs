@@ -63,7 +63,7 @@ fn every_effect_of_the_chain_moves_what_carts_measure() {
 /// The steepest slope of the left rail in a step, over height and length of its rise.
 fn steepness(at: f64, height: f64, rise: f64, length: f64) -> f64 {
     let step = with("rail_step", &[("height", height), ("at", at), ("rail", 2.0), ("rise", rise)]);
-    let (simulation, deviations) = built(&step).expect("a track");
+    let (simulation, deviations) = deviations_of(&step).expect("a track");
     let line = simulation.track.centre_line();
     // The way lies in the middle between both rails.
     let left = |k: i32| 2.0 * deviations.way(&line, at + 1e-3 * f64::from(k)).z;
@@ -97,7 +97,7 @@ fn a_track_that_is_built_off_has_the_tension_that_was_asked_for() {
 fn curves_are_built_as_their_strengths_say() {
     let track = |name: &str, strength: f64| {
         let (simulation, deviations) =
-            built(&with("curve_geometry", &[(name, strength), ("curve", 2.0)])).expect("a track");
+            deviations_of(&with("curve_geometry", &[(name, strength), ("curve", 2.0)])).expect("a track");
         (sites::curves(&simulation), simulation.track.centre_line(), deviations)
     };
     let (planned, line, _) = track("offset", 0.0);
@@ -134,20 +134,20 @@ fn items_on_all_carts_weigh_on_the_running_wheels() {
 
 #[test]
 fn constants_follow_their_equations() {
-    let (stiff, _) = built(&with("stiffness_temperature", &[("change", -0.25)])).expect("built");
+    let (stiff, _) = deviations_of(&with("stiffness_temperature", &[("change", -0.25)])).expect("built");
     let plain = nominal();
     assert_eq!(stiff.joint.axial.stiffness_n_per_m_n, 0.75 * plain.joint.axial.stiffness_n_per_m_n);
     let compliance = 3e-7;
-    let (bent, _) = built(&with("cart_bending", &[("compliance", compliance)])).expect("built");
+    let (bent, _) = deviations_of(&with("cart_bending", &[("compliance", compliance)])).expect("built");
     if plain.joint.radial.exponent == 1.0 {
         let series = 1.0 / (1.0 / plain.joint.radial.stiffness_n_per_m_n + compliance);
         assert!((bent.joint.radial.stiffness_n_per_m_n / series - 1.0).abs() < 1e-12);
     }
-    let (_, weak) = built(&with("motor_imbalance", &[("loss", 0.4), ("motor", 2.0)])).expect("built");
+    let (_, weak) = deviations_of(&with("motor_imbalance", &[("loss", 0.4), ("motor", 2.0)])).expect("built");
     assert_eq!((weak.factor(0, 0.1), weak.factor(1, 0.1)), (1.0, 0.6));
-    let (_, rippling) = built(&with("motor_ripple", &[("ratio", 0.1), ("wavelength", 0.4)])).expect("built");
+    let (_, rippling) = deviations_of(&with("motor_ripple", &[("ratio", 0.1), ("wavelength", 0.4)])).expect("built");
     assert!((rippling.factor(0, 0.1) - 1.1).abs() < 1e-12);
-    let (_, uneven) = built(&with("pitch_wear", &[("deviation", 1e-4)])).expect("built");
+    let (_, uneven) = deviations_of(&with("pitch_wear", &[("deviation", 1e-4)])).expect("built");
     assert!(uneven.pitch.iter().all(|x| x.abs() <= 1e-4) && uneven.pitch.iter().any(|x| x.abs() > 5e-5));
 }
 
@@ -194,7 +194,7 @@ fn what_there_is_not_is_refused_with_a_way_out() {
         ("joint_clearance", &[("gap", -1.0)], "effects.0.strengths.gap", "-1 must be between 0 and 0.002 m"),
         ("sensor_gain", &[("channel", f64::NAN)], "effects.0.strengths.channel", "`sensor_gain` has gain, channel"),
     ] {
-        let refused = built(&with(name, strengths)).expect_err("refused");
+        let refused = deviations_of(&with(name, strengths)).expect_err("refused");
         assert_eq!(refused.place, place);
         assert!(refused.why.starts_with(why), "{}", refused.why);
     }
@@ -232,12 +232,12 @@ fn every_effect_that_a_layout_may_name_stands_in_the_library() {
 
 #[test]
 fn rails_are_as_wavy_as_they_say() {
-    let (_, deviations) = built(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 3.0)])).expect("built");
+    let (_, deviations) = deviations_of(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 3.0)])).expect("built");
     for rail in &deviations.rails {
         let square = rail.iter().map(|x| x * x).sum::<f64>() / rail.len() as f64;
         assert!((square.sqrt() / 2e-5 - 1.0).abs() < 0.2, "{}", square.sqrt());
     }
-    let (_, other) = built(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 4.0)])).expect("built");
+    let (_, other) = deviations_of(&with("rail_waviness", &[("amplitude", 2e-5), ("draw", 4.0)])).expect("built");
     assert!(other.rails != deviations.rails && deviations.rails[0] != deviations.rails[1]);
 }
 
@@ -245,7 +245,8 @@ fn rails_are_as_wavy_as_they_say() {
 fn a_track_sags_as_its_spans_are_held() {
     let span = |shape: f64| {
         let (plain, deviations) =
-            built(&with("track_flexibility", &[("compliance", 1e-6), ("span", 4.0), ("shape", shape)])).expect("built");
+            deviations_of(&with("track_flexibility", &[("compliance", 1e-6), ("span", 4.0), ("shape", shape)]))
+                .expect("built");
         let rail = &deviations.rails[1];
         let lap = plain.track.centre_line().length;
         let length = lap / (lap / 4.0).round();
@@ -266,7 +267,7 @@ fn only_the_carts_beside_the_sensors_that_are_said_carry_items() {
         for sensor in [1, 2, nominal().chain.carts] {
             let mut simulation = with("load_distribution", &[("mass", 1.0), ("on_sensor", on)]);
             simulation.sensor.cart = sensor;
-            let load = built(&simulation).expect("built").1.load;
+            let load = deviations_of(&simulation).expect("built").1.load;
             let (n, own) = (load.len(), sensor - 1);
             let loaded = |k: usize| load[k % n] > 0.0;
             assert_eq!((loaded(own + n - 1), loaded(own), loaded(own + 1)), (before, false, after), "{on} {sensor}");

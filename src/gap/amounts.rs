@@ -34,16 +34,17 @@ pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<S
         let strength = &candidate.strengths[signature.strength];
         let value = fitted.strengths[i];
         let own = told.covariance()[(i, i)].max(0.0).sqrt();
-        let by_scatter = candidate.differs.is_some() && (own - SURE * value.abs()).abs() <= 1e-9 * own;
+        let by_scatter = candidate.random_effect.is_some() && (own - SURE * value.abs()).abs() <= 1e-9 * own;
         let size = value.abs();
         let uncertainty = match by_scatter {
-            true => Uncertainty { sum: missed * size, factor: trig::hypot(SURE, candidate.doubt) },
+            true => Uncertainty { sum: missed * size, factor: trig::hypot(SURE, candidate.discrepancy) },
             false => {
                 let own = (scale * own).max(scattered(comparison, &fitted.columns[i]));
                 // Beside another effect it may as a whole be what that one's equation misses; alone it is there.
                 let beside = fitted.hypothesis.members.len() > 1;
-                let (doubt, factor) = if beside { (candidate.doubt, 0.0) } else { (0.0, candidate.doubt) };
-                Uncertainty { sum: trig::hypot(own, trig::hypot(missed, doubt) * size), factor }
+                let (discrepancy, factor) =
+                    if beside { (candidate.discrepancy, 0.0) } else { (0.0, candidate.discrepancy) };
+                Uncertainty { sum: trig::hypot(own, trig::hypot(missed, discrepancy) * size), factor }
             }
         };
         let (less, more) = uncertainty.either_way(size);

@@ -34,7 +34,7 @@ pub struct Chance<'a> {
     /// Before the nominal chain's floor.
     pub nominal: &'a [Evidence],
     /// What every machine deviates by, of each run.
-    pub usual: &'a [Vec<Vec<f64>>],
+    pub as_built: &'a [Vec<Vec<f64>>],
     pub signatures: &'a [Signature],
 }
 
@@ -42,7 +42,8 @@ impl Chance<'_> {
     /// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off.
     pub fn hypotheses(&self) -> Vec<(Fitted, Option<Floor>)> {
         let candidates = self.simulator.candidates();
-        let own = (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].differs.is_some());
+        let own =
+            (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].random_effect.is_some());
         let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
         let ladder = |hypothesis: Hypothesis| {
             let strength = self.strength(&hypothesis);
@@ -86,7 +87,7 @@ impl Chance<'_> {
         let found: Vec<Fitted> =
             all.iter().zip(before).filter_map(|(tried, before)| self.fitted(tried, tried.size(before)?)).collect();
         let each: Vec<&Fitted> = found.iter().collect();
-        let mut own = floors(self.simulator, self.nominal, self.usual, self.signatures, &each);
+        let mut own = floors(self.simulator, self.nominal, self.as_built, self.signatures, &each);
         // Scatter says the strength, not the mean lap's slope.
         for (floor, one) in own.iter_mut().zip(&found) {
             if let Some(floor) = floor {
@@ -133,8 +134,8 @@ impl Chance<'_> {
     /// What a strength changes in a run's mean lap, by the signature; `None` where another lap has another pattern.
     fn mean(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Option<Vec<f64>> {
         let signature = self.signature(hypothesis);
-        let differs = self.simulator.candidates()[signature.candidate].differs;
-        (differs == Some(RandomEffect::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
+        let random_effect = self.simulator.candidates()[signature.candidate].random_effect;
+        (random_effect == Some(RandomEffect::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
     }
 
     /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength that has these.
@@ -142,7 +143,7 @@ impl Chance<'_> {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
         let variance = self.without(tried, run).variance.iter().zip(&laps.variance).map(added).collect();
-        let own = Evidence::with(frame, &self.usual[run], &laps.scaled(variance));
+        let own = Evidence::with(frame, &self.as_built[run], &laps.scaled(variance));
         let mut left = own.residual.clone();
         if let Some(other) = tried.beside {
             left -= own.column(&other.changes[run]);
@@ -173,7 +174,7 @@ impl Chance<'_> {
             one.covariance.view_mut((0, 0), (last, last)).copy_from(&other.covariance);
         }
         let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(tried, run, size)).collect();
-        let by_lap = candidates[self.signature(&tried.hypothesis).candidate].differs == Some(RandomEffect::ByLap);
+        let by_lap = candidates[self.signature(&tried.hypothesis).candidate].random_effect == Some(RandomEffect::ByLap);
         let features: Vec<Vec<f64>> = if by_lap {
             // Another lap has another pattern: nothing of the simulated one is in the measured one's mean.
             one.columns[last].iter_mut().for_each(|column| column.fill(0.0));

@@ -178,17 +178,17 @@ impl Comparison<'_> {
     }
 
     /// In what the members of a hypothesis differ by chance.
-    fn differs(&self, fitted: &Fitted) -> Vec<RandomEffect> {
-        fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].differs).collect()
+    fn random_effect(&self, fitted: &Fitted) -> Vec<RandomEffect> {
+        fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].random_effect).collect()
     }
 
     /// What runs have in common speaks against what differs from lap to lap, and what they have not against what differs from cart to cart.
     fn in_common(&self, fitted: &Fitted, floor: &Floor) -> f64 {
-        let differs = self.differs(fitted);
-        if differs.is_empty() {
+        let random_effect = self.random_effect(fitted);
+        if random_effect.is_empty() {
             return 0.0;
         }
-        let expected = if differs.iter().all(|d| *d == RandomEffect::ByCart) { floor.common } else { 0.0 };
+        let expected = if random_effect.iter().all(|d| *d == RandomEffect::ByCart) { floor.common } else { 0.0 };
         likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.degrees_of_freedom)
     }
 
@@ -207,7 +207,7 @@ impl Comparison<'_> {
     pub fn score_test(&self, fitted: &Fitted) -> ScoreTest {
         let direction = fitted.direction();
         let along = |k: usize, column: &Vec<DVector<f64>>| {
-            self.usual(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
+            self.as_built(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
         ScoreTest::new(&self.evidence, &self.residuals(), &direction).beside(own)
@@ -217,16 +217,16 @@ impl Comparison<'_> {
     fn heard(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        ScoreTest::new(&self.evidence, residuals, columns).beside([self.usual(signature) * square])
+        ScoreTest::new(&self.evidence, residuals, columns).beside([self.as_built(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
-    fn usual(&self, signature: usize) -> f64 {
+    fn as_built(&self, signature: usize) -> f64 {
         let Signature { candidate, strength, .. } = self.signatures[signature];
         let candidate = &self.candidates()[candidate];
         let strength = &candidate.strengths[strength];
         let ratio = candidate.sensor && strength.unit.is_empty();
-        strength.usual.max(if ratio { significance::ACCURATE } else { 0.0 })
+        strength.as_built.max(if ratio { significance::ACCURATE } else { 0.0 })
     }
 
     /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever says it of the first.
@@ -308,7 +308,7 @@ impl Comparison<'_> {
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
             let score = ScoreTest::new(&floor.evidence, &floor.residuals, &columns);
             let size = norm(&columns);
-            score.beside([self.usual(k) * size * size, missed * size]).z().abs()
+            score.beside([self.as_built(k) * size * size, missed * size]).z().abs()
         };
         (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
     }
@@ -337,7 +337,8 @@ impl Comparison<'_> {
     /// is its own.
     fn alike(&self, scored: &Scored) -> Option<f64> {
         let fitted = &scored.fitted;
-        let floor = scored.floor.as_ref().filter(|_| self.differs(fitted).len() >= fitted.hypothesis.members.len())?;
+        let floor =
+            scored.floor.as_ref().filter(|_| self.random_effect(fitted).len() >= fitted.hypothesis.members.len())?;
         let patterns = overall_mean_square(&floor.evidence, floor.evidence.iter().map(|e| &e.residual));
         let by_patterns = likelihood::log_likelihood(trig::exp(floor.raised) * patterns, self.degrees_of_freedom);
         let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);

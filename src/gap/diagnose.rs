@@ -50,13 +50,14 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let mut told = |done, of| tell(Stage::Screening { done, of });
     let mut signatures = screen::signatures(simulator, &evidence, &left, |_| true, &mut told);
     // What every built machine has of the effects is no gap, once their signatures are known.
-    let usual = |run: usize| -> Vec<Vec<f64>> {
-        let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].usual;
+    let as_built = |run: usize| -> Vec<Vec<f64>> {
+        let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].as_built;
         let some = signatures.iter().filter(|s| strength(s) > 0.0);
         some.map(|s| s.change[run].iter().map(|x| x * strength(s)).collect()).collect()
     };
-    let usual: Vec<Vec<Vec<f64>>> = (0..frames.len()).map(usual).collect();
-    let evidence: Vec<Evidence> = frames.iter().zip(&usual).map(|(f, usual)| Evidence::new(f, usual)).collect();
+    let as_built: Vec<Vec<Vec<f64>>> = (0..frames.len()).map(as_built).collect();
+    let evidence: Vec<Evidence> =
+        frames.iter().zip(&as_built).map(|(f, as_built)| Evidence::new(f, as_built)).collect();
     for signature in &mut signatures {
         signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
     }
@@ -89,15 +90,16 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     let fitted = refit(simulator, &comparison.evidence, &comparison.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let chance = Chance { simulator, nominal: &comparison.evidence, usual: &usual, signatures: &comparison.signatures };
+    let chance =
+        Chance { simulator, nominal: &comparison.evidence, as_built: &as_built, signatures: &comparison.signatures };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
-    let mut scored = comparison.before_floors(fitted, &usual);
+    let mut scored = comparison.before_floors(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, floor)| comparison.score(fitted, floor)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > UNSETTLED);
     if gap && unsettled(&scored) {
         let both =
             refit(simulator, &comparison.evidence, &comparison.signatures, comparison.seconds(&scored), &mut |_, _| {});
-        scored.extend(comparison.before_floors(both, &usual));
+        scored.extend(comparison.before_floors(both, &as_built));
     }
     if unsettled(&scored) {
         let both =
@@ -142,7 +144,7 @@ impl Comparison<'_> {
         let most = self.mean_square - SOME * (self.mean_square - 1.0);
         let alone = |j: &&Scored| {
             let members = &j.fitted.hypothesis.members;
-            members.len() == 1 && self.candidates()[members[0]].differs.is_none() && j.fitted.simulated()
+            members.len() == 1 && self.candidates()[members[0]].random_effect.is_none() && j.fitted.simulated()
         };
         let explains = scored.iter().filter(alone).filter(|j| j.mean_square < most);
         explains.min_by(|a, b| a.mean_square.total_cmp(&b.mean_square)).map(|j| &j.fitted)
@@ -155,8 +157,9 @@ impl Comparison<'_> {
         let alone = |j: &&Scored| {
             let [own] = j.fitted.hypothesis.members[..] else { return false };
             let (candidate, beside) = (&self.candidates()[own], &self.candidates()[beside]);
-            let differs = candidate.differs.is_some() && candidate.strengths.len() == 1 && j.floor.is_some();
-            differs && candidate.effect != beside.effect && !fitted(own)
+            let random_effect =
+                candidate.random_effect.is_some() && candidate.strengths.len() == 1 && j.floor.is_some();
+            random_effect && candidate.effect != beside.effect && !fitted(own)
         };
         let mut found: Vec<&Scored> = scored.iter().filter(alone).collect();
         found.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
@@ -166,10 +169,10 @@ impl Comparison<'_> {
     }
 
     /// What was fitted before the floors that it makes itself. A pair of which one does nothing is the other one alone.
-    fn before_floors(&self, fitted: Vec<Fitted>, usual: &[Vec<Vec<f64>>]) -> Vec<Scored> {
+    fn before_floors(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
         let asked = self.worth_a_floor(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
-        let mut own = floors(self.simulator, &self.evidence, usual, &self.signatures, &some).into_iter();
+        let mut own = floors(self.simulator, &self.evidence, as_built, &self.signatures, &some).into_iter();
         let with = fitted.into_iter().zip(asked);
         let with: Vec<_> = with.map(|(f, asked)| (f, if asked { own.next().flatten() } else { None })).collect();
         let there = with.into_iter().filter(|(fitted, _)| fitted.all_there(&self.signatures));

@@ -1,6 +1,6 @@
 //! What the runs say of a hypothesis: residuals over the floor, with nuisances and the floor's correlations projected out.
 //!
-//! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, doubts and the strongest
+//! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, discrepancies and the strongest
 //! common deviations of replicate laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
 //! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
 
@@ -25,16 +25,16 @@ pub struct Evidence {
     /// Features that are used.
     rows: Vec<usize>,
     weights: Vec<f64>,
-    /// Orthonormal columns of what nuisances, doubts and modes reach, with the priors' rows below.
+    /// Orthonormal columns of what nuisances, discrepancies and modes reach, with the priors' rows below.
     reach: DMatrix<f64>,
     /// From projections to steps: the triangle of J = Q R.
     triangle: DMatrix<f64>,
     nuisances: usize,
     /// Of their steps.
     bounds: Vec<(f64, f64)>,
-    /// How many rows of priors are those of nuisances and doubts, and how many of what is usual.
+    /// How many rows of priors are those of nuisances and discrepancies, and how many of what is within the as-built tolerance.
     shared: (usize, usize),
-    /// Of the residual's covariance by nuisances, doubts, modes and what is usual, over that of noise alone.
+    /// Of the residual's covariance by nuisances, discrepancies, modes and what is within the as-built tolerance, over that of noise alone.
     log_determinant: f64,
     /// Residual of the nominal model that nothing of this reaches.
     pub residual: DVector<f64>,
@@ -43,39 +43,39 @@ pub struct Evidence {
     /// Mean square of replicate laps' residuals, and the largest of 95 % of them.
     pub replicate: f64,
     pub replicate_high: f64,
-    /// Replicate laps, chains as they are built, and what is usual, projected.
+    /// Replicate laps, chains as they are built, and what is within the as-built tolerance, projected.
     laps: Vec<DVector<f64>>,
     built: Vec<DVector<f64>>,
-    usual: Vec<DVector<f64>>,
+    as_built: Vec<DVector<f64>>,
     /// As many independent features have mean squares that scatter as much as replicate laps' do.
     pub degrees_of_freedom: f64,
 }
 
 impl Evidence {
     /// From a frame and what every built machine deviates by, each of unit variance.
-    pub fn new(frame: &Frame, usual: &[Vec<f64>]) -> Evidence {
-        Evidence::with(frame, usual, &frame.laps)
+    pub fn new(frame: &Frame, as_built: &[Vec<f64>]) -> Evidence {
+        Evidence::with(frame, as_built, &frame.laps)
     }
 
     /// Before other laps than the frame's.
-    pub fn with(frame: &Frame, usual: &[Vec<f64>], laps: &Laps) -> Evidence {
+    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps) -> Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> =
             (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Blow).collect();
         let (weights, replicate, common) = factors(frame, &rows, laps);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
-        // Mean squares score features as if there were few; what is usual is known as it is, so that it is not to be had for nothing.
+        // Mean squares score features as if there were few; what is within the as-built tolerance is known as it is, so that it is not to be had for nothing.
         let strict = (n as f64 / MOST_DEGREES_OF_FREEDOM).max(1.0).sqrt();
         let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
             of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
         };
-        let doubts = visible(&frame.doubts);
+        let discrepancies = visible(&frame.discrepancies);
         // All of them, so that each is the same in every run.
-        let usual: Vec<DVector<f64>> = usual.iter().map(|d| white(d)).collect();
-        let shared = (p + doubts.len(), usual.len());
-        let known = doubts.into_iter().chain(common).map(|column| (column, 1.0));
-        let unit: Vec<(DVector<f64>, f64)> = known.chain(usual.iter().map(|d| (d.clone(), strict))).collect();
+        let as_built: Vec<DVector<f64>> = as_built.iter().map(|d| white(d)).collect();
+        let shared = (p + discrepancies.len(), as_built.len());
+        let known = discrepancies.into_iter().chain(common).map(|column| (column, 1.0));
+        let unit: Vec<(DVector<f64>, f64)> = known.chain(as_built.iter().map(|d| (d.clone(), strict))).collect();
         let columns = p + unit.len();
         let mut reach = DMatrix::zeros(n + columns, columns);
         for j in 0..p {
@@ -111,21 +111,21 @@ impl Evidence {
             replicate_high: 1.0,
             laps: Vec::new(),
             built: Vec::new(),
-            usual: Vec::new(),
+            as_built: Vec::new(),
             degrees_of_freedom: n as f64,
         };
         out.laps = replicate.iter().map(|lap| out.projected(lap)).collect();
         out.built = frame.built.iter().map(|change| out.column(change)).collect();
-        out.usual = usual.iter().map(|change| out.projected(change)).collect();
+        out.as_built = as_built.iter().map(|change| out.projected(change)).collect();
         out.find_repeatability();
         out
     }
 
-    /// How replicate laps' mean squares scatter, with what is usual beside.
+    /// How replicate laps' mean squares scatter, with what is within the as-built tolerance beside.
     fn find_repeatability(&mut self) {
         let n = self.rows.len().max(1) as f64;
         let mut squares: Vec<f64> = self.laps.iter().map(|lap| lap.norm_squared() / n).collect();
-        let built = self.usual.iter().map(|change| change.norm_squared() / n).sum::<f64>();
+        let built = self.as_built.iter().map(|change| change.norm_squared() / n).sum::<f64>();
         if squares.len() < 4 {
             return;
         }
@@ -133,7 +133,7 @@ impl Evidence {
         let count = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / count;
         let variance = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (count - 1.0);
-        // The variances hold doubts that replicate laps of one simulation do not have.
+        // The variances hold discrepancies that replicate laps of one simulation do not have.
         let scale = mean.max(1.0) / mean.max(1e-9);
         self.replicate = mean.max(1.0) + built;
         self.replicate_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
@@ -157,9 +157,9 @@ impl Evidence {
         self.project(&self.long(change))
     }
 
-    /// How far replicate laps lie along a direction, what chains as they are built, and each usual deviation.
+    /// How far replicate laps lie along a direction, what chains as they are built, and each as-built deviation.
     pub fn along(&self, direction: &DVector<f64>) -> [Vec<f64>; 3] {
-        [&self.laps, &self.built, &self.usual].map(|list| list.iter().map(|x| direction.dot(x)).collect())
+        [&self.laps, &self.built, &self.as_built].map(|list| list.iter().map(|x| direction.dot(x)).collect())
     }
 
     /// A change of the features as it is, whitened.
@@ -363,7 +363,7 @@ mod tests {
             measured,
             nominal: vec![0.0; features],
             laps: Laps { variance: vec![1.0; features], scatter },
-            doubts: Vec::new(),
+            discrepancies: Vec::new(),
             built: Vec::new(),
             slopes: DMatrix::zeros(features, 0),
             prior: Vec::new(),

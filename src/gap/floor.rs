@@ -1,7 +1,7 @@
 //! The floor of laps with an effect. Two replicate laps of a chain whose wheels are out of round or whose carts carry items by chance are
 //! farther apart than two of the nominal chain: what an effect makes of the floor belongs to its signature.
 //!
-//! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, doubts and modes, −f/2 (ln s + ln(det C/det C₀)/n)
+//! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, discrepancies and modes, −f/2 (ln s + ln(det C/det C₀)/n)
 //! is the log likelihood of a mean square s in units of C (the normal distribution with unknown scale, Seber and Wild 2003): a floor that
 //! is raised for nothing costs.
 
@@ -28,11 +28,11 @@ pub struct Floor {
     pub common: f64,
 }
 
-/// The floors of fitted hypotheses; `None` where the nominal chain's holds. `usual` is what every machine deviates by, of each run.
+/// The floors of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine deviates by, of each run.
 pub fn floors(
     simulator: &dyn Simulator,
     nominal: &[Evidence],
-    usual: &[Vec<Vec<f64>>],
+    as_built: &[Vec<Vec<f64>>],
     signatures: &[Signature],
     fitted: &[&Fitted],
 ) -> Vec<Option<Floor>> {
@@ -46,7 +46,7 @@ pub fn floors(
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
         let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let own = laps.iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &usual[run], laps));
+        let own = laps.iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &as_built[run], laps));
         let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
         let cart = |k: usize| nominal.iter().zip(&laps).map(|(e, laps)| e.column(&laps.scatter[k])).collect();
         let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();

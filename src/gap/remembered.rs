@@ -279,7 +279,7 @@ mod tests {
                 measured: Vec::new(),
                 nominal: Vec::new(),
                 laps: Laps { variance: Vec::new(), scatter: Vec::new() },
-                doubts: Vec::new(),
+                discrepancies: Vec::new(),
                 built: Vec::new(),
                 slopes: nalgebra::DMatrix::zeros(0, 1),
                 prior: Vec::new(),

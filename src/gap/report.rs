@@ -363,7 +363,7 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Pl
             channel: channel.clone(),
         };
         let key = (channel, band);
-        // A stretch goes on while the gap is more than usual.
+        // A stretch goes on while the gap is more than the usual.
         match found.last_mut() {
             Some(open)
                 if last.as_ref() == Some(&key)

@@ -1,5 +1,5 @@
 //! How surely a signature is in what is left. A mean square over a thousand features hides what lies along one direction in all of them: an
-//! effect that does little everywhere may be seen beyond any doubt while the mean square is that of replicate laps.
+//! effect that does little everywhere may be seen beyond doubt while the mean square is that of replicate laps.
 //!
 //! The score z = Σ cᵀr / √(Σ cᵀ S c) of a direction c over all runs (Rao 1948), with the scatter S of replicate laps and of chains as they are
 //! built, drawn rather than derived (White 1982), so that whatever correlation they have is in it.
@@ -54,8 +54,8 @@ impl ScoreTest {
                 sum.iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
             }
         }
-        let [drawn, usual] = &built;
-        variance += squares(drawn) / drawn.len().max(1) as f64 + squares(usual);
+        let [drawn, as_built] = &built;
+        variance += squares(drawn) / drawn.len().max(1) as f64 + squares(as_built);
         ScoreTest { along, deviation: (variance * disagreement(&runs)).sqrt() }
     }
 
@@ -127,7 +127,7 @@ mod tests {
             measured,
             nominal: vec![0.0; FEATURES],
             laps: Laps { variance: vec![1.0; FEATURES], scatter: (0..LAPS).map(|_| noise()).collect() },
-            doubts: Vec::new(),
+            discrepancies: Vec::new(),
             built: Vec::new(),
             slopes: DMatrix::zeros(FEATURES, 0),
             prior: Vec::new(),
@@ -140,8 +140,8 @@ mod tests {
         (0..FEATURES).map(|k| k as f64 / FEATURES as f64).collect()
     }
 
-    fn score_of(size: f64, seed: u64, usual: &[Vec<f64>]) -> f64 {
-        let evidence = [Evidence::new(&frame(size, seed), usual)];
+    fn score_of(size: f64, seed: u64, as_built: &[Vec<f64>]) -> f64 {
+        let evidence = [Evidence::new(&frame(size, seed), as_built)];
         let residual = [evidence[0].residual.clone()];
         let direction = [evidence[0].column(&ramp())];
         ScoreTest::new(&evidence, &residual, &direction).z()
@@ -161,9 +161,9 @@ mod tests {
         let expected = (FEATURES as f64 / 3.0).sqrt();
         let mean = (0..40).map(|seed| score_of(1.0, 2000 + seed, &[])).sum::<f64>() / 40.0;
         assert!((mean / expected - 1.0).abs() < 0.1, "{mean} for {expected}");
-        // Where so much of it is usual, it is one deviation and no more.
-        let usual = ramp();
-        let mean = (0..40).map(|seed| score_of(1.0, 2000 + seed, std::slice::from_ref(&usual))).sum::<f64>() / 40.0;
+        // Where so much of it is within the as-built tolerance, it is one deviation and no more.
+        let as_built = ramp();
+        let mean = (0..40).map(|seed| score_of(1.0, 2000 + seed, std::slice::from_ref(&as_built))).sum::<f64>() / 40.0;
         assert!((0.7..1.1).contains(&mean), "{mean}");
     }
 

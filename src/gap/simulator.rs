@@ -102,9 +102,9 @@ pub struct Candidate {
     /// Whether it is in the sensors rather than in the machine.
     pub sensor: bool,
     /// In what it differs by chance, so that laps scatter by it.
-    pub differs: Option<RandomEffect>,
+    pub random_effect: Option<RandomEffect>,
     /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard deviation.
-    pub doubt: f64,
+    pub discrepancy: f64,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,
 }
@@ -118,7 +118,7 @@ pub struct Strength {
     /// A small one, of which the signature is taken.
     pub trial: f64,
     /// What every built machine has of it, as a deviation: that much is no gap.
-    pub usual: f64,
+    pub as_built: f64,
     /// Bounds; 0 is no effect.
     pub low: f64,
     pub high: f64,
@@ -154,7 +154,7 @@ pub struct Frame {
     pub nominal: Vec<f64>,
     pub laps: Laps,
     /// By how much features may be off together.
-    pub doubts: Vec<Vec<f64>>,
+    pub discrepancies: Vec<Vec<f64>>,
     /// Features less the nominal ones of chains as they are built: draws of what no built chain lacks and no model has.
     pub built: Vec<Vec<f64>>,
     /// Slopes: a row a feature, a column a nuisance.

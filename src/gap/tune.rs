@@ -179,15 +179,16 @@ mod tests {
 
     #[test]
     fn a_shift_is_found_though_distributions_saturate() {
-        let strength = Strength { name: "x".into(), unit: "N".into(), trial: 1.0, usual: 0.0, low: -99.0, high: 99.0 };
+        let strength =
+            Strength { name: "x".into(), unit: "N".into(), trial: 1.0, as_built: 0.0, low: -99.0, high: 99.0 };
         let candidate = Candidate {
             effect: "bias".into(),
             place: String::new(),
             fixed: Vec::new(),
             strengths: vec![strength],
             sensor: true,
-            differs: None,
-            doubt: 0.0,
+            random_effect: None,
+            discrepancy: 0.0,
             beside: None,
         };
         let label = |k: usize| {
@@ -201,7 +202,7 @@ mod tests {
             measured: shifted(truth).iter().zip(shifted(0.0)).map(|(x, y)| x - y).collect(),
             nominal: vec![0.0; 2 * HALF],
             laps: Laps { variance: vec![1.0; 2 * HALF], scatter: Vec::new() },
-            doubts: Vec::new(),
+            discrepancies: Vec::new(),
             built: Vec::new(),
             slopes: DMatrix::zeros(2 * HALF, 1),
             prior: vec![(0.0, 1.0)],

@@ -31,8 +31,8 @@ pub struct Numerics {
     pub correction: Vec<f64>,
     /// By how much features may be off together: half the correction, and what a fresh start does that has had the usual 30 s to
     /// settle, as a measured chain seldom has longer.
-    pub doubts: [Vec<f64>; 2],
-    /// The doubts squared, or their mean in a feature's block when that is more; infinite for what the step makes.
+    pub discrepancies: [Vec<f64>; 2],
+    /// The discrepancies squared, or their mean in a feature's block when that is more; infinite for what the step makes.
     pub variance: Vec<f64>,
 }
 
@@ -51,10 +51,10 @@ const LOGARITHMS_AGREE: f64 = 3e-3;
 pub const RAN_BEFORE: f64 = 30.0;
 
 impl Numerics {
-    /// Of a computation without doubts, for so many features.
+    /// Of a computation without discrepancies, for so many features.
     pub fn none(features: usize) -> Numerics {
         let none = || vec![0.0; features];
-        Numerics { correction: none(), doubts: [none(), none()], variance: none() }
+        Numerics { correction: none(), discrepancies: [none(), none()], variance: none() }
     }
 
     /// From the features at a point, those with half the step, and those of a fresh start.
@@ -67,11 +67,11 @@ impl Numerics {
             Some(features.iter().zip(usual).map(|(a, b)| if (a - b).is_nan() { 0.0 } else { a - b }).collect())
         };
         let correction: Vec<f64> = less(&finer)?.into_iter().map(|x| 4.0 / 3.0 * x).collect();
-        let doubts = [correction.iter().map(|x| 0.5 * x).collect(), less(&fresh)?];
+        let discrepancies = [correction.iter().map(|x| 0.5 * x).collect(), less(&fresh)?];
         let named = FeatureAccumulator::blocks(&model.spec);
         // What is mostly made by the step is left out: neither its size nor its slopes are the chain's.
         let made = |k: usize| !matches!(named[k], Block::Mean(_)) && correction[k].abs() > MADE_BY_THE_STEP;
-        let own = |k: usize| doubts.iter().map(|d: &Vec<f64>| d[k] * d[k]).sum::<f64>();
+        let own = |k: usize| discrepancies.iter().map(|d: &Vec<f64>| d[k] * d[k]).sum::<f64>();
         let mut blocks: BTreeMap<Block, (f64, f64)> = BTreeMap::new();
         for k in (0..named.len()).filter(|k| !made(*k)) {
             let sum = blocks.entry(named[k]).or_default();
@@ -80,7 +80,7 @@ impl Numerics {
         let mean = |block: &Block| blocks.get(block).map_or(0.0, |(sum, n)| sum / n);
         let variance =
             (0..named.len()).map(|k| if made(k) { f64::INFINITY } else { mean(&named[k]).max(own(k)) }).collect();
-        Some(Numerics { correction, doubts, variance })
+        Some(Numerics { correction, discrepancies, variance })
     }
 }
 

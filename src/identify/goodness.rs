@@ -189,7 +189,8 @@ fn limit(left: &Left, floor: &Floor, numerics: &Numerics) -> Limit {
         DVector::from_iterator(rows.len(), rows.iter().map(|&k| of(k) / left.variance[k].sqrt()))
     };
     let laps: Vec<DVector<f64>> = floor.scatter.iter().map(|lap| column(&|k| lap[k] / left.passes[k].sqrt())).collect();
-    let common: Vec<DVector<f64>> = numerics.doubts.iter().map(|doubt| column(&|k| doubt[k])).collect();
+    let common: Vec<DVector<f64>> =
+        numerics.discrepancies.iter().map(|discrepancy| column(&|k| discrepancy[k])).collect();
     let degrees_of_freedom = tidy((1e2 * degrees(&laps, &common).clamp(1.0, rows.len().max(1) as f64)).round() / 1e2);
     Limit { objective: tidy(objective(degrees_of_freedom)), degrees_of_freedom }
 }

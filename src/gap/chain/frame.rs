@@ -1,4 +1,4 @@
-//! A fitted run as the diagnosis sees it: what its features are about, the floor, doubts, and slopes by the nuisances.
+//! A fitted run as the diagnosis sees it: what its features are about, the floor, discrepancies, and slopes by the nuisances.
 
 use super::Fitted;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
@@ -24,10 +24,10 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
     let (speed, deviation) = landing.speed.unwrap_or((0.0, f64::INFINITY));
     let simulated = landing.centre.answer.speed;
     let with = |list: &[f64], last: f64| list.iter().copied().chain([last]).collect::<Vec<f64>>();
-    let mut doubts: Vec<Vec<f64>> = landing.numerics.doubts.iter().map(|d| with(d, 0.0)).collect();
+    let mut discrepancies: Vec<Vec<f64>> = landing.numerics.discrepancies.iter().map(|d| with(d, 0.0)).collect();
     for force in 0..FORCES {
         let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
-        doubts.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
+        discrepancies.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
     }
     let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::FLOOR_SCALE, |p| p.reach());
     let slopes = &landing.sensitivity.slopes;
@@ -40,7 +40,7 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
             variance: with(&landing.variance, deviation * deviation).into_iter().map(telling).collect(),
             scatter: scatter(run, &landing.floor.scatter),
         },
-        doubts,
+        discrepancies,
         built: Vec::new(),
         slopes: DMatrix::from_fn(slopes.nrows(), WITH_FLOOR, |i, j| slopes[(i, j)] * reach(j)),
         prior: (0..WITH_FLOOR).map(|j| prior(run, j)).collect(),

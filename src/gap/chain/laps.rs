@@ -5,7 +5,7 @@ use super::frame;
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::Ensemble;
-use crate::effects::built;
+use crate::effects::deviations_of;
 use crate::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};
 use crate::identify::{Model, floor::Floor};
@@ -59,7 +59,7 @@ impl Chains {
     fn like(&self, request: &Request, effects: Vec<input::Effect>) -> Option<(Model, Ensemble)> {
         let carts = self.runs[request.run].model.simulation.chain.carts as f64;
         let (model, _, mut ensemble) = self.run_ensemble(request.run, &request.step, effects, carts)?;
-        let load = built(&model.simulation).ok()?.1.load;
+        let load = deviations_of(&model.simulation).ok()?.1.load;
         let heard = heard(&model.simulation, &load, ensemble.carts.len());
         let mut each = heard.iter();
         ensemble.carts.retain(|_| each.next().is_none_or(|heard| *heard));

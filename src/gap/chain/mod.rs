@@ -13,7 +13,7 @@ use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::{CartRecord, Ensemble, Width};
 use crate::effects::sites::Site;
-use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, built, named, sense};
+use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, deviations_of, named, sense};
 use crate::identify::accumulator::FeatureAccumulator;
 use crate::identify::fit::Landing;
 use crate::identify::floor::RAN_BEFORE;
@@ -104,7 +104,7 @@ impl Chains {
             tilt::extend(frame, run);
         }
         let mut out = Chains { frames, runs, candidates: Vec::new(), threads };
-        out.build(threads);
+        out.draw_as_built(threads);
         for effect in LIBRARY {
             for (site, known) in out.sites(effect, &suspects) {
                 let around = (effect.alternatives)(&site, known);
@@ -123,13 +123,13 @@ impl Chains {
     }
 
     /// Draws chains as they are built.
-    fn build(&mut self, threads: usize) {
+    fn draw_as_built(&mut self, threads: usize) {
         let asked: Vec<(usize, usize)> =
             (0..self.runs.len()).flat_map(|run| (0..DRAWS).map(move |k| (run, k))).collect();
         let answers = parallel::map(&asked, threads, |&(run, draw)| {
             let effect = |effect: &Effect| {
-                let usual = effect.strengths().map(|(s, fitted)| (s.name.to_owned(), fitted.as_built));
-                let strengths = usual.chain([("draw".to_owned(), draw as f64 + 1.0)]).collect();
+                let as_built = effect.strengths().map(|(s, fitted)| (s.name.to_owned(), fitted.as_built));
+                let strengths = as_built.chain([("draw".to_owned(), draw as f64 + 1.0)]).collect();
                 input::Effect { name: effect.name().to_owned(), strengths }
             };
             self.simulated(run, &[], AS_BUILT.map(effect).to_vec(), false)
@@ -151,19 +151,19 @@ impl Chains {
             name: s.name.to_owned(),
             unit: s.unit.to_owned(),
             trial: fitted.trial,
-            usual: fitted.as_built,
+            as_built: fitted.as_built,
             low: s.low,
             high: s.high,
         };
-        let differs = effect.random_at(&site);
+        let random_effect = effect.random_at(&site);
         self.candidates.push(Candidate {
             effect: effect.name().to_owned(),
             place: site.words,
             fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
             strengths: effect.strengths().map(strength).collect(),
             sensor: effect.is_sensor(),
-            differs,
-            doubt: effect.discrepancy,
+            random_effect,
+            discrepancy: effect.discrepancy,
             beside,
         });
     }
@@ -200,7 +200,7 @@ impl Chains {
         let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
         let fitted = &self.runs[run];
         let chain = fitted.with(effects.clone()).simulation;
-        let (load, carts) = (built(&chain).ok()?.1.load, chain.chain.carts);
+        let (load, carts) = (deviations_of(&chain).ok()?.1.load, chain.chain.carts);
         // Where few carts are like the one with the sensors, they pass more often.
         let like = heard(&chain, &load, carts).iter().filter(|heard| **heard).count() as f64 / carts as f64;
         let all = (passes / like).min(passes.max(carts as f64));

@@ -205,7 +205,7 @@ pub fn extend(frame: &mut Frame, run: &Fitted) {
     let padded = |list: &mut Vec<f64>, with: f64| list.extend(vec![with; count]);
     padded(&mut frame.nominal, 0.0);
     padded(&mut frame.laps.variance, 1.0);
-    frame.doubts.iter_mut().chain(&mut frame.laps.scatter).for_each(|list| padded(list, 0.0));
+    frame.discrepancies.iter_mut().chain(&mut frame.laps.scatter).for_each(|list| padded(list, 0.0));
     let rows = frame.slopes.nrows();
     frame.slopes.resize_vertically_mut(rows + count, 0.0);
 }

@@ -169,12 +169,12 @@ impl Fitter<'_> {
     fn floor(&self, windows: &Windows, point: &Point, repeated: Option<&[f64]>) -> Floor {
         let (measured, count) = (windows.means(&self.part.channels), windows.count());
         let nominal = windows.means(&point.rows);
-        let differs = |c: usize| {
+        let random_effect = |c: usize| {
             let pairs = repeated.unwrap_or(&nominal).iter().zip(&nominal).skip(c * count).take(count);
             let squares: Vec<f64> = pairs.map(|(a, b)| (a - b) * (a - b)).filter(|x| x.is_finite()).collect();
             squares.iter().sum::<f64>() / squares.len().max(1) as f64
         };
-        let repeat: Vec<f64> = (0..self.part.channels.len()).map(differs).collect();
+        let repeat: Vec<f64> = (0..self.part.channels.len()).map(random_effect).collect();
         let left = self.left(point);
         Floor::new(&Evidence { windows, left: &left, measured: &measured, accuracy: self.accuracy, repeat: &repeat })
     }

@@ -31,7 +31,7 @@ const MEDIAN_SQUARE: f64 = 0.454_936;
 pub(super) struct Floor {
     pub variance: Vec<f64>,
     pub scatter: Vec<Vec<f64>>,
-    pub doubts: Vec<Vec<f64>>,
+    pub discrepancies: Vec<Vec<f64>>,
 }
 
 /// What the floor of a run is found from.
@@ -72,13 +72,13 @@ impl Floor {
             })
             .collect();
         let variance = channels.iter().flat_map(|c| c.deviation.iter().map(|d| d * d + c.slow * c.slow)).collect();
-        let doubt = |c: usize| {
+        let discrepancy = |c: usize| {
             (0..channels.len()).flat_map(|k| vec![if k == c { channels[k].slow } else { 0.0 }; count]).collect()
         };
         Floor {
             variance,
             scatter: (0..SAMPLES).map(|k| sample(&channels, count, k)).collect(),
-            doubts: (0..channels.len()).filter(|&c| channels[c].slow > 0.0).map(doubt).collect(),
+            discrepancies: (0..channels.len()).filter(|&c| channels[c].slow > 0.0).map(discrepancy).collect(),
         }
     }
 }
@@ -99,8 +99,8 @@ impl Noise {
     fn new(draws: &[f64], slow: f64) -> Noise {
         let mut squares: Vec<f64> = draws.iter().map(|d| d * d).filter(|d| d.is_finite()).collect();
         squares.sort_by(f64::total_cmp);
-        let usual = squares.get(squares.len() / 2).map_or(0.0, |median| median / MEDIAN_SQUARE).sqrt();
-        let own = |d: &f64| if d.abs() > OWN * usual { d.abs() } else { usual };
+        let as_built = squares.get(squares.len() / 2).map_or(0.0, |median| median / MEDIAN_SQUARE).sqrt();
+        let own = |d: &f64| if d.abs() > OWN * as_built { d.abs() } else { as_built };
         let deviation: Vec<f64> = draws.iter().map(own).collect();
         let ratio = |(d, deviation): (&f64, &f64)| if *deviation > 0.0 && d.is_finite() { d / deviation } else { 0.0 };
         let mut unit: Vec<f64> = draws.iter().zip(&deviation).map(ratio).collect();
@@ -164,8 +164,8 @@ mod tests {
         assert!(noise.deviation[200] > 5.0, "{}", noise.deviation[200]);
         assert!(noise.deviation.iter().filter(|d| **d > 3.0).count() <= 3);
         let samples: Vec<f64> = (0..SAMPLES).flat_map(|k| sample(std::slice::from_ref(&noise), count, k)).collect();
-        let usual: Vec<f64> = samples.iter().filter(|x| x.abs() < 3.0).map(|x| x * x).collect();
-        let found = (usual.iter().sum::<f64>() / usual.len() as f64).sqrt();
+        let as_built: Vec<f64> = samples.iter().filter(|x| x.abs() < 3.0).map(|x| x * x).collect();
+        let found = (as_built.iter().sum::<f64>() / as_built.len() as f64).sqrt();
         assert!((found / truth - 1.0).abs() < 0.15, "{found}");
     }
 

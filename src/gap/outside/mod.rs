@@ -196,7 +196,7 @@ impl Outside {
                 variance: floor.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
                 scatter: floor.scatter,
             },
-            doubts: floor.doubts,
+            discrepancies: floor.discrepancies,
             built: Vec::new(),
             slopes,
             prior,

@@ -192,16 +192,22 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
     if let Some((channel, x)) = accuracy.iter().find(|(_, x)| **x < 0.0) {
         return wrong(format!("the accuracy of `{channel}` is {x}, but has to be 0 or more"));
     }
-    let strength =
-        |s: StrengthSaid| Strength { name: s.name, unit: s.unit, trial: s.trial, usual: 0.0, low: s.low, high: s.high };
+    let strength = |s: StrengthSaid| Strength {
+        name: s.name,
+        unit: s.unit,
+        trial: s.trial,
+        as_built: 0.0,
+        low: s.low,
+        high: s.high,
+    };
     let candidate = |e: Effect| Candidate {
         effect: e.name,
         place: e.place,
         fixed: Vec::new(),
         strengths: e.strengths.into_iter().map(strength).collect(),
         sensor: e.sensor,
-        differs: None,
-        doubt: 0.0,
+        random_effect: None,
+        discrepancy: 0.0,
         beside: None,
     };
     Ok(Description { nuisances, effects: effects.into_iter().map(candidate).collect(), accuracy })

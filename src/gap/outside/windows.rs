@@ -29,7 +29,7 @@ pub(super) struct Windows {
     /// A row a channel: whether a sample was measured.
     measured: Vec<Vec<bool>>,
     /// Samples of a window in the mean.
-    usual: usize,
+    as_built: usize,
 }
 
 impl Windows {
@@ -45,7 +45,7 @@ impl Windows {
             bounds: (0..count).map(|i| [at(2 * i), at(2 * i + 1), at(2 * i + 2)]).collect(),
             edges: (0..=count).map(|i| edge(2 * i)).collect(),
             measured: part.channels.iter().map(|x| x.iter().map(|x| x.is_finite()).collect()).collect(),
-            usual: part.time.len() / count,
+            as_built: part.time.len() / count,
         }
     }
 
@@ -80,12 +80,12 @@ impl Windows {
     /// Features of rows of samples, a row a channel: means over what was measured of each window. NaN where less than half of a window
     /// was measured, or where the row has none for a sample that was.
     pub fn means(&self, rows: &[Vec<f64>]) -> Vec<f64> {
-        self.over(rows, |[from, _, to]| (from, to), self.usual.div_ceil(2))
+        self.over(rows, |[from, _, to]| (from, to), self.as_built.div_ceil(2))
     }
 
     /// As [`Windows::means`], of the first and of the second half of each window.
     pub fn halves(&self, rows: &[Vec<f64>]) -> [Vec<f64>; 2] {
-        let least = self.usual.div_ceil(8);
+        let least = self.as_built.div_ceil(8);
         [self.over(rows, |[from, half, _]| (from, half), least), self.over(rows, |[_, half, to]| (half, to), least)]
     }
 

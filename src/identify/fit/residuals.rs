@@ -169,8 +169,8 @@ impl Fitter<'_> {
             b += &one * one.transpose();
         }
         b /= carts.saturating_sub(1).max(1) as f64;
-        for doubt in &numerics.doubts {
-            let one = answer(&|k| doubt[k]);
+        for discrepancy in &numerics.discrepancies {
+            let one = answer(&|k| discrepancy[k]);
             b += &one * one.transpose();
         }
         for force in 0..FORCES {
