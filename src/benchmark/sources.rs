@@ -233,9 +233,9 @@ pub fn sensor(which: usize, state: &mut u64) -> Source {
         }
         2 => {
             let act: Act = Box::new(move |x, run| {
-                let heard = run.channels.get(&a).cloned().unwrap_or_default();
+                let other = run.channels.get(&a).cloned().unwrap_or_default();
                 let into = run.channels.get_mut(&b).into_iter().flatten();
-                into.zip(heard).for_each(|(y, h)| *y += way * x * h);
+                into.zip(other).for_each(|(y, h)| *y += way * x * h);
             });
             of("sensor_crosstalk", vec![("ratio", way)], pair(first, second), (0.003, 0.5), act)
         }

@@ -2,7 +2,7 @@
 //! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985), and
 //! 10 mm hold two points of the profile: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
 //!
-//! Signature: a blow at one place of the track, in the channels of one side.
+//! Signature: an impact at one place of the track, in the channels of one side.
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Fitted, SPACING, Sites, Strengths, add_profile};

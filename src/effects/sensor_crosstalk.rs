@@ -1,4 +1,4 @@
-//! A sensor that hears another one: channel `second` says F₂ + k F₁.
+//! Crosstalk of one sensor into another: channel `second` says F₂ + k F₁.
 //!
 //! Signature: the first channel's pattern along the track in the second.
 
@@ -17,8 +17,8 @@ pub const EFFECT: Effect = Effect {
 
 fn act(strengths: &Strengths, sensed: &mut Sensed) {
     let (first, second, ratio) = (strengths.index("first"), strengths.index("second"), strengths.of("ratio"));
-    let Some(heard) = sensed.forces.get(first).cloned() else { return };
+    let Some(other) = sensed.forces.get(first).cloned() else { return };
     if let Some(force) = sensed.forces.get_mut(second) {
-        force.iter_mut().zip(heard).for_each(|(x, y)| *x += ratio * y);
+        force.iter_mut().zip(other).for_each(|(x, y)| *x += ratio * y);
     }
 }

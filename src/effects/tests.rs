@@ -159,8 +159,8 @@ fn sensors_say_what_their_equations_say() {
     assert_eq!(gained[3], plain[3]);
     let drifting = sensed(&with("sensor_bias_drift", &[("offset", 2.0), ("drift", 3.0), ("channel", 1.0)]));
     assert!((drifting[0][100] - plain[0][100] - 2.0 - 3.0).abs() < 1e-12, "at 1 s");
-    let heard = sensed(&with("sensor_crosstalk", &[("ratio", 0.1), ("first", 4.0), ("second", 2.0)]));
-    assert!((heard[1][7] - plain[1][7] - 0.1 * plain[3][7]).abs() < 1e-12);
+    let other = sensed(&with("sensor_crosstalk", &[("ratio", 0.1), ("first", 4.0), ("second", 2.0)]));
+    assert!((other[1][7] - plain[1][7] - 0.1 * plain[3][7]).abs() < 1e-12);
     let late = sensed(&with("sensor_lag", &[("delay", 0.055), ("channel", 3.0)]));
     assert!((late[2][150] - 200.0 - trig::sin(1.5 - 0.055)).abs() < 2e-5, "{}", late[2][150]);
     // Lags in a row: n times the phase and the attenuation of one.

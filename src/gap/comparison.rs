@@ -24,7 +24,7 @@ pub struct Scored {
     /// Normalised mean-square residual: that of all runs over that of replicate laps.
     pub mean_square: f64,
     pub log_posterior: f64,
-    /// What the log posterior has lost by what runs have in common, and by blows the other way round.
+    /// What the log posterior has lost by what runs have in common, and by impacts the other way round.
     lost: f64,
 }
 
@@ -161,15 +161,15 @@ impl Comparison<'_> {
             let Fitted { features, hypothesis, strengths, .. } = &scored.fitted;
             let mut cost = 0.0;
             for (run, frame) in self.simulator.frames().iter().enumerate() {
-                // A blow hardly grows with the strength: no more of it is believed than was simulated.
+                // An impact hardly grows with the strength: no more of it is believed than was simulated.
                 let by_signature = |k: usize| {
                     let own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths);
                     let change = |(s, x): (&Signature, &f64)| s.change[run][k] * x.clamp(-s.size.abs(), s.size.abs());
                     frame.nominal[k] + own.map(change).sum::<f64>()
                 };
-                let blows = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Blow);
+                let impacts = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Impact);
                 let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
-                cost += blows.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
+                cost += impacts.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
             }
             let cost = cost.min(likelihood::WRONG_WAYS);
             scored.lost += cost;
@@ -214,7 +214,7 @@ impl Comparison<'_> {
     }
 
     /// How surely a signature is in what is off.
-    fn heard(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
+    fn signature_test(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
         ScoreTest::new(&self.evidence, residuals, columns).beside([self.as_built(signature) * square])
@@ -234,13 +234,13 @@ impl Comparison<'_> {
         let hypothesis = &fitted.hypothesis;
         let z = self.score_test(fitted).z().max(0.0);
         let nothing = likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom);
-        let heard =
+        let supported =
             |z: f64, strengths: usize| counts * significance::support(z) - likelihood::SCORED * strengths as f64;
         if hypothesis.members.len() < 2 {
-            return nothing + heard(z, hypothesis.signatures.len());
+            return nothing + supported(z, hypothesis.signatures.len());
         }
         let residuals = self.residuals();
-        let each = hypothesis.signatures.iter().map(|k| (self.heard(*k, &residuals), *k));
+        let each = hypothesis.signatures.iter().map(|k| (self.signature_test(*k, &residuals), *k));
         let Some((first, signature)) = each.max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs())) else {
             return nothing;
         };
@@ -251,12 +251,13 @@ impl Comparison<'_> {
         let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
         let told =
             likelihood::log_likelihood(overall_mean_square(&self.evidence, &left.residuals), self.degrees_of_freedom);
-        let scores: Vec<(usize, ScoreTest)> = others.iter().map(|k| (*k, self.heard(*k, &residuals))).collect();
+        let scores: Vec<(usize, ScoreTest)> =
+            others.iter().map(|k| (*k, self.signature_test(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);
-        let both = told.max(nothing + heard(first, alone.signatures.len())) + heard(second, others.len());
-        // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be heard.
-        let together = nothing + heard(trig::hypot(first, second), hypothesis.signatures.len());
+        let both = told.max(nothing + supported(first, alone.signatures.len())) + supported(second, others.len());
+        // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be supported.
+        let together = nothing + supported(trig::hypot(first, second), hypothesis.signatures.len());
         both.min(together.max(likelihood::log_likelihood(0.0, self.degrees_of_freedom)))
     }
 
@@ -273,7 +274,7 @@ impl Comparison<'_> {
         scored.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
         let residuals = self.residuals();
         let scores: Vec<(usize, ScoreTest)> =
-            (0..self.signatures.len()).map(|k| (k, self.heard(k, &residuals))).collect();
+            (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
         for scored in scored.iter_mut().take(SETTLED).filter(|j| likelihood::quiet(j.mean_square) > 0.0) {
             let rest = match &scored.floor {
                 Some(floor) => self.seen_before(floor, &scored.fitted),
@@ -290,7 +291,7 @@ impl Comparison<'_> {
         let rest = |(signature, score): &(usize, ScoreTest)| {
             let columns = &self.signatures[*signature].columns;
             let left = if fitted.features.is_some() {
-                self.heard(*signature, &fitted.residuals)
+                self.signature_test(*signature, &fitted.residuals)
             } else {
                 let along = columns.iter().zip(&fitted.residuals).map(|(c, r)| c.dot(r)).sum();
                 ScoreTest { along, ..*score }

@@ -30,7 +30,7 @@ const FLOORS: usize = 5;
 const SOME: f64 = 0.05;
 
 /// A score from which on there is something to look at though the mean square is at the floor.
-const HEARD: f64 = 4.0;
+const SIGNIFICANT: f64 = 4.0;
 
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,8 +75,8 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
 
     // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
     let gap = comparison.mean_square > 1.0;
-    let heard = gap || comparison.singles().iter().any(|j| comparison.score_test(&j.fitted).z() > HEARD);
-    if heard {
+    let significant = gap || comparison.singles().iter().any(|j| comparison.score_test(&j.fitted).z() > SIGNIFICANT);
+    if significant {
         comparison.look(gap, &mut |done, of| tell(Stage::Screening { done, of }));
     }
     let singles = comparison.singles();

@@ -61,7 +61,7 @@ impl Evidence {
     pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps) -> Evidence {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> =
-            (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Blow).collect();
+            (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Impact).collect();
         let (weights, replicate, common) = factors(frame, &rows, laps);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());

@@ -39,7 +39,7 @@ pub const PATTERNED: f64 = 0.5;
 /// What share of a gap something unknown leaves at least, when a pattern that differs by chance is fitted to it: it has none of these.
 const STRANGE: f64 = 0.07;
 
-/// What it costs at most that a channel of a run is struck the wrong way round, and all that are: a blow is seldom as simulated.
+/// What it costs at most that a channel of a run is struck the wrong way round, and all that are: an impact is seldom as simulated.
 const WRONG_WAY: f64 = 6.0;
 pub const WRONG_WAYS: f64 = 12.0;
 

@@ -56,7 +56,7 @@ impl Comparison<'_> {
         let cheap = self.singles().into_iter().filter(|j| match j.fitted.hypothesis.signatures[..] {
             [own] => {
                 let Signature { candidate, strength, .. } = self.signatures[own];
-                self.tuner().hears(candidate)
+                self.tuner().applies_sensor_model(candidate)
                     && !candidates[candidate].strengths[strength].whole()
                     && self.mean_square - j.mean_square > worth
             }
@@ -102,7 +102,7 @@ impl Comparison<'_> {
             }
             sensors += usize::from(candidate.sensor);
             let room = match candidate.sensor {
-                true if self.simulator.hears() => false,
+                true if self.simulator.applies_sensor_models() => false,
                 true => sensors <= SENSORS,
                 false => {
                     let effect = candidate.effect.as_str();

@@ -145,7 +145,7 @@ pub fn refit(
                 search.best = Some(Point { square, strengths, residuals, changes, features });
             }
             if let Some(best) = &search.best {
-                one.listen(&tuner, &best.strengths);
+                one.tune_sensors(&tuner, &best.strengths);
                 search.settled = one.step(best, candidates, signatures);
                 one.move_along(evidence, &search.moved);
             }
@@ -180,11 +180,12 @@ impl Fitted {
     }
 
     /// Takes what one more of a sensor's strengths changes where the strengths are.
-    fn listen(&mut self, tuner: &Tuner, at: &[f64]) {
+    fn tune_sensors(&mut self, tuner: &Tuner, at: &[f64]) {
         let Hypothesis { members, signatures: own } = &self.hypothesis;
-        let rows: Vec<usize> = (0..own.len()).filter(|k| tuner.hears(tuner.signatures[own[*k]].candidate)).collect();
+        let rows: Vec<usize> =
+            (0..own.len()).filter(|k| tuner.applies_sensor_model(tuner.signatures[own[*k]].candidate)).collect();
         let sensors = Hypothesis {
-            members: members.iter().copied().filter(|c| tuner.hears(*c)).collect(),
+            members: members.iter().copied().filter(|c| tuner.applies_sensor_model(*c)).collect(),
             signatures: rows.iter().map(|k| own[*k]).collect(),
         };
         let at: Vec<f64> = rows.iter().map(|k| at[*k]).collect();

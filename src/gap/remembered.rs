@@ -105,8 +105,8 @@ impl Simulator for Remembered<'_> {
         self.simulator.reason(request)
     }
 
-    fn hears(&self) -> bool {
-        self.simulator.hears()
+    fn applies_sensor_models(&self) -> bool {
+        self.simulator.applies_sensor_models()
     }
 
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {

@@ -84,7 +84,7 @@ pub fn signatures(
     let again = take(simulator, evidence, &small, Runs::All, &mut |_| tell(all, all));
     found.extend(again.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature));
     found.sort_by_key(|s| (s.candidate, s.strength));
-    // A blow at a place has no sign as long as the place is not known.
+    // An impact at a place has no sign as long as the place is not known.
     let signed = |s: &&Signature| {
         let placed = candidates.iter().any(|c| c.beside == Some(s.candidate));
         gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0

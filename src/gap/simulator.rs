@@ -35,7 +35,7 @@ pub trait Simulator: Sync {
     }
 
     /// Whether effects of sensors cost no simulation where nuisances are not moved.
-    fn hears(&self) -> bool {
+    fn applies_sensor_models(&self) -> bool {
         false
     }
 
@@ -196,7 +196,7 @@ pub enum Band {
     /// How much a channel fluctuates at a place.
     Fluctuation,
     /// Which way a channel is struck at a place, in deviations: no part of mean squares, in which it would drown.
-    Blow,
+    Impact,
     /// How often it is low or high.
     Distribution,
     /// Power by frequency around the passing of carts.
@@ -218,7 +218,7 @@ impl Band {
         match self {
             Band::Track => "track",
             Band::Fluctuation => "fluctuation",
-            Band::Blow => "blow",
+            Band::Impact => "impact",
             Band::Distribution => "distribution",
             Band::Cart => "cart",
             Band::Wheel => "wheel",

@@ -36,14 +36,14 @@ pub struct Tuner<'a> {
 
 impl Tuner<'_> {
     /// Whether a candidate costs no simulation.
-    pub fn hears(&self, candidate: usize) -> bool {
-        self.simulator.hears() && self.simulator.candidates()[candidate].sensor
+    pub fn applies_sensor_model(&self, candidate: usize) -> bool {
+        self.simulator.applies_sensor_models() && self.simulator.candidates()[candidate].sensor
     }
 
     /// Strengths that fit best near those from which it starts, or near those that the means along the track ask for, which most sensors'
     /// effects change in proportion. `None` where a member costs simulations, or nothing can be simulated.
     pub fn tuned(&self, hypothesis: &Hypothesis, start: &[f64]) -> Option<Tuned> {
-        if !hypothesis.members.iter().all(|c| self.hears(*c)) {
+        if !hypothesis.members.iter().all(|c| self.applies_sensor_model(*c)) {
             return None;
         }
         let found = [self.descended(hypothesis, start.to_vec()), self.descended(hypothesis, self.by_means(hypothesis))];
@@ -172,7 +172,7 @@ mod tests {
             Some(shifted(effects[0].strengths[0]).iter().zip(nothing).map(|(x, y)| x - y).collect())
         }
 
-        fn hears(&self) -> bool {
+        fn applies_sensor_models(&self) -> bool {
             true
         }
     }

@@ -209,7 +209,7 @@ impl FeatureAccumulator {
         }
     }
 
-    /// Variance of what lies above the low-pass in the middle one of the segments, so that a blow at one place is no noise, and the share
+    /// Variance of what lies above the low-pass in the middle one of the segments, so that an impact at one place is no noise, and the share
     /// of white noise that does.
     pub fn high_power(&self, spec: &FeatureSpec) -> ([f64; FORCES], f64) {
         let share = 2.0 * (spec.high.1 - spec.high.0) as f64 / spec.segment as f64;
@@ -417,8 +417,8 @@ mod tests {
         spec.noise[4] = 3.0;
         let mut noisy = FeatureAccumulator::new(&spec);
         noisy.add(&spec, &of_joint(&station, &force), 0.0, Some(5));
-        let ((clean, share), (loud, _)) = (accumulator.high_power(&spec), noisy.high_power(&spec));
-        let found = ((loud[4] - clean[4]) / share).sqrt();
+        let ((clean, share), (high_power, _)) = (accumulator.high_power(&spec), noisy.high_power(&spec));
+        let found = ((high_power[4] - clean[4]) / share).sqrt();
         assert!((found - 3.0).abs() < 0.15, "{found}");
     }
 
@@ -427,15 +427,15 @@ mod tests {
         let mut spec = spec();
         spec.noise[4] = 3.0;
         let (station, mut force) = lap();
-        let heard = |force: &[f32]| {
+        let power = |force: &[f32]| {
             let mut accumulator = FeatureAccumulator::new(&spec);
             accumulator.add(&spec, &of_joint(&station, force), 0.0, Some(5));
             accumulator.high_power(&spec).0[4]
         };
-        let before = heard(&force);
+        let before = power(&force);
         let at = force.len() / 7;
         force[at] += 500.0;
-        let after = heard(&force);
+        let after = power(&force);
         assert!((after / before - 1.0).abs() < 0.2, "{before} {after}");
     }
 }

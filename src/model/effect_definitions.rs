@@ -313,7 +313,7 @@ pub const SENSOR_BIAS_DRIFT: EffectDefinition = EffectDefinition {
 
 pub const SENSOR_CROSSTALK: EffectDefinition = EffectDefinition {
     name: "sensor_crosstalk",
-    about: "a channel that hears another",
+    about: "a part of one channel in another",
     strengths: &[StrengthDefinition {
         name: "ratio",
         unit: "",

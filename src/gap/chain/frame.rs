@@ -16,7 +16,7 @@ const FLOOR_DEVIATION: f64 = 1.0;
 /// Deviation of a feature, in newtons, shares or logarithms, that is no more than rounding.
 const LEAST: f64 = 1e-9;
 
-/// The run as the diagnosis sees it, but for blows; the chain's speed is the last feature.
+/// The run as the diagnosis sees it, but for impacts; the chain's speed is the last feature.
 pub fn frame(name: &str, run: &Fitted) -> Frame {
     let landing = &run.landing;
     let mut labels = labels(run);

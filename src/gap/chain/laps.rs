@@ -60,9 +60,9 @@ impl Chains {
         let carts = self.runs[request.run].model.simulation.chain.carts as f64;
         let (model, _, mut ensemble) = self.run_ensemble(request.run, &request.step, effects, carts)?;
         let load = deviations_of(&model.simulation).ok()?.1.load;
-        let heard = heard(&model.simulation, &load, ensemble.carts.len());
-        let mut each = heard.iter();
-        ensemble.carts.retain(|_| each.next().is_none_or(|heard| *heard));
+        let observed = observed(&model.simulation, &load, ensemble.carts.len());
+        let mut each = observed.iter();
+        ensemble.carts.retain(|_| each.next().is_none_or(|observed| *observed));
         Some((model, ensemble))
     }
 }
@@ -77,10 +77,10 @@ fn with_draw(effects: &[input::Effect], draw: usize) -> Vec<input::Effect> {
 }
 
 /// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside them.
-pub(super) fn heard(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
+pub(super) fn observed(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
     let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
     let Some(beside) = Beside::in_input(simulation) else { return vec![true; carts] };
     let like = |k: usize| !loaded(k) && loaded(k + carts - 1) == beside.before && loaded(k + 1) == beside.after;
-    let heard: Vec<bool> = (0..carts).map(like).collect();
-    if heard.contains(&true) { heard } else { vec![true; carts] }
+    let observed: Vec<bool> = (0..carts).map(like).collect();
+    if observed.contains(&true) { observed } else { vec![true; carts] }
 }

@@ -1,10 +1,10 @@
 //! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
 
-mod blows;
+mod force_slope;
 mod frame;
+mod impacts;
 mod laps;
 mod nominal;
-mod tilt;
 
 use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
 use crate::base::parallel;
@@ -23,11 +23,11 @@ use crate::identify::{Model, Parameter, Settings};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::Channel;
 use crate::signal::FORCES;
-use blows::Suspect;
-use laps::heard;
+use force_slope::{ForceSlopes, Impact, Profile};
+use impacts::Suspect;
+use laps::observed;
 use nominal::{fitted, set_tops};
 use std::collections::BTreeMap;
-use tilt::{Blow, Profile, Tilts};
 
 /// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
 const PASSES: f64 = 24.0;
@@ -42,8 +42,8 @@ const SHORTER: usize = 2;
 /// Chains as built that are drawn.
 const DRAWS: usize = 4;
 
-/// Carts that listen with a sensor's effect.
-const LISTENERS: usize = 14;
+/// Carts whose records a sensor's effect is put into.
+const SENSOR_CARTS: usize = 14;
 
 /// A campaign's runs on chains.
 pub struct Chains {
@@ -64,12 +64,12 @@ struct Fitted {
     tops: [f64; FORCES],
     /// High forces of each channel, measured and simulated, N.
     highs: [(f64, f64); FORCES],
-    /// How much louder than simulated parts of the lap are, of each channel.
-    loudness: Vec<Vec<f64>>,
+    /// How much more high-frequency power than simulated parts of the lap are, of each channel.
+    high_frequency_power: Vec<Vec<f64>>,
     /// What was measured in each part of the lap, of each channel.
     profiles: Vec<Profile>,
-    /// Where the rails are struck.
-    blows: Vec<Blow>,
+    /// Impacts on the rails.
+    impacts: Vec<Impact>,
     /// Which channels were measured.
     measured: [bool; FORCES],
     seed: u64,
@@ -98,10 +98,10 @@ impl Chains {
         let mut runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
         set_tops(&mut runs);
         let mut frames: Vec<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
-        let suspects = blows::suspects(&frames, &runs);
+        let suspects = impacts::suspects(&frames, &runs);
         for (frame, run) in frames.iter_mut().zip(&mut runs) {
-            run.blows = Blow::all(&suspects, run);
-            tilt::extend(frame, run);
+            run.impacts = Impact::all(&suspects, run);
+            force_slope::extend(frame, run);
         }
         let mut out = Chains { frames, runs, candidates: Vec::new(), threads };
         out.draw_as_built(threads);
@@ -172,7 +172,7 @@ impl Chains {
     fn sites(&self, effect: &Effect, suspects: &[Suspect]) -> Vec<(Site, f64)> {
         let Some(first) = self.runs.first() else { return Vec::new() };
         let Sites::Listed(listed) = effect.sites else {
-            let known = |suspect: &Suspect| if suspect.struck { blows::PART } else { self.cell() };
+            let known = |suspect: &Suspect| if suspect.struck { impacts::PART } else { self.cell() };
             return suspects.iter().map(|suspect| (suspect.site(), known(suspect))).collect();
         };
         let places = effect.definition.places;
@@ -202,7 +202,7 @@ impl Chains {
         let chain = fitted.with(effects.clone()).simulation;
         let (load, carts) = (deviations_of(&chain).ok()?.1.load, chain.chain.carts);
         // Where few carts are like the one with the sensors, they pass more often.
-        let like = heard(&chain, &load, carts).iter().filter(|heard| **heard).count() as f64 / carts as f64;
+        let like = observed(&chain, &load, carts).iter().filter(|observed| **observed).count() as f64 / carts as f64;
         let all = (passes / like).min(passes.max(carts as f64));
         let (model, at, ensemble) = self.run_ensemble(run, step, effects, all)?;
         let features = fitted.features(&model, &ensemble, &load, sensor, at);
@@ -245,7 +245,7 @@ impl Chains {
         }
         let model = fitted.with(effects);
         let mut ensemble = model.run_ensemble(&at, &plan);
-        // A blow may ask for shorter steps than the chain does.
+        // An impact may ask for shorter steps than the chain does.
         for _ in 0..SHORTER {
             if ensemble.is_none() {
                 plan.step = Some(0.5 * plan.step.or_else(|| model.step(&at))?);
@@ -306,12 +306,12 @@ impl Simulator for Chains {
         let effects = effects.iter().map(|e| self.effect(e)).collect();
         if !machine && step.iter().all(|x| *x == 0.0) {
             let fitted = &self.runs[run];
-            return Some(fitted.overheard(&fitted.with(effects), &self.frames[run].nominal));
+            return Some(fitted.sensed_features(&fitted.with(effects), &self.frames[run].nominal));
         }
         self.simulated(run, step, effects, sensor)
     }
 
-    fn hears(&self) -> bool {
+    fn applies_sensor_models(&self) -> bool {
         true
     }
 
@@ -332,19 +332,19 @@ impl Fitted {
         model
     }
 
-    /// Features of an ensemble as its sensors with the model's effects hear it; of the carts that are not loaded, where some are.
+    /// Features of an ensemble as sensors with the model's effects observe it; of the carts that are not loaded, where some are.
     fn features(&self, model: &Model, ensemble: &Ensemble, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
-        let heard = heard(&model.simulation, load, ensemble.carts.len());
+        let observed = observed(&model.simulation, load, ensemble.carts.len());
         // Moving the measured samples ahead leaves the model behind.
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - self.landing.at[trigger];
-        let (mut accumulator, mut tilts) = (FeatureAccumulator::new(&self.model.spec), Tilts::new(self));
-        for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| heard[*k]) {
+        let (mut accumulator, mut force_slopes) = (FeatureAccumulator::new(&self.model.spec), ForceSlopes::new(self));
+        for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]) {
             let noise = Some(self.seed.wrapping_add(k as u64));
-            let sensed = sensor.then(|| self.heard(model, cart, ensemble.rate));
+            let sensed = sensor.then(|| self.sensed(model, cart, ensemble.rate));
             let samples = samples(sensed.as_ref().unwrap_or(cart));
             accumulator.add(&self.model.spec, &samples, 0.0, noise);
-            tilts.add(&samples, -moved);
+            force_slopes.add(&samples, -moved);
         }
         let mut features = accumulator.features(1.0);
         let landing = &self.landing;
@@ -357,43 +357,43 @@ impl Fitted {
             }
         }
         features.push(accumulator.mean_speed().unwrap_or(f64::NAN));
-        features.extend(tilts.features());
+        features.extend(force_slopes.features());
         features
     }
 
-    /// Features of the nominal chain, heard by sensors with effects: a sensor's effect needs no simulation, and few carts, as what chaos
+    /// Features of the nominal chain, sensed by sensors with effects: a sensor's effect needs no simulation, and few carts, as what chaos
     /// does to them is the same with and without it.
-    fn overheard(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
+    fn sensed_features(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
         let ensemble = &self.landing.centre.ensemble;
-        let every = (ensemble.carts.len() / LISTENERS).max(1);
+        let every = (ensemble.carts.len() / SENSOR_CARTS).max(1);
         let (mut plain, mut other) =
             (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
-        let (mut tilts, mut tilted) = (Tilts::new(self), Tilts::new(self));
+        let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));
         for (k, cart) in ensemble.carts.iter().enumerate().step_by(every) {
             let noise = Some(self.seed.wrapping_add(k as u64));
-            let mut heard = self.heard(model, cart, ensemble.rate);
+            let mut sensed = self.sensed(model, cart, ensemble.rate);
             let mut as_it_is = cart.clone();
             for force in 0..FORCES {
                 // Channels that nothing was done to say nothing.
-                if heard.forces[force] == cart.forces[force] {
-                    heard.forces[force].clear();
+                if sensed.forces[force] == cart.forces[force] {
+                    sensed.forces[force].clear();
                     as_it_is.forces[force].clear();
                 }
             }
             plain.add(&self.model.spec, &samples(&as_it_is), 0.0, noise);
-            other.add(&self.model.spec, &samples(&heard), 0.0, noise);
-            tilts.add(&samples(&as_it_is), 0.0);
-            tilted.add(&samples(&heard), 0.0);
+            other.add(&self.model.spec, &samples(&sensed), 0.0, noise);
+            force_slopes.add(&samples(&as_it_is), 0.0);
+            other_slopes.add(&samples(&sensed), 0.0);
         }
         // The chain's speed has no sensor of these.
-        let plain = plain.features(1.0).into_iter().chain([0.0]).chain(tilts.features());
-        let other = other.features(1.0).into_iter().chain([0.0]).chain(tilted.features());
+        let plain = plain.features(1.0).into_iter().chain([0.0]).chain(force_slopes.features());
+        let other = other.features(1.0).into_iter().chain([0.0]).chain(other_slopes.features());
         let changed = nominal.iter().zip(plain.zip(other));
         changed.map(|(n, (a, b))| if (b - a).is_finite() { n + b - a } else { *n }).collect()
     }
 
     /// A cart's record as sensors with effects have it. Time is that of the measured run at the same place.
-    fn heard(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
+    fn sensed(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
         let lap = self.model.spec.places.lap;
         let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
         let at = |station: &f32| passed(f64::from(*station) - self.begin, lap, self.laps) / speed;

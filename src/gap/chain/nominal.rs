@@ -1,8 +1,8 @@
 //! The nominal chain fitted to a run, and what its sensors reach.
 
 use super::Fitted;
-use super::blows::loudness;
-use super::tilt::profiles;
+use super::force_slope::profiles;
+use super::impacts::high_frequency_power;
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::dynamics::Width;
@@ -37,9 +37,9 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
         begin,
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples),
-        loudness: loudness(&landing, lap, &samples, trigger, model.spec.noise),
+        high_frequency_power: high_frequency_power(&landing, lap, &samples, trigger, model.spec.noise),
         profiles: profiles(&samples, lap, trigger),
-        blows: Vec::new(),
+        impacts: Vec::new(),
         measured: std::array::from_fn(|k| measured.has(k)),
         seed: settings.seed.wrapping_add(77),
         model,

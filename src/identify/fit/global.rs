@@ -21,7 +21,7 @@ const WHOLE: f64 = 0.88;
 
 impl Fitter<'_> {
     /// Finds the sensors' noise: what is measured above the low-pass and not simulated there.
-    pub(super) fn listen(&self, model: &mut Model, ensemble: &Ensemble) {
+    pub(super) fn find_noise(&self, model: &mut Model, ensemble: &Ensemble) {
         let simulated = model.answer(ensemble, 0.0, 0).accumulator;
         let mut measured = FeatureAccumulator::new(&model.spec);
         measured.add(&model.spec, &self.measured.samples(), 0.0, None);

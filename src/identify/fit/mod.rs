@@ -127,7 +127,7 @@ pub fn land(
     }
     fitter.set_thresholds(model, &at);
     let ensemble = Floor::run_ensemble(model, &at, None).ok_or(lost)?;
-    fitter.listen(model, &ensemble);
+    fitter.find_noise(model, &ensemble);
     let mut floor = fitter.floor(model, &ensemble);
     let mut centre = Centre::of(model, ensemble, settings.seed);
     if global {

@@ -1,13 +1,13 @@
-//! Which way a blow goes: a rail's step up presses a wheel first and throws it off then, a step down lets it fall first and land then. Means
+//! Which way an impact goes: a rail's step up presses a wheel first and throws it off then, a step down lets it fall first and land then. Means
 //! over a cell and powers are nearly the same of both.
 //!
 //! A straight line is fitted to a force along the track where something strikes; by how much it rises, from the middle to the end, is the
-//! blow's *tilt*. No model has a blow exactly as large as it is, but any has it that way round, so the feature is asinh of the tilt over a
+//! impact's *force slope*. No model has an impact exactly as large as it is, but any has it that way round, so the feature is asinh of the force slope over a
 //! scale, which is in proportion to small ones and hardly grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean
 //! squares, which are blind to a few of a thousand features: it speaks against what strikes the other way round.
 
 use super::Fitted;
-use super::blows::{self, RAILS, Suspect};
+use super::impacts::{self, RAILS, Suspect};
 use crate::base::trig;
 use crate::gap::simulator::{Band, Frame, Label};
 use crate::identify::feature_spec::Samples;
@@ -15,27 +15,27 @@ use crate::identify::model::samples;
 use crate::signal::Channel;
 use crate::signal::FORCES;
 
-/// Over how many parts of the lap, of which the blow begins in the second.
+/// Over how many parts of the lap, of which the impact begins in the second.
 const PARTS: usize = 5;
 
-/// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is simulated without the blow.
+/// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is simulated without the impact.
 const DEVIATIONS: f64 = 3.0;
 const OF_MEAN: f64 = 0.003;
 const OF_NOMINAL: f64 = 0.3;
 
-/// Deviation of asinh of the tilt over the scale: a blow may be half as large again as simulated, or half as large.
+/// Deviation of asinh of the force slope over the scale: an impact may be half as large again as simulated, or half as large.
 const DEVIATION: f64 = 0.6;
 
-/// A blow in one channel of a run.
+/// An impact in one channel of a run.
 #[derive(Clone, Debug)]
-pub struct Blow {
+pub struct Impact {
     force: usize,
     /// SlopeSums of the lap in which the line begins.
     part: usize,
-    /// Tilt of the nominal chain, N, and the scale, N.
+    /// ForceSlope of the nominal chain, N, and the scale, N.
     nominal: f64,
     scale: f64,
-    /// Tilt that was measured, N; NaN where too little was.
+    /// ForceSlope that was measured, N; NaN where too little was.
     measured: f64,
 }
 
@@ -74,13 +74,13 @@ pub fn profiles(measured: &Samples, lap: f64, trigger: f64) -> Vec<Profile> {
 }
 
 fn empty(lap: f64) -> Profile {
-    vec![SlopeSums::default(); blows::parts(lap)]
+    vec![SlopeSums::default(); impacts::parts(lap)]
 }
 
 fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset: f64) {
     let parts = profile.len();
     for (x, station) in samples.forces[force].iter().zip(samples.station).filter(|(x, _)| x.is_finite()) {
-        let (part, share) = blows::part_of(f64::from(*station) + offset, lap, parts);
+        let (part, share) = impacts::part_of(f64::from(*station) + offset, lap, parts);
         let (u, x) = (share - 0.5, f64::from(*x));
         profile[part].add(&SlopeSums { count: 1.0, u, square: u * u, force: x, moment: u * x });
     }
@@ -89,7 +89,7 @@ fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset:
 /// A straight line through a force along the track.
 struct Line {
     /// By how much it rises from its middle to its end, N.
-    tilt: f64,
+    force_slope: f64,
     /// Its mean, N.
     mean: f64,
     /// Of how many samples.
@@ -115,92 +115,93 @@ impl Line {
         }
         let SlopeSums { count, u, square, force, moment } = all;
         let slope = (moment - u * force / count) / (square - u * u / count);
-        Some(Line { tilt: 0.5 * PARTS as f64 * slope, mean: force / count, count })
+        Some(Line { force_slope: 0.5 * PARTS as f64 * slope, mean: force / count, count })
     }
 }
 
-impl Blow {
+impl Impact {
     /// Blows at suspects' places as a fitted run has them.
-    pub fn all(suspects: &[Suspect], run: &Fitted) -> Vec<Blow> {
+    pub fn all(suspects: &[Suspect], run: &Fitted) -> Vec<Impact> {
         let places = suspects.iter().filter(|s| s.struck).flat_map(|s| RAILS[s.rail].iter().map(move |f| (s.at, *f)));
-        places.map(|(at, force)| Blow::new(run, at, force)).collect()
+        places.map(|(at, force)| Impact::new(run, at, force)).collect()
     }
 
-    fn new(run: &Fitted, at: f64, force: usize) -> Blow {
+    fn new(run: &Fitted, at: f64, force: usize) -> Impact {
         let lap = run.model.spec.places.lap;
-        let parts = blows::parts(lap);
-        let part = (blows::part_of(at, lap, parts).0 + parts - 1) % parts;
+        let parts = impacts::parts(lap);
+        let part = (impacts::part_of(at, lap, parts).0 + parts - 1) % parts;
         let mut all = empty(lap);
-        let mut tilts = Vec::new();
+        let mut force_slopes = Vec::new();
         for cart in &run.landing.centre.ensemble.carts {
             let mut own = empty(lap);
             add(&mut own, &samples(cart), force, lap, 0.0);
-            tilts.extend(Line::new(&own, part).map(|line| line.tilt));
+            force_slopes.extend(Line::new(&own, part).map(|line| line.force_slope));
             all.iter_mut().zip(&own).for_each(|(all, own)| all.add(own));
         }
-        let nominal = Line::new(&all, part).unwrap_or(Line { tilt: f64::NAN, mean: f64::NAN, count: 0.0 });
-        let squares = tilts.iter().map(|t| (t - nominal.tilt) * (t - nominal.tilt)).sum::<f64>();
-        let carts = (squares / tilts.len().max(1) as f64).sqrt();
+        let nominal = Line::new(&all, part).unwrap_or(Line { force_slope: f64::NAN, mean: f64::NAN, count: 0.0 });
+        let squares = force_slopes.iter().map(|t| (t - nominal.force_slope) * (t - nominal.force_slope)).sum::<f64>();
+        let carts = (squares / force_slopes.len().max(1) as f64).sqrt();
         let measured = Line::new(&run.profiles[force], part);
         // A line's rise to its end has three times the variance of its mean.
         let white = |line: &Line| f64::from(run.model.spec.noise[force]) * (3.0 / line.count).sqrt();
         let noise = measured.as_ref().map_or(0.0, white);
-        let else_known = OF_MEAN * nominal.mean.abs() + OF_NOMINAL * nominal.tilt.abs();
-        Blow {
+        let else_known = OF_MEAN * nominal.mean.abs() + OF_NOMINAL * nominal.force_slope.abs();
+        Impact {
             force,
             part,
-            nominal: nominal.tilt,
+            nominal: nominal.force_slope,
             scale: DEVIATIONS * trig::hypot(carts, noise) + else_known,
-            measured: measured.map_or(f64::NAN, |line| line.tilt),
+            measured: measured.map_or(f64::NAN, |line| line.force_slope),
         }
     }
 
-    /// In deviations; 0 where the tilt is that of the nominal chain.
-    fn feature(&self, tilt: f64) -> f64 {
-        trig::asinh((tilt - self.nominal) / self.scale.max(1e-9)) / DEVIATION
+    /// In deviations; 0 where the force slope is that of the nominal chain.
+    fn feature(&self, force_slope: f64) -> f64 {
+        trig::asinh((force_slope - self.nominal) / self.scale.max(1e-9)) / DEVIATION
     }
 }
 
-/// Tilts of carts as their sensors have them.
-pub struct Tilts<'a> {
-    blows: &'a [Blow],
+/// ForceSlopes of carts as their sensors have them.
+pub struct ForceSlopes<'a> {
+    impacts: &'a [Impact],
     lap: f64,
     sums: Vec<Profile>,
 }
 
-impl<'a> Tilts<'a> {
-    pub fn new(run: &'a Fitted) -> Tilts<'a> {
+impl<'a> ForceSlopes<'a> {
+    pub fn new(run: &'a Fitted) -> ForceSlopes<'a> {
         let lap = run.model.spec.places.lap;
-        Tilts { blows: &run.blows, lap, sums: vec![empty(lap); FORCES] }
+        ForceSlopes { impacts: &run.impacts, lap, sums: vec![empty(lap); FORCES] }
     }
 
     /// Adds a cart's samples, moved along the track by `offset`, m.
     pub fn add(&mut self, samples: &Samples, offset: f64) {
-        for force in (0..FORCES).filter(|force| self.blows.iter().any(|blow| blow.force == *force)) {
+        for force in (0..FORCES).filter(|force| self.impacts.iter().any(|impact| impact.force == *force)) {
             add(&mut self.sums[force], samples, force, self.lap, offset);
         }
     }
 
-    /// A feature of each blow; NaN where nothing was heard.
+    /// A feature of each impact; NaN where nothing was seen.
     pub fn features(&self) -> impl Iterator<Item = f64> {
-        let of =
-            |blow: &Blow| Line::new(&self.sums[blow.force], blow.part).map_or(f64::NAN, |line| blow.feature(line.tilt));
-        self.blows.iter().map(of)
+        let of = |impact: &Impact| {
+            Line::new(&self.sums[impact.force], impact.part).map_or(f64::NAN, |line| impact.feature(line.force_slope))
+        };
+        self.impacts.iter().map(of)
     }
 }
 
-/// Adds blows to a run as the diagnosis sees it, behind its other features.
+/// Adds impacts to a run as the diagnosis sees it, behind its other features.
 pub fn extend(frame: &mut Frame, run: &Fitted) {
-    let (lap, count) = (run.model.spec.places.lap, run.blows.len());
-    let length = lap / blows::parts(lap) as f64;
+    let (lap, count) = (run.model.spec.places.lap, run.impacts.len());
+    let length = lap / impacts::parts(lap) as f64;
     let mm = |x: f64| (1e3 * x.min(lap)).round() as i64;
-    for (k, blow) in run.blows.iter().enumerate() {
-        let index = run.blows[..k].iter().filter(|other| other.force == blow.force).count();
-        let from = blow.part as f64 * length;
-        let channel = Channel::FORCES[blow.force].name().to_owned();
+    for (k, impact) in run.impacts.iter().enumerate() {
+        let index = run.impacts[..k].iter().filter(|other| other.force == impact.force).count();
+        let from = impact.part as f64 * length;
+        let channel = Channel::FORCES[impact.force].name().to_owned();
         let (from, to) = (mm(from), mm(from + PARTS as f64 * length));
-        frame.labels.push(Label { channel, band: Band::Blow, index, from, to });
-        frame.measured.push(blow.feature(blow.measured));
+        frame.labels.push(Label { channel, band: Band::Impact, index, from, to });
+        frame.measured.push(impact.feature(impact.measured));
     }
     let padded = |list: &mut Vec<f64>, with: f64| list.extend(vec![with; count]);
     padded(&mut frame.nominal, 0.0);
@@ -214,8 +215,8 @@ pub fn extend(frame: &mut Frame, run: &Fitted) {
 mod tests {
     use super::*;
 
-    /// A run of 20 m at 2 m/s and 500 Hz on 100 N, with a blow at 5 m that first adds `up`, N, and takes it back then.
-    fn blow(up: f32) -> (Vec<f32>, Vec<f32>) {
+    /// A run of 20 m at 2 m/s and 500 Hz on 100 N, with an impact at 5 m that first adds `up`, N, and takes it back then.
+    fn impact(up: f32) -> (Vec<f32>, Vec<f32>) {
         let station: Vec<f32> = (0..5000_i16).map(|k| 0.004 * f32::from(k) + 0.001).collect();
         let force = |s: &f32| match s - 5.0 {
             past if (0.0..0.1).contains(&past) => 100.0 + up,
@@ -226,25 +227,25 @@ mod tests {
         (station, forces)
     }
 
-    fn tilt(up: f32, offset: f64) -> f64 {
-        let (station, force) = blow(up);
+    fn force_slope(up: f32, offset: f64) -> f64 {
+        let (station, force) = impact(up);
         let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
         forces[2] = &force;
         let samples = Samples { station: &station, speed: &[], forces, coverage: None };
         let profile = &profiles(&samples, 20.0, offset)[2];
-        Line::new(profile, 49).map_or(f64::NAN, |line| line.tilt)
+        Line::new(profile, 49).map_or(f64::NAN, |line| line.force_slope)
     }
 
     #[test]
     fn up_and_down_tilt_the_other_way_round() {
         // From the middle of 0.5 m to its end u is 1, and each part 0.4: with f = 40 and −40 N over u in turn, ∫ u f du/∫ u² du =
         // −40·0.4²/(2/3) = −9.6 N.
-        assert!((tilt(40.0, 0.0) + 9.6).abs() < 0.2, "{}", tilt(40.0, 0.0));
-        assert!((tilt(-40.0, 0.0) - 9.6).abs() < 0.2, "{}", tilt(-40.0, 0.0));
-        assert!(tilt(0.0, 0.0).abs() < 1e-9);
-        // What comes and goes again tilts as much wherever it is.
+        assert!((force_slope(40.0, 0.0) + 9.6).abs() < 0.2, "{}", force_slope(40.0, 0.0));
+        assert!((force_slope(-40.0, 0.0) - 9.6).abs() < 0.2, "{}", force_slope(-40.0, 0.0));
+        assert!(force_slope(0.0, 0.0).abs() < 1e-9);
+        // What comes and goes again force slopes as much wherever it is.
         for offset in [-0.08, 0.04, 0.15] {
-            assert!((tilt(40.0, offset) + 9.6).abs() < 0.2, "{}", tilt(40.0, offset));
+            assert!((force_slope(40.0, offset) + 9.6).abs() < 0.2, "{}", force_slope(40.0, offset));
         }
     }
 
@@ -252,9 +253,11 @@ mod tests {
     fn a_part_that_nothing_was_heard_of_has_no_tilt() {
         let part = |force: f64| SlopeSums { count: 2.0, square: 0.08, force: 2.0 * force, ..SlopeSums::default() };
         let even = vec![part(3.0); 8];
-        assert!(Line::new(&even, 0).is_some_and(|line| line.tilt.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12));
+        assert!(
+            Line::new(&even, 0).is_some_and(|line| line.force_slope.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12)
+        );
         let rising: Vec<SlopeSums> = (0..8).map(|k| part(f64::from(k))).collect();
-        assert!(Line::new(&rising, 2).is_some_and(|line| line.tilt > 2.4 && (line.mean - 4.0).abs() < 1e-12));
+        assert!(Line::new(&rising, 2).is_some_and(|line| line.force_slope > 2.4 && (line.mean - 4.0).abs() < 1e-12));
         let mut lost = even;
         lost[2] = SlopeSums::default();
         assert!(Line::new(&lost, 0).is_none());

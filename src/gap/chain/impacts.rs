@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 /// Cells of each rail in which steps are looked for.
 const CELLS: usize = 2;
 
-/// Length of a part of the lap, about how far a blow rings, m.
+/// Length of a part of the lap, about how far an impact rings, m.
 pub const PART: f64 = 0.1;
 
-/// A blow is where changes are so many times as strong as simulated.
-const LOUD: f64 = 3.0;
+/// An impact is where changes are so many times as strong as simulated.
+const HIGH_POWER: f64 = 3.0;
 
-/// A blow begins where changes are this share of the loudest ones: it rings longer.
+/// An impact begins where changes are this share of the loudest ones: it rings longer.
 const RINGS: f64 = 30.0;
 
 /// The channels that each rail's wheels strike.
@@ -41,7 +41,13 @@ pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
 
 /// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those simulated; NaN where nothing was
 /// measured. `measured` begins with its trigger at `trigger`, m, and has white noise of the deviation `noise`, N.
-pub fn loudness(landing: &Landing, lap: f64, measured: &Samples, trigger: f64, noise: [f32; FORCES]) -> Vec<Vec<f64>> {
+pub fn high_frequency_power(
+    landing: &Landing,
+    lap: f64,
+    measured: &Samples,
+    trigger: f64,
+    noise: [f32; FORCES],
+) -> Vec<Vec<f64>> {
     let parts = parts(lap);
     let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
         for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
@@ -71,7 +77,7 @@ pub struct Suspect {
     pub rail: usize,
     /// Along the lap, m.
     pub at: f64,
-    /// Whether a blow is heard there; else a cell begins there that is off.
+    /// Whether an impact is seen there; else a cell begins there that is off.
     pub struck: bool,
 }
 
@@ -81,7 +87,7 @@ impl Suspect {
     }
 }
 
-/// Where steps of the rails may be: where each rail is struck hardest, which is heard beside whatever else is wrong with its channels, and in
+/// Where steps of the rails may be: where each rail is struck hardest, which is seen beside whatever else is wrong with its channels, and in
 /// the cells in which these are worst.
 pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
@@ -93,10 +99,10 @@ pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
         let mut found: Vec<Suspect> = hardest.into_iter().collect();
         let most = found.len() + CELLS;
         for from in worst(frames, runs, forces) {
-            let blow = struck(runs, forces, from, cell);
-            let at = blow.unwrap_or(from);
+            let impact = struck(runs, forces, from, cell);
+            let at = impact.unwrap_or(from);
             if found.len() < most && found.iter().all(|other| (at - other.at).abs() > 0.25 * cell) {
-                found.push(Suspect { rail, at, struck: blow.is_some() });
+                found.push(Suspect { rail, at, struck: impact.is_some() });
             }
         }
         all.extend(found);
@@ -123,25 +129,26 @@ fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
     cells.into_iter().map(|(at, _)| at as f64 / 1e3).collect()
 }
 
-/// Where a blow begins that is loudest in a cell in all runs, m; none where nothing strikes.
+/// Where an impact begins that is strongest in a cell in all runs, m; none where nothing strikes.
 fn struck(runs: &[Fitted], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
-    let parts = runs.first()?.loudness.first()?.len();
+    let parts = runs.first()?.high_frequency_power.first()?.len();
     let length = runs.first()?.model.spec.places.lap / parts as f64;
     let of = |part: usize, force: usize| {
-        let each: Vec<f64> = runs.iter().map(|r| r.loudness[force][part]).filter(|x| x.is_finite()).collect();
+        let each: Vec<f64> =
+            runs.iter().map(|r| r.high_frequency_power[force][part]).filter(|x| x.is_finite()).collect();
         each.iter().sum::<f64>() / each.len().max(1) as f64
     };
     let loudest = |part: usize| forces.iter().map(|force| of(part, *force)).fold(f64::MIN, f64::max);
-    let loud: Vec<f64> = (0..parts).map(loudest).collect();
+    let high_power: Vec<f64> = (0..parts).map(loudest).collect();
     let at = |part: usize| (part as f64 + 0.5) * length;
-    begins(&loud, |part| (from..from + cell).contains(&at(part))).map(at)
+    begins(&high_power, |part| (from..from + cell).contains(&at(part))).map(at)
 }
 
-/// The part of the lap in which the loudest blow inside begins, by the logarithm of how loud each is.
-fn begins(loud: &[f64], inside: impl Fn(usize) -> bool) -> Option<usize> {
-    let parts = loud.len();
-    let peak = (0..parts).filter(|part| inside(*part)).max_by(|a, b| loud[*a].total_cmp(&loud[*b]))?;
-    let heard = |part: &usize| loud[*part] > trig::ln(LOUD).max(loud[peak] - trig::ln(RINGS));
+/// The part of the lap in which the loudest impact inside begins, by the logarithm of how high-frequency power each is.
+fn begins(high_power: &[f64], inside: impl Fn(usize) -> bool) -> Option<usize> {
+    let parts = high_power.len();
+    let peak = (0..parts).filter(|part| inside(*part)).max_by(|a, b| high_power[*a].total_cmp(&high_power[*b]))?;
+    let heard = |part: &usize| high_power[*part] > trig::ln(HIGH_POWER).max(high_power[peak] - trig::ln(RINGS));
     (0..parts / 2).map(|k| (peak + parts - k) % parts).take_while(heard).last()
 }
 
@@ -151,16 +158,20 @@ mod tests {
 
     #[test]
     fn a_blow_begins_before_it_is_loudest_and_rings_after() {
-        let mut loud = vec![0.3; 100];
+        let mut high_power = vec![0.3; 100];
         // A wheel that is thrown up lands later, and harder.
-        loud[98..].fill(3.0);
-        loud[..5].copy_from_slice(&[3.5, 5.0, 3.0, 2.0, 1.0]);
+        high_power[98..].fill(3.0);
+        high_power[..5].copy_from_slice(&[3.5, 5.0, 3.0, 2.0, 1.0]);
         // A weaker one, far off, that the first drowns.
-        loud[50] = 1.5;
-        assert_eq!(begins(&loud, |part| part < 10), Some(98));
-        assert_eq!(begins(&loud, |part| (45..55).contains(&part)), Some(50));
-        assert_eq!(begins(&loud, |part| (20..40).contains(&part)), None);
-        loud[97] = 1.2;
-        assert_eq!(begins(&loud, |part| part < 10), Some(98), "what is a thirtieth as loud is another blow");
+        high_power[50] = 1.5;
+        assert_eq!(begins(&high_power, |part| part < 10), Some(98));
+        assert_eq!(begins(&high_power, |part| (45..55).contains(&part)), Some(50));
+        assert_eq!(begins(&high_power, |part| (20..40).contains(&part)), None);
+        high_power[97] = 1.2;
+        assert_eq!(
+            begins(&high_power, |part| part < 10),
+            Some(98),
+            "what is a thirtieth as high_power is another impact"
+        );
     }
 }
