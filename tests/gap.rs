@@ -244,7 +244,7 @@ fn sensors_pairs_and_nothing_have_verdicts_of_their_own() {
 
 #[test]
 fn what_does_little_everywhere_is_seen_along_its_signature() {
-    // A tenth more than the floor as a mean square, six deviations along the signature.
+    // A tenth more than the repeatability as a mean square, six deviations along the signature.
     let each: Vec<Diagnosis> = (0..10).map(|seed| found(&[(0, 1.3)], 0.0, 300 + seed)).collect();
     let named = each.iter().filter(|d| d.verdict == Verdict::Effect && d.effects[0].name == "slope");
     let amounts: Vec<_> = named.map(|d| &d.effects[0].strength["size"]).collect();
@@ -311,7 +311,7 @@ fn what_chance_does_is_found_by_how_laps_scatter() {
     assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "rough"), "{}", found.summary);
     let amount = &first.strength["size"];
     assert!(amount.low <= 4.0 && 4.0 <= amount.high && (amount.value / 4.0 - 1.0).abs() < 0.25, "{amount:?}");
-    // A floor that is raised fourfold counts as left: (8.5 − 4.1)/(8.5 − 1).
+    // A repeatability that is raised fourfold counts as left: (8.5 − 4.1)/(8.5 − 1).
     assert!((first.gap_closed.expect("runs left out") - 0.59).abs() < 0.15, "{first:?}");
     // Whoever does not know how laps scatter cannot name it.
     made.tells = false;

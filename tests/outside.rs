@@ -183,8 +183,8 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
         assert!((0.75..1.3).contains(&left), "{left}");
         let of =
             |s: &Vec<f64>| s.iter().zip(&frame.laps.variance).map(|(s, v)| s * s / v).sum::<f64>() / s.len() as f64;
-        let floor = frame.laps.scatter.iter().map(of).sum::<f64>() / frame.laps.scatter.len() as f64;
-        assert!((0.9..1.1).contains(&floor), "{floor}");
+        let repeatability = frame.laps.scatter.iter().map(of).sum::<f64>() / frame.laps.scatter.len() as f64;
+        assert!((0.9..1.1).contains(&repeatability), "{repeatability}");
         assert!((60..=150).contains(&frame.labels.len()) && frame.labels.is_sorted());
         let stays = outside.simulate(run, &[0.0, 0.0], &[]).expect("features");
         assert_eq!(stays, frame.nominal);

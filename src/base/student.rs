@@ -9,7 +9,7 @@ use crate::base::trig::{FRAC_PI_2, sin_cos, tan};
 /// 26.7.4), and θ is found by bisection.
 ///
 /// ```
-/// use lss::identify::student::two_sided;
+/// use lss::base::student::two_sided;
 ///
 /// assert!((two_sided(0.90, 10) - 1.812_461_122_811).abs() < 1e-9); // any table of the distribution
 /// ```

@@ -224,7 +224,7 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
             (source, *level)
         })
         .collect();
-    // As they would be measured, so that what no sensor tells is not over the floor.
+    // As they would be measured, so that what no sensor tells is not over the repeatability.
     let noise = mix(&mut { state });
     let sketch = |changes: Option<&Changes<'_>>, front: f64| {
         let run = reality.sketch(changes, front)?;
@@ -234,15 +234,15 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
     let mut without: Option<(Run, BTreeMap<Channel, f64>)> = None;
     if !sources.is_empty() {
         let (one, other) = (sketch(None, 0.0)?, sketch(None, 0.63)?);
-        let floor = distances(&one, &other, nominal);
-        without = Some((one, floor));
+        let repeatability = distances(&one, &other, nominal);
+        without = Some((one, repeatability));
     }
     let mut strengths = Vec::new();
     for (source, level) in &sources {
-        let (without, floor) = without.as_ref()?;
+        let (without, repeatability) = without.as_ref()?;
         let over = |strength: f64| {
             let run = sketch(Some(&vec![(&source.change, strength)]), 0.0)?;
-            Some(ratios(&distances(without, &run, nominal), floor).fold(0.0, f64::max))
+            Some(ratios(&distances(without, &run, nominal), repeatability).fold(0.0, f64::max))
         };
         strengths.push(calibrated(source.range, wanted(*level, &mut state), over)?);
     }
@@ -257,7 +257,9 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
         runs.push(Recorded { name: format!("run-{:02}", k + 1), run, tension: planned.chain.tension_n });
     }
     let oracle = match (&without, wish.kind.nameable()) {
-        (Some((without, floor)), true) => oracle(&first?, without, &sketch(Some(&changes), 0.0)?, floor, track),
+        (Some((without, repeatability)), true) => {
+            oracle(&first?, without, &sketch(Some(&changes), 0.0)?, repeatability, track)
+        }
         _ => None,
     };
     // Of a pair, the weaker one is what is hard to find.
@@ -274,7 +276,7 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
     Some((case, runs))
 }
 
-/// Strength over the floor that a level asks for.
+/// Strength over the repeatability that a level asks for.
 fn wanted(level: Level, state: &mut u64) -> f64 {
     match level {
         Level::Weak => draw_log(state, 1.5, 3.0),
@@ -283,18 +285,18 @@ fn wanted(level: Level, state: &mut u64) -> f64 {
     }
 }
 
-/// Distances over the floor's, channel by channel.
+/// Distances over the repeatability's, channel by channel.
 fn ratios<'a>(
     distances: &'a BTreeMap<Channel, f64>,
-    floor: &'a BTreeMap<Channel, f64>,
+    repeatability: &'a BTreeMap<Channel, f64>,
 ) -> impl Iterator<Item = f64> + 'a {
-    distances.iter().filter_map(|(c, x)| Some(x / floor.get(c).filter(|f| **f > 0.0)?))
+    distances.iter().filter_map(|(c, x)| Some(x / repeatability.get(c).filter(|f| **f > 0.0)?))
 }
 
-/// The strength within `range` at which an effect is so far over the floor, and how far it really is there. An effect that never gets
+/// The strength within `range` at which an effect is so far over the repeatability, and how far it really is there. An effect that never gets
 /// so far has its largest, and one that cannot be simulated any more the last that could.
 fn calibrated(range: (f64, f64), wanted: f64, over: impl Fn(f64) -> Option<f64>) -> Option<(f64, f64)> {
-    // What is beside the floor: distances add by their squares.
+    // What is beside the repeatability: distances add by their squares.
     let beside = |ratio: f64| (ratio * ratio - 1.0).max(0.01).sqrt();
     let (mut low, mut high) = range;
     let mut strength = (low * high).sqrt();
@@ -331,10 +333,17 @@ fn calibrated(range: (f64, f64), wanted: f64, over: impl Fn(f64) -> Option<f64>)
     best
 }
 
-/// Gap that the true effects close: distances in units of the floor, mean square over the channels.
-fn oracle(measured: &Run, without: &Run, with: &Run, floor: &BTreeMap<Channel, f64>, track: &Planned) -> Option<f64> {
+/// Gap that the true effects close: distances in units of the repeatability, mean square over the channels.
+fn oracle(
+    measured: &Run,
+    without: &Run,
+    with: &Run,
+    repeatability: &BTreeMap<Channel, f64>,
+    track: &Planned,
+) -> Option<f64> {
     let gap = |model: &Run| {
-        let all: Vec<f64> = ratios(&distances(model, measured, &track.simulation), floor).map(|x| x * x).collect();
+        let all: Vec<f64> =
+            ratios(&distances(model, measured, &track.simulation), repeatability).map(|x| x * x).collect();
         all.iter().sum::<f64>() / all.len().max(1) as f64
     };
     let (before, after) = (gap(without), gap(with));
@@ -385,7 +394,7 @@ mod tests {
 
     #[test]
     fn strengths_are_found_where_they_can_be() {
-        // Over the floor as √(1 + (x/2)²).
+        // Over the repeatability as √(1 + (x/2)²).
         let over = |x: f64| Some((1.0 + 0.25 * x * x).sqrt());
         let (x, ratio) = calibrated((0.01, 1e4), 5.0, over).unwrap();
         assert!((trig::ln(ratio / 5.0)).abs() < 0.12 && (x - 9.8).abs() < 1.5, "{x} {ratio}");

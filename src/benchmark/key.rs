@@ -39,11 +39,11 @@ impl Kind {
     }
 }
 
-/// Strength over the floor.
+/// Strength over the repeatability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// Under 3 times the floor.
+    /// Under 3 times the repeatability.
     Weak,
     /// 3 to 10 times.
     Medium,
@@ -90,7 +90,7 @@ pub struct Case {
     pub name: String,
     pub kind: Kind,
     pub truth: Vec<Truth>,
-    /// What the effects do to the two-cart means over the floor: two replicate laps' root mean square distance, in the channel in
+    /// What the effects do to the two-cart means over the repeatability: two replicate laps' root mean square distance, in the channel in
     /// which that is most. 0 without effects.
     pub strength_over_floor: f64,
     pub level: Option<Level>,

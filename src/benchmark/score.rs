@@ -17,7 +17,7 @@ pub struct Score {
     /// One effect, pairs and sensors that are medium or strong.
     pub headline: Accuracy,
     pub by_kind: Vec<Row>,
-    /// One effect, pairs and sensors by strength over the floor.
+    /// One effect, pairs and sensors by strength over the repeatability.
     pub by_level: Vec<Row>,
     /// Cases with an effect, by each effect that they have.
     pub by_effect: Vec<Row>,

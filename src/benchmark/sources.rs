@@ -314,7 +314,7 @@ pub fn unknown(which: usize, nominal: &Simulation, state: &mut u64) -> Source {
             chain("hum in the motors' command", "force", (0.005 * most, most), act)
         }
         3 => {
-            // A floor that leans: gravity along and across the track, by its heading.
+            // A repeatability that leans: gravity along and across the track, by its heading.
             let towards = trig::TAU * uniform(state);
             let act: Act = Box::new(move |x, sim, d| {
                 let weight = sim.cart.mass_kg * sim.gravity_m_s2;

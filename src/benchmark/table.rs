@@ -72,7 +72,7 @@ fn calibration(score: &Score) -> Cells {
 }
 
 fn cases(score: &Score) -> Cells {
-    let head = ["case", "kind", "truth", "over the floor", "first", "second", "on the truth", "rank"]
+    let head = ["case", "kind", "truth", "over the repeatability", "first", "second", "on the truth", "rank"]
         .map(str::to_owned)
         .to_vec();
     let said = |line: &Line, k: usize| match line.judged.first.get(k) {
@@ -102,7 +102,7 @@ fn parts(score: &Score) -> Vec<(&'static str, Cells)> {
     vec![
         ("In all", figures(score)),
         ("By kind", accuracies("kind", &score.by_kind)),
-        ("By strength over the floor", accuracies("level", &score.by_level)),
+        ("By strength over the repeatability", accuracies("level", &score.by_level)),
         ("By effect", accuracies("effect", &score.by_effect)),
         ("Calibration", calibration(score)),
         ("Cases", cases(score)),

@@ -1,10 +1,10 @@
 //! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from lap to lap, as the
 //! swings of a late drive. Which cart has how much is not known, nor where a swing begins, so their signature is less a change of the mean
-//! lap than how far laps scatter, and their strength is where the scatter fits: at the least of ln s + ln(det C/det C₀)/n (see [`super::floor`])
+//! lap than how far laps scatter, and their strength is where the scatter fits: at the least of ln s + ln(det C/det C₀)/n (see [`super::repeatability`])
 //! over the strength.
 
 use super::evidence::{Evidence, most_off};
-use super::floor::{Floor, floors};
+use super::repeatability::{Repeatability, repeatabilities};
 use super::screen::{Signature, explain};
 use super::simulator::{Laps, Request, Simulator, Strength};
 use crate::base::trig;
@@ -31,7 +31,7 @@ pub const SURE: f64 = 0.3;
 /// Where such effects are looked for.
 pub struct Chance<'a> {
     pub simulator: &'a dyn Simulator,
-    /// Before the nominal chain's floor.
+    /// Before the nominal chain's repeatability.
     pub nominal: &'a [Evidence],
     /// What every machine deviates by, of each run.
     pub as_built: &'a [Vec<Vec<f64>>],
@@ -40,7 +40,7 @@ pub struct Chance<'a> {
 
 impl Chance<'_> {
     /// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off.
-    pub fn hypotheses(&self) -> Vec<(Fitted, Option<Floor>)> {
+    pub fn hypotheses(&self) -> Vec<(Fitted, Option<Repeatability>)> {
         let candidates = self.simulator.candidates();
         let own =
             (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].random_effect.is_some());
@@ -55,7 +55,7 @@ impl Chance<'_> {
     }
 
     /// The same of what was found alone beside another effect, which differs by nothing.
-    pub fn beside(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Floor>)> {
+    pub fn beside(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Repeatability>)> {
         let run = self.run();
         let effects = other.hypothesis.applied(self.simulator.candidates(), self.signatures, &other.strengths);
         let request = Request { run, step: other.moves[run].clone(), effects };
@@ -75,7 +75,7 @@ impl Chance<'_> {
     }
 
     /// Hypotheses at the strengths that fit, looked for from some on.
-    fn search(&self, (mut all, mut asked): (Vec<Tried>, Vec<Vec<f64>>)) -> Vec<(Fitted, Option<Floor>)> {
+    fn search(&self, (mut all, mut asked): (Vec<Tried>, Vec<Vec<f64>>)) -> Vec<(Fitted, Option<Repeatability>)> {
         let run = self.run();
         let before: Vec<f64> =
             all.iter().map(|tried| self.misfit(tried, run, self.without(tried, run), 1.0, None)).collect();
@@ -87,13 +87,13 @@ impl Chance<'_> {
         let found: Vec<Fitted> =
             all.iter().zip(before).filter_map(|(tried, before)| self.fitted(tried, tried.size(before)?)).collect();
         let each: Vec<&Fitted> = found.iter().collect();
-        let mut own = floors(self.simulator, self.nominal, self.as_built, self.signatures, &each);
+        let mut own = repeatabilities(self.simulator, self.nominal, self.as_built, self.signatures, &each);
         // Scatter says the strength, not the mean lap's slope.
-        for (floor, one) in own.iter_mut().zip(&found) {
-            if let Some(floor) = floor {
+        for (repeatability, one) in own.iter_mut().zip(&found) {
+            if let Some(repeatability) = repeatability {
                 let last = one.strengths.len() - 1;
-                floor.covariance.row_mut(last).copy_from(&one.covariance.row(last));
-                floor.covariance.column_mut(last).copy_from(&one.covariance.column(last));
+                repeatability.covariance.row_mut(last).copy_from(&one.covariance.row(last));
+                repeatability.covariance.column_mut(last).copy_from(&one.covariance.column(last));
             }
         }
         found.into_iter().zip(own).collect()

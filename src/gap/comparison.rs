@@ -1,9 +1,9 @@
 //! Comparison of hypotheses: the log posterior of each, and of something unknown beside them.
 
 use super::evidence::{self, Evidence};
-use super::floor::Floor;
 use super::likelihood;
 use super::refit::along;
+use super::repeatability::Repeatability;
 use super::screen::Signature;
 use super::significance::{self, ScoreTest};
 use super::simulator::{Band, Candidate, Simulator};
@@ -19,8 +19,8 @@ const SETTLED: usize = 40;
 /// A hypothesis with its log posterior.
 pub struct Scored {
     pub fitted: Fitted,
-    /// Before the floor that it makes itself, where it makes one.
-    pub floor: Option<Floor>,
+    /// Before the repeatability that it makes itself, where it makes one.
+    pub repeatability: Option<Repeatability>,
     /// Normalised mean-square residual: that of all runs over that of replicate laps.
     pub mean_square: f64,
     pub log_posterior: f64,
@@ -59,28 +59,28 @@ fn norm(each: &[DVector<f64>]) -> f64 {
 impl Scored {
     /// What it is scored by.
     pub fn evidence<'a>(&'a self, comparison: &'a Comparison) -> &'a [Evidence] {
-        self.floor.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
+        self.repeatability.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
     }
 
-    /// Mean square of what is left of a run over that of replicate laps; a floor that the hypothesis raises counts as left.
+    /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises counts as left.
     pub fn mean_square_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
         let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
-        let raised = if self.floor.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
+        let raised = if self.repeatability.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
         raised * own.mean_square(residual)
     }
 
     /// What is left of each run, projected.
     pub fn residuals(&self) -> &[DVector<f64>] {
-        self.floor.as_ref().map_or(&self.fitted.residuals, |f| &f.residuals)
+        self.repeatability.as_ref().map_or(&self.fitted.residuals, |f| &f.residuals)
     }
 
     /// What one more of each strength changes.
     pub fn columns(&self) -> &[Vec<DVector<f64>>] {
-        self.floor.as_ref().map_or(&self.fitted.columns, |f| &f.columns)
+        self.repeatability.as_ref().map_or(&self.fitted.columns, |f| &f.columns)
     }
 
     pub fn covariance(&self) -> &DMatrix<f64> {
-        self.floor.as_ref().map_or(&self.fitted.covariance, |f| &f.covariance)
+        self.repeatability.as_ref().map_or(&self.fitted.covariance, |f| &f.covariance)
     }
 }
 
@@ -122,21 +122,23 @@ impl Comparison<'_> {
         self.score(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
     }
 
-    pub fn score(&self, fitted: Fitted, floor: Option<Floor>) -> Scored {
-        let mean_square = match &floor {
-            Some(floor) => trig::exp(floor.raised) * overall_mean_square(&floor.evidence, &floor.residuals),
+    pub fn score(&self, fitted: Fitted, repeatability: Option<Repeatability>) -> Scored {
+        let mean_square = match &repeatability {
+            Some(repeatability) => {
+                trig::exp(repeatability.raised) * overall_mean_square(&repeatability.evidence, &repeatability.residuals)
+            }
             None => overall_mean_square(&self.evidence, &fitted.residuals),
         };
         let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
         let counts = likelihood::quiet(mean_square);
         let by_signature = if counts > 0.0 { self.along_signature(&fitted, counts) } else { f64::NEG_INFINITY };
-        let common = floor.as_ref().map_or(0.0, |floor| self.in_common(&fitted, floor));
+        let common = repeatability.as_ref().map_or(0.0, |repeatability| self.in_common(&fitted, repeatability));
         let whole = likelihood::log_likelihood(mean_square, self.degrees_of_freedom);
         let likelihood = (whole - common).max(by_signature);
         let lost = whole.max(by_signature) - likelihood;
         let log_posterior = likelihood - likelihood::cost(strengths, self.degrees_of_freedom) + prior;
-        Scored { fitted, floor, mean_square, log_posterior, lost }
+        Scored { fitted, repeatability, mean_square, log_posterior, lost }
     }
 
     /// Log prior of a hypothesis: effects share theirs, and places of an effect.
@@ -183,12 +185,13 @@ impl Comparison<'_> {
     }
 
     /// What runs have in common speaks against what differs from lap to lap, and what they have not against what differs from cart to cart.
-    fn in_common(&self, fitted: &Fitted, floor: &Floor) -> f64 {
+    fn in_common(&self, fitted: &Fitted, repeatability: &Repeatability) -> f64 {
         let random_effect = self.random_effect(fitted);
         if random_effect.is_empty() {
             return 0.0;
         }
-        let expected = if random_effect.iter().all(|d| *d == RandomEffect::ByCart) { floor.common } else { 0.0 };
+        let expected =
+            if random_effect.iter().all(|d| *d == RandomEffect::ByCart) { repeatability.common } else { 0.0 };
         likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.degrees_of_freedom)
     }
 
@@ -276,8 +279,8 @@ impl Comparison<'_> {
         let scores: Vec<(usize, ScoreTest)> =
             (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
         for scored in scored.iter_mut().take(SETTLED).filter(|j| likelihood::quiet(j.mean_square) > 0.0) {
-            let rest = match &scored.floor {
-                Some(floor) => self.seen_before(floor, &scored.fitted),
+            let rest = match &scored.repeatability {
+                Some(repeatability) => self.seen_before(repeatability, &scored.fitted),
                 None => self.seen_beyond(&scored.fitted, &scores),
             };
             scored.log_posterior -= likelihood::quiet(scored.mean_square) * self.beyond(rest);
@@ -301,13 +304,13 @@ impl Comparison<'_> {
         scores.iter().map(rest).fold(0.0, f64::max)
     }
 
-    /// The same before the floor that the hypothesis makes itself.
-    fn seen_before(&self, floor: &Floor, fitted: &Fitted) -> f64 {
-        let missed = self.missed(fitted, &floor.columns);
+    /// The same before the repeatability that the hypothesis makes itself.
+    fn seen_before(&self, repeatability: &Repeatability, fitted: &Fitted) -> f64 {
+        let missed = self.missed(fitted, &repeatability.columns);
         let rest = |k: usize| {
-            let own = floor.evidence.iter().zip(&self.signatures[k].change);
+            let own = repeatability.evidence.iter().zip(&self.signatures[k].change);
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
-            let score = ScoreTest::new(&floor.evidence, &floor.residuals, &columns);
+            let score = ScoreTest::new(&repeatability.evidence, &repeatability.residuals, &columns);
             let size = norm(&columns);
             score.beside([self.as_built(k) * size * size, missed * size]).z().abs()
         };
@@ -338,10 +341,13 @@ impl Comparison<'_> {
     /// is its own.
     fn alike(&self, scored: &Scored) -> Option<f64> {
         let fitted = &scored.fitted;
-        let floor =
-            scored.floor.as_ref().filter(|_| self.random_effect(fitted).len() >= fitted.hypothesis.members.len())?;
-        let patterns = overall_mean_square(&floor.evidence, floor.evidence.iter().map(|e| &e.residual));
-        let by_patterns = likelihood::log_likelihood(trig::exp(floor.raised) * patterns, self.degrees_of_freedom);
+        let repeatability = scored
+            .repeatability
+            .as_ref()
+            .filter(|_| self.random_effect(fitted).len() >= fitted.hypothesis.members.len())?;
+        let patterns = overall_mean_square(&repeatability.evidence, repeatability.evidence.iter().map(|e| &e.residual));
+        let by_patterns =
+            likelihood::log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
         let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
         let said = scored.log_posterior - self.prior(&fitted.hypothesis) + scored.lost - own;
         let seen = self.seen_in_common(fitted);

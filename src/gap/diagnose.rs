@@ -5,10 +5,10 @@ use super::checked::Checked;
 use super::comparison::{Comparison, Scored, overall_mean_square};
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
-use super::floor::floors;
 use super::likelihood::MOST_DEGREES_OF_FREEDOM;
 use super::looks::UNSETTLED;
 use super::refit::refit;
+use super::repeatability::repeatabilities;
 use super::report::report;
 use super::screen::{self, Signature};
 use super::simulator::Simulator;
@@ -25,11 +25,11 @@ const PAIRED: usize = 12;
 /// How many effects that differ by chance are tried beside another one.
 const BY_CHANCE: usize = 2;
 
-/// Hypotheses that are held against a floor of their own at most, and what share of the gap they must explain.
+/// Hypotheses that are held against a repeatability of their own at most, and what share of the gap they must explain.
 const FLOORS: usize = 5;
 const SOME: f64 = 0.05;
 
-/// A score from which on there is something to look at though the mean square is at the floor.
+/// A score from which on there is something to look at though the mean square is at the repeatability.
 const SIGNIFICANT: f64 = 4.0;
 
 /// How far a diagnosis is.
@@ -94,7 +94,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         Chance { simulator, nominal: &comparison.evidence, as_built: &as_built, signatures: &comparison.signatures };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
     let mut scored = comparison.before_floors(fitted, &as_built);
-    scored.extend(scattered.into_iter().map(|(fitted, floor)| comparison.score(fitted, floor)));
+    scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > UNSETTLED);
     if gap && unsettled(&scored) {
         let both =
@@ -105,7 +105,7 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         let both =
             comparison.companion(&scored).map(|other| chance.beside(other, &comparison.by_chance(&scored, other)));
         let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&comparison.signatures));
-        let both: Vec<Scored> = there.map(|(fitted, floor)| comparison.score(fitted, floor)).collect();
+        let both: Vec<Scored> = there.map(|(fitted, repeatability)| comparison.score(fitted, repeatability)).collect();
         scored.extend(both);
     }
     scored.extend(rest);
@@ -158,7 +158,7 @@ impl Comparison<'_> {
             let [own] = j.fitted.hypothesis.members[..] else { return false };
             let (candidate, beside) = (&self.candidates()[own], &self.candidates()[beside]);
             let random_effect =
-                candidate.random_effect.is_some() && candidate.strengths.len() == 1 && j.floor.is_some();
+                candidate.random_effect.is_some() && candidate.strengths.len() == 1 && j.repeatability.is_some();
             random_effect && candidate.effect != beside.effect && !fitted(own)
         };
         let mut found: Vec<&Scored> = scored.iter().filter(alone).collect();
@@ -168,18 +168,18 @@ impl Comparison<'_> {
         found.into_iter().take(BY_CHANCE).map(|j| &j.fitted).collect()
     }
 
-    /// What was fitted before the floors that it makes itself. A pair of which one does nothing is the other one alone.
+    /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other one alone.
     fn before_floors(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
         let asked = self.worth_a_floor(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
-        let mut own = floors(self.simulator, &self.evidence, as_built, &self.signatures, &some).into_iter();
+        let mut own = repeatabilities(self.simulator, &self.evidence, as_built, &self.signatures, &some).into_iter();
         let with = fitted.into_iter().zip(asked);
         let with: Vec<_> = with.map(|(f, asked)| (f, if asked { own.next().flatten() } else { None })).collect();
         let there = with.into_iter().filter(|(fitted, _)| fitted.all_there(&self.signatures));
-        there.map(|(fitted, floor)| self.score(fitted, floor)).collect()
+        there.map(|(fitted, repeatability)| self.score(fitted, repeatability)).collect()
     }
 
-    /// Which fitted hypotheses are held against the floor that they make themselves: the best of those that explain something.
+    /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that explain something.
     fn worth_a_floor(&self, fitted: &[Fitted]) -> Vec<bool> {
         let mean_square: Vec<f64> = fitted.iter().map(|f| overall_mean_square(&self.evidence, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();

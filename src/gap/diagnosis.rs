@@ -28,7 +28,8 @@ pub struct Diagnosis {
     /// Probability of effects that could not be simulated: nothing is known of it but what was believed before.
     pub untested_probability: f64,
     /// Of each channel, how far two repeated measurements of the same are apart (root mean square of the means by place), in its unit.
-    pub floor: BTreeMap<String, f64>,
+    #[serde(rename = "floor")]
+    pub repeatability: BTreeMap<String, f64>,
     pub next_experiment: String,
     /// Effects that these runs cannot tell apart.
     pub groups: Vec<Group>,
@@ -186,7 +187,8 @@ pub struct Overlay {
     pub before: Vec<f64>,
     pub after: Vec<f64>,
     /// Deviation of repeated measurements.
-    pub floor: Vec<f64>,
+    #[serde(rename = "floor")]
+    pub repeatability: Vec<f64>,
 }
 
 /// What cannot be told, and why. Of an effect that could not be simulated, the first request that failed.

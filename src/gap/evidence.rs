@@ -1,4 +1,4 @@
-//! What the runs say of a hypothesis: residuals over the floor, with nuisances and the floor's correlations projected out.
+//! What the runs say of a hypothesis: residuals over the repeatability, with nuisances and the repeatability's correlations projected out.
 //!
 //! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, discrepancies and the strongest
 //! common deviations of replicate laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the

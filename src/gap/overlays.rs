@@ -37,7 +37,7 @@ fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[Place], ch
         measured: pick(&|k| frame.measured[k]),
         before: pick(&|k| frame.nominal[k] + shift[k]),
         after: pick(&|k| after.map_or(frame.nominal[k] + shift[k], |f| f[k])),
-        floor: pick(&|k| frame.laps.variance[k].sqrt()),
+        repeatability: pick(&|k| frame.laps.variance[k].sqrt()),
         channel: channel.to_owned(),
     })
 }

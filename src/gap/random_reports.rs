@@ -83,7 +83,7 @@ impl Random {
             measured: numbers(9.0),
             before: numbers(9.0),
             after: numbers(9.0),
-            floor: numbers(1.0),
+            repeatability: numbers(1.0),
         }
     }
 }
@@ -115,7 +115,7 @@ pub fn report(seed: u64) -> Diagnosis {
         places: if random.chance(0.8) { places } else { Vec::new() },
         unknown_probability: random.share(),
         none_probability: random.share(),
-        floor: [("a".to_owned(), 0.4)].into(),
+        repeatability: [("a".to_owned(), 0.4)].into(),
         next_experiment: String::new(),
         groups: Vec::<Group>::new(),
         runs: (0..random.below(4)).map(|k| random.run(k)).collect(),

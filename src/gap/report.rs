@@ -159,7 +159,7 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
         unknown_probability: tidy(choice.unknown),
         none_probability: tidy(choice.none),
         untested_probability: tidy(choice.untested.iter().sum()),
-        floor: floor(comparison.simulator.frames()),
+        repeatability: repeatability(comparison.simulator.frames()),
         next_experiment: String::new(),
         groups,
         gap_closed_black_box: black_box(comparison).filter(|_| gap).map(tidy),
@@ -271,7 +271,7 @@ fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<V
     Some((0..runs).map(|run| explain(&residuals, &by, &bounds, Some(run)).residuals.swap_remove(run)).collect())
 }
 
-/// 1 − (after − floor)/(before − floor), over all runs.
+/// 1 − (after − repeatability)/(before − repeatability), over all runs.
 fn share(evidence: &[Evidence], after: impl Fn(usize) -> f64) -> Option<f64> {
     let (mut before_sum, mut after_sum) = (0.0, 0.0);
     for (run, evidence) in evidence.iter().enumerate() {
@@ -333,7 +333,7 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
     clear.map(|(c, [before, after, n])| (c, tidy((1.0 - (after - n) / (before - n)).clamp(-9.0, 1.0)))).collect()
 }
 
-/// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is over the floor.
+/// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is over the repeatability.
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
 fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Place> {
@@ -383,8 +383,8 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Pl
     found
 }
 
-/// Of each channel, the root mean square of the floor of its means along the track.
-fn floor(frames: &[Frame]) -> BTreeMap<String, f64> {
+/// Of each channel, the root mean square of the repeatability of its means along the track.
+fn repeatability(frames: &[Frame]) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     for frame in frames {
         for (label, variance) in frame.labels.iter().zip(&frame.laps.variance) {

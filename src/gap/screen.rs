@@ -5,7 +5,7 @@ use super::simulator::{Applied, Candidate, Request, Simulator};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
 
-/// A signature is taken where it is at least so many times the floor in the feature that it changes most.
+/// A signature is taken where it is at least so many times the repeatability in the feature that it changes most.
 const CLEAR: f64 = 10.0;
 
 /// What changes no feature by so much of its deviation changes nothing but for rounding.
@@ -298,7 +298,7 @@ fn applied(candidates: &[Candidate], trial: &Trial) -> Applied {
 #[derive(Clone, Debug)]
 pub struct Explained {
     pub strengths: Vec<f64>,
-    /// Of the strengths, in units of the floor of replicate laps.
+    /// Of the strengths, in units of the repeatability of replicate laps.
     pub covariance: DMatrix<f64>,
     pub residuals: Vec<DVector<f64>>,
 }

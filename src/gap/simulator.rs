@@ -172,7 +172,7 @@ pub struct Frame {
 pub struct Laps {
     /// Of each feature, variance of the difference of two; infinite for what tells nothing.
     pub variance: Vec<f64>,
-    /// Whole deviations from their mean, each a sample of the floor with all its correlations.
+    /// Whole deviations from their mean, each a sample of the repeatability with all its correlations.
     pub scatter: Vec<Vec<f64>>,
 }
 

@@ -5,8 +5,8 @@
 //! model is right. Features are correlated, hence Q scatters as χ² of ν degrees of freedom over ν, with ν = tr(C)² / tr(C²) of
 //! the covariance C of the scaled features (Satterthwaite 1946). The carts of a simulation are replicate laps and give C.
 
-use super::floor::{Floor, Numerics};
 use super::places::Places;
+use super::repeatability::{Numerics, Repeatability};
 use crate::base::number::tidy;
 use crate::identify::accumulator::Block;
 use crate::signal::Channel;
@@ -97,7 +97,7 @@ impl Left<'_> {
 }
 
 impl Goodness {
-    pub(super) fn new(left: &Left, floor: &Floor, numerics: &Numerics, places: &Places) -> Goodness {
+    pub(super) fn new(left: &Left, repeatability: &Repeatability, numerics: &Numerics, places: &Places) -> Goodness {
         let mut stretches = Vec::new();
         let mut profiles = BTreeMap::new();
         for (force, channel) in Channel::FORCES.iter().enumerate().take(FORCES) {
@@ -113,7 +113,7 @@ impl Goodness {
         stretches.sort_by(|a: &Stretch, b| b.deviations.total_cmp(&a.deviations));
         stretches.truncate(MOST);
         stretches.iter_mut().for_each(|s| s.join(places.lap));
-        Goodness { limit: limit(left, floor, numerics), stretches, lap_m: tidy(places.lap), profiles }
+        Goodness { limit: limit(left, repeatability, numerics), stretches, lap_m: tidy(places.lap), profiles }
     }
 }
 
@@ -183,12 +183,13 @@ fn far(
 }
 
 /// The largest objective that repeatability allows.
-fn limit(left: &Left, floor: &Floor, numerics: &Numerics) -> Limit {
+fn limit(left: &Left, repeatability: &Repeatability, numerics: &Numerics) -> Limit {
     let rows: Vec<usize> = (0..left.blocks.len()).filter(|k| left.residual[*k].is_finite()).collect();
     let column = |of: &dyn Fn(usize) -> f64| {
         DVector::from_iterator(rows.len(), rows.iter().map(|&k| of(k) / left.variance[k].sqrt()))
     };
-    let laps: Vec<DVector<f64>> = floor.scatter.iter().map(|lap| column(&|k| lap[k] / left.passes[k].sqrt())).collect();
+    let laps: Vec<DVector<f64>> =
+        repeatability.scatter.iter().map(|lap| column(&|k| lap[k] / left.passes[k].sqrt())).collect();
     let common: Vec<DVector<f64>> =
         numerics.discrepancies.iter().map(|discrepancy| column(&|k| discrepancy[k])).collect();
     let degrees_of_freedom = tidy((1e2 * degrees(&laps, &common).clamp(1.0, rows.len().max(1) as f64)).round() / 1e2);

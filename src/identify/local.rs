@@ -1,9 +1,9 @@
 //! The model near a point: residuals there, and how features answer the parameters.
 
 use super::design::{self, COLUMNS, RUNS};
-use super::floor::Floor;
 use super::model::{Answer, Coordinates, Model, Plan};
 use super::parameter::{COUNT, Parameter};
+use super::repeatability::Repeatability;
 use crate::base::parallel;
 use crate::dynamics::{Ensemble, Settled};
 use crate::identify::accumulator::{Block, FeatureAccumulator};
@@ -66,7 +66,7 @@ impl Sensitivity {
     /// Slopes from a design around a point, over `threads`. `None` when too few of its runs can be simulated.
     pub fn new(
         model: &Model,
-        floor: &Floor,
+        repeatability: &Repeatability,
         at: &Coordinates,
         centre: &Centre,
         reach: &Coordinates,
@@ -83,8 +83,12 @@ impl Sensitivity {
             }
             let lift = levels[MOVED.len()] * FLOOR_REACH;
             let seed = seed.wrapping_add(1000 * (run as u64 + 1));
-            let plan =
-                Plan { passes: DESIGN_PASSES, floor: lift, from: Some(&centre.ensemble.settled), ..Plan::default() };
+            let plan = Plan {
+                passes: DESIGN_PASSES,
+                approach_floor: lift,
+                from: Some(&centre.ensemble.settled),
+                ..Plan::default()
+            };
             let ensemble = model.run_ensemble(&point, &plan)?;
             let answer = model.answer(&ensemble, 0.0, seed);
             let moved: Vec<f64> = MOVED.iter().map(|p| point[p.index()] - at[p.index()]).chain([lift]).collect();
@@ -120,10 +124,10 @@ impl Sensitivity {
         }
         let variance: Vec<f64> = (0..width).map(|j| inverse[(j, j)]).collect();
         let names: Vec<usize> = (0..width).map(column).collect();
-        let blocks = Blocks::new(model, floor, &left_over);
-        blocks.shrink(&mut slopes, &left_over, &variance, &names, floor);
+        let blocks = Blocks::new(model, repeatability, &left_over);
+        blocks.shrink(&mut slopes, &left_over, &variance, &names, repeatability);
         trigger(&mut slopes, model, centre, seed);
-        Some(Sensitivity { slopes, unexplained: blocks.unexplained(&left_over, floor), reach: *reach })
+        Some(Sensitivity { slopes, unexplained: blocks.unexplained(&left_over, repeatability), reach: *reach })
     }
 }
 
@@ -131,10 +135,10 @@ impl Sensitivity {
 struct Blocks(BTreeMap<Block, Vec<usize>>);
 
 impl Blocks {
-    fn new(model: &Model, floor: &Floor, left_over: &[f64]) -> Self {
+    fn new(model: &Model, repeatability: &Repeatability, left_over: &[f64]) -> Self {
         let mut rows: BTreeMap<Block, Vec<usize>> = BTreeMap::new();
         let named = FeatureAccumulator::blocks(&model.spec);
-        for k in (0..named.len()).filter(|k| floor.deviation[*k] > 0.0 && !left_over[*k].is_nan()) {
+        for k in (0..named.len()).filter(|k| repeatability.deviation[*k] > 0.0 && !left_over[*k].is_nan()) {
             rows.entry(named[k]).or_default().push(k);
         }
         Blocks(rows)
@@ -143,9 +147,16 @@ impl Blocks {
     /// Takes from the slopes what chaos alone would make of them: in each block of features and each column, the slopes are
     /// shrunk together by the share of their sum of squares that is noise (James and Stein 1961, positive part), two deviations
     /// of the noise's own sum added.
-    fn shrink(&self, slopes: &mut DMatrix<f64>, left_over: &[f64], variance: &[f64], columns: &[usize], floor: &Floor) {
+    fn shrink(
+        &self,
+        slopes: &mut DMatrix<f64>,
+        left_over: &[f64],
+        variance: &[f64],
+        columns: &[usize],
+        repeatability: &Repeatability,
+    ) {
         for rows in self.0.values() {
-            let square = |x: f64, k: usize| x * x / (floor.deviation[k] * floor.deviation[k]);
+            let square = |x: f64, k: usize| x * x / (repeatability.deviation[k] * repeatability.deviation[k]);
             let noise: f64 = rows.iter().map(|&k| square(left_over[k].sqrt(), k)).sum();
             let noise = noise * (1.0 + 2.0 * (2.0 / rows.len() as f64).sqrt());
             for (j, &column) in columns.iter().enumerate() {
@@ -157,10 +168,11 @@ impl Blocks {
     }
 
     /// What is left over in the mean of a block beyond its carts' scatter.
-    fn unexplained(&self, left_over: &[f64], floor: &Floor) -> Vec<f64> {
+    fn unexplained(&self, left_over: &[f64], repeatability: &Repeatability) -> Vec<f64> {
         let mut out = vec![0.0; left_over.len()];
         for rows in self.0.values() {
-            let excess = |&k: &usize| left_over[k] - floor.deviation[k] * floor.deviation[k] / DESIGN_PASSES;
+            let excess =
+                |&k: &usize| left_over[k] - repeatability.deviation[k] * repeatability.deviation[k] / DESIGN_PASSES;
             let mean = (rows.iter().map(excess).sum::<f64>() / rows.len() as f64).max(0.0);
             rows.iter().for_each(|&k| out[k] = mean);
         }

@@ -4,7 +4,7 @@
 //! of a campaign and all laws; [`share`] combines runs. [`stiffness`] is the static test of a joint.
 //!
 //! The motion is chaotic, so laps are compared by what two replicate laps share (`accumulator`), weighted by how far apart
-//! such laps are (`floor`). Slopes come from designs of simulations rather than from single differences (`design`, `local`), and
+//! such laps are (`repeatability`). Slopes come from designs of simulations rather than from single differences (`design`, `local`), and
 //! what the run and the prior together say is a normal distribution within bounds (`posterior`).
 
 pub mod accumulator;
@@ -12,7 +12,6 @@ pub mod coverage;
 mod design;
 pub mod feature_spec;
 pub mod fit;
-pub mod floor;
 pub mod goodness;
 pub mod groups;
 pub mod lack_of_fit;
@@ -22,6 +21,7 @@ pub mod model;
 mod parameter;
 pub mod places;
 mod posterior;
+pub mod repeatability;
 pub mod share;
 pub mod static_test;
 pub mod stiffness;

@@ -35,7 +35,7 @@ pub struct Plan<'a> {
     /// Carts that pass each place while it is recorded.
     pub passes: f64,
     /// Logarithm of a factor on the floor of approach speeds.
-    pub floor: f64,
+    pub approach_floor: f64,
     /// Largest step, s, when not the usual one.
     pub step: Option<f64>,
     pub from: Option<&'a Settled>,
@@ -101,7 +101,7 @@ impl Model {
     /// Simulates a point.
     pub fn run_ensemble(&self, at: &Coordinates, plan: &Plan) -> Option<Ensemble> {
         let mut simulation = self.input(at);
-        simulation.joint.approach_floor_m_s *= trig::exp(plan.floor);
+        simulation.joint.approach_floor_m_s *= trig::exp(plan.approach_floor);
         let pitch = self.spec.places.lap / simulation.chain.carts as f64;
         let ensemble = EnsemblePlan {
             settle: plan.settle.unwrap_or(if plan.from.is_some() { SETTLE.1 } else { SETTLE.0 }),

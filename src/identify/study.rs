@@ -57,7 +57,7 @@ pub struct Fitted {
     pub key: String,
     /// Of another law, when it was not fitted anew but carried over through χ.
     pub carried_from: Option<ContactLaw>,
-    /// Residuals over the floor, root mean square: 1 is as near as two replicate laps are.
+    /// Residuals over the repeatability, root mean square: 1 is as near as two replicate laps are.
     pub objective: f64,
     pub parameters: BTreeMap<String, Estimate>,
     /// χ of the restitutions (Kelvin-Voigt: ζ), and what a free impact achieves with it.
@@ -69,7 +69,7 @@ pub struct Fitted {
     pub nrmsd_two_carts: BTreeMap<String, f64>,
     /// What the run can tell, in words.
     pub identifiability: Vec<String>,
-    /// Blocks of features whose residuals are far over the floor: what the model misses, or an effect it lacks.
+    /// Blocks of features whose residuals are far over the repeatability: what the model misses, or an effect it lacks.
     pub misfits: BTreeMap<String, f64>,
     /// What repeatability allows the objective to be, and where the model is off.
     pub goodness: Goodness,

@@ -1,4 +1,4 @@
-//! A fitted run as the diagnosis sees it: what its features are about, the floor, discrepancies, and slopes by the nuisances.
+//! A fitted run as the diagnosis sees it: what its features are about, the repeatability, discrepancies, and slopes by the nuisances.
 
 use super::Fitted;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
@@ -26,7 +26,8 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
     let with = |list: &[f64], last: f64| list.iter().copied().chain([last]).collect::<Vec<f64>>();
     let mut discrepancies: Vec<Vec<f64>> = landing.numerics.discrepancies.iter().map(|d| with(d, 0.0)).collect();
     for force in 0..FORCES {
-        let level = |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.floor.level[k] } else { 0.0 };
+        let level =
+            |k: usize| if landing.blocks[k] == Block::Mean(force) { landing.repeatability.level[k] } else { 0.0 };
         discrepancies.push(with(&(0..landing.blocks.len()).map(level).collect::<Vec<f64>>(), 0.0));
     }
     let reach = |j: usize| Parameter::ALL.get(j).map_or(crate::identify::FLOOR_SCALE, |p| p.reach());
@@ -38,7 +39,7 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
         nominal: with(&landing.nominal, simulated),
         laps: Laps {
             variance: with(&landing.variance, deviation * deviation).into_iter().map(telling).collect(),
-            scatter: scatter(run, &landing.floor.scatter),
+            scatter: scatter(run, &landing.repeatability.scatter),
         },
         discrepancies,
         built: Vec::new(),

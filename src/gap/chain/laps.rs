@@ -8,7 +8,7 @@ use crate::dynamics::Ensemble;
 use crate::effects::deviations_of;
 use crate::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
 use crate::gap::simulator::{Laps, Request};
-use crate::identify::{Model, floor::Floor};
+use crate::identify::{Model, repeatability::Repeatability};
 use std::iter;
 
 /// Fewer laps tell nothing of how they differ; more are not kept.
@@ -40,16 +40,16 @@ impl Chains {
         if ensemble.carts.len() < FEW_LAPS {
             return None;
         }
-        let floor = Floor::new(&model, &ensemble, run.seed);
-        let (own, nominal) = (&floor.deviation, &run.landing.floor.deviation);
+        let repeatability = Repeatability::new(&model, &ensemble, run.seed);
+        let (own, nominal) = (&repeatability.deviation, &run.landing.repeatability.deviation);
         let added = |(k, passes): (usize, &f64)| {
             let added = own[k] * own[k] - nominal[k] * nominal[k];
             if added > 0.0 { added / passes } else { 0.0 }
         };
         let added = run.landing.passes.iter().enumerate().map(added).chain(iter::repeat(0.0));
         let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
-        let every = floor.scatter.len().div_ceil(MANY_LAPS);
-        let some: Vec<Vec<f64>> = floor.scatter.into_iter().step_by(every).collect();
+        let every = repeatability.scatter.len().div_ceil(MANY_LAPS);
+        let some: Vec<Vec<f64>> = repeatability.scatter.into_iter().step_by(every).collect();
         let mut scatter = frame::scatter(run, &some);
         scatter.iter_mut().for_each(|lap| lap.resize(frame.labels.len(), 0.0));
         Some(Laps { variance, scatter })

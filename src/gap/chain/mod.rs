@@ -16,8 +16,8 @@ use crate::effects::sites::Site;
 use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, deviations_of, named, sense};
 use crate::identify::accumulator::FeatureAccumulator;
 use crate::identify::fit::Landing;
-use crate::identify::floor::RAN_BEFORE;
 use crate::identify::model::{Coordinates, Plan, samples};
+use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
 use crate::identify::{Model, Parameter, Settings};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
@@ -228,7 +228,7 @@ impl Chains {
                     let (low, high) = fitted.model.range(*p);
                     at[p.index()] = (at[p.index()] + moved * p.reach()).clamp(low, high);
                 }
-                None => plan.floor = moved * crate::identify::FLOOR_SCALE,
+                None => plan.approach_floor = moved * crate::identify::FLOOR_SCALE,
             }
         }
         let starts: Vec<Start> = effects.iter().filter_map(|e| Some((named(&e.name)?.start)(&e.strengths))).collect();
@@ -349,7 +349,7 @@ impl Fitted {
         let mut features = accumulator.features(1.0);
         let landing = &self.landing;
         for (k, x) in features.iter_mut().enumerate() {
-            *x += landing.numerics.correction[k] + landing.floor.bias[k] / landing.passes[k];
+            *x += landing.numerics.correction[k] + landing.repeatability.bias[k] / landing.passes[k];
         }
         if moved != 0.0 {
             for (k, x) in features.iter_mut().enumerate() {
@@ -414,7 +414,7 @@ impl Fitted {
         let mut sums: BTreeMap<(&str, Band), (f64, f64)> = BTreeMap::new();
         let mut each = Vec::with_capacity(raw.len());
         for (k, (x, n)) in raw.iter().zip(&frame.nominal).enumerate() {
-            let own = self.landing.floor.deviation.get(k).copied().unwrap_or(0.0);
+            let own = self.landing.repeatability.deviation.get(k).copied().unwrap_or(0.0);
             let difference = if (x - n).is_finite() { x - n } else { 0.0 };
             each.push(difference);
             if own > 0.0 {

@@ -3,8 +3,8 @@
 
 use super::Error;
 use super::data::RunPart;
-use super::floor::{Evidence, Floor};
 use super::protocol::Nuisance;
+use super::repeatability::{Evidence, Repeatability};
 use super::windows::Windows;
 use nalgebra::{DMatrix, DVector};
 
@@ -20,7 +20,7 @@ const CONVERGED: f64 = 1e-6;
 /// After a step below this, slopes are kept; so are the windows.
 const SMALL: f64 = 1e-2;
 
-/// Steps at most, and those after which the floor stays as it is.
+/// Steps at most, and those after which the repeatability stays as it is.
 const STEPS: usize = 15;
 const SETTLED: usize = 6;
 
@@ -40,7 +40,7 @@ pub(super) struct Fitted {
     pub windows: Windows,
     pub measured: Vec<f64>,
     pub nominal: Vec<f64>,
-    pub floor: Floor,
+    pub repeatability: Repeatability,
     pub slopes: DMatrix<f64>,
 }
 
@@ -81,24 +81,24 @@ impl Fitter<'_> {
         let mut point = Point { rows: self.one(&start)?, at: start.clone() };
         let mut slopes = self.slopes(&point);
         let mut windows = Windows::new(self.part, FIRST_WINDOWS);
-        let mut floor = self.floor(&windows, &point, None);
+        let mut repeatability = self.repeatability(&windows, &point, None);
         let (mut suited, mut stale) = (false, 0.0);
         for step in 0..STEPS {
             if step <= SETTLED {
-                floor = self.floor(&windows, &point, None);
+                repeatability = self.repeatability(&windows, &point, None);
             }
-            let direction = self.direction(&windows, &floor, &point, &slopes, &start);
+            let direction = self.direction(&windows, &repeatability, &point, &slopes, &start);
             let size = direction.amax();
             if !suited && (size < SMALL || step >= 2) {
                 windows = Windows::suited(self.part, &self.left(&point));
-                floor = self.floor(&windows, &point, None);
+                repeatability = self.repeatability(&windows, &point, None);
                 suited = true;
                 continue;
             }
             if size < CONVERGED {
                 break;
             }
-            let Some(next) = self.descend(&windows, &floor, &point, &direction, &start) else { break };
+            let Some(next) = self.descend(&windows, &repeatability, &point, &direction, &start) else { break };
             point = next;
             stale += size;
             if stale > SMALL {
@@ -110,7 +110,7 @@ impl Fitter<'_> {
             slopes = self.slopes(&point);
         }
         let repeated = again(&point.at).ok().map(|rows| windows.means(&rows));
-        let floor = self.floor(&windows, &point, repeated.as_deref());
+        let repeatability = self.repeatability(&windows, &point, repeated.as_deref());
         let (measured, nominal) = (windows.means(&self.part.channels), windows.means(&point.rows));
         if !measured.iter().zip(&nominal).any(|(a, b)| (a - b).is_finite()) {
             return Err(Error::Nothing { run: self.part.name.clone() });
@@ -126,7 +126,7 @@ impl Fitter<'_> {
             true => DMatrix::zeros(measured.len(), 0),
             false => DMatrix::from_columns(&columns),
         };
-        Ok(Fitted { at: point.at, windows, measured, nominal, floor, slopes: matrix })
+        Ok(Fitted { at: point.at, windows, measured, nominal, repeatability, slopes: matrix })
     }
 
     fn one(&self, at: &[f64]) -> Result<Rows, Error> {
@@ -166,7 +166,7 @@ impl Fitter<'_> {
         all
     }
 
-    fn floor(&self, windows: &Windows, point: &Point, repeated: Option<&[f64]>) -> Floor {
+    fn repeatability(&self, windows: &Windows, point: &Point, repeated: Option<&[f64]>) -> Repeatability {
         let (measured, count) = (windows.means(&self.part.channels), windows.count());
         let nominal = windows.means(&point.rows);
         let random_effect = |c: usize| {
@@ -176,33 +176,46 @@ impl Fitter<'_> {
         };
         let repeat: Vec<f64> = (0..self.part.channels.len()).map(random_effect).collect();
         let left = self.left(point);
-        Floor::new(&Evidence { windows, left: &left, measured: &measured, accuracy: self.accuracy, repeat: &repeat })
+        Repeatability::new(&Evidence {
+            windows,
+            left: &left,
+            measured: &measured,
+            accuracy: self.accuracy,
+            repeat: &repeat,
+        })
     }
 
     /// Of each feature one over its deviation; 0 for what is lost or tells nothing.
-    fn weights(&self, windows: &Windows, floor: &Floor, simulated: &[f64]) -> Vec<f64> {
-        let pairs = windows.means(&self.part.channels).into_iter().zip(simulated).zip(&floor.variance);
+    fn weights(&self, windows: &Windows, repeatability: &Repeatability, simulated: &[f64]) -> Vec<f64> {
+        let pairs = windows.means(&self.part.channels).into_iter().zip(simulated).zip(&repeatability.variance);
         pairs.map(|((m, s), v)| if (m - s).is_finite() && *v > 0.0 { 1.0 / v.sqrt() } else { 0.0 }).collect()
     }
 
     /// Residuals over their deviations, and the weights by which they were multiplied.
-    fn residuals(&self, windows: &Windows, floor: &Floor, rows: &Rows) -> (DVector<f64>, Vec<f64>) {
+    fn residuals(&self, windows: &Windows, repeatability: &Repeatability, rows: &Rows) -> (DVector<f64>, Vec<f64>) {
         let (measured, simulated) = (windows.means(&self.part.channels), windows.means(rows));
-        let weights = self.weights(windows, floor, &simulated);
+        let weights = self.weights(windows, repeatability, &simulated);
         let of = |i: usize| if weights[i] > 0.0 { (measured[i] - simulated[i]) * weights[i] } else { 0.0 };
         (DVector::from_fn(weights.len(), |i, _| of(i)), weights)
     }
 
-    fn cost(&self, windows: &Windows, floor: &Floor, point: &Point, start: &[f64]) -> f64 {
+    fn cost(&self, windows: &Windows, repeatability: &Repeatability, point: &Point, start: &[f64]) -> f64 {
         let off = point.at.iter().zip(start).map(|(a, b)| (a - b) * (a - b) / (PRIOR * PRIOR)).sum::<f64>();
-        self.residuals(windows, floor, &point.rows).0.norm_squared() + off
+        self.residuals(windows, repeatability, &point.rows).0.norm_squared() + off
     }
 
     /// The step to the least squares within the bounds, if features were linear. What would leave its bounds is held at them, the worst
     /// first.
-    fn direction(&self, w: &Windows, floor: &Floor, point: &Point, slopes: &[Rows], start: &[f64]) -> DVector<f64> {
+    fn direction(
+        &self,
+        w: &Windows,
+        repeatability: &Repeatability,
+        point: &Point,
+        slopes: &[Rows],
+        start: &[f64],
+    ) -> DVector<f64> {
         let n = point.at.len();
-        let (r, weights) = self.residuals(w, floor, &point.rows);
+        let (r, weights) = self.residuals(w, repeatability, &point.rows);
         let scaled = |rows: &Rows| -> Vec<f64> {
             let each = w.means(rows).into_iter().zip(&weights);
             each.map(|(x, weight)| if x.is_finite() { x * weight } else { 0.0 }).collect()
@@ -235,14 +248,21 @@ impl Fitter<'_> {
     }
 
     /// Goes along a step as far as that fits better.
-    fn descend(&self, w: &Windows, floor: &Floor, from: &Point, step: &DVector<f64>, start: &[f64]) -> Option<Point> {
-        let before = self.cost(w, floor, from, start);
+    fn descend(
+        &self,
+        w: &Windows,
+        repeatability: &Repeatability,
+        from: &Point,
+        step: &DVector<f64>,
+        start: &[f64],
+    ) -> Option<Point> {
+        let before = self.cost(w, repeatability, from, start);
         let mut share = 1.0;
         for _ in 0..8 {
             let at: Vec<f64> = from.at.iter().zip(step.iter()).map(|(a, s)| (a + share * s).clamp(0.0, 1.0)).collect();
             if let Ok(rows) = self.one(&at) {
                 let next = Point { at, rows };
-                if self.cost(w, floor, &next, start) < before {
+                if self.cost(w, repeatability, &next, start) < before {
                     return Some(next);
                 }
             }

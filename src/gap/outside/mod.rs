@@ -1,15 +1,15 @@
 //! Any program as a model: it speaks JSON on its standard input and output, and the diagnosis treats it as it does the chain.
 //!
 //! [`Outside::open`] starts the program, reads a campaign that declares its own channels, and fits the program's nuisances to each run;
-//! a campaign of a single run is cut into parts first. Features are means over windows in time, scored by a floor that is found in the
+//! a campaign of a single run is cut into parts first. Features are means over windows in time, scored by a repeatability that is found in the
 //! measurements themselves. `docs/outside-models.md` is what those read who write such programs.
 
 mod data;
 mod error;
 mod fit;
-mod floor;
 mod process;
 mod protocol;
+mod repeatability;
 mod windows;
 
 pub use error::Error;
@@ -176,7 +176,7 @@ impl Outside {
     /// A fitted part becomes a run of the diagnosis.
     fn keep(&mut self, part: RunPart, fitted: Fitted) {
         let nuisances = &self.description.nuisances;
-        let Fitted { at, windows, measured, nominal, floor, slopes } = fitted;
+        let Fitted { at, windows, measured, nominal, repeatability, slopes } = fitted;
         let lost = measured.iter().filter(|x| !x.is_finite()).count();
         if lost > 0 {
             let all = measured.len();
@@ -193,10 +193,10 @@ impl Outside {
             measured,
             nominal,
             laps: Laps {
-                variance: floor.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
-                scatter: floor.scatter,
+                variance: repeatability.variance.iter().map(|v| if *v > 0.0 { *v } else { f64::INFINITY }).collect(),
+                scatter: repeatability.scatter,
             },
-            discrepancies: floor.discrepancies,
+            discrepancies: repeatability.discrepancies,
             built: Vec::new(),
             slopes,
             prior,

@@ -4,10 +4,10 @@ use super::Fitter;
 use crate::base::trig;
 use crate::dynamics::Ensemble;
 use crate::identify::accumulator::FeatureAccumulator;
-use crate::identify::floor::Floor;
 use crate::identify::local::Centre;
 use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::Parameter;
+use crate::identify::repeatability::Repeatability;
 use crate::signal::FORCES;
 
 /// The channel whose mean tells the tension: joint_xi.
@@ -34,13 +34,13 @@ impl Fitter<'_> {
 
     /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel misses is of
     /// unknown size, so that one that is far off has no more to say than the others.
-    pub(super) fn place(&self, model: &Model, at: &mut Coordinates, centre: &Centre, floor: &Floor) {
+    pub(super) fn place(&self, model: &Model, at: &mut Coordinates, centre: &Centre, repeatability: &Repeatability) {
         let k = Parameter::TriggerPosition.index();
         if !self.settings.free[k] {
             return;
         }
         let apart = |trigger: f64| {
-            let off = self.off_places(model, trigger, centre, floor);
+            let off = self.off_places(model, trigger, centre, repeatability);
             let scatter = |off: &Vec<f64>| {
                 let n = off.len() as f64;
                 let mean = off.iter().sum::<f64>() / n;
@@ -65,14 +65,20 @@ impl Fitter<'_> {
     }
 
     /// Of each channel how far its means along the track are off, over the deviation of a lap's; of those that are known.
-    fn off_places(&self, model: &Model, trigger: f64, centre: &Centre, floor: &Floor) -> [Vec<f64>; FORCES] {
+    fn off_places(
+        &self,
+        model: &Model,
+        trigger: f64,
+        centre: &Centre,
+        repeatability: &Repeatability,
+    ) -> [Vec<f64>; FORCES] {
         let mut accumulator = FeatureAccumulator::new(&model.spec);
         accumulator.add_places(&model.spec, &self.measured.samples(), trigger);
         let places = &model.spec.places;
         // Cells that the run covers: of the others it has other places than the simulation.
         let whole = places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;
         let features = accumulator.features(WHOLE * whole);
-        let off = |i: usize| (features[i] - centre.answer.features[i]) / floor.deviation[i];
+        let off = |i: usize| (features[i] - centre.answer.features[i]) / repeatability.deviation[i];
         let cells = places.cells;
         std::array::from_fn(|k| (k * cells..(k + 1) * cells).map(off).filter(|x| x.is_finite()).collect())
     }
@@ -83,14 +89,14 @@ impl Fitter<'_> {
         model: &Model,
         before: (&Coordinates, &Centre),
         after: (&Coordinates, &Centre),
-        floor: &Floor,
+        repeatability: &Repeatability,
     ) -> bool {
         let tension = Parameter::Tension;
         if (after.0[tension.index()] - before.0[tension.index()]).abs() < tension.reach() {
             return true;
         }
         let off = |(at, centre): (&Coordinates, &Centre)| {
-            let each = self.off_places(model, at[Parameter::TriggerPosition.index()], centre, floor);
+            let each = self.off_places(model, at[Parameter::TriggerPosition.index()], centre, repeatability);
             each.map(|off| off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64)
         };
         let each = off(before).into_iter().zip(off(after)).enumerate();

@@ -4,13 +4,13 @@
 mod global;
 mod residuals;
 
-use super::floor::{Floor, Numerics};
 use super::goodness::{Goodness, Left};
 use super::local::{Centre, Sensitivity};
 use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter};
 use super::posterior::{Information, Posterior, posterior};
+use super::repeatability::{Numerics, Repeatability};
 use crate::dynamics::Ensemble;
 use crate::identify::accumulator::{Block, FeatureAccumulator};
 use crate::signal::FORCES;
@@ -51,7 +51,7 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// −1 or 1 where a parameter is at its bound.
     pub bound: Vec<i8>,
-    /// Root mean square of the residuals, each over the floor of two replicate laps: 1 is as near as laps are to each other.
+    /// Root mean square of the residuals, each over the repeatability of two replicate laps: 1 is as near as laps are to each other.
     pub objective: f64,
     /// The same of each block of features.
     pub blocks: BTreeMap<Block, f64>,
@@ -68,7 +68,7 @@ pub struct Fit {
     pub noise: [f64; FORCES],
 }
 
-/// What is known of a run about the point where its fit ended: features, floor and slopes.
+/// What is known of a run about the point where its fit ended: features, repeatability and slopes.
 pub struct Landing {
     /// Where the model was simulated last.
     pub at: Coordinates,
@@ -80,7 +80,7 @@ pub struct Landing {
     /// Of the difference of two replicate runs.
     pub variance: Vec<f64>,
     pub sensitivity: Sensitivity,
-    pub floor: Floor,
+    pub repeatability: Repeatability,
     pub numerics: Numerics,
     pub centre: Centre,
     pub blocks: Vec<Block>,
@@ -126,14 +126,14 @@ pub fn land(
         fitter.limit(model, &at);
     }
     fitter.set_thresholds(model, &at);
-    let ensemble = Floor::run_ensemble(model, &at, None).ok_or(lost)?;
+    let ensemble = Repeatability::run_ensemble(model, &at, None).ok_or(lost)?;
     fitter.find_noise(model, &ensemble);
-    let mut floor = fitter.floor(model, &ensemble);
+    let mut repeatability = fitter.repeatability(model, &ensemble);
     let mut centre = Centre::of(model, ensemble, settings.seed);
     if global {
-        fitter.place(model, &mut at, &centre, &floor);
+        fitter.place(model, &mut at, &centre, &repeatability);
         if fitter.limit(model, &at) {
-            floor = fitter.floor(model, &centre.ensemble);
+            repeatability = fitter.repeatability(model, &centre.ensemble);
             centre = Centre::of(model, centre.ensemble, settings.seed);
         }
         for _ in 0..2 {
@@ -142,18 +142,18 @@ pub fn land(
                 break;
             }
             let tight = fitter.centre(model, &at, &centre).ok_or(lost)?;
-            if !fitter.agree(model, (&slack, &centre), (&at, &tight), &floor) {
+            if !fitter.agree(model, (&slack, &centre), (&at, &tight), &repeatability) {
                 at = slack;
                 break;
             }
             centre = tight;
         }
         fitter.set_thresholds(model, &at);
-        let ensemble = Floor::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
-        floor = fitter.floor(model, &ensemble);
+        let ensemble = Repeatability::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
+        repeatability = fitter.repeatability(model, &ensemble);
         centre = Centre::of(model, ensemble, settings.seed);
     }
-    let mut numerics = Numerics::none(floor.deviation.len());
+    let mut numerics = Numerics::none(repeatability.deviation.len());
     let base = Parameter::ALL.map(Parameter::reach);
     let mut reach = base;
     let mut designed: Option<(Coordinates, Sensitivity)> = None;
@@ -169,21 +169,21 @@ pub fn land(
             None => {
                 fitter.simulations += super::design::RUNS;
                 let seed = settings.seed.wrapping_add(7919 * steps as u64);
-                let found =
-                    Sensitivity::new(model, &floor, &at, &centre, &reach, seed, settings.threads).ok_or(lost)?;
+                let found = Sensitivity::new(model, &repeatability, &at, &centre, &reach, seed, settings.threads)
+                    .ok_or(lost)?;
                 (at, found)
             }
         };
-        let mut residuals = fitter.residuals(model, &at, &centre, &floor, &numerics);
+        let mut residuals = fitter.residuals(model, &at, &centre, &repeatability, &numerics);
         residuals.add(&slopes.1.unexplained);
         // What the model misses in a block, far from the best parameters or for good, makes the block count for less.
         let misfit = fitter.misfit(&residuals);
-        let (information, whole) = fitter.information(&slopes.1, &residuals, &floor, &numerics, &misfit);
+        let (information, whole) = fitter.information(&slopes.1, &residuals, &repeatability, &numerics, &misfit);
         let found = fitter.posterior(model, &at, &information);
         let length = deviations(&found, &settings.free);
         let narrower: Coordinates = std::array::from_fn(|k| (0.5 * slopes.1.reach[k]).max(LEAST_REACH * base[k]));
         if steps < settings.steps && narrower != slopes.1.reach && length < SHORT {
-            let bare = fitter.residuals(model, &at, &centre, &floor, &numerics);
+            let bare = fitter.residuals(model, &at, &centre, &repeatability, &numerics);
             if fitter.hidden(&bare, &residuals) {
                 (reach, steps) = (narrower, steps + 1);
                 continue;
@@ -206,7 +206,7 @@ pub fn land(
                 let sample = measured.nominal_speed / measured.rate;
                 covariance[(trigger, trigger)] += sample * sample / 12.0;
             }
-            let bare = fitter.residuals(model, &at, &centre, &floor, &numerics);
+            let bare = fitter.residuals(model, &at, &centre, &repeatability, &numerics);
             let (objective, blocks) = fitter.objective(&bare);
             let left = Left {
                 residual: &bare.of,
@@ -215,7 +215,7 @@ pub fn land(
                 passes: &bare.passes,
                 blocks: &fitter.blocks,
             };
-            let goodness = Some(Goodness::new(&left, &floor, &numerics, &model.spec.places));
+            let goodness = Some(Goodness::new(&left, &repeatability, &numerics, &model.spec.places));
             let landing = Landing {
                 at,
                 measured: fitter.measure(model, &at).0,
@@ -223,7 +223,7 @@ pub fn land(
                 passes: residuals.passes,
                 variance: residuals.variance,
                 sensitivity: slopes.1,
-                floor,
+                repeatability,
                 numerics,
                 centre,
                 blocks: fitter.blocks,
@@ -257,7 +257,7 @@ pub fn land(
             move_by(model, &mut at, &found, share);
             fitter.limit(model, &at);
             centre = fitter.centre(model, &at, &centre).ok_or(lost)?;
-            let mut residuals = fitter.residuals(model, &at, &centre, &floor, &numerics);
+            let mut residuals = fitter.residuals(model, &at, &centre, &repeatability, &numerics);
             residuals.add(&slopes.1.unexplained);
             if halving == 2 || fitter.cost(model, &at, &residuals, &misfit) < 1.02 * before {
                 break;
@@ -265,9 +265,9 @@ pub fn land(
             share *= 0.5;
         }
         if steps < 2 {
-            // The floor, and how far a design need go, depend on what is fitted.
-            let ensemble = Floor::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
-            floor = fitter.floor(model, &ensemble);
+            // The repeatability, and how far a design need go, depend on what is fitted.
+            let ensemble = Repeatability::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
+            repeatability = fitter.repeatability(model, &ensemble);
             centre = Centre::of(model, ensemble, settings.seed);
         }
         let far = |k: usize| base[k] * (8.0 * found.covariance[(k, k)].sqrt()).max(found.step[k].abs());
@@ -310,9 +310,9 @@ impl Fitter<'_> {
         Centre::new(model, at, &from.ensemble.settled, self.settings.seed.wrapping_add(self.simulations as u64))
     }
 
-    fn floor(&mut self, model: &Model, ensemble: &Ensemble) -> Floor {
+    fn repeatability(&mut self, model: &Model, ensemble: &Ensemble) -> Repeatability {
         self.simulations += 1;
-        Floor::new(model, ensemble, self.settings.seed.wrapping_add(500_000))
+        Repeatability::new(model, ensemble, self.settings.seed.wrapping_add(500_000))
     }
 
     fn set_thresholds(&self, model: &mut Model, at: &Coordinates) {

@@ -3,12 +3,12 @@
 use super::Fitter;
 use crate::base::trig;
 use crate::identify::accumulator::Block;
-use crate::identify::floor::{Floor, Numerics};
 use crate::identify::local::{Centre, Sensitivity, WITH_FLOOR};
 use crate::identify::model::{Coordinates, Model};
 use crate::identify::parameter::FLOOR_SCALE;
 use crate::identify::parameter::{COUNT, Parameter};
 use crate::identify::posterior::Information;
+use crate::identify::repeatability::{Numerics, Repeatability};
 use crate::signal::FORCES;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// A run counts as so much of a lap at least.
 pub(super) const LEAST_LAPS: f64 = 0.02;
 
-/// Mean square over the floor's above which a block is wrong.
+/// Mean square over the repeatability's above which a block is wrong.
 const WRONG: f64 = 4.0;
 
 /// Residuals of a run about a point, each with its weight.
@@ -41,9 +41,9 @@ impl Residuals {
 }
 
 /// Features that a run has at a point whose features are means over so many passes.
-fn predicted(centre: &Centre, floor: &Floor, numerics: &Numerics, passes: &[f64]) -> Vec<f64> {
+fn predicted(centre: &Centre, repeatability: &Repeatability, numerics: &Numerics, passes: &[f64]) -> Vec<f64> {
     let features = centre.answer.features.iter().enumerate();
-    features.map(|(k, x)| x + numerics.correction[k] + floor.bias[k] / passes[k]).collect()
+    features.map(|(k, x)| x + numerics.correction[k] + repeatability.bias[k] / passes[k]).collect()
 }
 
 impl Fitter<'_> {
@@ -52,29 +52,29 @@ impl Fitter<'_> {
         model: &Model,
         at: &Coordinates,
         centre: &Centre,
-        floor: &Floor,
+        repeatability: &Repeatability,
         numerics: &Numerics,
     ) -> Residuals {
         let laps = self.measured.laps.max(LEAST_LAPS);
         let (features, passes) = self.measure(model, at);
-        let predicted = predicted(centre, floor, numerics, &passes);
+        let predicted = predicted(centre, repeatability, numerics, &passes);
         let mut of = Vec::with_capacity(features.len());
         let mut variance = Vec::with_capacity(features.len());
         for (k, x) in features.iter().enumerate() {
             let difference = x - predicted[k];
-            let lap = floor.deviation[k] * floor.deviation[k] / passes[k];
+            let lap = repeatability.deviation[k] * repeatability.deviation[k] / passes[k];
             let spread = lap + numerics.variance[k];
             let usable = difference.is_finite() && spread.is_finite() && lap > 0.0;
             of.push(if usable { difference } else { f64::NAN });
             variance.push(spread);
         }
         let speed = self.measured.speed.map(|(speed, deviation)| {
-            (speed - centre.answer.speed, trig::hypot(deviation, floor.speed / laps.sqrt()).max(1e-6 * speed))
+            (speed - centre.answer.speed, trig::hypot(deviation, repeatability.speed / laps.sqrt()).max(1e-6 * speed))
         });
         Residuals { of, variance, passes, predicted, speed }
     }
 
-    /// Of each block the sum of squared residuals over the floor's, and their number.
+    /// Of each block the sum of squared residuals over the repeatability's, and their number.
     pub(super) fn squares(&self, residuals: &Residuals) -> BTreeMap<Block, (f64, f64)> {
         let mut sums: BTreeMap<Block, (f64, f64)> = BTreeMap::new();
         for (k, block) in self.blocks.iter().enumerate().filter(|(k, _)| residuals.of[*k].is_finite()) {
@@ -90,7 +90,7 @@ impl Fitter<'_> {
         bare.iter().any(|(block, (sum, n))| sum / n > WRONG && *sum > 2.0 * with[block].0)
     }
 
-    /// By how much a block's mean square is over the floor's.
+    /// By how much a block's mean square is over the repeatability's.
     pub(super) fn misfit(&self, residuals: &Residuals) -> BTreeMap<Block, f64> {
         self.squares(residuals).into_iter().map(|(block, (sum, n))| (block, (sum / n).max(1.0))).collect()
     }
@@ -130,7 +130,7 @@ impl Fitter<'_> {
         &self,
         slopes: &Sensitivity,
         residuals: &Residuals,
-        floor: &Floor,
+        repeatability: &Repeatability,
         numerics: &Numerics,
         misfit: &BTreeMap<Block, f64>,
     ) -> (Information, DMatrix<f64>) {
@@ -156,7 +156,7 @@ impl Fitter<'_> {
         }
         let a = scaled.transpose() * &scaled;
         let g = scaled.transpose() * right;
-        let carts = floor.scatter.len();
+        let carts = repeatability.scatter.len();
         let mut b = DMatrix::zeros(WITH_FLOOR, WITH_FLOOR);
         // How JᵀWr answers a change of the features.
         let answer = |of: &dyn Fn(usize) -> f64| {
@@ -164,7 +164,7 @@ impl Fitter<'_> {
             scaled.transpose() * DVector::from_fn(rows.len() + 1, |i, _| value(i))
         };
         let factor = |k: usize| misfit.get(&self.blocks[k]).copied().unwrap_or(1.0).sqrt();
-        for lap in &floor.scatter {
+        for lap in &repeatability.scatter {
             let one = answer(&|k| lap[k] / residuals.passes[k].sqrt() * factor(k));
             b += &one * one.transpose();
         }
@@ -174,7 +174,7 @@ impl Fitter<'_> {
             b += &one * one.transpose();
         }
         for force in 0..FORCES {
-            let one = answer(&|k| if self.blocks[k] == Block::Mean(force) { floor.level[k] } else { 0.0 });
+            let one = answer(&|k| if self.blocks[k] == Block::Mean(force) { repeatability.level[k] } else { 0.0 });
             b += &one * one.transpose();
         }
         // What the slopes leave unexplained is each feature's own.

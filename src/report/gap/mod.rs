@@ -56,7 +56,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
             h2 { "What cannot be told, and why" }
             ul.lost { @for line in &diagnosis.lost { li { (line) } } }
         }
-        (floor(diagnosis))
+        (repeatability(diagnosis))
     };
     document(&format!("{title}: the gap"), style::STYLE, &body)
 }
@@ -176,20 +176,20 @@ fn groups(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-fn floor(diagnosis: &Diagnosis) -> Markup {
+fn repeatability(diagnosis: &Diagnosis) -> Markup {
     let unit = |channel: &str| {
         let of_overlay = diagnosis.overlays.iter().find(|o| o.channel == channel).map(|o| o.unit.as_str());
         of_overlay.unwrap_or_else(|| words::unit(channel)).to_owned()
     };
     html! {
-        @if !diagnosis.floor.is_empty() {
+        @if !diagnosis.repeatability.is_empty() {
             h2 { "Repeatability" }
             p { @if diagnosis.axis == Axis::Track {
                     "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart means). "
                 } @else {
                     "The same measured again would be this far apart (root mean square of the means over windows). "
                 } "It counts as no gap: "
-                @for (k, (channel, x)) in diagnosis.floor.iter().enumerate() {
+                @for (k, (channel, x)) in diagnosis.repeatability.iter().enumerate() {
                     @if k > 0 { ", " } (channel) " " (significant(*x, 3)) " " (unit(channel))
                 } "." }
         }

@@ -21,7 +21,7 @@ pub fn legend(changed: bool) -> Markup {
             span { i.line-measured {} "measured" }
             span { i.line-before {} @if changed { "simulated before" } @else { "simulated" } }
             @if changed { span { i.line-after {} "with the effect" } }
-            span { i.line-floor {} "repeatability: twice its deviation" }
+            span { i.line-repeatability {} "repeatability: twice its deviation" }
         }
         p.note { "Below each, the difference, measured less simulated: what is beyond the band is gap." }
     }
@@ -73,8 +73,9 @@ struct Panel<'a> {
 impl Panel<'_> {
     fn draw(&self, from: f64, to: f64, unit: &str, measured: bool) -> Option<Markup> {
         let Panel { overlay, band, before, after } = *self;
-        let edge =
-            |sign: f64| -> Vec<f64> { band.iter().zip(&overlay.floor).map(|(m, f)| m + sign * BAND * f).collect() };
+        let edge = |sign: f64| -> Vec<f64> {
+            band.iter().zip(&overlay.repeatability).map(|(m, f)| m + sign * BAND * f).collect()
+        };
         let (lower, upper) = (edge(-1.0), edge(1.0));
         let drawn = [before, after, &lower, &upper].into_iter().flatten().copied();
         let own = overlay.measured.iter().filter(|_| measured).copied();
@@ -88,7 +89,7 @@ impl Panel<'_> {
         Some(html! {
             svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
                 (frame(&scale, unit))
-                path.floor d=(outline(overlay, &scale, &lower, &upper)) {}
+                path.repeatability d=(outline(overlay, &scale, &lower, &upper)) {}
                 @if measured { path.measured d=(line(&overlay.measured)) {} }
                 path.before d=(line(before)) {}
                 @if changed { path.after d=(line(after)) {} }
@@ -164,7 +165,7 @@ mod tests {
             measured: vec![f64::NAN; 2],
             before: vec![f64::NAN; 2],
             after: Vec::new(),
-            floor: Vec::new(),
+            repeatability: Vec::new(),
         };
         assert_eq!(chart(&nothing, Axis::Track, None).into_string(), "");
     }

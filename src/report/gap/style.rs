@@ -15,12 +15,12 @@ span.badge { display: inline-block; min-width: 17px; border-radius: 9px; backgro
 th.number { text-align: right; } table.heat td, table.heat th { padding: 3px 10px; } table.heat td:first-child, table.heat th:first-child { padding-left: 0; }
 .sum td { font-weight: 600; } .measured { fill: none; stroke: var(--ink); stroke-width: 1.4; }
 .before { fill: none; stroke: var(--gap); stroke-width: 1.6; stroke-dasharray: 5 3; } .after { fill: none; stroke: var(--trace); stroke-width: 1.6; }
-.floor { fill: var(--quiet); fill-opacity: 0.4; } .replicate { fill: var(--quiet); fill-opacity: 0.35; }
+.repeatability { fill: var(--quiet); fill-opacity: 0.4; } .replicate { fill: var(--quiet); fill-opacity: 0.35; }
 circle.before { fill: var(--paper); stroke-dasharray: none; stroke-width: 2; } circle.after { fill: var(--trace); stroke: none; }
 .difference { margin: 2px 0 0 52px; } .way { stroke: var(--soft); stroke-width: 1; }
 .legend i.line-measured, .legend i.line-before, .legend i.line-after { height: 0; vertical-align: 4px; border: 0; border-top: 2px solid var(--ink); }
 .legend i.line-before { border-top: 2px dashed var(--gap); } .legend i.line-after { border-color: var(--trace); }
-.legend i.line-floor, .legend i.dot-replicate { background: var(--quiet); opacity: 0.6; }
+.legend i.line-repeatability, .legend i.dot-replicate { background: var(--quiet); opacity: 0.6; }
 .legend i.dot-before, .legend i.dot-after { width: 8px; height: 8px; border-radius: 6px; border: 2px solid var(--gap); }
 .legend i.dot-after { background: var(--trace); border-color: var(--trace); }
 ";

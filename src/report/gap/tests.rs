@@ -51,7 +51,7 @@ fn overlay(run: &str, channel: &str, unit: &str, from: f64) -> Overlay {
         measured,
         after: at.iter().zip(&base).map(|(s, b)| b + 0.95 * bump(s)).collect(),
         before: base,
-        floor: vec![2.0; at.len()],
+        repeatability: vec![2.0; at.len()],
         at,
     }
 }
@@ -82,7 +82,7 @@ fn placed() -> Diagnosis {
         ],
         unknown_probability: 0.031,
         none_probability: 0.000_02,
-        floor: [("steer_left".to_owned(), 0.712), ("joint_eta".to_owned(), 1.25), ("joint_xi".to_owned(), 11.3)].into(),
+        repeatability: [("steer_left".to_owned(), 0.712), ("joint_eta".to_owned(), 1.25), ("joint_xi".to_owned(), 11.3)].into(),
         next_experiment: "A second lap at 2.4 m/s would halve the interval of the height.".into(),
         groups: Vec::new(),
         runs: vec![run("run-01", 18.2, 1.31), run("run-02", 23.9, 1.22), run("run-03", 9.7, 1.08)],
@@ -133,7 +133,7 @@ fn nothing() -> Diagnosis {
         places: Vec::new(),
         unknown_probability: 0.012,
         none_probability: 0.962,
-        floor: BTreeMap::new(),
+        repeatability: BTreeMap::new(),
         next_experiment: String::new(),
         groups: Vec::new(),
         runs: vec![run("run-01", 1.02, 1.02), run("run-02", 0.97, 0.97)],
@@ -174,7 +174,7 @@ fn outside() -> Diagnosis {
             })
             .into(),
         overlays: vec![overlay("test", "force", "N", 1.0)],
-        floor: [("force".to_owned(), 0.4)].into(),
+        repeatability: [("force".to_owned(), 0.4)].into(),
         axis: Axis::Time,
         ..placed()
     }
@@ -255,7 +255,7 @@ fn every_sentence_of_the_page_agrees_with_its_numbers() {
 #[test]
 fn a_picture_shows_the_difference_beside_both() {
     let page = page(&placed(), Some(&oval()), "hall 3");
-    let bands = page.matches("class=\"floor\"").count();
+    let bands = page.matches("class=\"repeatability\"").count();
     // Measured against simulated, and the difference, of each of two channels; one curve of what was measured in each.
     assert_eq!((bands, page.matches("class=\"measured\"").count()), (4, 2));
     assert!(text(&page).contains("63 % of the gap"), "the share of the table stands at the picture");

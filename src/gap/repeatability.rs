@@ -1,8 +1,8 @@
-//! The floor of laps with an effect. Two replicate laps of a chain whose wheels are out of round or whose carts carry items by chance are
-//! farther apart than two of the nominal chain: what an effect makes of the floor belongs to its signature.
+//! The repeatability of laps with an effect. Two replicate laps of a chain whose wheels are out of round or whose carts carry items by chance are
+//! farther apart than two of the nominal chain: what an effect makes of the repeatability belongs to its signature.
 //!
 //! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, discrepancies and modes, −f/2 (ln s + ln(det C/det C₀)/n)
-//! is the log likelihood of a mean square s in units of C (the normal distribution with unknown scale, Seber and Wild 2003): a floor that
+//! is the log likelihood of a mean square s in units of C (the normal distribution with unknown scale, Seber and Wild 2003): a repeatability that
 //! is raised for nothing costs.
 
 use super::evidence::{self, Evidence};
@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 /// Carts whose laps are held beside each other over the runs.
 const CARTS: usize = 16;
 
-/// A hypothesis before the floor that it makes itself.
-pub struct Floor {
+/// A hypothesis before the repeatability that it makes itself.
+pub struct Repeatability {
     pub evidence: Vec<Evidence>,
     /// What is left of each run, projected.
     pub residuals: Vec<DVector<f64>>,
@@ -28,14 +28,14 @@ pub struct Floor {
     pub common: f64,
 }
 
-/// The floors of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine deviates by, of each run.
-pub fn floors(
+/// The repeatabilities of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine deviates by, of each run.
+pub fn repeatabilities(
     simulator: &dyn Simulator,
     nominal: &[Evidence],
     as_built: &[Vec<Vec<f64>>],
     signatures: &[Signature],
     fitted: &[&Fitted],
-) -> Vec<Option<Floor>> {
+) -> Vec<Option<Repeatability>> {
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let mut requests = Vec::new();
     for one in fitted {
@@ -51,19 +51,19 @@ pub fn floors(
         let cart = |k: usize| nominal.iter().zip(&laps).map(|(e, laps)| e.column(&laps.scatter[k])).collect();
         let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();
         let common = evidence::in_common(frames, nominal, &some);
-        Some(Floor { common, ..Floor::new(one, nominal, own.collect(), candidates, signatures) })
+        Some(Repeatability { common, ..Repeatability::new(one, nominal, own.collect(), candidates, signatures) })
     };
     fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()
 }
 
-impl Floor {
+impl Repeatability {
     fn new(
         fitted: &Fitted,
         nominal: &[Evidence],
         evidence: Vec<Evidence>,
         candidates: &[Candidate],
         signatures: &[Signature],
-    ) -> Floor {
+    ) -> Repeatability {
         let left = |(evidence, change): (&Evidence, &Vec<f64>)| &evidence.residual - evidence.column(change);
         let residuals: Vec<DVector<f64>> = evidence.iter().zip(&fitted.changes).map(left).collect();
         let carried = |column: &Vec<DVector<f64>>| {
@@ -78,6 +78,13 @@ impl Floor {
             raised += nominal.degrees_of_freedom * own.raised(nominal);
             degrees_of_freedom += nominal.degrees_of_freedom;
         }
-        Floor { evidence, residuals, columns, covariance, raised: raised / degrees_of_freedom.max(1e-9), common: 0.0 }
+        Repeatability {
+            evidence,
+            residuals,
+            columns,
+            covariance,
+            raised: raised / degrees_of_freedom.max(1e-9),
+            common: 0.0,
+        }
     }
 }

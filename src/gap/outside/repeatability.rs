@@ -1,4 +1,4 @@
-//! The floor of a measured run: by how much its features would differ if the same were measured again.
+//! The repeatability of a measured run: by how much its features would differ if the same were measured again.
 //!
 //! There is no second lap to compare with, so the noise is taken from within each window: the means of its two halves differ by what
 //! is faster than the window, and half of that difference is a draw of the noise of the whole window's mean. What is slower cannot be
@@ -11,7 +11,7 @@ use crate::base::trig;
 /// What independent programs and sensors agree to at best, of the range of a channel's means (as in identification).
 const MEANS_AGREE: f64 = 5e-4;
 
-/// Samples of the floor.
+/// Samples of the repeatability.
 const SAMPLES: u64 = 64;
 
 /// Windows that are drawn together, so that what noise remembers stays.
@@ -28,13 +28,13 @@ const MEDIAN_SQUARE: f64 = 0.454_936;
 
 /// How far replicate features differ.
 #[derive(Clone, Debug)]
-pub(super) struct Floor {
+pub(super) struct Repeatability {
     pub variance: Vec<f64>,
     pub scatter: Vec<Vec<f64>>,
     pub discrepancies: Vec<Vec<f64>>,
 }
 
-/// What the floor of a run is found from.
+/// What the repeatability of a run is found from.
 pub(super) struct Evidence<'a> {
     pub windows: &'a Windows,
     /// Measured less simulated, a row a channel.
@@ -57,8 +57,8 @@ struct Noise {
     slow: f64,
 }
 
-impl Floor {
-    pub fn new(evidence: &Evidence) -> Floor {
+impl Repeatability {
+    pub fn new(evidence: &Evidence) -> Repeatability {
         let count = evidence.windows.count();
         let means = evidence.windows.means(evidence.left);
         let halves = evidence.windows.halves(evidence.left);
@@ -75,7 +75,7 @@ impl Floor {
         let discrepancy = |c: usize| {
             (0..channels.len()).flat_map(|k| vec![if k == c { channels[k].slow } else { 0.0 }; count]).collect()
         };
-        Floor {
+        Repeatability {
             variance,
             scatter: (0..SAMPLES).map(|k| sample(&channels, count, k)).collect(),
             discrepancies: (0..channels.len()).filter(|&c| channels[c].slow > 0.0).map(discrepancy).collect(),
@@ -112,7 +112,7 @@ impl Noise {
     }
 }
 
-/// A sample of the floor: blocks of draws from other places, with either sign and alike in all channels; and slow waves as large as the
+/// A sample of the repeatability: blocks of draws from other places, with either sign and alike in all channels; and slow waves as large as the
 /// model is inaccurate.
 fn sample(channels: &[Noise], count: usize, number: u64) -> Vec<f64> {
     let mut state = 0x6f75_7473_6964_6500 ^ number;

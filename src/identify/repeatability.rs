@@ -1,4 +1,4 @@
-//! The floor: how far apart two replicate laps are. Each cart of a simulation is a lap of its own; a simulation with half the step and one
+//! The repeatability: how far apart two replicate laps are. Each cart of a simulation is a lap of its own; a simulation with half the step and one
 //! from a fresh start say what the computation adds.
 
 use super::model::{Coordinates, Model, Plan};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// How features of one cart's lap scatter about those of all carts.
 #[derive(Clone, Debug)]
-pub struct Floor {
+pub struct Repeatability {
     /// Of each feature over one lap.
     pub deviation: Vec<f64>,
     /// What a single lap's feature is larger by in the mean than that of many laps together.
@@ -84,9 +84,9 @@ impl Numerics {
     }
 }
 
-impl Floor {
+impl Repeatability {
     /// From an ensemble in which every cart went at least once around.
-    pub fn new(model: &Model, ensemble: &Ensemble, noise: u64) -> Floor {
+    pub fn new(model: &Model, ensemble: &Ensemble, noise: u64) -> Repeatability {
         let each = model.each(ensemble, noise);
         let mut all = FeatureAccumulator::new(&model.spec);
         each.iter().for_each(|one| all.merge(one));
@@ -115,7 +115,7 @@ impl Floor {
             single.iter().map(|one| one.iter().zip(&mean).map(|(x, m)| if x.is_nan() { 0.0 } else { x - m }).collect());
         let speeds: Vec<f64> = each.iter().filter_map(FeatureAccumulator::mean_speed).collect();
         let speed = speeds.iter().sum::<f64>() / n;
-        Floor {
+        Repeatability {
             deviation,
             bias: mean.iter().zip(&whole).map(|(m, w)| if (m - w).is_nan() { 0.0 } else { m - w }).collect(),
             scatter: scatter.collect(),
