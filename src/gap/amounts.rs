@@ -1,8 +1,9 @@
 //! Fitted strengths with their 90 % intervals.
 
 use super::chance::SURE;
-use super::comparison::{Comparison, Scored};
+use super::comparison::Comparison;
 use super::diagnosis::{Amount, Bound};
+use super::scored::Scored;
 use super::significance::ScoreTest;
 use super::simulator::Strength;
 use crate::base::number::tidy;

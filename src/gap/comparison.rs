@@ -4,41 +4,88 @@ use super::evidence::{self, Evidence};
 use super::likelihood;
 use super::refit::along;
 use super::repeatability::Repeatability;
+use super::scored::{self, Explanation, Scored, Terms};
 use super::screen::Signature;
 use super::significance::{self, ScoreTest};
 use super::simulator::{Band, Candidate, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::collections::BTreeSet;
 
 /// Hypotheses that are held against what is seen beyond them.
 const SETTLED: usize = 40;
 
-/// A hypothesis with its log posterior.
-pub struct Scored {
-    pub fitted: Fitted,
-    /// Before the repeatability that it makes itself, where it makes one.
-    pub repeatability: Option<Repeatability>,
-    /// Normalised mean-square residual: that of all runs over that of replicate laps.
-    pub mean_square: f64,
-    pub log_posterior: f64,
-    /// What the log posterior has lost by what runs have in common, and by impacts the other way round.
-    lost: f64,
-}
-
-/// What all hypotheses are scored by.
+/// What hypotheses are compared by: the runs, and the signatures of effects that were screened.
 pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
     pub evidence: Vec<Evidence>,
     pub signatures: Vec<Signature>,
     pub degrees_of_freedom: f64,
-    /// Of the nominal model.
+    /// Normalised mean-square residual of the nominal model.
     pub mean_square: f64,
+}
+
+/// All hypotheses with their scores, the likeliest first.
+pub struct Compared<'a> {
+    pub comparison: Comparison<'a>,
     pub scored: Vec<Scored>,
     /// Log posterior of something unknown.
     pub unknown: f64,
+}
+
+impl<'a> Comparison<'a> {
+    pub fn new(simulator: &'a dyn Simulator, evidence: Vec<Evidence>, signatures: Vec<Signature>) -> Self {
+        let degrees_of_freedom = evidence.iter().map(|e| e.degrees_of_freedom).sum::<f64>();
+        let degrees_of_freedom = degrees_of_freedom.min(likelihood::MOST_DEGREES_OF_FREEDOM);
+        let mean_square = overall_mean_square(&evidence, evidence.iter().map(|e| &e.residual));
+        Comparison { simulator, evidence, signatures, degrees_of_freedom, mean_square }
+    }
+
+    /// What hypotheses that were fitted and scored come to, once all are there: what each costs beside, and something unknown.
+    pub fn compared(self, scored: Vec<Scored>) -> Compared<'a> {
+        let scored = self.without_what_is_seen_beyond(self.without_wrong_impacts(scored));
+        let unknown = self.unknown(&scored);
+        Compared { comparison: self, scored, unknown }
+    }
+}
+
+/// Hypotheses whose scores are explained.
+const EXPLAINED: usize = 12;
+
+impl Compared<'_> {
+    /// How no gap, something unknown and the likeliest hypotheses came to their scores.
+    pub fn explained(&self) -> Vec<Explanation> {
+        let comparison = &self.comparison;
+        let (mean_square, prior) = (comparison.mean_square, trig::ln(likelihood::NONE));
+        let none = Terms {
+            likelihood: likelihood::log_likelihood(mean_square, comparison.degrees_of_freedom),
+            prior,
+            ..Terms::default()
+        };
+        let prior = trig::ln(likelihood::UNKNOWN);
+        let unknown = Terms { likelihood: self.unknown - prior, prior, ..Terms::default() };
+        let without = |terms| Explanation { effects: Vec::new(), simulated: true, mean_square, terms };
+        let name = |c: &usize| {
+            let candidate = &comparison.candidates()[*c];
+            let place = if candidate.place.is_empty() { String::new() } else { format!(" ({})", candidate.place) };
+            format!("{}{place}", candidate.effect)
+        };
+        let each = self.scored.iter().take(EXPLAINED).map(|scored| Explanation {
+            effects: scored.fitted.hypothesis.members.iter().map(name).collect(),
+            simulated: scored.fitted.simulated(),
+            mean_square: scored.mean_square,
+            terms: scored.terms,
+        });
+        [without(none), without(unknown)].into_iter().chain(each).collect()
+    }
+
+    /// The same without one of the hypotheses.
+    pub fn without(mut self, at: usize) -> Self {
+        self.scored.remove(at);
+        self
+    }
 }
 
 /// Mean square residual over that of replicate laps, over all runs, each for what it can tell.
@@ -54,34 +101,6 @@ pub fn overall_mean_square<'a>(evidence: &[Evidence], residuals: impl IntoIterat
 /// Of what changes all runs.
 fn norm(each: &[DVector<f64>]) -> f64 {
     each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
-}
-
-impl Scored {
-    /// What it is scored by.
-    pub fn evidence<'a>(&'a self, comparison: &'a Comparison) -> &'a [Evidence] {
-        self.repeatability.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
-    }
-
-    /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises counts as left.
-    pub fn mean_square_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
-        let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
-        let raised = if self.repeatability.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
-        raised * own.mean_square(residual)
-    }
-
-    /// What is left of each run, projected.
-    pub fn residuals(&self) -> &[DVector<f64>] {
-        self.repeatability.as_ref().map_or(&self.fitted.residuals, |f| &f.residuals)
-    }
-
-    /// What one more of each strength changes.
-    pub fn columns(&self) -> &[Vec<DVector<f64>>] {
-        self.repeatability.as_ref().map_or(&self.fitted.columns, |f| &f.columns)
-    }
-
-    pub fn covariance(&self) -> &DMatrix<f64> {
-        self.repeatability.as_ref().map_or(&self.fitted.covariance, |f| &f.covariance)
-    }
 }
 
 impl Comparison<'_> {
@@ -104,7 +123,7 @@ impl Comparison<'_> {
             some.chain([whole]).collect::<Vec<_>>()
         });
         let mut singles: Vec<Scored> = ways.map(|h| self.screened(h)).collect();
-        singles.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        scored::sort(&mut singles);
         singles
     }
 
@@ -137,8 +156,14 @@ impl Comparison<'_> {
         let whole = likelihood::log_likelihood(mean_square, self.degrees_of_freedom);
         let likelihood = (whole - common).max(by_signature);
         let lost = whole.max(by_signature) - likelihood;
-        let log_posterior = likelihood - likelihood::cost(strengths, self.degrees_of_freedom) + prior;
-        Scored { fitted, repeatability, mean_square, log_posterior, lost }
+        let terms = Terms {
+            likelihood,
+            in_common: lost,
+            strengths: likelihood::cost(strengths, self.degrees_of_freedom),
+            prior,
+            ..Terms::default()
+        };
+        Scored { fitted, repeatability, mean_square, terms }
     }
 
     /// Log prior of a hypothesis: effects share theirs, and places of an effect.
@@ -157,26 +182,31 @@ impl Comparison<'_> {
         trig::ln(if members.len() == 1 { likelihood::ONE } else { likelihood::PAIR }) - shared
     }
 
-    /// Takes from hypotheses what it costs that they strike the other way round than measured, by what was simulated or, where nothing was, by signatures.
-    pub fn charge_blows(&self, scored: &mut [Scored]) {
-        for scored in scored {
-            let Fitted { features, hypothesis, strengths, .. } = &scored.fitted;
-            let mut cost = 0.0;
-            for (run, frame) in self.simulator.frames().iter().enumerate() {
-                // An impact hardly grows with the strength: no more of it is believed than was simulated.
-                let by_signature = |k: usize| {
-                    let own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths);
-                    let change = |(s, x): (&Signature, &f64)| s.change[run][k] * x.clamp(-s.size.abs(), s.size.abs());
-                    frame.nominal[k] + own.map(change).sum::<f64>()
-                };
-                let impacts = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Impact);
-                let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
-                cost += impacts.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
-            }
-            let cost = cost.min(likelihood::WRONG_WAYS);
-            scored.lost += cost;
-            scored.log_posterior -= cost;
+    /// The hypotheses with what it costs that their impacts go the other way round than measured, by what was simulated or, where nothing was,
+    /// by signatures.
+    fn without_wrong_impacts(&self, scored: Vec<Scored>) -> Vec<Scored> {
+        let with = |scored: Scored| {
+            let impacts = self.wrong_impacts(&scored.fitted);
+            Scored { terms: Terms { impacts, ..scored.terms }, ..scored }
+        };
+        scored.into_iter().map(with).collect()
+    }
+
+    fn wrong_impacts(&self, fitted: &Fitted) -> f64 {
+        let Fitted { features, hypothesis, strengths, .. } = fitted;
+        let mut cost = 0.0;
+        for (run, frame) in self.simulator.frames().iter().enumerate() {
+            // An impact hardly grows with the strength: no more of it is believed than was simulated.
+            let by_signature = |k: usize| {
+                let own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths);
+                let change = |(s, x): (&Signature, &f64)| s.change[run][k] * x.clamp(-s.size.abs(), s.size.abs());
+                frame.nominal[k] + own.map(change).sum::<f64>()
+            };
+            let impacts = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Impact);
+            let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
+            cost += impacts.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
         }
+        cost.min(likelihood::WRONG_WAYS)
     }
 
     /// In what the members of a hypothesis differ by chance.
@@ -272,20 +302,27 @@ impl Comparison<'_> {
         significance::MISSED * norm(&along(columns, &inexact))
     }
 
-    /// What is seen of signatures beyond a hypothesis speaks against it. The likeliest first.
-    pub fn settle(&self, scored: &mut [Scored]) {
-        scored.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+    /// The hypotheses with what is seen of signatures beyond each, which speaks against it. The likeliest first.
+    fn without_what_is_seen_beyond(&self, mut scored: Vec<Scored>) -> Vec<Scored> {
+        scored::sort(&mut scored);
         let residuals = self.residuals();
         let scores: Vec<(usize, ScoreTest)> =
             (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
-        for scored in scored.iter_mut().take(SETTLED).filter(|j| likelihood::quiet(j.mean_square) > 0.0) {
+        let with = |(rank, scored): (usize, Scored)| {
+            let counts = likelihood::quiet(scored.mean_square);
+            if rank >= SETTLED || counts <= 0.0 {
+                return scored;
+            }
             let rest = match &scored.repeatability {
                 Some(repeatability) => self.seen_before(repeatability, &scored.fitted),
                 None => self.seen_beyond(&scored.fitted, &scores),
             };
-            scored.log_posterior -= likelihood::quiet(scored.mean_square) * self.beyond(rest);
-        }
-        scored.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+            let beyond = counts * self.beyond(rest);
+            Scored { terms: Terms { beyond, ..scored.terms }, ..scored }
+        };
+        let mut scored: Vec<Scored> = scored.into_iter().enumerate().map(with).collect();
+        scored::sort(&mut scored);
+        scored
     }
 
     /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
@@ -323,7 +360,7 @@ impl Comparison<'_> {
     }
 
     /// Log posterior of something unknown: it explains what the best effect of the library does.
-    pub fn unknown(&self, scored: &[Scored]) -> f64 {
+    fn unknown(&self, scored: &[Scored]) -> f64 {
         let best = scored.first();
         let known = likelihood::unknown(self.mean_square, self.degrees_of_freedom);
         let counts = likelihood::quiet(self.mean_square);
@@ -349,7 +386,9 @@ impl Comparison<'_> {
         let by_patterns =
             likelihood::log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
         let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
-        let said = scored.log_posterior - self.prior(&fitted.hypothesis) + scored.lost - own;
+        let said = scored.log_posterior() - self.prior(&fitted.hypothesis)
+            + (scored.terms.in_common + scored.terms.impacts)
+            - own;
         let seen = self.seen_in_common(fitted);
         let placed =
             likelihood::in_common(seen, seen.max(likelihood::PLACED), self.evidence.len(), self.degrees_of_freedom);

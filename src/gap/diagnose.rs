@@ -2,14 +2,14 @@
 
 use super::chance::Chance;
 use super::checked::Checked;
-use super::comparison::{Comparison, Scored, overall_mean_square};
+use super::comparison::{Comparison, overall_mean_square};
 use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
-use super::likelihood::MOST_DEGREES_OF_FREEDOM;
 use super::looks::UNSETTLED;
 use super::refit::refit;
 use super::repeatability::repeatabilities;
 use super::report::report;
+use super::scored::{self, Explanation, Scored};
 use super::screen::{self, Signature};
 use super::simulator::Simulator;
 use crate::gap::hypothesis::Fitted;
@@ -41,6 +41,11 @@ pub enum Stage {
 
 /// Diagnoses the gap between a model and its runs.
 pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagnosis {
+    diagnose_and_explain(simulator, tell).0
+}
+
+/// The same, with how the likeliest hypotheses came to their scores.
+pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> (Diagnosis, Vec<Explanation>) {
     let checked = Checked::new(simulator);
     let simulator: &dyn Simulator = &checked;
     let frames = simulator.frames();
@@ -61,31 +66,23 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
     for signature in &mut signatures {
         signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
     }
-    let degrees_of_freedom = evidence.iter().map(|e| e.degrees_of_freedom).sum::<f64>().min(MOST_DEGREES_OF_FREEDOM);
-    let mut comparison = Comparison {
-        simulator,
-        mean_square: 0.0,
-        evidence,
-        signatures,
-        degrees_of_freedom,
-        scored: Vec::new(),
-        unknown: 0.0,
-    };
-    comparison.mean_square = overall_mean_square(&comparison.evidence, comparison.evidence.iter().map(|e| &e.residual));
+    let screened = Comparison::new(simulator, evidence, signatures);
 
     // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
-    let gap = comparison.mean_square > 1.0;
-    let significant = gap || comparison.singles().iter().any(|j| comparison.score_test(&j.fitted).z() > SIGNIFICANT);
-    if significant {
-        comparison.look(gap, &mut |done, of| tell(Stage::Screening { done, of }));
-    }
+    let gap = screened.mean_square > 1.0;
+    let significant = gap || screened.singles().iter().any(|j| screened.score_test(&j.fitted).z() > SIGNIFICANT);
+    let comparison = if significant {
+        screened.looked_closer(gap, &mut |done, of| tell(Stage::Screening { done, of }))
+    } else {
+        screened
+    };
     let singles = comparison.singles();
     let pairs = comparison.pairs(&singles);
     let (mut chosen, mut rest) = comparison.shortlist(singles, pairs);
     if !gap {
         rest.append(&mut chosen);
     }
-    let turned = comparison.turned(&chosen);
+    let (comparison, turned) = comparison.turned(&chosen);
     let chosen = chosen.into_iter().map(|j| j.fitted).chain(turned).collect();
     let fitted = refit(simulator, &comparison.evidence, &comparison.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
@@ -109,11 +106,9 @@ pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagn
         scored.extend(both);
     }
     scored.extend(rest);
-    comparison.charge_blows(&mut scored);
-    comparison.settle(&mut scored);
-    comparison.unknown = comparison.unknown(&scored);
-    comparison.scored = scored;
-    report(&mut comparison, checked.lost())
+    let compared = comparison.compared(scored);
+    let explained = compared.explained();
+    (report(compared, checked.lost()), explained)
 }
 
 impl Comparison<'_> {
@@ -135,7 +130,7 @@ impl Comparison<'_> {
                 }
             }
         }
-        pairs.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        scored::sort(&mut pairs);
         pairs
     }
 
@@ -196,7 +191,7 @@ impl Comparison<'_> {
         let (mut chosen, mut rest) = (Vec::new(), Vec::new());
         let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
         let mut all: Vec<Scored> = singles.into_iter().chain(pairs).collect();
-        all.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        scored::sort(&mut all);
         let mut single = 0;
         for scored in all {
             let members = &scored.fitted.hypothesis.members;

@@ -1,6 +1,7 @@
 //! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion to their strengths.
 
-use super::comparison::{Comparison, Scored};
+use super::comparison::Comparison;
+use super::scored::{self, Scored};
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Candidate;
 use super::tune::Tuner;
@@ -31,7 +32,8 @@ const NEAR_SENSOR: std::ops::Range<f64> = 0.9..1.1;
 
 impl Comparison<'_> {
     /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at what is beside it.
-    pub fn look(&mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) {
+    #[must_use]
+    pub fn looked_closer(mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) -> Self {
         self.tune();
         for _ in 0..LOOKS {
             self.look_closer(None, tell);
@@ -43,6 +45,7 @@ impl Comparison<'_> {
             }
             self.look_closer(Some(&leader), tell);
         }
+        self
     }
 
     fn tuner(&self) -> Tuner<'_> {
@@ -159,12 +162,12 @@ impl Comparison<'_> {
         let others = others.filter(|j| effect(j) != effect(leader));
         let mut both: Vec<Scored> =
             others.map(|j| self.screened(leader.fitted.hypothesis.with(&j.fitted.hypothesis))).collect();
-        both.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        scored::sort(&mut both);
         both
     }
 
-    /// The same effects with the other sign, where they strike at a place: up and down look nearly alike until they are simulated.
-    pub fn turned(&mut self, chosen: &[Scored]) -> Vec<Fitted> {
+    /// The same effects with the other sign, by signatures of their own, where they strike at a place: up and down look nearly alike until they are simulated.
+    pub fn turned(mut self, chosen: &[Scored]) -> (Self, Vec<Fitted>) {
         let candidates = self.simulator.candidates();
         let strikes = |signature: &Signature| {
             let places = candidates.iter().any(|c| c.beside == Some(signature.candidate));
@@ -193,7 +196,7 @@ impl Comparison<'_> {
             self.signatures.push(signature);
             turned.push(hypothesis.screened(&self.evidence, &self.signatures, candidates));
         }
-        turned
+        (self, turned)
     }
 }
 

@@ -22,6 +22,7 @@ mod refit;
 mod remembered;
 mod repeatability;
 mod report;
+mod scored;
 mod screen;
 mod second;
 mod significance;
@@ -30,8 +31,9 @@ mod tune;
 mod untested;
 mod words;
 
-pub use diagnose::{Stage, diagnose};
+pub use diagnose::{Stage, diagnose, diagnose_and_explain};
 pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Overlay, Place, RunGap, Verdict};
 pub use remembered::{Left, Remembered};
+pub use scored::{Explanation, Terms};
 pub use simulator::{Applied, Axis, Band, Candidate, Frame, Label, Laps, Request, Simulator, Strength};
 pub use words::{bound, percent};

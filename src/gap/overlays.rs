@@ -1,7 +1,8 @@
 //! What is drawn: of the channels that have most of the gap, the kind of deviation that has most of it, in the run that is off most.
 
-use super::comparison::{Comparison, Scored};
+use super::comparison::Comparison;
 use super::diagnosis::{Overlay, Place, ranked};
+use super::scored::Scored;
 use super::simulator::{Band, Frame};
 use super::words;
 use crate::base::number::tidy;

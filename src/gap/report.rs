@@ -1,12 +1,13 @@
 //! The scored hypotheses as a diagnosis: probabilities, closures on runs left out, places, words.
 
 use super::amounts::amounts;
-use super::comparison::{Comparison, Scored};
+use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, Group, Lost, Place, RunGap, Verdict};
 use super::evidence::Evidence;
 use super::likelihood;
 use super::looks::UNSETTLED;
 use super::overlays::overlays;
+use super::scored::Scored;
 use super::screen::explain;
 use super::simulator::{Axis, Band, Frame};
 use super::untested::Untested;
@@ -30,13 +31,13 @@ const HARDLY: f64 = 1.0;
 const PLACES: usize = 24;
 
 /// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is the other one alone.
-pub fn report(comparison: &mut Comparison, lost: Vec<Lost>) -> Diagnosis {
-    let untested = comparison.untested();
+pub fn report(mut compared: Compared, lost: Vec<Lost>) -> Diagnosis {
+    let untested = compared.untested();
     loop {
-        let chosen = choose(comparison, &untested);
+        let chosen = choose(&compared, &untested);
         match chosen.absent {
-            Some(at) => drop(comparison.scored.remove(at)),
-            None => return told(comparison, &chosen, &untested, lost),
+            Some(at) => compared = compared.without(at),
+            None => return told(&compared, &chosen, &untested, lost),
         }
     }
 }
@@ -54,55 +55,56 @@ struct Choice {
     absent: Option<usize>,
 }
 
-fn choose(comparison: &Comparison, untested: &[Untested]) -> Choice {
+fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
     let logs = [
-        trig::ln(likelihood::NONE) + likelihood::log_likelihood(comparison.mean_square, comparison.degrees_of_freedom),
-        comparison.unknown,
+        trig::ln(likelihood::NONE)
+            + likelihood::log_likelihood(compared.comparison.mean_square, compared.comparison.degrees_of_freedom),
+        compared.unknown,
     ];
     let log_posteriors: Vec<f64> =
-        logs.into_iter().chain(once(comparison)).chain(untested.iter().map(|u| u.log_posterior)).collect();
+        logs.into_iter().chain(once(compared)).chain(untested.iter().map(|u| u.log_posterior)).collect();
     let probability = likelihood::normalised(&log_posteriors);
     let (none, unknown) = (probability[0], probability[1]);
-    let (scored, untested) = probability[2..].split_at(comparison.scored.len());
+    let (scored, untested) = probability[2..].split_at(compared.scored.len());
     let count = |j: &Scored| j.fitted.hypothesis.members.len();
     let of = |members: usize| -> f64 {
-        comparison.scored.iter().zip(scored).filter(|(j, _)| count(j) == members).map(|(_, p)| p).sum()
+        compared.scored.iter().zip(scored).filter(|(j, _)| count(j) == members).map(|(_, p)| p).sum()
     };
     let (alone, pair) = (of(1), of(2));
     let best = |members: usize| {
-        let first = comparison.scored.iter().position(|j| count(j) == members)?;
-        Some((first, as_fitted(comparison, first)))
+        let first = compared.scored.iter().position(|j| count(j) == members)?;
+        Some((first, as_fitted(compared, first)))
     };
-    let candidates = comparison.candidates();
+    let candidates = compared.comparison.candidates();
     let (verdict, chosen) = match [none, unknown, alone, pair] {
         [n, u, a, p] if n >= u && n >= a && n >= p => (Verdict::None, best(1)),
         [_, u, a, p] if u >= a && u >= p => (Verdict::Unknown, best(1)),
         [_, _, a, p] if p > a => (Verdict::Pair, best(2)),
         _ => {
-            let first = best(1).map(|(_, k)| comparison.scored[k].fitted.hypothesis.members[0]);
+            let first = best(1).map(|(_, k)| compared.scored[k].fitted.hypothesis.members[0]);
             let sensor = first.is_some_and(|c| candidates[c].sensor);
             (if sensor { Verdict::Sensor } else { Verdict::Effect }, best(1))
         }
     };
     let named = chosen.filter(|_| !matches!(verdict, Verdict::None | Verdict::Unknown));
-    let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(comparison, *k)));
+    let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(compared, *k)));
     let (scored, untested) = (scored.to_vec(), untested.to_vec());
     Choice { verdict, none, unknown, scored, untested, shown: chosen.map(|(_, k)| k), absent }
 }
 
 /// Whether a member of a hypothesis may be absent: the intervals of all its strengths hold 0.
-fn may_lack(comparison: &Comparison, scored: usize) -> bool {
-    let scored = &comparison.scored[scored];
-    let names = scored.fitted.hypothesis.members.iter().map(|c| comparison.candidates()[*c].effect.as_str());
-    let mut each = names.map(|name| amounts(comparison, whole(comparison, scored), name));
+fn may_lack(compared: &Compared, scored: usize) -> bool {
+    let scored = &compared.scored[scored];
+    let names = scored.fitted.hypothesis.members.iter().map(|c| compared.comparison.candidates()[*c].effect.as_str());
+    let mut each = names.map(|name| amounts(&compared.comparison, whole(compared, scored), name));
     each.any(|own| !own.is_empty() && own.values().all(Amount::may_be_zero))
 }
 
-fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) -> Diagnosis {
-    let candidates = comparison.candidates();
-    let chosen = choice.shown.map(|k| &comparison.scored[k]);
+fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<Lost>) -> Diagnosis {
+    let candidates = compared.comparison.candidates();
+    let chosen = choice.shown.map(|k| &compared.scored[k]);
     let of = |wanted: &dyn Fn(&Scored) -> bool| -> f64 {
-        comparison.scored.iter().zip(&choice.scored).filter(|(j, _)| wanted(j)).map(|(_, p)| p).sum()
+        compared.scored.iter().zip(&choice.scored).filter(|(j, _)| wanted(j)).map(|(_, p)| p).sum()
     };
     let never = |name: &str| -> f64 {
         let own = untested.iter().zip(&choice.untested).filter(|(u, _)| candidates[u.candidate].effect == name);
@@ -115,10 +117,9 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
             let has = |j: &Scored| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
             // What the effect does alone, unless the verdict has it beside another one.
             let alone = |j: &Scored| has(j) && j.fitted.hypothesis.members.len() == 1;
-            let alone =
-                || comparison.scored.iter().position(alone).map(|k| &comparison.scored[as_fitted(comparison, k)]);
+            let alone = || compared.scored.iter().position(alone).map(|k| &compared.scored[as_fitted(compared, k)]);
             let told = chosen.filter(|j| has(j)).or_else(alone);
-            let mut finding = finding(comparison, name, told);
+            let mut finding = finding(compared, name, told);
             finding.untested_probability = tidy(never(name));
             finding.probability = tidy(of(&has) + never(name));
             finding
@@ -130,7 +131,7 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && candidates[members[0]].effect == f.name
         };
-        comparison.scored.iter().find(has).map_or(f64::INFINITY, |j| j.mean_square)
+        compared.scored.iter().find(has).map_or(f64::INFINITY, |j| j.mean_square)
     };
     let sure = |f: &Finding| (20.0 * f.probability).round();
     effects.sort_by(|a, b| {
@@ -141,30 +142,30 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
         });
         by.then(b.probability.total_cmp(&a.probability))
     });
-    let groups = groups(comparison, &mut effects);
+    let groups = groups(compared, &mut effects);
     let verdict = choice.verdict;
     let shown = chosen.filter(|_| !matches!(verdict, Verdict::None));
-    let axis = comparison.simulator.axis();
-    let runs = runs(comparison, shown);
+    let axis = compared.comparison.simulator.axis();
+    let runs = runs(&compared.comparison, shown);
     let gap = runs.iter().any(RunGap::over);
-    let closed = shown.filter(|_| gap).and_then(|j| closed(comparison, j, false));
-    let places = places(comparison, shown.filter(|_| verdict != Verdict::Unknown), axis);
+    let closed = shown.filter(|_| gap).and_then(|j| closed(&compared.comparison, j, false));
+    let places = places(&compared.comparison, shown.filter(|_| verdict != Verdict::Unknown), axis);
     let with = shown.map_or(&[][..], |j| &j.fitted.hypothesis.members);
     let mut out = Diagnosis {
         verdict,
         summary: String::new(),
         shown: with.iter().map(|c| candidates[*c].effect.clone()).collect(),
-        overlays: overlays(comparison, shown, &places),
-        places: if comparison.mean_square > 1.0 { places } else { Vec::new() },
+        overlays: overlays(&compared.comparison, shown, &places),
+        places: if compared.comparison.mean_square > 1.0 { places } else { Vec::new() },
         unknown_probability: tidy(choice.unknown),
         none_probability: tidy(choice.none),
         untested_probability: tidy(choice.untested.iter().sum()),
-        repeatability: repeatability(comparison.simulator.frames()),
+        repeatability: repeatability(compared.comparison.simulator.frames()),
         next_experiment: String::new(),
         groups,
-        gap_closed_black_box: black_box(comparison).filter(|_| gap).map(tidy),
+        gap_closed_black_box: black_box(&compared.comparison).filter(|_| gap).map(tidy),
         gap_closed: closed.map(tidy),
-        gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(comparison, j)),
+        gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(&compared.comparison, j)),
         runs,
         lost,
         axis,
@@ -175,7 +176,7 @@ fn told(comparison: &Comparison, choice: &Choice, untested: &[Untested], lost: V
     out
 }
 
-fn finding(comparison: &Comparison, name: &str, best: Option<&Scored>) -> Finding {
+fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
     let mut out = Finding {
         name: name.to_owned(),
         group: name.to_owned(),
@@ -189,27 +190,29 @@ fn finding(comparison: &Comparison, name: &str, best: Option<&Scored>) -> Findin
     };
     let Some(scored) = best else { return out };
     // Strengths are told with those beside them that may be there, too.
-    out.strength = amounts(comparison, whole(comparison, scored), name);
-    let own = |c: &&usize| comparison.candidates()[**c].effect == name;
+    out.strength = amounts(&compared.comparison, whole(compared, scored), name);
+    let own = |c: &&usize| compared.comparison.candidates()[**c].effect == name;
     if let Some(candidate) = scored.fitted.hypothesis.members.iter().find(own) {
-        let candidate = &comparison.candidates()[*candidate];
+        let candidate = &compared.comparison.candidates()[*candidate];
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    let gap = (0..comparison.evidence.len()).any(|run| over(comparison, run));
+    let gap = (0..compared.comparison.evidence.len()).any(|run| over(&compared.comparison, run));
     if gap && scored.fitted.features.is_some() {
-        out.gap_closed = closed(comparison, scored, false).map(tidy);
-        out.gap_closed_placebo = closed(comparison, scored, true).map(tidy);
+        out.gap_closed = closed(&compared.comparison, scored, false).map(tidy);
+        out.gap_closed_placebo = closed(&compared.comparison, scored, true).map(tidy);
     }
     out
 }
 
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
-fn as_fitted(comparison: &Comparison, first: usize) -> usize {
-    let scored = &comparison.scored[first];
-    let likely = |(_, j): &(usize, &Scored)| scored.log_posterior - j.log_posterior < HARDLY;
-    let mut fitted = comparison.scored.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
-    fitted.find(|(_, j)| sites(comparison, j) == sites(comparison, scored)).map_or(first, |(k, _)| k)
+fn as_fitted(compared: &Compared, first: usize) -> usize {
+    let scored = &compared.scored[first];
+    let likely = |(_, j): &(usize, &Scored)| scored.log_posterior() - j.log_posterior() < HARDLY;
+    let mut fitted = compared.scored.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
+    fitted
+        .find(|(_, j)| sites(&compared.comparison, j) == sites(&compared.comparison, scored))
+        .map_or(first, |(k, _)| k)
 }
 
 /// Where a hypothesis' effects are.
@@ -219,20 +222,26 @@ fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<usize> {
 
 /// Log posteriors of the hypotheses. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
 /// many strengths is no likelier before the runs than one with few.
-fn once(comparison: &Comparison) -> Vec<f64> {
+fn once(compared: &Compared) -> Vec<f64> {
     let mut met = BTreeSet::new();
-    let log_posterior = |j: &Scored| if met.insert(sites(comparison, j)) { j.log_posterior } else { f64::NEG_INFINITY };
-    comparison.scored.iter().map(log_posterior).collect()
+    let log_posterior =
+        |j: &Scored| if met.insert(sites(&compared.comparison, j)) { j.log_posterior() } else { f64::NEG_INFINITY };
+    compared.scored.iter().map(log_posterior).collect()
 }
 
 /// The same effects with more of their strengths, where that is not much less likely.
-fn whole<'a>(comparison: &'a Comparison, scored: &'a Scored) -> &'a Scored {
+fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
     let one = &scored.fitted.hypothesis;
     let more = |j: &&Scored| {
         let other = &j.fitted.hypothesis;
         other.members == one.members && other.signatures.len() > one.signatures.len()
     };
-    comparison.scored.iter().find(more).filter(|j| scored.log_posterior - j.log_posterior < NOT_MUCH).unwrap_or(scored)
+    compared
+        .scored
+        .iter()
+        .find(more)
+        .filter(|j| scored.log_posterior() - j.log_posterior() < NOT_MUCH)
+        .unwrap_or(scored)
 }
 
 /// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
@@ -419,10 +428,10 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
 }
 
 /// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave nothing to choose by.
-fn groups(comparison: &Comparison, effects: &mut [Finding]) -> Vec<Group> {
-    let candidates = comparison.candidates();
+fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
+    let candidates = compared.comparison.candidates();
     let single = |name: &str| {
-        comparison.scored.iter().find(|j| {
+        compared.scored.iter().find(|j| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && candidates[members[0]].effect == name
         })
@@ -432,14 +441,14 @@ fn groups(comparison: &Comparison, effects: &mut [Finding]) -> Vec<Group> {
     for i in 0..effects.len().min(8) {
         let Some(own) = single(&effects[i].name) else { continue };
         let likely = effects[i].probability > 0.05;
-        let explains = |j: &Scored| j.mean_square < 0.5 * (comparison.mean_square + 1.0);
+        let explains = |j: &Scored| j.mean_square < 0.5 * (compared.comparison.mean_square + 1.0);
         if !likely || effects[i].may_be_absent() || grouped.contains(&effects[i].name) || !explains(own) {
             continue;
         }
         let mut members = vec![effects[i].name.clone()];
         for other in effects.iter().skip(i + 1) {
             let Some(scored) = single(&other.name) else { continue };
-            let near = (own.log_posterior - scored.log_posterior).abs() < APART;
+            let near = (own.log_posterior() - scored.log_posterior()).abs() < APART;
             if other.may_be_absent() {
                 continue;
             }

@@ -1,7 +1,8 @@
 //! A second effect beside the best one, looked for in what that one leaves where it was really fitted. What its signature leaves may be several
 //! times as much, in which a second one drowns.
 
-use super::comparison::{Comparison, Scored};
+use super::comparison::Comparison;
+use super::scored::{self, Scored};
 use super::screen::explain;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::BTreeSet;
@@ -22,7 +23,7 @@ impl Comparison<'_> {
         let mut met: BTreeSet<BTreeSet<&str>> = simulated.map(|j| names(&j.fitted.hypothesis)).collect();
         let both = self.singles().into_iter().map(|j| self.score(self.joined(first, &j.fitted.hypothesis), None));
         let mut both: Vec<Scored> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
-        both.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        scored::sort(&mut both);
         both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
         both.into_iter().take(SECONDS).map(|j| j.fitted).collect()
     }

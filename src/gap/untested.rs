@@ -5,7 +5,7 @@
 //! something unknown), its log posterior is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
 //! against that of the untested one: one half, where both are single effects with one place and one strength.
 
-use super::comparison::Comparison;
+use super::comparison::Compared;
 use super::likelihood;
 use crate::base::trig;
 use crate::gap::hypothesis::Hypothesis;
@@ -19,18 +19,19 @@ pub struct Untested {
     pub log_posterior: f64,
 }
 
-impl Comparison<'_> {
-    /// Candidates with strengths that have no signature, once all others are by_signature.
+impl Compared<'_> {
+    /// Candidates with strengths that have no signature, once all others are scored.
     pub fn untested(&self) -> Vec<Untested> {
         let mut known: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for signature in &self.signatures {
+        for signature in &self.comparison.signatures {
             known.entry(signature.candidate).or_default().push(signature.strength);
         }
         let lacks = |c: usize| {
-            let strengths = 0..self.candidates()[c].strengths.len();
+            let strengths = 0..self.comparison.candidates()[c].strengths.len();
             strengths.filter(|s| !known.get(&c).is_some_and(|own| own.contains(s))).count()
         };
-        let alone = (0..self.candidates().len()).filter(|c| self.candidates()[*c].beside.is_none());
+        let alone =
+            (0..self.comparison.candidates().len()).filter(|c| self.comparison.candidates()[*c].beside.is_none());
         let lacking: Vec<(usize, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
         if lacking.is_empty() {
             return Vec::new();
@@ -38,7 +39,8 @@ impl Comparison<'_> {
         let best = self.best_likelihood();
         let weighed = |(candidate, strengths): (usize, usize)| {
             let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
-            let log_posterior = self.prior(&alone) + best - likelihood::cost(strengths as f64, self.degrees_of_freedom);
+            let log_posterior = self.comparison.prior(&alone) + best
+                - likelihood::cost(strengths as f64, self.comparison.degrees_of_freedom);
             Untested { candidate, log_posterior }
         };
         lacking.into_iter().map(weighed).collect()
@@ -46,12 +48,13 @@ impl Comparison<'_> {
 
     /// The largest log likelihood of all that was compared with the runs.
     fn best_likelihood(&self) -> f64 {
-        let none = likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom);
+        let none = likelihood::log_likelihood(self.comparison.mean_square, self.comparison.degrees_of_freedom);
         let unknown = self.unknown - trig::ln(likelihood::UNKNOWN)
-            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.degrees_of_freedom);
+            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.comparison.degrees_of_freedom);
         let by_signature = self.scored.iter().map(|j| {
             let strengths = j.fitted.strengths.len() as f64;
-            j.log_posterior - self.prior(&j.fitted.hypothesis) + likelihood::cost(strengths, self.degrees_of_freedom)
+            j.log_posterior() - self.comparison.prior(&j.fitted.hypothesis)
+                + likelihood::cost(strengths, self.comparison.degrees_of_freedom)
         });
         by_signature.fold(none.max(unknown), f64::max)
     }

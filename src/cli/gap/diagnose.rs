@@ -9,7 +9,7 @@ use crate::dynamics::Width;
 use crate::emit::Files;
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
-use crate::gap::{Diagnosis, Left, Lost, Remembered, Simulator, Stage, diagnose};
+use crate::gap::{Diagnosis, Explanation, Left, Lost, Remembered, Simulator, Stage, diagnose_and_explain};
 use crate::identify::study::Subject;
 use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -41,6 +41,9 @@ pub struct Diagnose {
     /// Also write a layout with the verdict's effects added, for `lss simulate`.
     #[arg(long)]
     apply: bool,
+    /// Also print how the likeliest hypotheses came to their scores, with text as the format.
+    #[arg(long)]
+    explain: bool,
     /// Which noise simulations get: another seed, another answer that is as good.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -80,7 +83,7 @@ impl Diagnose {
             }
         };
         let known = self.remembered(&chains, &self.origin(&subjects));
-        let mut found = bar.diagnose(&known);
+        let (mut found, explained) = bar.diagnose(&known);
         found.lost.extend(chains.lost().into_iter().map(Lost::data));
         let mut files = Files::default();
         if self.apply {
@@ -92,7 +95,7 @@ impl Diagnose {
         // One map is drawn of runs on one layout.
         let same = subjects.iter().all(|s| s.simulation.track == first.subject.simulation.track);
         let track = same.then_some(&first.subject.simulation.track);
-        self.finish(&found, track, files, broken, known)
+        self.finish(&found, &explained, track, files, broken, known)
     }
 
     /// With a program outside as the model.
@@ -109,13 +112,13 @@ impl Diagnose {
             }
         };
         let known = self.remembered(&model, &model.origin());
-        let mut found = bar.diagnose(&known);
+        let (mut found, explained) = bar.diagnose(&known);
         found.lost.extend(model.lost());
         found.overlays.iter_mut().for_each(|o| o.unit = model.channels().get(&o.channel).cloned().unwrap_or_default());
         found.lost.iter().filter(|lost| !lost.effect.is_empty()).for_each(|lost| report::warning(&lost.to_string()));
         // Without an effect that might be the cause the answer is not complete.
         let incomplete = !found.untested().is_empty();
-        self.finish(&found, None, Files::default(), incomplete, known)
+        self.finish(&found, &explained, None, Files::default(), incomplete, known)
     }
 
     /// A model with what a stopped diagnosis left.
@@ -146,6 +149,7 @@ impl Diagnose {
     fn finish(
         &self,
         found: &Diagnosis,
+        explained: &[Explanation],
         track: Option<&Track>,
         mut files: Files,
         broken: bool,
@@ -160,7 +164,10 @@ impl Diagnose {
         known.forget();
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(found).unwrap_or_default() + "\n",
-            OutputFormat::Text => format!("{}written to {}\n", text::text(found), shown(&self.output)),
+            OutputFormat::Text => {
+                let explained = if self.explain { text::explained(explained) } else { String::new() };
+                format!("{}{explained}written to {}\n", text::text(found), shown(&self.output))
+            }
         });
         if broken { Outcome::Problems } else { Outcome::Clean }
     }
@@ -189,8 +196,8 @@ impl Progress {
         }
     }
 
-    fn diagnose(&self, model: &dyn Simulator) -> Diagnosis {
-        let found = diagnose(model, &mut |stage| match stage {
+    fn diagnose(&self, model: &dyn Simulator) -> (Diagnosis, Vec<Explanation>) {
+        let found = diagnose_and_explain(model, &mut |stage| match stage {
             Stage::Screening { done, of } => self.say(&format!("screening effects: {done} of {of} strengths")),
             Stage::Fitting { done, of } => self.say(&format!("fitting what is left: round {} of {of}", done + 1)),
         });

@@ -1,11 +1,34 @@
 //! A diagnosis for the terminal.
 
 use crate::base::number::{fixed, significant};
-use crate::gap::{Amount, Diagnosis, Finding, bound, percent};
+use crate::gap::{Amount, Diagnosis, Explanation, Finding, Terms, bound, percent};
 use std::fmt::Write;
 
 /// Effects that are listed.
 const LISTED: usize = 6;
+
+/// How hypotheses came to their scores, in natural logarithms.
+pub fn explained(each: &[Explanation]) -> String {
+    let mut out =
+        "\n  how hypotheses are scored, in natural logarithms: likelihood - strengths + prior - impacts - beyond\n"
+            .to_owned();
+    let head = ["residual", "likelihood", "in common", "strengths", "prior", "impacts", "beyond", "posterior"];
+    let _ = writeln!(out, "  {}  hypothesis", head.map(|h| format!("{h:>11}")).concat());
+    for (rank, one) in each.iter().enumerate() {
+        let Terms { likelihood, in_common, strengths, prior, impacts, beyond } = one.terms;
+        let own = [likelihood, in_common, strengths, prior, impacts, beyond, one.terms.log_posterior()];
+        let numbers: Vec<String> =
+            [one.mean_square].into_iter().chain(own).map(|x| format!("{:>11}", fixed(x, 2))).collect();
+        let name = match (rank, &one.effects[..]) {
+            (0, []) => "no gap".to_owned(),
+            (_, []) => "none of these effects".to_owned(),
+            (_, effects) => effects.join(" + "),
+        };
+        let screened = if one.simulated { "" } else { ", by its signature" };
+        let _ = writeln!(out, "  {}  {name}{screened}", numbers.concat());
+    }
+    out
+}
 
 pub fn text(found: &Diagnosis) -> String {
     let mut out = format!("{}\n\n", found.summary);
