@@ -1,8 +1,8 @@
-//! The chain's speed as ratios in one run: simulated seconds a wall second of each vector width, against rapier, against
-//! the number of carts, and over threads; and what larger steps cost in accuracy.
+//! The chain's speed as ratios in one run: simulated seconds a wall second of each vector width, against rapier,
+//! against the number of carts, and over threads; and what larger steps cost in accuracy.
 //!
-//! The rival: rapier (f64) moves the same carts, with the same forces set from outside before every step; they are evaluated
-//! by the widest kernel of this program, so that rapier is only charged for its own part and the copying.
+//! The rival: rapier (f64) moves the same carts, with the same forces set from outside before every step; they are
+//! evaluated by the widest kernel of this program, so that rapier is only charged for its own part and the copying.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -202,7 +202,8 @@ fn threads() {
     }
 }
 
-/// NRMSD of the first two seconds, before chaos, and differences of a lap's mean and deviation, in % of the lap's range.
+/// NRMSD of the first two seconds, before chaos, and differences of a lap's mean and deviation, in % of the lap's
+/// range.
 fn accuracy() {
     println!("steps against a run at 0.1 ms, no settling: worst channel, % of its range over the lap");
     let simulation = reference();

@@ -1,8 +1,8 @@
 //! What a diagnosis costs: three runs with a step of a rail on one track, over all cores.
 //!
-//! `cargo bench --bench gap [-- LAYOUT.lss]`, the oval of the identification's benches when no layout is given. Its rivals in the same run: the
-//! nominal fits alone, which identification needs anyway; and a real re-fit of every candidate in place of the fast screen, reckoned from what
-//! simulations of re-fits take here.
+//! `cargo bench --bench gap [-- LAYOUT.lss]`, the oval of the identification's benches when no layout is given. Its
+//! rivals in the same run: the nominal fits alone, which identification needs anyway; and a real re-fit of every
+//! candidate in place of the fast screen, reckoned from what simulations of re-fits take here.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

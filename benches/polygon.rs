@@ -1,7 +1,7 @@
 //! What `docs/polygon.md` claims: `cargo bench --bench polygon`.
 //!
-//! How well the kinematic measure predicts the dynamic model over random layouts (rank correlation), and the search beside
-//! Box's complex method on the same problem.
+//! How well the kinematic measure predicts the dynamic model over random layouts (rank correlation), and the search
+//! beside Box's complex method on the same problem.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -45,8 +45,8 @@ fn main() {
 /// The reference track as a layout that may be optimised.
 const REFERENCE: &str = include_str!("../examples/reference.lss");
 
-/// The reference track with every section shifted sideways at random, which keeps its ten turns of 90° and the length within a
-/// few metres: 40 tracks that differ in their phases alone.
+/// The reference track with every section shifted sideways at random, which keeps its ten turns of 90° and the length
+/// within a few metres: 40 tracks that differ in their phases alone.
 fn shifted(seed: u64) -> Layout {
     let mut layout = layout(REFERENCE);
     let problem = Problem::new(&layout, Scope::Obstacles);

@@ -1,6 +1,6 @@
-//! Reading long runs: `cargo bench --bench runs` makes one of 10 million rows and 16 columns in the folder for temporary files, reads it
-//! as CSV, MDF4 and Parquet in a process of its own each, and prints megabytes a second and the most memory that was used.
-//! `cargo bench --bench runs -- ROWS` takes another length.
+//! Reading long runs: `cargo bench --bench runs` makes one of 10 million rows and 16 columns in the folder for
+//! temporary files, reads it as CSV, MDF4 and Parquet in a process of its own each, and prints megabytes a second and
+//! the most memory that was used. `cargo bench --bench runs -- ROWS` takes another length.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

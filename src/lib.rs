@@ -1,9 +1,10 @@
 //! `lss` compiles conveyor track layouts.
 //!
-//! A layout flows one way through the rooms below, each a pure function from one plain type to the next. A room uses only rooms above it;
-//! `tests/architecture.rs` holds that, and `docs/architecture.md` says why.
+//! A layout flows one way through the rooms below, each a pure function from one plain type to the next. A room uses
+//! only rooms above it; `tests/architecture.rs` holds that, and `docs/architecture.md` says why.
 //!
-//! - [`base`]: what has no subject: writing of numbers, JSON, random numbers, Student's t, a parallel map, hashing, trigonometry,
+//! - [`base`]: what has no subject: writing of numbers, JSON, random numbers, Student's t, a parallel map, hashing,
+//!   trigonometry,
 //! - [`source`]: files and spans; the only door to the disk, with the project's root,
 //! - [`diagnostic`]: one type of diagnostic, its codes and their pages, as text and as JSON,
 //! - [`syntax`]: text to a tree and back, keeping comments,
@@ -16,7 +17,8 @@
 //! - [`kinematics`]: the chain on the centre line, polygon action,
 //! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
 //! - [`compiled`]: a solved layout with everything that its readers need worked out once,
-//! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have from it,
+//! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have
+//!   from it,
 //! - [`signal`]: runs and campaigns, filters, spectra, load cycles, deviations between runs,
 //! - [`dynamics`]: bodies, contacts, motors, control, integration, the sensor cart; deviations, but no effects,
 //! - [`effects`]: one file an effect: what it does to the chain or to its sensors, and how it is told from others,

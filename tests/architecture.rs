@@ -1,5 +1,5 @@
-//! The plan of the house: rooms stand in an order, a room uses only rooms above it, and files of one folder do not need each other in a
-//! circle. `docs/architecture.md` says why.
+//! The plan of the house: rooms stand in an order, a room uses only rooms above it, and files of one folder do not need
+//! each other in a circle. `docs/architecture.md` says why.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

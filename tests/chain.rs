@@ -1,5 +1,5 @@
-//! The chain against what is known of it: an independent implementation's converged values, closed forms, conservation laws,
-//! and itself with other steps, integrators and vector widths (design: chain model, checks with a known answer).
+//! The chain against what is known of it: an independent implementation's converged values, closed forms, conservation
+//! laws, and itself with other steps, integrators and vector widths (design: chain model, checks with a known answer).
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

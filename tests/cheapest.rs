@@ -1,6 +1,6 @@
-//! `optimise cost` against every choice of turns and radii of small random layouts. What pieces cost is counted here by another
-//! route, and of straights that close a loop in one way more than they must, the cheapest is where one of them has a length at
-//! which pieces change: all those are tried.
+//! `optimise cost` against every choice of turns and radii of small random layouts. What pieces cost is counted here by
+//! another route, and of straights that close a loop in one way more than they must, the cheapest is where one of them
+//! has a length at which pieces change: all those are tried.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -11,7 +11,8 @@ use lss::geometry::PieceKind;
 use lss::solve::{Counted, Effort, Options, pareto};
 use small::{Asked, Random, SHORTEST, STEP, Small, choices, last, layout, random, text};
 
-/// The catalogue of `small`, from `standard`: EUR a metre, a piece and a cut of straights; EUR a metre and a piece of curves.
+/// The catalogue of `small`, from `standard`: EUR a metre, a piece and a cut of straights; EUR a metre and a piece of
+/// curves.
 const STRAIGHT: (f64, f64, f64) = (210.0, 60.0, 35.0);
 const CURVE: (f64, f64) = (340.0, 140.0);
 /// Stock lengths and the steps of a curve's largest piece.

@@ -83,8 +83,8 @@ const CONFLICTS: [Told; 5] = [
         &[("require angle(P1) <= 85 deg", "5° more would do")],
         "",
     ),
-    // Fixed vertices 24 m apart, for 30 m. The loop is a rectangle, as four turns of at most 90° make it: P3 alone can only
-    // go on, while P2 goes back and aside alike with the loop turning along: (24 + d)² + d² = 30².
+    // Fixed vertices 24 m apart, for 30 m. The loop is a rectangle, as four turns of at most 90° make it: P3 alone can
+    // only go on, while P2 goes back and aside alike with the loop turning along: (24 + d)² + d² = 30².
     (
         "  fix all P1..P2\n  fix P3\n  require length(P2..P3) >= 30 m\n  require radius(P4) >= 6 m",
         &[
@@ -94,7 +94,8 @@ const CONFLICTS: [Told; 5] = [
         ],
         "",
     ),
-    // Tangent lengths are radii where turns are 90°. What the layout narrows is a line; what the catalogue offers is not.
+    // Tangent lengths are radii where turns are 90°. What the layout narrows is a line; what the catalogue offers is
+    // not.
     (
         "  radii 3 m .. 5 m\n  require length(P1..P2) - length(straight(P1..P2)) >= 12 m\n  require radius(P3) <= 4 m",
         &[
@@ -207,8 +208,8 @@ fn readme(straight: &str, fixed: &str) -> String {
     )
 }
 
-/// Chutes of 45 m and two curves do not fit in 40 m, and opposite sides of a loop of four right angles are equally long: two
-/// conflicts, which have only the chutes in common.
+/// Chutes of 45 m and two curves do not fit in 40 m, and opposite sides of a loop of four right angles are equally
+/// long: two conflicts, which have only the chutes in common.
 #[test]
 fn a_hall_too_short_for_its_chutes_is_named_with_them() {
     let (sources, layout) = check(&readme("45 m", "  fix all P1..P2\n"));
@@ -305,8 +306,8 @@ fn what_the_grid_forbids_is_proven_by_it() {
     assert!(said[0].message.starts_with("no layout on the catalogue's grid meets"), "{said:?}");
 }
 
-/// What is wrong with a layout by evaluations that share no code with the rows of a problem: the worst excess, m or rad, over
-/// the lines that count, of which one may give way.
+/// What is wrong with a layout by evaluations that share no code with the rows of a problem: the worst excess, m or
+/// rad, over the lines that count, of which one may give way.
 fn excess(layout: &Layout, corners: &[Corner], counts: &dyn Fn(Span) -> bool, gives: Option<(Span, f64)>) -> f64 {
     let track = Track::new(corners);
     let mut worst = if self_crossings(&track).is_empty() { 0.0f64 } else { 1.0 };
@@ -410,8 +411,8 @@ fn value(formula: &Formula, corners: &[Corner], track: &Track) -> f64 {
     }
 }
 
-/// What is left of a violation that counts as none: rows hold to a millionth, and lengths of fixed sections are given by rows that
-/// agree to second order only.
+/// What is left of a violation that counts as none: rows hold to a millionth, and lengths of fixed sections are given
+/// by rows that agree to second order only.
 const MET: f64 = 5e-6;
 
 /// Each statement of a conflict, checked by evaluations of their own; how many of them were made.

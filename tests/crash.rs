@@ -1,5 +1,6 @@
-//! Nothing is lost in a crash: `lss` is killed at each of its writing calls in turn, by `strace`. Afterwards every file is the old one or
-//! the new one, whole, and the next run succeeds and leaves nothing behind. Without strace this says that it was skipped.
+//! Nothing is lost in a crash: `lss` is killed at each of its writing calls in turn, by `strace`. Afterwards every file
+//! is the old one or the new one, whole, and the next run succeeds and leaves nothing behind. Without strace this says
+//! that it was skipped.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::expect_used, clippy::unwrap_used)]
@@ -276,7 +277,8 @@ for line in sys.stdin:
     print(json.dumps(say), flush=True)
 "#;
 
-/// The interpreter itself: what is found by PATH may be a script that starts a hundred programs, each of which would be traced.
+/// The interpreter itself: what is found by PATH may be a script that starts a hundred programs, each of which would be
+/// traced.
 fn python() -> String {
     let output = Command::new("python3").args(["-c", "import sys; print(sys.executable)"]).output().expect("python3");
     String::from_utf8_lossy(&output.stdout).trim().to_owned()

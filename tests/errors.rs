@@ -1,4 +1,5 @@
-//! Every code has a page and a case. The case is the page's example; its snapshot shows the source and then the message.
+//! Every code has a page and a case. The case is the page's example; its snapshot shows the source and then the
+//! message.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -1,4 +1,5 @@
-//! A chain that does not fit its track, as users see it: in the build, on the drawing, in the outputs and in the simulation.
+//! A chain that does not fit its track, as users see it: in the build, on the drawing, in the outputs and in the
+//! simulation.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -1,5 +1,5 @@
-//! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects, and replicate
-//! runs scatter by white noise.
+//! The diagnosis on a made-up model whose truth is known in closed form: features are linear in nuisances and effects,
+//! and replicate runs scatter by white noise.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -15,8 +15,8 @@ use std::sync::Mutex;
 const FEATURES: usize = 120;
 const RUNS: usize = 3;
 
-/// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain, `twin` is nearly `wave`,
-/// `rough` lets laps scatter in channel a, `far` is not in proportion to its strength.
+/// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain,
+/// `twin` is nearly `wave`, `rough` lets laps scatter in channel a, `far` is not in proportion to its strength.
 struct Made {
     candidates: Vec<Candidate>,
     frames: Vec<Frame>,
@@ -42,7 +42,8 @@ const FAR: usize = 9;
 /// What `far` does at once, which no effect does alone.
 const AT_ONCE: usize = 10;
 
-/// What a strength of an effect does; all are in proportion but `far`, which does one thing at once and another only when it is large.
+/// What a strength of an effect does; all are in proportion but `far`, which does one thing at once and another only
+/// when it is large.
 fn done(candidate: usize, strength: f64, run: usize, k: usize) -> f64 {
     if candidate != FAR {
         return strength * shape(candidate, run, k);
@@ -364,7 +365,8 @@ fn a_nuisance_that_is_not_linear_does_not_bend_strengths() {
     assert!(first.gap_closed.expect("runs left out") > 0.9, "{first:?}");
 }
 
-/// What is asked keeps to the bounds, where they hold less than the truth, one sign only, or hardly more than the trial.
+/// What is asked keeps to the bounds, where they hold less than the truth, one sign only, or hardly more than the
+/// trial.
 #[test]
 fn no_strength_beyond_its_bounds_is_ever_asked_for() {
     for (low, high, trial) in

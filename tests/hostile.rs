@@ -236,8 +236,8 @@ fn imports_without_end_are_one_message() {
     analyse(&mut sources, &mut loader, main, None);
 }
 
-/// What fuzzing found: a page without its dictionary and a length of too many bytes, which were panics; a dictionary of a few bytes that says to be of gigabytes; a field
-/// that ends behind the file, which took minutes.
+/// What fuzzing found: a page without its dictionary and a length of too many bytes, which were panics; a dictionary of
+/// a few bytes that says to be of gigabytes; a field that ends behind the file, which took minutes.
 #[test]
 fn parquet_files_that_fuzzing_found_end_in_errors() {
     use lss::signal::parquet;

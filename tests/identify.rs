@@ -139,8 +139,8 @@ fn truths_are_found_again_in_every_law_and_work_is_kept() {
             Parameter::TriggerPosition => 0.02,
             // Over eight draws of the noise it is off by 0.03 at most.
             Parameter::RestitutionSteering => 0.1,
-            // Over the same draws it is off by 0.1 in the root mean square: in one of eight its slopes are lost in chaos, and then its
-            // interval is wide.
+            // Over the same draws it is off by 0.1 in the root mean square: in one of eight its slopes are lost in
+            // chaos, and then its interval is wide.
             _ => 0.3,
         };
         assert!((found - truth).abs() < near, "{}: {e}, true {truth}", p.name());

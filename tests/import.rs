@@ -111,8 +111,8 @@ fn an_optimised_layout_comes_back() {
     comes_back(&name, &Compiled::new(layout, stages));
 }
 
-/// Straights without length are not drawn. The loop begins behind one, between two arcs that turn the same way, which must not
-/// become a single vertex.
+/// Straights without length are not drawn. The loop begins behind one, between two arcs that turn the same way, which
+/// must not become a single vertex.
 #[test]
 fn arcs_that_meet_directly_come_back() {
     let t = 4.0 * trig::tan(trig::PI / 8.0);

@@ -63,8 +63,8 @@ fn climbs_keep_their_room() {
     );
     let compiled = build(&text);
     feasible(&compiled);
-    // The smallest curves of the catalogue; up at the ramp's slope behind `from`, down at the catalogue's steepest, both
-    // with its smallest vertical radius. Opposite straights of a rectangle are alike.
+    // The smallest curves of the catalogue; up at the ramp's slope behind `from`, down at the catalogue's steepest,
+    // both with its smallest vertical radius. Opposite straights of a rectangle are alike.
     let longer = (0.5 + plan(1.0, 6.0, 0.14)).max(plan(1.0, 6.0, 0.2));
     let least = 6.0 * trig::PI + 2.0 * longer + 2.0 * 0.2;
     let last = compiled.stages.last().expect("a stage");

@@ -1,5 +1,5 @@
-//! Limits for a whole run: `--time-limit` ends a search with the best so far and says so, `--threads` is taken by every verb; neither
-//! changes what is written where it cut nothing.
+//! Limits for a whole run: `--time-limit` ends a search with the best so far and says so, `--threads` is taken by every
+//! verb; neither changes what is written where it cut nothing.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -1,5 +1,5 @@
-//! Reading a long run takes little more memory than its numbers, as CSV and as MDF4. Each is read in a process of its own,
-//! whose peak is its own.
+//! Reading a long run takes little more memory than its numbers, as CSV and as MDF4. Each is read in a process of its
+//! own, whose peak is its own.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -1,5 +1,5 @@
-//! Models outside: what they may do wrong, and what becomes of them when they do it right. Without python3 these say that they were
-//! skipped.
+//! Models outside: what they may do wrong, and what becomes of them when they do it right. Without python3 these say
+//! that they were skipped.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -31,7 +31,8 @@ fn command(model: &str) -> String {
     format!("python3 \"{}\"", root().join(model).display())
 }
 
-/// A model that does one thing wrong, which its first argument names. It writes its process into the file of its second.
+/// A model that does one thing wrong, which its first argument names. It writes its process into the file of its
+/// second.
 const WRONG: &str = r#"
 import json, os, sys, time
 mode = sys.argv[1]
@@ -216,7 +217,8 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
     assert_eq!(outside.simulate(0, &[0.0, 0.0], &[Applied { candidate: 99, strengths: vec![1.0] }]), None);
 }
 
-/// A frame with its nuisances moved and an effect added: what is left, whitened, and how it answers the nuisances and, last, the strength.
+/// A frame with its nuisances moved and an effect added: what is left, whitened, and how it answers the nuisances and,
+/// last, the strength.
 struct Fit<'a> {
     outside: &'a Outside,
     run: usize,
@@ -248,8 +250,8 @@ impl Fit<'_> {
         DMatrix::from_columns(&(0..=self.step.len()).map(moved).collect::<Vec<_>>())
     }
 
-    /// Fits the nuisances; the mean square that is left, and how that answers the strength: what is left beside the nuisances, and
-    /// what of the strength's slope is.
+    /// Fits the nuisances; the mean square that is left, and how that answers the strength: what is left beside the
+    /// nuisances, and what of the strength's slope is.
     fn fit(&mut self, strength: f64) -> (DVector<f64>, DVector<f64>) {
         for last in [false, false, true] {
             let left = self.left(&self.step, strength);
@@ -268,8 +270,8 @@ impl Fit<'_> {
     }
 }
 
-/// Share of the root mean square residual that an effect closes on frames that had no part in finding its strength, nuisances fitted
-/// anew; and the mean strength.
+/// Share of the root mean square residual that an effect closes on frames that had no part in finding its strength,
+/// nuisances fitted anew; and the mean strength.
 fn closure(outside: &Outside, candidate: usize) -> (f64, f64) {
     let frames = outside.frames();
     let bounds = &outside.candidates()[candidate].strengths[0];
@@ -324,8 +326,8 @@ fn the_example_misses_radiation() {
     assert!(all[1].1 < closed - 0.1, "{all:?}");
 }
 
-/// A real drive without its dry friction. A force balance fitted to one half of the data and by_signature on the other says the same in
-/// other numbers: Coulomb's law closes 73 %, quadratic 45 %, cubic 37 %, a spring 2 %.
+/// A real drive without its dry friction. A force balance fitted to one half of the data and by_signature on the other
+/// says the same in other numbers: Coulomb's law closes 73 %, quadratic 45 %, cubic 37 %, a spring 2 %.
 #[test]
 fn a_real_drive_misses_dry_friction() {
     // Beside the repository, or beside the folder of its worktrees.
@@ -359,8 +361,8 @@ fn a_real_drive_misses_dry_friction() {
     assert!(all[1].1 < all[0].1 - 0.15, "{all:?}");
 }
 
-/// A model of a line that knows two more shapes; a file says which of its effects is the sine. It notes each simulation with an effect in the
-/// file `count`, and kills `lss` once the number in the file `kill` is reached.
+/// A model of a line that knows two more shapes; a file says which of its effects is the sine. It notes each simulation
+/// with an effect in the file `count`, and kills `lss` once the number in the file `kill` is reached.
 const CHANGING: &str = r#"
 import json, math, os, signal, sys
 here = os.path.dirname(os.path.abspath(__file__))

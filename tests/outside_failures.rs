@@ -1,5 +1,5 @@
-//! Models outside that misbehave with an effect: what they did not answer is told, and rules nothing out. Without python3 these say that
-//! they were skipped.
+//! Models outside that misbehave with an effect: what they did not answer is told, and rules nothing out. Without
+//! python3 these say that they were skipped.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -23,7 +23,8 @@ fn python() -> bool {
     found
 }
 
-/// The oven of the examples with some lines of Python before it answers; `asked` is the request, `area` the radiation's.
+/// The oven of the examples with some lines of Python before it answers; `asked` is the request, `area` the
+/// radiation's.
 fn oven(folder: &Path, name: &str, lines: &str) -> PathBuf {
     let text = fs::read_to_string(root().join("examples/outside/model.py")).expect("the example");
     let before = "    asked = json.loads(line)\n";
@@ -89,7 +90,8 @@ fn run(script: &Path, out: &Path) -> Output {
     command.current_dir(root()).args(arguments).arg(out).output().expect("it runs")
 }
 
-/// A model that refuses what is larger than it can do still gives a whole answer: exit code 0, and what was refused is told.
+/// A model that refuses what is larger than it can do still gives a whole answer: exit code 0, and what was refused is
+/// told.
 #[test]
 fn a_refused_strength_leaves_the_answer_whole() {
     if !python() {

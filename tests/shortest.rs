@@ -1,5 +1,5 @@
-//! Stage 3 against every choice of turns and radii of small random layouts, each solved by another route: straights that close a
-//! loop and cost least are a basic solution of their two equations, so all pairs are tried.
+//! Stage 3 against every choice of turns and radii of small random layouts, each solved by another route: straights
+//! that close a loop and cost least are a basic solution of their two equations, so all pairs are tried.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -20,7 +20,8 @@ fn steers(c: char) -> bool {
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Runs a verb in a folder; what it says on both streams holds nothing that steers a terminal. Standard output is returned.
+/// Runs a verb in a folder; what it says on both streams holds nothing that steers a terminal. Standard output is
+/// returned.
 fn said(at: &Path, arguments: &[&str]) -> String {
     let mut command = Command::cargo_bin("lss").expect("the binary");
     let output = command.current_dir(at).args(arguments).output().unwrap();

@@ -130,7 +130,8 @@ fn what_cannot_be_climbed_is_said() {
     }
 }
 
-/// Without a word on how, a climb takes the steepest slope and the largest radius that fit, in the middle of the straight.
+/// Without a word on how, a climb takes the steepest slope and the largest radius that fit, in the middle of the
+/// straight.
 #[test]
 fn a_climb_has_defaults() {
     assert!(said("level P1..P2 1 m\nlevel P3..P4 2 m").iter().all(|m| m.starts_with("W0711")));

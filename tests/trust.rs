@@ -1,4 +1,5 @@
-//! What a project that somebody else wrote can make `lss` read and write: nothing beyond its root. `SECURITY.md` names these tests.
+//! What a project that somebody else wrote can make `lss` read and write: nothing beyond its root. `SECURITY.md` names
+//! these tests.
 
 #![cfg(unix)]
 #![allow(clippy::expect_used, clippy::unwrap_used)]

@@ -1,8 +1,8 @@
 //! Studies of identification, too long for tests; docs/identification.md shows what they print.
 //!
-//! `cargo bench --bench identify -- recovery 50`: random truths on four layouts, measured with another integrator, step and noise; how
-//! often the 90 % intervals hold them, and the bias. `... -- campaign DIR`: a campaign of 22 runs on seven layouts to fit with
-//! `lss identify DIR`, with the truths beside it. `... -- one`: a fit's time on one core.
+//! `cargo bench --bench identify -- recovery 50`: random truths on four layouts, measured with another integrator, step
+//! and noise; how often the 90 % intervals hold them, and the bias. `... -- campaign DIR`: a campaign of 22 runs on
+//! seven layouts to fit with `lss identify DIR`, with the truths beside it. `... -- one`: a fit's time on one core.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -57,8 +57,8 @@ fn truth(nominal: &Simulation, restitution: (f64, f64), state: &mut u64) -> [f64
     })
 }
 
-/// A lap as a sensor cart would bring it home: a quarter of the usual step or less, every fifth by Runge and Kutta's method, noise of 1 N and
-/// 0.05 rad/s; the sidecar has the nominal values.
+/// A lap as a sensor cart would bring it home: a quarter of the usual step or less, every fifth by Runge and Kutta's
+/// method, noise of 1 N and 0.05 rad/s; the sidecar has the nominal values.
 fn measure(nominal: &Simulation, truth: &[f64; COUNT], case: u64, state: &mut u64) -> Run {
     let mut real = nominal.clone();
     Parameter::ALL.iter().for_each(|p| p.set(&mut real, truth[p.index()]));

@@ -1,4 +1,5 @@
-//! Any bytes as a run in CSV, of a sensor cart and of another machine: columns that can be written again, or an error that can be shown.
+//! Any bytes as a run in CSV, of a sensor cart and of another machine: columns that can be written again, or an error
+//! that can be shown.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

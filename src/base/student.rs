@@ -2,11 +2,11 @@
 
 use crate::base::trig::{FRAC_PI_2, sin_cos, tan};
 
-/// Half the width of a two-sided interval in standard errors: the t below which |T| stays with probability `confidence` for
-/// `dof` degrees of freedom. Infinite without any.
+/// Half the width of a two-sided interval in standard errors: the t below which |T| stays with probability `confidence`
+/// for `dof` degrees of freedom. Infinite without any.
 ///
-/// For whole degrees of freedom the distribution is a finite sum in θ = atan(t/√ν) (Abramowitz and Stegun 1964, 26.7.3 and
-/// 26.7.4), and θ is found by bisection.
+/// For whole degrees of freedom the distribution is a finite sum in θ = atan(t/√ν) (Abramowitz and Stegun 1964, 26.7.3
+/// and 26.7.4), and θ is found by bisection.
 ///
 /// ```
 /// use lss::base::student::two_sided;
@@ -30,7 +30,8 @@ pub fn two_sided(confidence: f64, dof: usize) -> f64 {
 fn within(angle: f64, dof: usize) -> f64 {
     let (sin, cos) = sin_cos(angle);
     let odd = !dof.is_multiple_of(2);
-    // Odd: cos + 2/3 cos³ + (2·4)/(3·5) cos⁵ … up to cos^(ν−2). Even: 1 + 1/2 cos² + (1·3)/(2·4) cos⁴ … up to cos^(ν−2).
+    // Odd: cos + 2/3 cos³ + (2·4)/(3·5) cos⁵ … up to cos^(ν−2). Even: 1 + 1/2 cos² + (1·3)/(2·4) cos⁴ … up to
+    // cos^(ν−2).
     let (mut term, mut sum, mut power) = if odd { (cos, 0.0, 1) } else { (1.0, 0.0, 0) };
     while power + 2 <= dof && term > 0.0 {
         sum += term;

@@ -68,9 +68,9 @@ pub enum Before {
     Contradicted,
 }
 
-/// Answers what is not answered yet: `diagnose` takes a case's folder and where `gap.json` shall be, and says why there is none. An
-/// answer is kept for as long as `program`, which stands for the diagnosis, and the case's files are the same; where some are kept and
-/// some lack, the first that is kept is asked again. Returns SHA-256 over all answers.
+/// Answers what is not answered yet: `diagnose` takes a case's folder and where `gap.json` shall be, and says why there
+/// is none. An answer is kept for as long as `program`, which stands for the diagnosis, and the case's files are the
+/// same; where some are kept and some lack, the first that is kept is asked again. Returns SHA-256 over all answers.
 ///
 /// # Errors
 ///
@@ -200,7 +200,8 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, Trouble> {
     Ok(files)
 }
 
-/// Copies the files of a case. A copy of what a link leads to would look like the case's own, so none leads out of the challenge.
+/// Copies the files of a case. A copy of what a link leads to would look like the case's own, so none leads out of the
+/// challenge.
 fn copied(folder: &Path, case: &str, to: &Path) -> Result<(), Trouble> {
     let trouble = |path: &Path| {
         let path = path.to_owned();

@@ -103,7 +103,8 @@ fn widen(track: &mut Track, Corner { pieces: [before, arc, behind], radius, turn
     lengthen(&mut track.elements[behind], -lost);
 }
 
-/// With the straight between two corners turned about the middle between their vertices, which move along the straights before and behind.
+/// With the straight between two corners turned about the middle between their vertices, which move along the straights
+/// before and behind.
 fn turn(track: &mut Track, one: Corner, other: Corner, more: f64) {
     let between = track.elements[one.pieces[2]].form().length();
     let half = 0.5 * (between + tangent(one.radius, one.turn) + tangent(other.radius, other.turn));

@@ -293,8 +293,8 @@ fn ratios<'a>(
     distances.iter().filter_map(|(c, x)| Some(x / repeatability.get(c).filter(|f| **f > 0.0)?))
 }
 
-/// The strength within `range` at which an effect is so far over the repeatability, and how far it really is there. An effect that never gets
-/// so far has its largest, and one that cannot be simulated any more the last that could.
+/// The strength within `range` at which an effect is so far over the repeatability, and how far it really is there. An
+/// effect that never gets so far has its largest, and one that cannot be simulated any more the last that could.
 fn calibrated(range: (f64, f64), wanted: f64, over: impl Fn(f64) -> Option<f64>) -> Option<(f64, f64)> {
     // What is beside the repeatability: distances add by their squares.
     let beside = |ratio: f64| (ratio * ratio - 1.0).max(0.01).sqrt();

@@ -134,8 +134,8 @@ fn placed(truth: &Truth, named: &Named) -> bool {
     })
 }
 
-/// Of the parts that belong to a place, how much lies on or beside the stretches where effects act; and how much of the track those
-/// stretches are.
+/// Of the parts that belong to a place, how much lies on or beside the stretches where effects act; and how much of the
+/// track those stretches are.
 fn overlap(case: &Case, answer: &Answer) -> Option<(f64, f64)> {
     let stretches: Vec<(f64, f64)> =
         case.truth.iter().map(|t| t.place.map(|(a, b)| (a - NEAR, b + NEAR))).collect::<Option<Vec<_>>>()?;

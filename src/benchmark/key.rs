@@ -90,8 +90,8 @@ pub struct Case {
     pub name: String,
     pub kind: Kind,
     pub truth: Vec<Truth>,
-    /// What the effects do to the two-cart means over the repeatability: two replicate laps' root mean square distance, in the channel in
-    /// which that is most. 0 without effects.
+    /// What the effects do to the two-cart means over the repeatability: two replicate laps' root mean square distance,
+    /// in the channel in which that is most. 0 without effects.
     pub strength_over_floor: f64,
     pub level: Option<Level>,
     /// Gap closed by the true effect at its true strength, with the true nuisances.

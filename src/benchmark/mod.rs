@@ -1,9 +1,9 @@
-//! The sealed challenge: campaigns whose effects are withheld, made by another simulation than the diagnosis has, and the score of
-//! what it says of them.
+//! The sealed challenge: campaigns whose effects are withheld, made by another simulation than the diagnosis has, and
+//! the score of what it says of them.
 //!
-//! A challenge is a folder: `case-001/` and so on, each a campaign of three runs with its layout; `challenge.json` with what
-//! everybody may know, the salted SHA-256 of the key among it; and `key.sealed`. [`answering::answer`] fills `answers/`, and
-//! only [`answering::judged`] opens the key.
+//! A challenge is a folder: `case-001/` and so on, each a campaign of three runs with its layout; `challenge.json` with
+//! what everybody may know, the salted SHA-256 of the key among it; and `key.sealed`. [`answering::answer`] fills
+//! `answers/`, and only [`answering::judged`] opens the key.
 
 pub mod answering;
 mod curves;

@@ -1,5 +1,6 @@
-//! The system that a case is measured on: nuisances by chance, a scatter that every built chain has, another contact smoothing than
-//! the model's, finer steps or another integrator, and a measuring chain with noise, a jittering trigger and quantisation.
+//! The system that a case is measured on: nuisances by chance, a scatter that every built chain has, another contact
+//! smoothing than the model's, finer steps or another integrator, and a measuring chain with noise, a jittering trigger
+//! and quantisation.
 
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
@@ -22,7 +23,8 @@ use std::collections::BTreeMap;
 /// Time before a run, s: what the start leaves has died away.
 const SETTLE: f64 = 20.0;
 
-/// Steps a second that an adaptive integrator may need: joints with much damping ask it for steps of microseconds, for which nobody waits.
+/// Steps a second that an adaptive integrator may need: joints with much damping ask it for steps of microseconds, for
+/// which nobody waits.
 const MOST_STEPS: f64 = 40_000.0;
 
 /// A built system.
@@ -94,7 +96,8 @@ impl Reality {
         self.lap(0, change, plan)
     }
 
-    /// A lap as it is measured, without the measuring chain's noise: a quarter of the usual step or less, or by Cash and Karp.
+    /// A lap as it is measured, without the measuring chain's noise: a quarter of the usual step or less, or by Cash
+    /// and Karp.
     pub fn record(&self, run: usize, change: Option<&Changes<'_>>) -> Option<Run> {
         let front = *self.fronts.get(run)?;
         let plan = Plan { method: self.method, front, step: Some(2.5e-4), settle: SETTLE, ..Plan::default() };

@@ -23,7 +23,8 @@ pub struct Score {
     pub by_effect: Vec<Row>,
     /// Of the cases without a gap, those that were said to have one.
     pub false_alarms: Share,
-    /// Probability of "unknown": how well it parts unknown effects from all else, and those of medium and strong level from all else.
+    /// Probability of "unknown": how well it parts unknown effects from all else, and those of medium and strong level
+    /// from all else.
     pub unknown_area: Option<Mean>,
     pub unknown_area_clear: Option<Mean>,
     /// Over all cases and effects of the library, and the same of one who always says how often an effect occurs.
@@ -161,8 +162,8 @@ fn accuracy(all: &[&Judged]) -> Accuracy {
 /// Probabilities, and whether they came true.
 type Forecasts = Vec<(f64, bool)>;
 
-/// Probability and presence of each effect of the library in each case, and the same with each effect's share of the cases for
-/// probability.
+/// Probability and presence of each effect of the library in each case, and the same with each effect's share of the
+/// cases for probability.
 fn forecasts<'a>(cases: &[Case], answer: &impl Fn(&Case) -> &'a Answer) -> (Forecasts, Forecasts) {
     let present =
         |case: &Case, effect: &str| case.kind != Kind::Unknown && case.truth.iter().any(|t| t.effect == effect);

@@ -1,6 +1,6 @@
-//! The sealed key. Compressed and combined with a keystream of its salt, it cannot be read by accident: not by a search for an
-//! effect's name, not by an editor that opens it. It is no secret from somebody who wants to know; what guards against a change is
-//! the salted SHA-256 (FIPS 180-4) that was published before anyone answered.
+//! The sealed key. Compressed and combined with a keystream of its salt, it cannot be read by accident: not by a search
+//! for an effect's name, not by an editor that opens it. It is no secret from somebody who wants to know; what guards
+//! against a change is the salted SHA-256 (FIPS 180-4) that was published before anyone answered.
 
 use crate::base::digest::{hex, sha256};
 use flate2::Compression;

@@ -1,5 +1,5 @@
-//! What is put into cases, written anew: profiles, distributions over carts and sensors' answers are not those of the library, though
-//! a strength means the same. What the library has not is at the end of [`unknown`].
+//! What is put into cases, written anew: profiles, distributions over carts and sensors' answers are not those of the
+//! library, though a strength means the same. What the library has not is at the end of [`unknown`].
 
 use super::curves;
 use crate::base::random::{normal, uniform};

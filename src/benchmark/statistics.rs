@@ -57,8 +57,8 @@ pub fn mean(values: &[f64]) -> Option<Mean> {
     Some(Mean { value: average(&values), low, high, of: values.len() })
 }
 
-/// Area under the receiver operating characteristic: how often a positive's score is above a negative's, ties by half (Mann and Whitney
-/// 1947). `None` without either.
+/// Area under the receiver operating characteristic: how often a positive's score is above a negative's, ties by half
+/// (Mann and Whitney 1947). `None` without either.
 pub fn area(positive: &[f64], negative: &[f64]) -> Option<Mean> {
     let area = |positive: &[f64], negative: &[f64]| {
         // Ranks among the sorted negatives.

@@ -51,7 +51,8 @@ fn answer(verdict: Verdict, effects: Vec<Named>, unknown: f64, none: f64) -> Ans
     }
 }
 
-/// Four cases: an effect that is found, one that stands second but in the first one's group, one without a gap, one unknown.
+/// Four cases: an effect that is found, one that stands second but in the first one's group, one without a gap, one
+/// unknown.
 fn challenge() -> (Vec<Case>, BTreeMap<String, Answer>) {
     let cases = vec![
         case("a", Kind::One, &["rail_step"], 5.0),

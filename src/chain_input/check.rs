@@ -14,7 +14,8 @@ use std::fmt;
 const FARTHEST: f64 = 1e15;
 /// Lengths that are said twice agree to this, m.
 const SAME: f64 = 1e-3;
-/// Pitches by which a chain may be off its track: joints and take-up give less, but a user may try another number of carts.
+/// Pitches by which a chain may be off its track: joints and take-up give less, but a user may try another number of
+/// carts.
 const OFF: f64 = 1.5;
 /// Most elements, carts.
 const ELEMENTS: usize = 10_000;
@@ -248,7 +249,8 @@ impl Found {
             );
             return;
         }
-        // Carts are chords of curves: on an arc of radius R none is longer than 2R, and what is cut off stays below (π/2 − 1) of a chord.
+        // Carts are chords of curves: on an arc of radius R none is longer than 2R, and what is cut off stays below
+        // (π/2 − 1) of a chord.
         if chain.chord_excess_m > said * (FRAC_PI_2 - 1.0) {
             let why = format!(
                 "{} m are more than chords can be shorter than {} m",

@@ -36,8 +36,8 @@ pub struct Deviations {
     /// Where the rails are beside where the centre line has them, m: to the left; upwards under the left and the right
     /// running wheel. Closed tables over the lap, at equal distances; empty for none.
     pub rails: [Vec<f64>; 3],
-    /// Radius of the steering wheels, the left and the right running wheels beside the nominal one, m, over a revolution. Every
-    /// cart's wheels are at another angle.
+    /// Radius of the steering wheels, the left and the right running wheels beside the nominal one, m, over a
+    /// revolution. Every cart's wheels are at another angle.
     pub wheels: [Vec<f64>; 3],
     /// Force along the track on a cart, N, over the lap; empty for none.
     pub resistance: Vec<f64>,
@@ -116,8 +116,9 @@ impl Deviations {
         frame.position + frame.normal * across + frame.up * (0.5 * (left + right))
     }
 
-    /// How much longer than a line the way between its rails is, m, up to each of the tables' points and to the end: the difference of
-    /// two polygons through the points, as the rails are off by little beside their distance. Empty where no rail is off.
+    /// How much longer than a line the way between its rails is, m, up to each of the tables' points and to the end:
+    /// the difference of two polygons through the points, as the rails are off by little beside their distance. Empty
+    /// where no rail is off.
     pub fn longer(&self, line: &CentreLine) -> Vec<f64> {
         let n = self.rails.iter().map(Vec::len).max().unwrap_or(0);
         let planned = Deviations::default();
@@ -133,8 +134,8 @@ impl Deviations {
         longer
     }
 
-    /// How much longer than on the line a chain of so many carts is between the rails, m, whose sides are chords from one station to the next:
-    /// the mean of so many phases.
+    /// How much longer than on the line a chain of so many carts is between the rails, m, whose sides are chords from
+    /// one station to the next: the mean of so many phases.
     pub fn chain_longer(&self, line: &CentreLine, carts: usize, phases: usize) -> f64 {
         if self.rails.iter().all(Vec::is_empty) {
             return 0.0;
@@ -148,7 +149,8 @@ impl Deviations {
         (0..phases).map(|phase| chain(self, phase) - chain(&planned, phase)).sum::<f64>() / phases as f64
     }
 
-    /// The station, m, up to which the way between the rails is the same part of the whole as a station of the line is of the lap.
+    /// The station, m, up to which the way between the rails is the same part of the whole as a station of the line is
+    /// of the lap.
     pub fn spaced(&self, line: &CentreLine, longer: &[f64], station: f64) -> f64 {
         let Some(whole) = longer.last() else { return station };
         let n = (longer.len() - 1) as f64;
@@ -165,8 +167,8 @@ impl Deviations {
         spaced
     }
 
-    /// Offset and slope, m and 1, of rail and wheel `k` (lateral, left, right) under cart `i` at a share of the lap; `lap`
-    /// and `radius` in m.
+    /// Offset and slope, m and 1, of rail and wheel `k` (lateral, left, right) under cart `i` at a share of the lap;
+    /// `lap` and `radius` in m.
     pub fn offset(&self, k: usize, i: usize, station: f64, lap: f64, radius: f64) -> (f64, f64) {
         let (rail, slope) = closed(&self.rails[k], station / lap);
         let turns = station / (trig::TAU * radius) + GOLDEN * i as f64;

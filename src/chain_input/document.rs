@@ -147,8 +147,8 @@ pub struct Chain {
     pub pitch_m: f64,
     /// Length of the centre line, m.
     pub track_length_m: f64,
-    /// What the chain is shorter than the centre line because carts are chords of the curves: Σ θL²/(24R) − L³/(120R²), the mean
-    /// over phases, m.
+    /// What the chain is shorter than the centre line because carts are chords of the curves: Σ θL²/(24R) − L³/(120R²),
+    /// the mean over phases, m.
     pub chord_excess_m: f64,
     /// Track length less chord excess less carts at their pitch, m; negative when the chain has to be compressed.
     pub left_over_m: f64,

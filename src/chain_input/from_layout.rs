@@ -99,8 +99,8 @@ impl Chain {
     }
 }
 
-/// What chords of length L cut off a bend, mean over phases: θL²/(24R) − L³/(120R²) (design: chain model), m. A spiral of slope
-/// angle α bends with the radius R/cos²α.
+/// What chords of length L cut off a bend, mean over phases: θL²/(24R) − L³/(120R²) (design: chain model), m. A spiral
+/// of slope angle α bends with the radius R/cos²α.
 fn chord_excess(form: &Form, chord: f64) -> f64 {
     let bend = |radius: f64, angle: f64| {
         let square = chord * chord;

@@ -1,5 +1,5 @@
-//! The input of a simulation as a plain type, which `simulation.json` holds without any `.lss` (design: chain model), and the deviations from
-//! it that a built machine may have.
+//! The input of a simulation as a plain type, which `simulation.json` holds without any `.lss` (design: chain model),
+//! and the deviations from it that a built machine may have.
 
 mod check;
 mod deviations;

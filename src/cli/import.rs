@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 /// Make a layout of a plan from CAD, a DXF drawing.
 ///
 /// The centre line of lines, arcs and polylines becomes vertices with radii; the outlines on the other layers become
-/// building and obstacles. The layout compiles to the drawn line as it is (`optimise nothing`). Gaps and bends within the
-/// tolerance are healed and reported. What `lss build` draws comes back.
+/// building and obstacles. The layout compiles to the drawn line as it is (`optimise nothing`). Gaps and bends within
+/// the tolerance are healed and reported. What `lss build` draws comes back.
 #[derive(Debug, clap::Args)]
 pub struct Import {
     /// DXF file, as ASCII text.

@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-/// A name for each layout, without an ending: its file's, or where several files are called the same, with the folders in which they
-/// differ: `a-oval` of `a/oval.lss`. Neither a name nor one with the suffix is given twice, nor two that differ only in case.
+/// A name for each layout, without an ending: its file's, or where several files are called the same, with the folders
+/// in which they differ: `a-oval` of `a/oval.lss`. Neither a name nor one with the suffix is given twice, nor two that
+/// differ only in case.
 pub fn names<'a>(layouts: impl Iterator<Item = &'a Path>, suffix: &str) -> BTreeMap<PathBuf, String> {
     let mut paths: Vec<&Path> = Vec::new();
     layouts.for_each(|path| {

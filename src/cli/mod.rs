@@ -36,8 +36,8 @@ use std::process::ExitCode;
 pub struct Cli {
     /// How far files may name other files: nothing outside DIR is read because a file says so.
     ///
-    /// Without it the nearest folder upwards with .git or lss.toml; without one, a layout's own folder, and for runs theirs and the one
-    /// above. Paths on the command line may lead anywhere.
+    /// Without it the nearest folder upwards with .git or lss.toml; without one, a layout's own folder, and for runs
+    /// theirs and the one above. Paths on the command line may lead anywhere.
     #[arg(long, global = true, value_name = "DIR")]
     root: Option<PathBuf>,
     #[command(subcommand)]
@@ -135,7 +135,8 @@ pub fn main() -> ExitCode {
     outcome.into()
 }
 
-/// Says what is wrong with the command line, or helps. What is quoted of it may be the name of a file that somebody else made.
+/// Says what is wrong with the command line, or helps. What is quoted of it may be the name of a file that somebody
+/// else made.
 fn misused(why: &clap::Error) -> ExitCode {
     let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
     let hostile: Vec<String> = words.filter(|word| word.contains(steers)).collect();

@@ -1,5 +1,5 @@
-//! The way from a file to one checked layout that can be built, or on to the input of its simulation, shared by the verbs
-//! that need one.
+//! The way from a file to one checked layout that can be built, or on to the input of its simulation, shared by the
+//! verbs that need one.
 
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, foreign, report};

@@ -47,7 +47,8 @@ pub fn colour(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
-/// Writes a text or JSON to standard output. What would steer a terminal is escaped, as names and texts in it come from files.
+/// Writes a text or JSON to standard output. What would steer a terminal is escaped, as names and texts in it come from
+/// files.
 pub fn print(text: &str) {
     let _ = std::io::stdout().write_all(visible(text).as_bytes());
 }

@@ -30,7 +30,8 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// The kinematic initial state, at the speed of the model, with the front joint of the first cart at arc length `front`, m.
+    /// The kinematic initial state, at the speed of the model, with the front joint of the first cart at arc length
+    /// `front`, m.
     pub fn new(model: Arc<Model>, front: f64, width: Width) -> Result<Chain, Unfit> {
         let (state, memory, closed) = start(&model, front, model.speed)?;
         let forces = Forces::new(&model);
@@ -88,8 +89,8 @@ impl Chain {
         }
     }
 
-    /// Fastest rates at which damping acts now, 1/s: |F| χ/v₀ + c of the joints along the chain, and of joints and wheels across it;
-    /// each pack of carts taken for an endless chain with the strongest of its own.
+    /// Fastest rates at which damping acts now, 1/s: |F| χ/v₀ + c of the joints along the chain, and of joints and
+    /// wheels across it; each pack of carts taken for an endless chain with the strongest of its own.
     pub fn damping_rates(&self) -> (f64, f64) {
         let model = &self.model;
         let along = 4.0 / model.cart.mass;
@@ -112,9 +113,9 @@ impl Chain {
         (axial, across)
     }
 
-    /// Largest step that damping leaves stable now, s. A step h of the integrator leaves a mode of frequency ω and damping rate λ
-    /// stable where hλ + (hω)²/4 ≤ 1, so kept across the chain, where all carts are alike. Along it, peaks pass: only the few
-    /// joints within one are damped that fast, and 1.1/λ is enough.
+    /// Largest step that damping leaves stable now, s. A step h of the integrator leaves a mode of frequency ω and
+    /// damping rate λ stable where hλ + (hω)²/4 ≤ 1, so kept across the chain, where all carts are alike. Along it,
+    /// peaks pass: only the few joints within one are damped that fast, and 1.1/λ is enough.
     pub fn stable_step(&self) -> f64 {
         let (axial, across) = self.damping_rates();
         // The root of h²ω²/4 + hλ = 1 that stays exact where ω is small.

@@ -1,7 +1,7 @@
 //! The contact law F = K δⁿ (1 + χ δ̇/v₀) + c δ̇ at wheels and joints (thesis §2.3; design: chain model, contact law).
 //!
-//! A contact remembers one over the approach speed v₀ of when it last closed, s/m. It is called fresh when it has closed since
-//! the last look, and then remembers anew.
+//! A contact remembers one over the approach speed v₀ of when it last closed, s/m. It is called fresh when it has
+//! closed since the last look, and then remembers anew.
 
 use super::lanes::{Lane, Mask};
 use super::law::Damped;

@@ -48,7 +48,8 @@ impl Control {
         self.speed = speed;
     }
 
-    /// The same behind a delay, s, and with the motors' force bounded to a share; between two samples' commands in proportion.
+    /// The same behind a delay, s, and with the motors' force bounded to a share; between two samples' commands in
+    /// proportion.
     pub fn sample_late(&mut self, controller: &Controller, largest: f64, setpoint: f64, speed: f64, late: &Late) {
         self.sample(controller, late.saturation * largest, setpoint, speed);
         let (now, periods) = (self.command, (late.delay / controller.period).max(0.0));

@@ -1,5 +1,5 @@
-//! Every cart a sensor cart: in a chain of equal carts each one passes the same places, so that a short simulation shows
-//! what many laps of one cart would.
+//! Every cart a sensor cart: in a chain of equal carts each one passes the same places, so that a short simulation
+//! shows what many laps of one cart would.
 
 use super::chain::Chain;
 use super::clock::Clock;
@@ -106,7 +106,8 @@ const COLUMNS: usize = 9;
 /// Samples that are gathered before they are sorted by cart.
 const BLOCK: usize = 64;
 
-/// Simulates a chain that deviates from its input as it is told, from its start or one that has settled, and records its carts.
+/// Simulates a chain that deviates from its input as it is told, from its start or one that has settled, and records
+/// its carts.
 ///
 /// # Errors
 ///

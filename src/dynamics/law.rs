@@ -20,8 +20,8 @@ pub fn factor(law: ContactLaw, e: f64) -> f64 {
     }
 }
 
-/// c of Kelvin-Voigt's linear damper, N s/m: 2ζ√(K_t m) with ζ = −ln e/√(π² + ln² e) and K_t = n K δ_sⁿ⁻¹, the stiffness
-/// at the static load; 0 for the other laws.
+/// c of Kelvin-Voigt's linear damper, N s/m: 2ζ√(K_t m) with ζ = −ln e/√(π² + ln² e) and K_t = n K δ_sⁿ⁻¹, the
+/// stiffness at the static load; 0 for the other laws.
 pub fn viscosity(law: ContactLaw, e: f64, stiffness: f64, exponent: f64, load: f64, mass: f64) -> f64 {
     if law != ContactLaw::KelvinVoigt {
         return 0.0;
@@ -37,13 +37,14 @@ pub fn tangent(stiffness: f64, exponent: f64, load: f64) -> f64 {
     exponent * stiffness * trig::pow(indentation, exponent - 1.0)
 }
 
-/// The restitution that a free impact achieves under F = K δⁿ (1 + d δ̇/v₀): the e of d(1+e) = ln((1+d)/(1−e d)), whatever K
-/// and n (Gonthier 2004).
+/// The restitution that a free impact achieves under F = K δⁿ (1 + d δ̇/v₀): the e of d(1+e) = ln((1+d)/(1−e d)),
+/// whatever K and n (Gonthier 2004).
 pub fn achieved_restitution(d: f64) -> f64 {
     if d <= 0.0 {
         return 1.0;
     }
-    // The left side less the right one is 0 at e = −1 (no root of interest), grows from e = 0 and falls to −∞ where e d = 1.
+    // The left side less the right one is 0 at e = −1 (no root of interest), grows from e = 0 and falls to −∞ where e d
+    // = 1.
     let residual = |e: f64| d * (1.0 + e) - trig::ln((1.0 + d) / (1.0 - e * d));
     bisect(residual, 0.0, (1.0 / d).min(1.0))
 }

@@ -1,4 +1,5 @@
-//! The chain in motion: free rigid carts on any centre line, held by force elements (thesis chapter 2; design: chain model).
+//! The chain in motion: free rigid carts on any centre line, held by force elements (thesis chapter 2; design: chain
+//! model).
 
 mod chain;
 mod clock;

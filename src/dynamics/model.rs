@@ -38,8 +38,8 @@ pub struct Model {
     pub speed: f64,
     /// T₀, N
     pub tension: f64,
-    /// Square of the highest frequency across the chain, 1/s², with joints at their static stretch and running wheels under
-    /// their weight.
+    /// Square of the highest frequency across the chain, 1/s², with joints at their static stretch and running wheels
+    /// under their weight.
     pub stiffness_rate: f64,
     /// Mean closing pitch over 16 phases, m.
     pub pitch: f64,
@@ -106,8 +106,9 @@ pub struct Controller {
 }
 
 impl Model {
-    /// Checks the input and closes the chain: the free cart length is ℓ − sign(T₀)(|T₀|/K)^(1/n), with ℓ the pitch at which
-    /// the chain closes, averaged over phases. The take-up takes what a built track is longer by, so T₀ is the tension there, too.
+    /// Checks the input and closes the chain: the free cart length is ℓ − sign(T₀)(|T₀|/K)^(1/n), with ℓ the pitch at
+    /// which the chain closes, averaged over phases. The take-up takes what a built track is longer by, so T₀ is the
+    /// tension there, too.
     ///
     /// # Errors
     ///
@@ -193,8 +194,8 @@ impl Model {
         self.steering.contact.exponent == 1.5 && self.running.contact.exponent == 1.5
     }
 
-    /// Largest step that the joints' stiffness leaves accurate, s: 0.7/ω of the chain's highest axial mode, ω² = 4K/m, at the
-    /// static stretch of T₀ where the law is not linear.
+    /// Largest step that the joints' stiffness leaves accurate, s: 0.7/ω of the chain's highest axial mode, ω² = 4K/m,
+    /// at the static stretch of T₀ where the law is not linear.
     pub fn largest_step(&self) -> f64 {
         let axial = &self.axial;
         let load = self.tension.abs().max(0.25 * self.cart.mass * self.gravity);
@@ -229,9 +230,10 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// Fastest rate at which dampers act in an endless chain, 1/s: `joint` between each cart's rear and the next one's front,
-    /// `wheels` between front and track, N s/m; of springs, N/m, the square of the highest frequency, 1/s². The larger eigenvalue of W D, with the ends' answers W and the dampers
-    /// D = joint [[1, ±1], [±1, 1]] + wheels [[1, 0], [0, 0]] where neighbours move alike or against each other.
+    /// Fastest rate at which dampers act in an endless chain, 1/s: `joint` between each cart's rear and the next one's
+    /// front, `wheels` between front and track, N s/m; of springs, N/m, the square of the highest frequency, 1/s². The
+    /// larger eigenvalue of W D, with the ends' answers W and the dampers D = joint [[1, ±1], [±1, 1]] + wheels [[1,
+    /// 0], [0, 0]] where neighbours move alike or against each other.
     pub fn rate(&self, joint: f64, wheels: f64) -> f64 {
         let trace = joint * (self.front + self.rear + 2.0 * self.between.abs()) + wheels * self.front;
         let determinant = (self.front * self.rear - self.between * self.between) * joint * wheels;

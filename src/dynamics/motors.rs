@@ -2,8 +2,8 @@
 
 use super::model::Model;
 
-/// Fills `share` with the length of each cart's plate over motors, in motor lengths. A plate reaches from the cart's front
-/// joint to its follower's; `cursor` remembers which cart each motor's begin was under.
+/// Fills `share` with the length of each cart's plate over motors, in motor lengths. A plate reaches from the cart's
+/// front joint to its follower's; `cursor` remembers which cart each motor's begin was under.
 pub fn share(model: &Model, station: &[f64], share: &mut [f64], cursor: &mut [usize]) {
     let (carts, lap, length) = (model.carts, model.segments.line.length, model.motors.length);
     share.fill(0.0);

@@ -1,4 +1,5 @@
-//! Every number of a simulation input by name, as `--set` takes it: the path of its place in `simulation.json`, with dots.
+//! Every number of a simulation input by name, as `--set` takes it: the path of its place in `simulation.json`, with
+//! dots.
 
 use crate::chain_input::Simulation;
 use crate::kinematics::closing;

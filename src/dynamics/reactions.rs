@@ -1,5 +1,5 @@
-//! Reactions of the track's supports: every wheel and motor load is shared by the two supports beside it, as by a simply
-//! supported span, and each support keeps the envelope of what it got.
+//! Reactions of the track's supports: every wheel and motor load is shared by the two supports beside it, as by a
+//! simply supported span, and each support keeps the envelope of what it got.
 
 use super::chain::Chain;
 use super::state::PACK;

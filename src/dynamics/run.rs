@@ -45,7 +45,8 @@ pub enum Method {
 }
 
 impl Method {
-    /// An integrator with steps of at most `step`, s; steps that are not `fixed` keep to what the joints' damping leaves stable.
+    /// An integrator with steps of at most `step`, s; steps that are not `fixed` keep to what the joints' damping
+    /// leaves stable.
     pub(super) fn integrator(self, step: f64, fixed: bool) -> Box<dyn Integrator> {
         match self {
             Method::Verlet if fixed => Box::new(Verlet::new(step)),
@@ -107,13 +108,13 @@ pub struct Outcome {
     pub mean_tension: f64,
 }
 
-/// Simulates a chain that deviates from its input as it is told. `watch` is told how far it is some times a simulated second, and returns
-/// whether to go on.
+/// Simulates a chain that deviates from its input as it is told. `watch` is told how far it is some times a simulated
+/// second, and returns whether to go on.
 ///
 /// # Errors
 ///
-/// [`Unfit`] for an input that no chain can have. Numerical trouble on the way is not an error: it ends the run with what was
-/// recorded.
+/// [`Unfit`] for an input that no chain can have. Numerical trouble on the way is not an error: it ends the run with
+/// what was recorded.
 pub fn simulate(
     simulation: &Simulation,
     deviations: Deviations,

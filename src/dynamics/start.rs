@@ -1,5 +1,5 @@
-//! The kinematic initial state: joints one closing pitch apart on the centre line, or between the rails where these are off it; no roll,
-//! both joints of every cart moving along the track (design: chain model, start).
+//! The kinematic initial state: joints one closing pitch apart on the centre line, or between the rails where these are
+//! off it; no roll, both joints of every cart moving along the track (design: chain model, start).
 
 use super::forces::Memory;
 use super::model::Model;
@@ -11,7 +11,8 @@ use crate::geometry::Frame;
 use crate::kinematics::{Closing, closing};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// State and memory at time 0, with the front joint of the first cart at arc length `front`, m, and the chain at `speed`.
+/// State and memory at time 0, with the front joint of the first cart at arc length `front`, m, and the chain at
+/// `speed`.
 pub fn start(model: &Model, front: f64, speed: f64) -> Result<(State, Memory, Closing), Unfit> {
     let line = &model.segments.line;
     let closed =

@@ -33,8 +33,8 @@ pub struct Accelerations {
     pub angular: [Row; 3],
 }
 
-/// What contacts remember: one over the approach speed v₀ when they last closed, s/m; 0 where open. At a joint the sign is
-/// that of its elongation.
+/// What contacts remember: one over the approach speed v₀ when they last closed, s/m; 0 where open. At a joint the sign
+/// is that of its elongation.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Approach {

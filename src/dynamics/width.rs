@@ -52,8 +52,8 @@ impl Width {
         }
     }
 
-    /// The one to simulate with: [`Width::asked`], which the command line has refused before where it fails. Results do not depend
-    /// on it.
+    /// The one to simulate with: [`Width::asked`], which the command line has refused before where it fails. Results do
+    /// not depend on it.
     pub fn used() -> Self {
         Width::asked().unwrap_or_else(|_| Width::widest())
     }

@@ -1,5 +1,5 @@
-//! Carts that bend: their compliance adds to that of the joint across the chain, 1/K + c at the joint's static load (Shabana 2013, flexible
-//! bodies by their static modes).
+//! Carts that bend: their compliance adds to that of the joint across the chain, 1/K + c at the joint's static load
+//! (Shabana 2013, flexible bodies by their static modes).
 //!
 //! Signature: joint_eta and joint_zeta fluctuate less and their resonance falls.
 

@@ -1,5 +1,5 @@
-//! A drive that answers late, u(t − T), and gives no more than a share of F_max; `gains` are its own, over the planned ones, as it is late by
-//! more than it bears the sooner the larger these are (Åström and Hägglund 2006, delay margin).
+//! A drive that answers late, u(t − T), and gives no more than a share of F_max; `gains` are its own, over the planned
+//! ones, as it is late by more than it bears the sooner the larger these are (Åström and Hägglund 2006, delay margin).
 //!
 //! Signature: slow swings of the chain's speed and of joint_xi everywhere, at any phase.
 

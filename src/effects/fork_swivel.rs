@@ -1,5 +1,5 @@
-//! A wheel fork that does not swivel freely: a friction moment against the cart's turning on the track, −M tanh(Δω/ω_s), with Δω
-//! the cart's yaw rate less that of the track (thesis §4.2 names the fork's rotation missing).
+//! A wheel fork that does not swivel freely: a friction moment against the cart's turning on the track, −M
+//! tanh(Δω/ω_s), with Δω the cart's yaw rate less that of the track (thesis §4.2 names the fork's rotation missing).
 //!
 //! Signature: steering forces and joint_eta shift where curves begin and end, with opposite signs.
 

@@ -1,5 +1,5 @@
-//! Play in the joints: a joint carries no force until half of its play is used up (Flores, Ambrósio, Claro and Lankarani 2008:
-//! F = K (|e| − c/2)ⁿ beyond the play, 0 within; named missing by the thesis, §4.2).
+//! Play in the joints: a joint carries no force until half of its play is used up (Flores, Ambrósio, Claro and
+//! Lankarani 2008: F = K (|e| − c/2)ⁿ beyond the play, 0 within; named missing by the thesis, §4.2).
 //!
 //! Signature: joint_eta and joint_zeta rattle where their forces change sign; fluctuation rises, means hardly change.
 

@@ -1,5 +1,5 @@
-//! Friction in the joints: a moment M tanh(|Δω|/ω_s) against the turning of two carts against each other (Flores et al. 2008, dry
-//! friction in a spherical joint).
+//! Friction in the joints: a moment M tanh(|Δω|/ω_s) against the turning of two carts against each other (Flores et al.
+//! 2008, dry friction in a spherical joint).
 //!
 //! Signature: joint_eta and steering forces shift where curves begin and end.
 

@@ -1,6 +1,7 @@
-//! Items on the carts: every second cart, in an irregular order, carries a mass, at its centre of mass (thesis, chapter 2: carts without items).
-//! The sensor cart is thought to be empty, and so are both carts beside it, unless `on_sensor` is 1, where all carts carry an item, 2 or 3,
-//! where the cart of the number before or after carries one, or 4, where both do. Another `draw` loads others.
+//! Items on the carts: every second cart, in an irregular order, carries a mass, at its centre of mass (thesis, chapter
+//! 2: carts without items). The sensor cart is thought to be empty, and so are both carts beside it, unless `on_sensor`
+//! is 1, where all carts carry an item, 2 or 3, where the cart of the number before or after carries one, or 4, where
+//! both do. Another `draw` loads others.
 //!
 //! Signature: joint_xi along the track and, in curves, steering forces; with `on_sensor` the running wheels' forces.
 

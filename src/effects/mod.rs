@@ -1,7 +1,8 @@
-//! The library of effects that the nominal model lacks: each a change to the chain or to what its sensors say, with strengths.
+//! The library of effects that the nominal model lacks: each a change to the chain or to what its sensors say, with
+//! strengths.
 //!
-//! [`LIBRARY`] lists them; one file each. [`deviations_of`] and [`sense`] are what a simulation with effects is made of, so that
-//! `effect joint_clearance(gap: 0.05 mm)` in a layout runs in `lss simulate` as it does in a diagnosis.
+//! [`LIBRARY`] lists them; one file each. [`deviations_of`] and [`sense`] are what a simulation with effects is made
+//! of, so that `effect joint_clearance(gap: 0.05 mm)` in a layout runs in `lss simulate` as it does in a diagnosis.
 
 mod cart_bending;
 pub mod control_delay;
@@ -68,8 +69,8 @@ pub const LIBRARY: [&Effect; 22] = [
 /// What every built chain has, so that no diagnosis names it; a layout may.
 pub const AS_BUILT: [&Effect; 1] = [&rail_waviness::EFFECT];
 
-/// How far a strength is off, as a share, where another equation made it: of the ones that challenges had and a diagnosis named, half were
-/// within 5 %, three quarters within 25 % (docs/gap-challenges.md).
+/// How far a strength is off, as a share, where another equation made it: of the ones that challenges had and a
+/// diagnosis named, half were within 5 %, three quarters within 25 % (docs/gap-challenges.md).
 const ASSUMED: f64 = 0.15;
 
 /// Of a ratio or a level that a sensor is off by, which has no other equation.
@@ -79,14 +80,14 @@ const EXACT: f64 = 0.0;
 pub struct Effect {
     /// Its name, strengths and places, as a layout may write them.
     pub definition: &'static EffectDefinition,
-    /// Model discrepancy: by what share of itself a strength may be another in the machine, whose equation is not this one, as a standard
-    /// deviation.
+    /// Model discrepancy: by what share of itself a strength may be another in the machine, whose equation is not this
+    /// one, as a standard deviation.
     pub discrepancy: f64,
     /// Of each strength, in the order of the definition.
     pub fitted: &'static [Fitted],
     pub sites: Sites,
-    /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The number is how well the
-    /// site is known, m.
+    /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The
+    /// number is how well the site is known, m.
     pub alternatives: fn(&Site, f64) -> Vec<(Site, Vec<Site>)>,
     /// By what the effect differs in a way that nobody knows, and at which sites it does.
     pub random: Option<(RandomEffect, fn(&Site) -> bool)>,
@@ -128,8 +129,8 @@ pub enum Start {
     Settled,
     /// From a start of its own: on its track the settled chain would begin off the rails.
     Own,
-    /// From a start of its own, of which something is left that a settled chain does not have. The parameters named begin as planned: a fit
-    /// without the effect bends them to imitate it.
+    /// From a start of its own, of which something is left that a settled chain does not have. The parameters named
+    /// begin as planned: a fit without the effect bends them to imitate it.
     Unsettled(&'static [&'static str]),
 }
 
@@ -189,8 +190,8 @@ pub struct Sensed<'a> {
     pub time: &'a [f64],
     /// From one sample to the next, s.
     pub period: f64,
-    /// `steer_left`, `steer_right`, `run_left`, `run_right`, `joint_xi`, `joint_eta`, `joint_zeta`, N; an empty one was not
-    /// measured.
+    /// `steer_left`, `steer_right`, `run_left`, `run_right`, `joint_xi`, `joint_eta`, `joint_zeta`, N; an empty one was
+    /// not measured.
     pub forces: &'a mut [Vec<f64>; FORCES],
     /// The largest of each channel in the whole run, N.
     pub tops: [f64; FORCES],
@@ -259,7 +260,8 @@ pub fn sense(simulation: &Simulation, sensed: &mut Sensed) {
 }
 
 impl Effect {
-    /// An effect of the chain that has one place, no alternatives to it, and differs in nothing by chance: what most begin with.
+    /// An effect of the chain that has one place, no alternatives to it, and differs in nothing by chance: what most
+    /// begin with.
     const PLAIN: Effect = Effect {
         definition: &effect_definitions::JOINT_CLEARANCE,
         discrepancy: ASSUMED,
@@ -309,8 +311,8 @@ fn add_profile(table: &mut Vec<f64>, lap: f64, profile: impl Fn(f64) -> f64) {
     table.iter_mut().enumerate().for_each(|(k, x)| *x += profile(lap * k as f64 / n as f64));
 }
 
-/// A number in (−1, 1) for a cart, by chance but always the same. A sequence that is more even than chance would leave out the long waves
-/// along the chain, which pull most.
+/// A number in (−1, 1) for a cart, by chance but always the same. A sequence that is more even than chance would leave
+/// out the long waves along the chain, which pull most.
 fn spread(i: usize) -> f64 {
     2.0 * uniform(&mut (i as u64 + 1)) - 1.0
 }

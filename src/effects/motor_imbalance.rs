@@ -1,4 +1,5 @@
-//! A motor that gives less than it is told, or nothing: its thrust is F (1 − loss); the controller makes the others push more.
+//! A motor that gives less than it is told, or nothing: its thrust is F (1 − loss); the controller makes the others
+//! push more.
 //!
 //! Signature: joint_xi along the track, a slope less between motors and a step missing at one.
 

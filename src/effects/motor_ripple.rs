@@ -1,5 +1,5 @@
-//! Ripple of a linear motor's thrust: F (1 + a sin(2πd/λ)) with the plate's way d over the motor (Jahns and Soong 1996, cogging and
-//! ripple repeat with the pole pitch).
+//! Ripple of a linear motor's thrust: F (1 + a sin(2πd/λ)) with the plate's way d over the motor (Jahns and Soong 1996,
+//! cogging and ripple repeat with the pole pitch).
 //!
 //! Signature: joint_xi and the chain's speed at v/λ.
 

@@ -1,6 +1,7 @@
-//! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes back over the next
-//! `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985), and
-//! 10 mm hold two points of the profile: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the left), 2 the left and 3 the right running wheel's.
+//! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes
+//! back over the next `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985),
+//! and 10 mm hold two points of the profile: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the
+//! left), 2 the left and 3 the right running wheel's.
 //!
 //! Signature: an impact at one place of the track, in the channels of one side.
 
@@ -50,8 +51,8 @@ pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
     }
 }
 
-/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its place may be off, each
-/// with those beside it.
+/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its
+/// place may be off, each with those beside it.
 fn alternatives(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };
     let rail = (rail - 1.0).max(0.0) as usize;

@@ -1,5 +1,6 @@
-//! Rails that are not quite even, as every built track's: each of the three goes off by a sum of sines whose lengths are 1 to 30 m, by a
-//! as a root mean square, drawn anew for each `draw`. No diagnosis names it; it is what a diagnosis expects of every chain.
+//! Rails that are not quite even, as every built track's: each of the three goes off by a sum of sines whose lengths
+//! are 1 to 30 m, by a as a root mean square, drawn anew for each `draw`. No diagnosis names it; it is what a diagnosis
+//! expects of every chain.
 //!
 //! Signature: a little of everything, everywhere.
 

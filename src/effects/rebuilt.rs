@@ -35,8 +35,9 @@ pub fn turn_more(pieces: &mut [Piece], degrees: f64) {
     }
 }
 
-/// Closes a track whose curves there were changed: the level straights beside them become longer or shorter, by the least squares of what
-/// they do, and further ones where those cannot. Where none can it stays open, which no chain accepts.
+/// Closes a track whose curves there were changed: the level straights beside them become longer or shorter, by the
+/// least squares of what they do, and further ones where those cannot. Where none can it stays open, which no chain
+/// accepts.
 pub fn close(track: &mut Track, changed: &[Range<usize>]) {
     let headings = headings(track);
     let n = track.elements.len();
@@ -127,7 +128,8 @@ mod tests {
         close(&mut track, &[1..2, 3..4]);
         let (gap, angle) = track.centre_line().closure;
         assert!(gap < 1e-12 && angle < 1e-12, "{gap} {angle}");
-        // The short side turns about its middle, 6 m from the vertices, which move along the long ones by the law of sines; tangents do the rest.
+        // The short side turns about its middle, 6 m from the vertices, which move along the long ones by the law of
+        // sines; tangents do the rest.
         let longer = [0, 2, 4].map(|k| length(&track, k) - length(&rectangle(), k));
         let degrees = |x: f64| x.to_radians();
         let moved = |turn: f64| 6.0 * trig::sin(degrees(1.0)) / trig::sin(degrees(turn));

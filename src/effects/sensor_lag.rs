@@ -1,7 +1,9 @@
-//! A sensor that says late what it felt, F(t − T), or by as many lags of the first order in a row as `order` says, as filters of amplifiers
-//! have them, late by T together: each T/n · dF/dt + F = G (Franklin, Powell and Emami-Naeini 2010).
+//! A sensor that says late what it felt, F(t − T), or by as many lags of the first order in a row as `order` says, as
+//! filters of amplifiers have them, late by T together: each T/n · dF/dt + F = G (Franklin, Powell and Emami-Naeini
+//! 2010).
 //!
-//! Signature: the channel's pattern along the track is moved by v T, and with an order smoothed over as much, no other channel's.
+//! Signature: the channel's pattern along the track is moved by v T, and with an order smoothed over as much, no other
+//! channel's.
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
@@ -45,7 +47,8 @@ fn delay(force: &mut [f64], late: f64) {
     }
 }
 
-/// A lag of the first order with a time constant of so many samples, exact for a force that is straight between two of them.
+/// A lag of the first order with a time constant of so many samples, exact for a force that is straight between two of
+/// them.
 fn lag(force: &mut [f64], late: f64) {
     let late = late.max(1e-9);
     let keep = trig::exp(-1.0 / late);

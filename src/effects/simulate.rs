@@ -38,7 +38,8 @@ pub fn simulate_all(inputs: &[(Simulation, Plan)], width: Width, threads: usize)
     parallel::map(inputs, threads, |(simulation, plan)| simulate(simulation, plan, width, &mut |_| true))
 }
 
-/// As [`dynamics::run_ensemble`], of an input with its effects on the chain. Those of sensors are for who reads the carts' records.
+/// As [`dynamics::run_ensemble`], of an input with its effects on the chain. Those of sensors are for who reads the
+/// carts' records.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
-//! Drag that grows with speed, −c v² on each cart (air and splashing lubricant; Hoerner 1965): like rolling resistance in one run, but not
-//! over runs of several speeds.
+//! Drag that grows with speed, −c v² on each cart (air and splashing lubricant; Hoerner 1965): like rolling resistance
+//! in one run, but not over runs of several speeds.
 //!
 //! Signature: joint_xi falls from motor to motor, more at higher speed.
 

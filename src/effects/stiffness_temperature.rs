@@ -1,5 +1,5 @@
-//! Wheels and joints that soften as they warm: every stiffness is K (1 + change), and the damping of a contact in proportion (Ferry
-//! 1980: polymers' moduli fall with temperature).
+//! Wheels and joints that soften as they warm: every stiffness is K (1 + change), and the damping of a contact in
+//! proportion (Ferry 1980: polymers' moduli fall with temperature).
 //!
 //! Signature: fluctuation at the carts' passing, less in stiff channels than in soft ones.
 

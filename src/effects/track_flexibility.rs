@@ -1,6 +1,6 @@
-//! A track that gives way between its supports, by c m g in a span's middle: as each cart's own weight bends a span in its first mode, sin²(πs/l)
-//! under it, or with `shape` 1 as the weight of the whole chain does, which lies evenly on spans that are hinged at their
-//! supports, sin(πs/l) (Frýba 1999, moving loads; inertia of the track is left out).
+//! A track that gives way between its supports, by c m g in a span's middle: as each cart's own weight bends a span in
+//! its first mode, sin²(πs/l) under it, or with `shape` 1 as the weight of the whole chain does, which lies evenly on
+//! spans that are hinged at their supports, sin(πs/l) (Frýba 1999, moving loads; inertia of the track is left out).
 //!
 //! Signature: run_left and run_right vary together with the spacing of supports, with `shape` 1 also at its multiples.
 

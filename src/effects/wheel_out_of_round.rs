@@ -1,5 +1,6 @@
-//! A wheel out of round, r(φ) = r₀ + a sin φ, or with a flat spot: a chord that takes its depth a from the radius once a revolution
-//! (Nielsen and Johansson 2000). Wheel 1 is the steering wheels, 2 the left and 3 the right running wheel; shape 1 is the flat spot.
+//! A wheel out of round, r(φ) = r₀ + a sin φ, or with a flat spot: a chord that takes its depth a from the radius once
+//! a revolution (Nielsen and Johansson 2000). Wheel 1 is the steering wheels, 2 the left and 3 the right running wheel;
+//! shape 1 is the flat spot.
 //!
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
 

@@ -1,5 +1,5 @@
-//! Running wheels that slide sideways: Coulomb friction −μN tanh(v/v_s) across the track (thesis §4.2 names it missing; the
-//! smoothing of dry friction after Andersson, Söderberg and Björklund 2007).
+//! Running wheels that slide sideways: Coulomb friction −μN tanh(v/v_s) across the track (thesis §4.2 names it missing;
+//! the smoothing of dry friction after Andersson, Söderberg and Björklund 2007).
 //!
 //! Signature: sideways motion of the carts is damped; steering forces peak less where curves begin.
 
@@ -7,7 +7,8 @@ use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 
-/// Wheels that creep slower than v_s tell only μ/v_s, and what v_s is of a tyre on its rail is known to a factor of about two.
+/// Wheels that creep slower than v_s tell only μ/v_s, and what v_s is of a tyre on its rail is known to a factor of
+/// about two.
 const CREEP: f64 = 0.6;
 use crate::model::effect_definitions;
 

@@ -24,8 +24,8 @@ pub struct BillLine {
     pub in_catalog: bool,
 }
 
-/// The bill of elements: articles in a fixed order (straights by length, then curves, vertical curves and spirals by radius
-/// and angle).
+/// The bill of elements: articles in a fixed order (straights by length, then curves, vertical curves and spirals by
+/// radius and angle).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bill {
     pub lines: Vec<BillLine>,
@@ -117,8 +117,8 @@ fn rounded(value: f64, units: f64) -> f64 {
     (value * units).round() / units
 }
 
-/// What makes two pieces one article, in the order of the bill: straights, curves, vertical curves, spirals; then length or
-/// radius (µm), angle (0.0001°) and rise (µm), stock before cut, the catalogue's before special ones.
+/// What makes two pieces one article, in the order of the bill: straights, curves, vertical curves, spirals; then
+/// length or radius (µm), angle (0.0001°) and rise (µm), stock before cut, the catalogue's before special ones.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
     kind: u8,

@@ -70,14 +70,15 @@ impl Course {
         -position
     }
 
-    /// Closes the course by the least-norm change of the straights' lengths, none below 0. Straights that stock
-    /// lengths (or, where cost counts, fewer pieces) make up keep that length unless the course cannot close without them.
+    /// Closes the course by the least-norm change of the straights' lengths, none below 0. Straights that stock lengths
+    /// (or, where cost counts, fewer pieces) make up keep that length unless the course cannot close without them.
     fn close(&mut self, stock: &StraightStock, wanted: Cover) {
         let written = self.runs.clone();
         let mut held: Vec<bool> = Vec::with_capacity(self.runs.len());
         let straight = |run: &Run| if let Shape::Straight { length, .. } = run.shape { length } else { 0.0 };
         let longest = self.runs.iter().map(straight).fold(0.0, f64::max);
-        // A straight may be a hair shorter than the shortest cut or, where cost counts, longer than what fewer pieces make.
+        // A straight may be a hair shorter than the shortest cut or, where cost counts, longer than what fewer pieces
+        // make.
         let unmade = |run: &Run| straight(run) > 0.0 && cover::straight(straight(run), stock, wanted).is_none();
         let stepped = wanted == Cover::Cheapest || self.runs.iter().any(unmade);
         let steps = stepped.then(|| Steps::new(stock, longest + 2.0 * SNAP)).flatten();

@@ -149,9 +149,9 @@ struct Reached {
 /// The fewest stock lengths (repetition allowed), and no more than `most`, whose sum lies in `low..=high`, longest
 /// first; of these the largest sum.
 ///
-/// With M the longest stock length, n pieces sum to nM minus the gaps M − a of the shorter ones, so the search goes through
-/// n upwards and through the sums of gaps in ascending order, each with the fewest pieces that reach it. Only sums of
-/// gaps up to nM − low are ever looked at, which are few as long as a cover exists.
+/// With M the longest stock length, n pieces sum to nM minus the gaps M − a of the shorter ones, so the search goes
+/// through n upwards and through the sums of gaps in ascending order, each with the fewest pieces that reach it. Only
+/// sums of gaps up to nM − low are ever looked at, which are few as long as a cover exists.
 fn fewest(stock: &[f64], low: f64, high: f64, most: usize) -> Option<Vec<f64>> {
     if !(low <= high && high >= 0.0 && high.is_finite()) {
         return None;

@@ -46,8 +46,8 @@ impl Part {
         }
     }
 
-    /// Turned end for end where that makes fewer articles: a right curve is a left one, and a spiral that falls to the right
-    /// one that rises to the left. A sag stays a sag.
+    /// Turned end for end where that makes fewer articles: a right curve is a left one, and a spiral that falls to the
+    /// right one that rises to the left. A sag stays a sag.
     pub fn turned(self) -> Part {
         match self {
             Part::Curve { radius, turn } => Part::Curve { radius, turn: turn.abs() },
@@ -82,9 +82,9 @@ impl Part {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     pub part: Part,
-    /// `ST-3000`, `CU-4000-45` as in the sequence; `VC-10000-8S` is the vertical curve of 10 m and 8° that is a sag (`C`: a
-    /// crest), `SP-4000-45-400L` the spiral of 4 m and 45° that rises by 400 mm to the left. `X-` is before what the
-    /// catalogue lacks.
+    /// `ST-3000`, `CU-4000-45` as in the sequence; `VC-10000-8S` is the vertical curve of 10 m and 8° that is a sag
+    /// (`C`: a crest), `SP-4000-45-400L` the spiral of 4 m and 45° that rises by 400 mm to the left. `X-` is before
+    /// what the catalogue lacks.
     pub article: String,
     pub in_catalog: bool,
     pub place: Place,

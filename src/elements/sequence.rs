@@ -10,9 +10,9 @@ use crate::model::{Catalog, Layout};
 /// Covers the centre line with standard elements of the layout's catalogue, in driving order from vertex 0's outgoing
 /// tangent point.
 ///
-/// Turns and radii within 1e-6 of the catalogue's grid are put on it, and straights then change by as much as the solver's
-/// tolerance let them, so that walking the elements closes to 1e-9 m and 1e-9 rad. What the catalogue does not have is
-/// a special piece, with [`Element::in_catalog`] unset; see [`super::lacking`].
+/// Turns and radii within 1e-6 of the catalogue's grid are put on it, and straights then change by as much as the
+/// solver's tolerance let them, so that walking the elements closes to 1e-9 m and 1e-9 rad. What the catalogue does not
+/// have is a special piece, with [`Element::in_catalog`] unset; see [`super::lacking`].
 pub fn sequence(track: &Track, layout: &Layout) -> Sequence {
     let course = Course::new(track, layout);
     let wanted = Cover::of(layout);

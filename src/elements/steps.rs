@@ -1,7 +1,7 @@
 //! What a straight costs beyond its metres, by its length: prices of pieces and cuts are steps.
 //!
-//! A cover of m stock lengths that sum to a and of c cut pieces makes every length from a + c·low to a + c·high. Offers are
-//! taken from the cheapest on; each has the lengths that no cheaper one makes.
+//! A cover of m stock lengths that sum to a and of c cut pieces makes every length from a + c·low to a + c·high. Offers
+//! are taken from the cheapest on; each has the lengths that no cheaper one makes.
 
 use crate::model::StraightStock;
 use std::collections::BTreeMap;
@@ -30,8 +30,8 @@ pub struct Step {
 }
 
 impl Steps {
-    /// The cheapest covers of every length up to `longest`, m. `None` where there are too many steps to list, as of stock
-    /// lengths that share no common measure.
+    /// The cheapest covers of every length up to `longest`, m. `None` where there are too many steps to list, as of
+    /// stock lengths that share no common measure.
     pub fn new(stock: &StraightStock, longest: f64) -> Option<Self> {
         let mut offers: Vec<(f64, f64, f64)> = Vec::new();
         let most_cuts =

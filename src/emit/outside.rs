@@ -5,8 +5,8 @@ use crate::problem::measures::to_variables;
 use crate::problem::{Problem, Scope, mps, nl};
 use crate::solve::Stage;
 
-/// `stage1.nl` and `stage2.nl` with their names. Each begins where the stage did: as written, and at stage 1's result. Its
-/// clearance rows are those at the stage's own result, or at the last one there is.
+/// `stage1.nl` and `stage2.nl` with their names. Each begins where the stage did: as written, and at stage 1's result.
+/// Its clearance rows are those at the stage's own result, or at the last one there is.
 pub fn nl_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {
     let corners = |stage: &Stage| to_variables(&stage.corners);
     let written = to_variables(&compiled.layout.corners());

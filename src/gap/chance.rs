@@ -1,7 +1,7 @@
-//! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from lap to lap, as the
-//! swings of a late drive. Which cart has how much is not known, nor where a swing begins, so their signature is less a change of the mean
-//! lap than how far laps scatter, and their strength is where the scatter fits: at the least of ln s + ln(det C/det C₀)/n (see [`super::repeatability`])
-//! over the strength.
+//! Effects that differ from cart to cart by chance, as items on some of the carts and links of unequal pitch, or from
+//! lap to lap, as the swings of a late drive. Which cart has how much is not known, nor where a swing begins, so their
+//! signature is less a change of the mean lap than how far laps scatter, and their strength is where the scatter fits:
+//! at the least of ln s + ln(det C/det C₀)/n (see [`super::repeatability`]) over the strength.
 
 use super::evidence::{Evidence, most_off};
 use super::repeatability::{Repeatability, repeatabilities};
@@ -12,13 +12,15 @@ use crate::effects::RandomEffect;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use nalgebra::{DMatrix, DVector};
 
-/// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones between these.
+/// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones
+/// between these.
 const LADDER: usize = 4;
 const RUNG: f64 = 3.0;
 const FURTHER: usize = 4;
 
-/// Strengths over a simulated one at which the scatter is thought of, by its square. They say where to simulate next: there where it is one of
-/// the near ones. What is believed was simulated, as swings of a late drive are far from growing in proportion.
+/// Strengths over a simulated one at which the scatter is thought of, by its square. They say where to simulate next:
+/// there where it is one of the near ones. What is believed was simulated, as swings of a late drive are far from
+/// growing in proportion.
 const SPAN: [f64; 7] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75];
 const NEAR: (f64, f64) = (0.8, 1.25);
 
@@ -138,7 +140,8 @@ impl Chance<'_> {
         (random_effect == Some(RandomEffect::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
     }
 
-    /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength that has these.
+    /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength
+    /// that has these.
     fn misfit(&self, tried: &Tried, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
@@ -237,8 +240,8 @@ impl Tried<'_> {
         self.beside.iter().flat_map(|other| other.strengths.iter().copied()).chain([size]).collect()
     }
 
-    /// Another strength to be simulated: where it fits better when that is near; else half way between strengths with which laps scatter too
-    /// little and too much, as scatter grows with the strength, though it may do so all at once.
+    /// Another strength to be simulated: where it fits better when that is near; else half way between strengths with
+    /// which laps scatter too little and too much, as scatter grows with the strength, though it may do so all at once.
     fn further(&self) -> Option<f64> {
         let each: Vec<(f64, f64)> = self.points.iter().map(|point| (point.size, point.share())).collect();
         if each.iter().any(|(_, share)| *share == 1.0) {

@@ -5,7 +5,8 @@ use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A simulator that is asked nothing outside the bounds of its strengths, and whose answers are finite wherever they can be compared.
+/// A simulator that is asked nothing outside the bounds of its strengths, and whose answers are finite wherever they
+/// can be compared.
 pub struct Checked<'a> {
     simulator: &'a dyn Simulator,
     failures: Mutex<Vec<Failure>>,

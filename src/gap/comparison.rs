@@ -43,7 +43,8 @@ impl<'a> Comparison<'a> {
         Comparison { simulator, evidence, signatures, degrees_of_freedom, mean_square }
     }
 
-    /// What hypotheses that were fitted and scored come to, once all are there: what each costs beside, and something unknown.
+    /// What hypotheses that were fitted and scored come to, once all are there: what each costs beside, and something
+    /// unknown.
     pub fn compared(self, scored: Vec<Scored>) -> Compared<'a> {
         let scored = self.without_what_is_seen_beyond(self.without_wrong_impacts(scored));
         let unknown = self.unknown(&scored);
@@ -182,8 +183,8 @@ impl Comparison<'_> {
         trig::ln(if members.len() == 1 { likelihood::ONE } else { likelihood::PAIR }) - shared
     }
 
-    /// The hypotheses with what it costs that their impacts go the other way round than measured, by what was simulated or, where nothing was,
-    /// by signatures.
+    /// The hypotheses with what it costs that their impacts go the other way round than measured, by what was simulated
+    /// or, where nothing was, by signatures.
     fn without_wrong_impacts(&self, scored: Vec<Scored>) -> Vec<Scored> {
         let with = |scored: Scored| {
             let impacts = self.wrong_impacts(&scored.fitted);
@@ -214,7 +215,8 @@ impl Comparison<'_> {
         fitted.hypothesis.members.iter().filter_map(|c| self.candidates()[*c].random_effect).collect()
     }
 
-    /// What runs have in common speaks against what differs from lap to lap, and what they have not against what differs from cart to cart.
+    /// What runs have in common speaks against what differs from lap to lap, and what they have not against what
+    /// differs from cart to cart.
     fn in_common(&self, fitted: &Fitted, repeatability: &Repeatability) -> f64 {
         let random_effect = self.random_effect(fitted);
         if random_effect.is_empty() {
@@ -262,7 +264,8 @@ impl Comparison<'_> {
         strength.as_built.max(if ratio { significance::ACCURATE } else { 0.0 })
     }
 
-    /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever says it of the first.
+    /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever
+    /// says it of the first.
     fn along_signature(&self, fitted: &Fitted, counts: f64) -> f64 {
         let hypothesis = &fitted.hypothesis;
         let z = self.score_test(fitted).z().max(0.0);
@@ -289,12 +292,14 @@ impl Comparison<'_> {
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);
         let both = told.max(nothing + supported(first, alone.signatures.len())) + supported(second, others.len());
-        // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to be supported.
+        // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to
+        // be supported.
         let together = nothing + supported(trig::hypot(first, second), hypothesis.signatures.len());
         both.min(together.max(likelihood::log_likelihood(0.0, self.degrees_of_freedom)))
     }
 
-    /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of sensors are exact.
+    /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of
+    /// sensors are exact.
     fn missed(&self, fitted: &Fitted, columns: &[Vec<DVector<f64>>]) -> f64 {
         let sensor = |k: &usize| self.candidates()[self.signatures[*k].candidate].sensor;
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.strengths);
@@ -373,9 +378,9 @@ impl Comparison<'_> {
         trig::ln(likelihood::UNKNOWN) + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
     }
 
-    /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at places may have the same ones,
-    /// but in all runs: what these say for it where a hypothesis is of that kind, and nothing else. What the hypothesis changes in the mean lap
-    /// is its own.
+    /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at
+    /// places may have the same ones, but in all runs: what these say for it where a hypothesis is of that kind, and
+    /// nothing else. What the hypothesis changes in the mean lap is its own.
     fn alike(&self, scored: &Scored) -> Option<f64> {
         let fitted = &scored.fitted;
         let repeatability = scored

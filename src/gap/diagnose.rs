@@ -68,7 +68,8 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
     }
     let screened = Comparison::new(simulator, evidence, signatures);
 
-    // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be fitted by simulation.
+    // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be
+    // fitted by simulation.
     let gap = screened.mean_square > 1.0;
     let significant = gap || screened.singles().iter().any(|j| screened.score_test(&j.fitted).z() > SIGNIFICANT);
     let comparison = if significant {
@@ -163,7 +164,8 @@ impl Comparison<'_> {
         found.into_iter().take(BY_CHANCE).map(|j| &j.fitted).collect()
     }
 
-    /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other one alone.
+    /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other
+    /// one alone.
     fn before_floors(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
         let asked = self.worth_a_floor(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
@@ -174,7 +176,8 @@ impl Comparison<'_> {
         there.map(|(fitted, repeatability)| self.score(fitted, repeatability)).collect()
     }
 
-    /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that explain something.
+    /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that
+    /// explain something.
     fn worth_a_floor(&self, fitted: &[Fitted]) -> Vec<bool> {
         let mean_square: Vec<f64> = fitted.iter().map(|f| overall_mean_square(&self.evidence, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();

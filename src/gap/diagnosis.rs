@@ -27,7 +27,8 @@ pub struct Diagnosis {
     pub none_probability: f64,
     /// Probability of effects that could not be simulated: nothing is known of it but what was believed before.
     pub untested_probability: f64,
-    /// Of each channel, how far two repeated measurements of the same are apart (root mean square of the means by place), in its unit.
+    /// Of each channel, how far two repeated measurements of the same are apart (root mean square of the means by
+    /// place), in its unit.
     #[serde(rename = "floor")]
     pub repeatability: BTreeMap<String, f64>,
     pub next_experiment: String,
@@ -281,7 +282,8 @@ impl Diagnosis {
         self.runs.iter().any(RunGap::over)
     }
 
-    /// Whether what is named explains the gap: it leaves no run over its limit, and closes something on runs that were left out.
+    /// Whether what is named explains the gap: it leaves no run over its limit, and closes something on runs that were
+    /// left out.
     pub fn explained(&self) -> bool {
         let closes = self.gap_closed.is_some_and(|closed| closed > 0.0);
         self.has_gap() && closes && self.runs.iter().all(RunGap::settled) && !self.named().is_empty()

@@ -1,8 +1,10 @@
-//! What the runs say of a hypothesis: residuals over the repeatability, with nuisances and the repeatability's correlations projected out.
+//! What the runs say of a hypothesis: residuals over the repeatability, with nuisances and the repeatability's
+//! correlations projected out.
 //!
-//! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, discrepancies and the strongest
-//! common deviations of replicate laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the priors are put below the
-//! features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot reach leaves what effects must explain.
+//! Of each run the residual is r = y − f − J θ − D b + noise, with nuisances θ under their prior, discrepancies and the
+//! strongest common deviations of replicate laps as unit normal b, and noise of variance W⁻¹ a feature. Rows for the
+//! priors are put below the features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot
+//! reach leaves what effects must explain.
 
 use super::likelihood::MOST_DEGREES_OF_FREEDOM;
 use super::simulator::{Band, Frame, Laps};
@@ -10,8 +12,9 @@ use crate::base::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
 
-/// Common deviations of the nominal chain's laps that are told apart from each feature's own. Laps with an effect have as many as stand out:
-/// what differs from cart to cart does so in as many ways as there are carts, and explains nothing across them.
+/// Common deviations of the nominal chain's laps that are told apart from each feature's own. Laps with an effect have
+/// as many as stand out: what differs from cart to cart does so in as many ways as there are carts, and explains
+/// nothing across them.
 const MODES: usize = 10;
 
 /// Their variance over a feature's own, at least.
@@ -32,9 +35,11 @@ pub struct Evidence {
     nuisances: usize,
     /// Of their steps.
     bounds: Vec<(f64, f64)>,
-    /// How many rows of priors are those of nuisances and discrepancies, and how many of what is within the as-built tolerance.
+    /// How many rows of priors are those of nuisances and discrepancies, and how many of what is within the as-built
+    /// tolerance.
     shared: (usize, usize),
-    /// Of the residual's covariance by nuisances, discrepancies, modes and what is within the as-built tolerance, over that of noise alone.
+    /// Of the residual's covariance by nuisances, discrepancies, modes and what is within the as-built tolerance, over
+    /// that of noise alone.
     log_determinant: f64,
     /// Residual of the nominal model that nothing of this reaches.
     pub residual: DVector<f64>,
@@ -65,7 +70,8 @@ impl Evidence {
         let (weights, replicate, common) = factors(frame, &rows, laps);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
-        // Mean squares score features as if there were few; what is within the as-built tolerance is known as it is, so that it is not to be had for nothing.
+        // Mean squares score features as if there were few; what is within the as-built tolerance is known as it is, so
+        // that it is not to be had for nothing.
         let strict = (n as f64 / MOST_DEGREES_OF_FREEDOM).max(1.0).sqrt();
         let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
             of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
@@ -226,8 +232,8 @@ pub fn most_off<'a>(evidence: &[Evidence], left: impl IntoIterator<Item = &'a DV
     off.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(run, _)| run)
 }
 
-/// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0 where features are not the
-/// same.
+/// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0
+/// where features are not the same.
 pub fn in_common(frames: &[Frame], evidence: &[Evidence], laps: &[Vec<DVector<f64>>]) -> f64 {
     let (mut along, mut size) = (0.0, 0.0);
     for lap in laps {
@@ -255,9 +261,9 @@ fn whitened(rows: &[usize], weights: &[f64], features: &[f64]) -> DVector<f64> {
     DVector::from_iterator(rows.len(), each)
 }
 
-/// Weights of features by what laps scatter of their own, the laps with these weights, and what they have in common: modes and a variance of
-/// each feature that is none of theirs, in turns (principal factors, Harman 1976), and no less than the frame's. An effect by which laps scatter
-/// in a few ways only explains nothing in others.
+/// Weights of features by what laps scatter of their own, the laps with these weights, and what they have in common:
+/// modes and a variance of each feature that is none of theirs, in turns (principal factors, Harman 1976), and no less
+/// than the frame's. An effect by which laps scatter in a few ways only explains nothing in others.
 fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
     let mut own: Vec<f64> = rows.iter().map(|&k| laps.variance[k]).collect();
     let raised = rows.iter().any(|&k| laps.variance[k] > frame.laps.variance[k]);
@@ -301,8 +307,8 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
 
 /// The strongest common deviations of replicate laps beyond what each feature has of its own, each of unit variance.
 ///
-/// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of noise (Marchenko and
-/// Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
+/// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of
+/// noise (Marchenko and Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
 fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
     let count = laps.len();
     if count < 8 {
@@ -335,8 +341,8 @@ fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
     found
 }
 
-/// Variance along a direction, over that of noise, whose sample's eigenvalue is so many times the noise's, with so many features for each
-/// lap; 1 of what noise has.
+/// Variance along a direction, over that of noise, whose sample's eigenvalue is so many times the noise's, with so many
+/// features for each lap; 1 of what noise has.
 fn spike(seen: f64, ratio: f64) -> f64 {
     let edge = (1.0 + ratio.sqrt()) * (1.0 + ratio.sqrt());
     if seen <= edge {
@@ -392,10 +398,12 @@ mod tests {
         let seen = own.column(&across).norm_squared() / 100.0;
         // A sixth of it, were each feature's variance its own.
         assert!((seen - 1.0).abs() < 0.15, "{seen}");
-        // 100 over its variance of 1 + 100, and 2.5 as so few laps tell a direction within sin² = 200/80/100 (Paul 2007).
+        // 100 over its variance of 1 + 100, and 2.5 as so few laps tell a direction within sin² = 200/80/100 (Paul
+        // 2007).
         let seen = own.column(&along).norm_squared();
         assert!((1.0..6.0).contains(&seen), "{seen}");
-        // ln det of what noise has with one direction of a variance of 100; 36 more, were each feature's variance its own.
+        // ln det of what noise has with one direction of a variance of 100; 36 more, were each feature's variance its
+        // own.
         let more = own.raised(&Evidence::new(&frame, &[])) * features as f64 - trig::ln(101.0);
         assert!((-1.0..4.0).contains(&more), "{more}");
     }

@@ -1,15 +1,17 @@
 //! From mean squares to probabilities.
 //!
-//! With s the mean square residual of a hypothesis over that of replicate laps and f their degrees of freedom, −f/2 ln s is the log
-//! likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's equation is never that of the
-//! machine. So f is bounded, the more so far above the repeatability, where only the equations differ and no chance; and each strength costs
-//! ln(f)/2 (Schwarz 1978); each of several places of an effect shares its prior. Where a hypothesis leaves no more than the repeatability, its
-//! signature's score (`significance.rs`) counts if it says more than the mean square does. What strikes a rail the other way round than
+//! With s the mean square residual of a hypothesis over that of replicate laps and f their degrees of freedom, −f/2 ln
+//! s is the log likelihood with an unknown scale (Seber and Wild 2003). The scale is unknown indeed: an effect's
+//! equation is never that of the machine. So f is bounded, the more so far above the repeatability, where only the
+//! equations differ and no chance; and each strength costs ln(f)/2 (Schwarz 1978); each of several places of an effect
+//! shares its prior. Where a hypothesis leaves no more than the repeatability, its signature's score
+//! (`significance.rs`) counts if it says more than the mean square does. What strikes a rail the other way round than
 //! measured costs beside, as mean squares do not see it.
 
 use crate::base::trig;
 
-/// Degrees of freedom that are believed of all runs together, at most; and of what is left beyond so many times the repeatability.
+/// Degrees of freedom that are believed of all runs together, at most; and of what is left beyond so many times the
+/// repeatability.
 pub const MOST_DEGREES_OF_FREEDOM: f64 = 60.0;
 const COARSE: f64 = 2.0;
 const COARSE_DEGREES_OF_FREEDOM: f64 = 24.0;
@@ -32,14 +34,17 @@ pub const UNKNOWN: f64 = 0.15;
 /// What the best effect of the library is thought to leave of a gap that is none of it.
 const UNKNOWN_LEAVES: f64 = 0.5;
 
-/// How much runs have in common at least of what sits at places, and what share of what is unknown does, with a pattern along the track.
+/// How much runs have in common at least of what sits at places, and what share of what is unknown does, with a pattern
+/// along the track.
 pub const PLACED: f64 = 0.5;
 pub const PATTERNED: f64 = 0.5;
 
-/// What share of a gap something unknown leaves at least, when a pattern that differs by chance is fitted to it: it has none of these.
+/// What share of a gap something unknown leaves at least, when a pattern that differs by chance is fitted to it: it has
+/// none of these.
 const STRANGE: f64 = 0.07;
 
-/// What it costs at most that a channel of a run is struck the wrong way round, and all that are: an impact is seldom as simulated.
+/// What it costs at most that a channel of a run is struck the wrong way round, and all that are: an impact is seldom
+/// as simulated.
 const WRONG_WAY: f64 = 6.0;
 pub const WRONG_WAYS: f64 = 12.0;
 
@@ -53,13 +58,14 @@ pub fn log_likelihood(mean_square: f64, degrees_of_freedom: f64) -> f64 {
     -0.5 * (near + degrees_of_freedom.min(COARSE_DEGREES_OF_FREEDOM) * trig::ln((mean_square / COARSE).max(1.0)))
 }
 
-/// How far scores count where a mean square is left: fully at the repeatability, not at all where so much is left that the equation misses much.
+/// How far scores count where a mean square is left: fully at the repeatability, not at all where so much is left that
+/// the equation misses much.
 pub fn quiet(mean_square: f64) -> f64 {
     ((QUIET - mean_square) / (QUIET - 1.0)).clamp(0.0, 1.0)
 }
 
-/// What is lost where residuals of runs have so much in common and should have so much: half the divergence of normal distributions with
-/// these correlations for each degree of freedom of a run (Kullback 1959).
+/// What is lost where residuals of runs have so much in common and should have so much: half the divergence of normal
+/// distributions with these correlations for each degree of freedom of a run (Kullback 1959).
 pub fn in_common(seen: f64, expected: f64, runs: usize, degrees_of_freedom: f64) -> f64 {
     let n = runs as f64;
     // All runs together, and what is left of each of the others.
@@ -92,7 +98,8 @@ pub fn unknown(mean_square: f64, degrees_of_freedom: f64) -> f64 {
         - cost(UNKNOWN_STRENGTHS, degrees_of_freedom)
 }
 
-/// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share beyond the repeatability.
+/// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share
+/// beyond the repeatability.
 pub fn strange(gap: f64, left: f64, degrees_of_freedom: f64) -> f64 {
     let least = 1.0 + STRANGE * (gap - 1.0).max(0.0);
     let left = left.max(1.0);
@@ -123,7 +130,8 @@ mod tests {
 
     #[test]
     fn something_unknown_is_thought_to_leave_its_share_of_a_gap() {
-        // A gap of 11 leaves 1.7 at least; what leaves more pays nothing, and what leaves less than the repeatability no more than the repeatability.
+        // A gap of 11 leaves 1.7 at least; what leaves more pays nothing, and what leaves less than the repeatability
+        // no more than the repeatability.
         assert!((strange(11.0, 1.0, 60.0) - 30.0 * trig::ln(1.7)).abs() < 1e-12);
         assert_eq!(strange(11.0, 0.5, 60.0), strange(11.0, 1.0, 60.0));
         assert_eq!(strange(11.0, 1.8, 60.0), 0.0);

@@ -1,4 +1,5 @@
-//! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion to their strengths.
+//! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion
+//! to their strengths.
 
 use super::comparison::Comparison;
 use super::scored::{self, Scored};
@@ -19,8 +20,8 @@ const LEADS: f64 = 0.5;
 /// Pairs of which a member that strikes is tried with the other sign: those that are likeliest before.
 const TURNED_PAIRS: usize = 2;
 
-/// Signatures of sensors' effects that are taken again at most: they need no simulation, and what a shift does to a narrow channel's distribution
-/// is in proportion to nothing.
+/// Signatures of sensors' effects that are taken again at most: they need no simulation, and what a shift does to a
+/// narrow channel's distribution is in proportion to nothing.
 const SENSORS: usize = 24;
 
 /// Mean square over that of replicate laps from which on something is left to be looked for beside an effect.
@@ -31,7 +32,8 @@ const NEAR: std::ops::Range<f64> = 0.6..1.6;
 const NEAR_SENSOR: std::ops::Range<f64> = 0.9..1.1;
 
 impl Comparison<'_> {
-    /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at what is beside it.
+    /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at
+    /// what is beside it.
     #[must_use]
     pub fn looked_closer(mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) -> Self {
         self.tune();
@@ -78,8 +80,8 @@ impl Comparison<'_> {
         }
     }
 
-    /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and at the places
-    /// beside. Where another hypothesis leads, in what that one leaves.
+    /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and
+    /// at the places beside. Where another hypothesis leads, in what that one leaves.
     fn look_closer(&mut self, leader: Option<&Scored>, tell: &mut dyn FnMut(usize, usize)) {
         let mut trials: Vec<Trial> = Vec::new();
         // Each strength of an effect where it fits best.
@@ -93,7 +95,8 @@ impl Comparison<'_> {
             None => alone.collect(),
             Some(leader) => self.beside(leader, alone),
         };
-        // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too small.
+        // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too
+        // small.
         let rivals = leader.map(|_| self.leading()).unwrap_or_default();
         for scored in looked_at.iter().filter(|j| before - j.mean_square > worth) {
             let Fitted { hypothesis, strengths, .. } = &scored.fitted;
@@ -142,8 +145,8 @@ impl Comparison<'_> {
         self.singles().into_iter().filter(|j| self.leads(j)).map(effect).collect()
     }
 
-    /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves asks for; but not of those
-    /// that may lead in its stead.
+    /// Takes signatures of the machine's other effects again where one leads, at sizes such as what that one leaves
+    /// asks for; but not of those that may lead in its stead.
     fn screen_beside(&mut self, leader: &Scored, tell: &mut dyn FnMut(usize, usize)) {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
         let lead = self.leading();
@@ -166,7 +169,8 @@ impl Comparison<'_> {
         both
     }
 
-    /// The same effects with the other sign, by signatures of their own, where they strike at a place: up and down look nearly alike until they are simulated.
+    /// The same effects with the other sign, by signatures of their own, where they strike at a place: up and down look
+    /// nearly alike until they are simulated.
     pub fn turned(mut self, chosen: &[Scored]) -> (Self, Vec<Fitted>) {
         let candidates = self.simulator.candidates();
         let strikes = |signature: &Signature| {
@@ -200,8 +204,8 @@ impl Comparison<'_> {
     }
 }
 
-/// The strength that fits, no smaller than a signature is clear at, as one that is not tells of the simulation's own chance; but never
-/// beyond its bounds.
+/// The strength that fits, no smaller than a signature is clear at, as one that is not tells of the simulation's own
+/// chance; but never beyond its bounds.
 fn fitting(signature: &Signature, candidates: &[Candidate], size: f64) -> f64 {
     let clear = signature.clear() * size.signum();
     let fits = if size.abs() < clear.abs() { clear } else { size };

@@ -1,5 +1,5 @@
-//! The gap between simulation and reality: where it lies, which unmodelled effect causes it, and how far it shrinks once that
-//! effect is added.
+//! The gap between simulation and reality: where it lies, which unmodelled effect causes it, and how far it shrinks
+//! once that effect is added.
 //!
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 

@@ -1,4 +1,5 @@
-//! What is drawn: of the channels that have most of the gap, the kind of deviation that has most of it, in the run that is off most.
+//! What is drawn: of the channels that have most of the gap, the kind of deviation that has most of it, in the run that
+//! is off most.
 
 use super::comparison::Comparison;
 use super::diagnosis::{Overlay, Place, ranked};
@@ -68,7 +69,8 @@ fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<usize> {
     (0..comparison.evidence.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
 }
 
-/// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the short ones.
+/// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the
+/// short ones.
 fn rows(frame: &Frame, channel: &str, band: Band) -> Vec<usize> {
     let labels = &frame.labels;
     let own = (0..labels.len()).filter(|k| labels[*k].channel == channel && labels[*k].band == band);

@@ -55,8 +55,9 @@ impl Search {
         (one.residuals, one.changes) = (tuned.residuals, tuned.changes);
     }
 
-    /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was foretold. What the
-    /// effects do is then simulated where the nominal model is, and nuisances are thought of by their slopes.
+    /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was
+    /// foretold. What the effects do is then simulated where the nominal model is, and nuisances are thought of by
+    /// their slopes.
     fn astray(&mut self, evidence: &[Evidence], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
         let mut astray = false;
         for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
@@ -68,8 +69,9 @@ impl Search {
         astray
     }
 
-    /// Corrects what one more of each strength changes by what all of them together were found to since the last simulation: the
-    /// least change of the columns that says so, each for its share (Broyden 1965). Chaos drowns what short steps change.
+    /// Corrects what one more of each strength changes by what all of them together were found to since the last
+    /// simulation: the least change of the columns that says so, each for its share (Broyden 1965). Chaos drowns what
+    /// short steps change.
     fn learn(&mut self, columns: &mut [Vec<DVector<f64>>], strengths: &[f64], found: Vec<DVector<f64>>) {
         let moved: Vec<f64> = strengths.iter().zip(&self.at).map(|(x, y)| x - y).collect();
         let squares = columns.iter().zip(&moved);

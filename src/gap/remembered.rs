@@ -1,10 +1,13 @@
-//! Simulations that were made before: kept in a file while a diagnosis runs, so that one which was stopped goes on where it was.
+//! Simulations that were made before: kept in a file while a diagnosis runs, so that one which was stopped goes on
+//! where it was.
 //!
-//! The file's first line is a hash of everything the simulations come from; another's is begun anew. Then a line a simulation: what was
-//! asked, and the bits of the features, or of laps' variances and deviations. A line that was cut is one that was never made.
+//! The file's first line is a hash of everything the simulations come from; another's is begun anew. Then a line a
+//! simulation: what was asked, and the bits of the features, or of laps' variances and deviations. A line that was cut
+//! is one that was never made.
 //!
-//! A hash cannot see everything (a module that a model's program loads, a remote server), so a few of the kept answers are asked again
-//! before any is used. Where one differs, none is used. What could not be simulated is not kept: the reason may have been outside.
+//! A hash cannot see everything (a module that a model's program loads, a remote server), so a few of the kept answers
+//! are asked again before any is used. Where one differs, none is used. What could not be simulated is not kept: the
+//! reason may have been outside.
 
 use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
@@ -55,8 +58,8 @@ struct Book {
 }
 
 impl<'a> Remembered<'a> {
-    /// With what a file knows of the same origin: a hash of all that the simulator is made of, beside what it says of itself. The file and
-    /// its folder are made if they are missing.
+    /// With what a file knows of the same origin: a hash of all that the simulator is made of, beside what it says of
+    /// itself. The file and its folder are made if they are missing.
     pub fn new(simulator: &'a dyn Simulator, path: &Path, origin: &str) -> Remembered<'a> {
         let first = format!("{MARK} {}", fingerprint(simulator, origin));
         let (known, left) = match read(path, &first) {

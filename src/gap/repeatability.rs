@@ -1,9 +1,10 @@
-//! The repeatability of laps with an effect. Two replicate laps of a chain whose wheels are out of round or whose carts carry items by chance are
-//! farther apart than two of the nominal chain: what an effect makes of the repeatability belongs to its signature.
+//! The repeatability of laps with an effect. Two replicate laps of a chain whose wheels are out of round or whose carts
+//! carry items by chance are farther apart than two of the nominal chain: what an effect makes of the repeatability
+//! belongs to its signature.
 //!
-//! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, discrepancies and modes, −f/2 (ln s + ln(det C/det C₀)/n)
-//! is the log likelihood of a mean square s in units of C (the normal distribution with unknown scale, Seber and Wild 2003): a repeatability that
-//! is raised for nothing costs.
+//! With C the covariance of n features with the effect and C₀ without, by noise, nuisances, discrepancies and modes,
+//! −f/2 (ln s + ln(det C/det C₀)/n) is the log likelihood of a mean square s in units of C (the normal distribution
+//! with unknown scale, Seber and Wild 2003): a repeatability that is raised for nothing costs.
 
 use super::evidence::{self, Evidence};
 use super::screen::{Signature, explain};
@@ -28,7 +29,8 @@ pub struct Repeatability {
     pub common: f64,
 }
 
-/// The repeatabilities of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine deviates by, of each run.
+/// The repeatabilities of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine
+/// deviates by, of each run.
 pub fn repeatabilities(
     simulator: &dyn Simulator,
     nominal: &[Evidence],

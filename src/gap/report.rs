@@ -17,20 +17,21 @@ use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Effects whose signatures are so nearly parallel are not told apart, unless their log posteriors differ by this much (a factor
-/// of 20: strong evidence, Kass and Raftery 1995).
+/// Effects whose signatures are so nearly parallel are not told apart, unless their log posteriors differ by this much
+/// (a factor of 20: strong evidence, Kass and Raftery 1995).
 const PARALLEL: f64 = 0.92;
 const APART: f64 = 3.0;
 
-/// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a place beside that was
-/// really fitted that it is told instead.
+/// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a
+/// place beside that was really fitted that it is told instead.
 const NOT_MUCH: f64 = 3.0;
 const HARDLY: f64 = 1.0;
 
 /// Places that are told.
 const PLACES: usize = 24;
 
-/// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is the other one alone.
+/// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is
+/// the other one alone.
 pub fn report(mut compared: Compared, lost: Vec<Lost>) -> Diagnosis {
     let untested = compared.untested();
     loop {
@@ -205,7 +206,8 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
     out
 }
 
-/// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap they close.
+/// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap
+/// they close.
 fn as_fitted(compared: &Compared, first: usize) -> usize {
     let scored = &compared.scored[first];
     let likely = |(_, j): &(usize, &Scored)| scored.log_posterior() - j.log_posterior() < HARDLY;
@@ -220,8 +222,8 @@ fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<usize> {
     scored.fitted.hypothesis.members.iter().map(|c| comparison.place(*c)).collect()
 }
 
-/// Log posteriors of the hypotheses. Of all ways to have the same effects at the same places only the likeliest counts, as an effect with
-/// many strengths is no likelier before the runs than one with few.
+/// Log posteriors of the hypotheses. Of all ways to have the same effects at the same places only the likeliest counts,
+/// as an effect with many strengths is no likelier before the runs than one with few.
 fn once(compared: &Compared) -> Vec<f64> {
     let mut met = BTreeSet::new();
     let log_posterior =
@@ -244,7 +246,8 @@ fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
         .unwrap_or(scored)
 }
 
-/// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature moved along by half.
+/// Share of the gap that a hypothesis closes on runs left out of fitting its strengths; of a placebo, its signature
+/// moved along by half.
 fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64> {
     let after = left_out(comparison, scored, placebo)?;
     share(&comparison.evidence, |run| scored.mean_square_of(comparison, run, &after[run]))
@@ -342,7 +345,8 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
     clear.map(|(c, [before, after, n])| (c, tidy((1.0 - (after - n) / (before - n)).clamp(-9.0, 1.0)))).collect()
 }
 
-/// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is over the repeatability.
+/// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is
+/// over the repeatability.
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
 fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Place> {
@@ -427,7 +431,8 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
     comparison.simulator.frames().iter().enumerate().map(gap).collect()
 }
 
-/// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave nothing to choose by.
+/// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave
+/// nothing to choose by.
 fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
     let candidates = compared.comparison.candidates();
     let single = |name: &str| {

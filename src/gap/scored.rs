@@ -10,9 +10,11 @@ use nalgebra::{DMatrix, DVector};
 /// What a log posterior is made of, in natural logarithms: `likelihood` − `strengths` + `prior` − `impacts` − `beyond`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
-    /// Log likelihood: of the mean square, or of what the score along the hypothesis' signature says, whichever is more; less `in_common`.
+    /// Log likelihood: of the mean square, or of what the score along the hypothesis' signature says, whichever is
+    /// more; less `in_common`.
     pub likelihood: f64,
-    /// What the likelihood has lost because residuals of the runs have more or less in common than such an effect's should.
+    /// What the likelihood has lost because residuals of the runs have more or less in common than such an effect's
+    /// should.
     pub in_common: f64,
     /// What its strengths cost, ln(f)/2 each (Schwarz 1978).
     pub strengths: f64,
@@ -50,7 +52,8 @@ impl Scored {
         self.repeatability.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
     }
 
-    /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises counts as left.
+    /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises
+    /// counts as left.
     pub fn mean_square_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
         let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
         let raised = if self.repeatability.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };

@@ -47,8 +47,8 @@ pub struct Trial {
     pub size: f64,
 }
 
-/// Signatures of all strengths of the wanted candidates that stand for themselves, at a size at which they are clear, and do as much as is left of
-/// the runs.
+/// Signatures of all strengths of the wanted candidates that stand for themselves, at a size at which they are clear,
+/// and do as much as is left of the runs.
 pub fn signatures(
     simulator: &dyn Simulator,
     evidence: &[Evidence],
@@ -131,8 +131,8 @@ fn sized(
         }
         open = again;
     }
-    // What has few places is tried at strengths a factor apart, until it does far more than there is to explain: what it does is seldom
-    // in proportion, and a fit that begins far off ends far off.
+    // What has few places is tried at strengths a factor apart, until it does far more than there is to explain: what
+    // it does is seldom in proportion, and a fit that begins far off ends far off.
     let residual = &left[run];
     let gap = residual.norm_squared();
     let mut least = vec![WORTH * gap; trials.len()];
@@ -218,8 +218,8 @@ impl Trial {
     }
 }
 
-/// The strength at which an effect does as much in a run as is left to explain, and is clear: few effects are linear, and power grows
-/// with the square at first.
+/// The strength at which an effect does as much in a run as is left to explain, and is clear: few effects are linear,
+/// and power grows with the square at first.
 fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<f64>, (low, high): (f64, f64)) -> f64 {
     let column = &signature.columns[run];
     let own = column.norm_squared().max(1e-300);
@@ -239,8 +239,8 @@ pub enum Runs {
     One(usize),
 }
 
-/// The signature of each trial, at the nearest size that is declared: 0 in runs of which it is not taken, and whether every run could be
-/// simulated with it.
+/// The signature of each trial, at the nearest size that is declared: 0 in runs of which it is not taken, and whether
+/// every run could be simulated with it.
 pub fn take(
     simulator: &dyn Simulator,
     evidence: &[Evidence],

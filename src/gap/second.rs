@@ -1,5 +1,5 @@
-//! A second effect beside the best one, looked for in what that one leaves where it was really fitted. What its signature leaves may be several
-//! times as much, in which a second one drowns.
+//! A second effect beside the best one, looked for in what that one leaves where it was really fitted. What its
+//! signature leaves may be several times as much, in which a second one drowns.
 
 use super::comparison::Comparison;
 use super::scored::{self, Scored};
@@ -11,7 +11,8 @@ use std::collections::BTreeSet;
 const SECONDS: usize = 3;
 
 impl Comparison<'_> {
-    /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it that no re-fit has there.
+    /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it
+    /// that no re-fit has there.
     pub fn seconds(&self, scored: &[Scored]) -> Vec<Fitted> {
         let alone = |j: &&Scored| j.fitted.hypothesis.members.len() == 1 && j.fitted.simulated() && self.leads(j);
         let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square));

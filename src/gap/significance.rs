@@ -1,8 +1,10 @@
-//! How surely a signature is in what is left. A mean square over a thousand features hides what lies along one direction in all of them: an
-//! effect that does little everywhere may be seen beyond doubt while the mean square is that of replicate laps.
+//! How surely a signature is in what is left. A mean square over a thousand features hides what lies along one
+//! direction in all of them: an effect that does little everywhere may be seen beyond doubt while the mean square is
+//! that of replicate laps.
 //!
-//! The score z = Σ cᵀr / √(Σ cᵀ S c) of a direction c over all runs (Rao 1948), with the scatter S of replicate laps and of chains as they are
-//! built, drawn rather than derived (White 1982), so that whatever correlation they have is in it.
+//! The score z = Σ cᵀr / √(Σ cᵀ S c) of a direction c over all runs (Rao 1948), with the scatter S of replicate laps
+//! and of chains as they are built, drawn rather than derived (White 1982), so that whatever correlation they have is
+//! in it.
 
 use super::evidence::Evidence;
 use crate::base::trig;
@@ -14,15 +16,16 @@ const FREEDOM: f64 = 8.0;
 /// Scatter of laps along a direction, as a share of what independent features would have, at least.
 const LEAST: f64 = 0.1;
 
-/// Ratios that a sensor is accurate to, of its gain or of another channel's share: somewhat more than the 0.035 % of its range that a load cell
-/// of class C3 may be off by (OIML R 60: 0.7 · 1.5 of 3000 intervals).
+/// Ratios that a sensor is accurate to, of its gain or of another channel's share: somewhat more than the 0.035 % of
+/// its range that a load cell of class C3 may be off by (OIML R 60: 0.7 · 1.5 of 3000 intervals).
 pub const ACCURATE: f64 = 5e-4;
 
-/// What an effect's equation misses along another signature, as a share of what it does: beside a strong effect a weak one may be made by
-/// the strong one's equation.
+/// What an effect's equation misses along another signature, as a share of what it does: beside a strong effect a weak
+/// one may be made by the strong one's equation.
 pub const MISSED: f64 = 0.02;
 
-/// How far strengths of runs at other speeds and tensions may be apart where the equation is not that of the machine, as a share.
+/// How far strengths of runs at other speeds and tensions may be apart where the equation is not that of the machine,
+/// as a share.
 const DIFFERS: f64 = 0.2;
 
 /// What a direction finds in residuals of all runs: how far they lie along it, and what scatters along it.
@@ -78,8 +81,8 @@ struct Run {
     variance: f64,
 }
 
-/// By how much more the strengths that runs ask for scatter than laps explain, as a variance, 1 at least (Birge 1932): what is seen in one run
-/// only is not what the direction does.
+/// By how much more the strengths that runs ask for scatter than laps explain, as a variance, 1 at least (Birge 1932):
+/// what is seen in one run only is not what the direction does.
 fn disagreement(runs: &[Run]) -> f64 {
     let telling: Vec<&Run> = runs.iter().filter(|run| run.square > 0.0 && run.variance > 0.0).collect();
     if telling.len() < 2 {
@@ -98,7 +101,8 @@ fn squares(each: &[f64]) -> f64 {
     each.iter().map(|x| x * x).sum()
 }
 
-/// Logarithm of how much likelier a score is where its direction is in the residuals than where it is not, by Student's distribution.
+/// Logarithm of how much likelier a score is where its direction is in the residuals than where it is not, by Student's
+/// distribution.
 pub fn support(z: f64) -> f64 {
     0.5 * (FREEDOM + 1.0) * trig::ln(1.0 + z * z / FREEDOM)
 }

@@ -1,5 +1,5 @@
-//! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts is one
-//! such model, any program outside is another.
+//! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts
+//! is one such model, any program outside is another.
 
 use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
@@ -17,8 +17,9 @@ pub trait Simulator: Sync {
     /// Each run, with the nominal model already fitted to it.
     fn frames(&self) -> &[Frame];
 
-    /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels. `None` where
-    /// nothing can be simulated. A model has this or [`Simulator::simulate_all`]: each is made of the other.
+    /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels.
+    /// `None` where nothing can be simulated. A model has this or [`Simulator::simulate_all`]: each is made of the
+    /// other.
     fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
         self.simulate_all(&[request]).pop().flatten()
@@ -39,7 +40,8 @@ pub trait Simulator: Sync {
         false
     }
 
-    /// Of each request, replicate laps with its effects, in place of its frame's. `None` where the frame's hold or nothing is known.
+    /// Of each request, replicate laps with its effects, in place of its frame's. `None` where the frame's hold or
+    /// nothing is known.
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         vec![None; requests.len()]
     }
@@ -103,7 +105,8 @@ pub struct Candidate {
     pub sensor: bool,
     /// In what it differs by chance, so that laps scatter by it.
     pub random_effect: Option<RandomEffect>,
-    /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard deviation.
+    /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard
+    /// deviation.
     pub discrepancy: f64,
     /// The candidate beside which it stands: it is looked at only where that one explains something.
     pub beside: Option<usize>,
@@ -245,14 +248,14 @@ impl Frame {
         self.nominal.iter().zip(moved.iter()).map(|(n, m)| n + m).collect()
     }
 
-    /// The effects' part of what features with nuisances moved by a step differ by from the nominal ones: nuisances as their slopes
-    /// have it.
+    /// The effects' part of what features with nuisances moved by a step differ by from the nominal ones: nuisances as
+    /// their slopes have it.
     pub fn moved(&self, features: &[f64], step: &[f64]) -> Vec<f64> {
         features.iter().zip(self.at(step)).map(|(f, n)| f - n).collect()
     }
 
-    /// How many features are not finite though measured and nominal ones are, where that is more than [`MAY_LACK`]: such an answer
-    /// cannot be compared. Fewer are left out, as the last window of a series that a delay moves.
+    /// How many features are not finite though measured and nominal ones are, where that is more than [`MAY_LACK`]:
+    /// such an answer cannot be compared. Fewer are left out, as the last window of a series that a delay moves.
     pub fn lacking(&self, features: &[f64]) -> usize {
         let known =
             || self.measured.iter().zip(&self.nominal).zip(features).filter(|((m, n), _)| (*m - *n).is_finite());

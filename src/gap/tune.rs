@@ -1,5 +1,6 @@
-//! Effects that cost no simulation are asked for as often as it takes: what a shift does to a narrow channel's distribution is in proportion
-//! to nothing, and a strength that is a little off leaves more than another sensor's effect does.
+//! Effects that cost no simulation are asked for as often as it takes: what a shift does to a narrow channel's
+//! distribution is in proportion to nothing, and a strength that is a little off leaves more than another sensor's
+//! effect does.
 
 use super::evidence::Evidence;
 use super::screen::{Signature, explain};
@@ -40,8 +41,9 @@ impl Tuner<'_> {
         self.simulator.applies_sensor_models() && self.simulator.candidates()[candidate].sensor
     }
 
-    /// Strengths that fit best near those from which it starts, or near those that the means along the track ask for, which most sensors'
-    /// effects change in proportion. `None` where a member costs simulations, or nothing can be simulated.
+    /// Strengths that fit best near those from which it starts, or near those that the means along the track ask for,
+    /// which most sensors' effects change in proportion. `None` where a member costs simulations, or nothing can be
+    /// simulated.
     pub fn tuned(&self, hypothesis: &Hypothesis, start: &[f64]) -> Option<Tuned> {
         if !hypothesis.members.iter().all(|c| self.applies_sensor_model(*c)) {
             return None;

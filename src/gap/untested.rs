@@ -1,9 +1,10 @@
-//! Effects that could not be simulated. What was never compared with the runs is not ruled out by them: it is held to be as likely as the
-//! best of what was compared, so that nobody inherits its share.
+//! Effects that could not be simulated. What was never compared with the runs is not ruled out by them: it is held to
+//! be as likely as the best of what was compared, so that nobody inherits its share.
 //!
-//! With ln p its prior, m the number of its strengths and ln L the largest log likelihood of all that was compared (effects, no gap,
-//! something unknown), its log posterior is ln p + ln L − m ln(f)/2. An effect that explains everything then has no more than its prior's share
-//! against that of the untested one: one half, where both are single effects with one place and one strength.
+//! With ln p its prior, m the number of its strengths and ln L the largest log likelihood of all that was compared
+//! (effects, no gap, something unknown), its log posterior is ln p + ln L − m ln(f)/2. An effect that explains
+//! everything then has no more than its prior's share against that of the untested one: one half, where both are single
+//! effects with one place and one strength.
 
 use super::comparison::Compared;
 use super::likelihood;

@@ -20,7 +20,8 @@ pub fn percent(share: f64) -> String {
 }
 
 /// The verdict in a few sentences, each of which follows from the numbers of the report alone:
-/// - something "explains the gap" where it leaves no run over the limit of repeatability and closes something on runs left out;
+/// - something "explains the gap" where it leaves no run over the limit of repeatability and closes something on runs
+///   left out;
 /// - "there is a gap" where a run is over its limit, and only then closures are told;
 /// - a strength at its bound, and effects that could not be simulated, are named.
 pub fn summary(found: &Diagnosis) -> String {
@@ -237,7 +238,8 @@ fn look(place: &Place, axis: Axis) -> String {
     }
 }
 
-/// Whether what carts differ by was named or would close most of the gap: its pattern along the track has nearly any shape.
+/// Whether what carts differ by was named or would close most of the gap: its pattern along the track has nearly any
+/// shape.
 fn by_chance(found: &Diagnosis) -> bool {
     let by_cart = |e: &Finding| {
         effects::named(&e.name)

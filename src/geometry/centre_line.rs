@@ -227,8 +227,8 @@ impl Stretch {
 /// Steps of Newton's method: quadratic, from a start that is good to a few centimetres.
 const NEWTON: usize = 20;
 
-/// Progress along an arc towards `inward` from its begin, of the arc's point nearest to `r` (from the begin), m. Angles are
-/// counted from the arc's middle, so that the cut of atan2 lies opposite to it.
+/// Progress along an arc towards `inward` from its begin, of the arc's point nearest to `r` (from the begin), m. Angles
+/// are counted from the arc's middle, so that the cut of atan2 lies opposite to it.
 fn turned(r: Vector3<f64>, begin: &Frame, inward: Vector3<f64>, radius: f64, turn: f64) -> f64 {
     let half = turn.abs() / 2.0;
     let out = r - inward * radius;
@@ -258,7 +258,8 @@ pub struct Nearest {
 }
 
 impl CentreLine {
-    /// Puts pieces one behind the other from `start` (x, y, z in m, heading in rad). Pieces without length are left out.
+    /// Puts pieces one behind the other from `start` (x, y, z in m, heading in rad). Pieces without length are left
+    /// out.
     pub fn new(start: [f64; 4], forms: &[Form]) -> Self {
         let [x, y, z, heading] = start;
         let mut stretches: Vec<Stretch> = Vec::with_capacity(forms.len());
@@ -300,8 +301,8 @@ impl CentreLine {
         stretch.at(s - stretch.s)
     }
 
-    /// The nearest point, sought from piece `from` onwards or backwards: the local minimum of the distance that a moving
-    /// point stays with.
+    /// The nearest point, sought from piece `from` onwards or backwards: the local minimum of the distance that a
+    /// moving point stays with.
     pub fn nearest(&self, point: &Vector3<f64>, from: usize) -> Nearest {
         let n = self.stretches.len();
         let mut i = from % n;

@@ -130,8 +130,8 @@ impl Region {
         found.extend(nearest.filter(|n| n.distance < 0.0));
     }
 
-    /// Where a piece cuts through, the corners on its wrong side count for it, whatever else is nearer to them: a strand
-    /// that crosses an obstacle may leave every corner on the right side of some other strand.
+    /// Where a piece cuts through, the corners on its wrong side count for it, whatever else is nearer to them: a
+    /// strand that crosses an obstacle may leave every corner on the right side of some other strand.
     fn piercing_approaches(&self, track: &Track, index: usize, found: &mut Vec<Approach>) {
         let count = track.pieces.len();
         let around = [index, (index + 1) % count, (index + count - 1) % count];

@@ -1,13 +1,13 @@
 //! Where a loop crosses itself, and where its band overlaps itself.
 //!
 //! Two points of a track may be close because the track is continuous, or because it comes back. What tells them apart
-//! is a theorem of Schur (1921): on a curve that nowhere bends tighter than radius R, points at arc length
-//! ℓ ≤ πR are at least 2R sin(ℓ/2R) apart, as on a circle; up to half a turn of the tightest radius between them, a track
-//! gets away from itself, and beyond it, whatever is closer than 2R has come back. So a pair of points counts here only
-//! when, both ways round the loop, at least πR of track lies between them. R is taken to be at least half
-//! the band's width: a tighter arc folds the band by itself, which is a matter of the radius and of no pair of pieces
-//! (and what comes back within π/2 widths of such a fold is taken for a part of it).
-//! Neighbouring pieces never count; fillets that overlap on their section are another fault.
+//! is a theorem of Schur (1921): on a curve that nowhere bends tighter than radius R, points at arc length ℓ ≤ πR are
+//! at least 2R sin(ℓ/2R) apart, as on a circle; up to half a turn of the tightest radius between them, a track gets
+//! away from itself, and beyond it, whatever is closer than 2R has come back. So a pair of points counts here only
+//! when, both ways round the loop, at least πR of track lies between them. R is taken to be at least half the band's
+//! width: a tighter arc folds the band by itself, which is a matter of the radius and of no pair of pieces (and what
+//! comes back within π/2 widths of such a fold is taken for a part of it). Neighbouring pieces never count; fillets
+//! that overlap on their section are another fault.
 
 use std::ops::Range;
 

@@ -8,11 +8,11 @@
 //! Such an arc has no offset; its place is taken by two spokes, from the end of the straight's offset to the arc's
 //! centre and out again to the next offset. The half band of each piece is then a region with a counter-clockwise
 //! boundary (a rectangle, a ring's sector or, for a tight arc, a sector), and the boundaries between consecutive half
-//! bands cancel. Hence, for a counter-clockwise loop, the winding number of the side about a point is that of the centre
-//! line minus (inner side) or plus (outer side) the number of half bands that cover the point. *Winding number at least
-//! one* therefore is the rule that gives the region: what the side's overlapping ends enclose beyond it (swallowtails)
-//! has a winding number of zero or less on an inner side, of two or more on an outer one. A clockwise loop is the mirror
-//! image: winding number at most minus one.
+//! bands cancel. Hence, for a counter-clockwise loop, the winding number of the side about a point is that of the
+//! centre line minus (inner side) or plus (outer side) the number of half bands that cover the point. *Winding number
+//! at least one* therefore is the rule that gives the region: what the side's overlapping ends enclose beyond it
+//! (swallowtails) has a winding number of zero or less on an inner side, of two or more on an outer one. A clockwise
+//! loop is the mirror image: winding number at most minus one.
 
 use super::polygon::bounds;
 use super::{Piece, PieceKind, Point, Track};

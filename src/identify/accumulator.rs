@@ -1,8 +1,8 @@
 //! What a lap amounts to, in numbers that two replicate simulations of it share.
 //!
-//! The motion is chaotic, so samples are not compared at the same instant. Compared are means over the passing of two carts at
-//! each place of the track, the spread within each straight and curve, how often forces are low or high, and the power in
-//! bands around the passing of carts. All are sums over samples, so laps and carts add up.
+//! The motion is chaotic, so samples are not compared at the same instant. Compared are means over the passing of two
+//! carts at each place of the track, the spread within each straight and curve, how often forces are low or high, and
+//! the power in bands around the passing of carts. All are sums over samples, so laps and carts add up.
 
 use super::coverage::{Weighing, Weight};
 use super::places::Places;
@@ -75,7 +75,8 @@ impl FeatureAccumulator {
         }
     }
 
-    /// Adds a cart's samples, moved along the track by `offset`, m. `noise` picks the white noise that is added to them.
+    /// Adds a cart's samples, moved along the track by `offset`, m. `noise` picks the white noise that is added to
+    /// them.
     pub fn add(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64, noise: Option<u64>) {
         let noisy: Vec<Vec<f32>>;
         let mut samples = *samples;
@@ -209,8 +210,8 @@ impl FeatureAccumulator {
         }
     }
 
-    /// Variance of what lies above the low-pass in the middle one of the segments, so that an impact at one place is no noise, and the share
-    /// of white noise that does.
+    /// Variance of what lies above the low-pass in the middle one of the segments, so that an impact at one place is no
+    /// noise, and the share of white noise that does.
     pub fn high_power(&self, spec: &FeatureSpec) -> ([f64; FORCES], f64) {
         let share = 2.0 * (spec.high.1 - spec.high.0) as f64 / spec.segment as f64;
         let middle = |of: &Vec<f64>| {
@@ -232,8 +233,8 @@ impl FeatureAccumulator {
         (n > 0.0).then(|| sum / n)
     }
 
-    /// The features, each with its block; NaN where there are too few samples. `least` is how many make a cell's mean. All
-    /// but the mean speed, which is measured otherwise.
+    /// The features, each with its block; NaN where there are too few samples. `least` is how many make a cell's mean.
+    /// All but the mean speed, which is measured otherwise.
     pub fn features(&self, least: f64) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
         for force in 0..FORCES {

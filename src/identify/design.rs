@@ -1,6 +1,6 @@
-//! Which simulations tell how the model answers its parameters: a two-level design in which every run moves every parameter,
-//! so that each slope is estimated from all of them (Plackett and Burman 1946). Each run has a mirror image, so that what two
-//! parameters do together cannot pass for what one does alone (Box and Wilson 1951, foldover).
+//! Which simulations tell how the model answers its parameters: a two-level design in which every run moves every
+//! parameter, so that each slope is estimated from all of them (Plackett and Burman 1946). Each run has a mirror image,
+//! so that what two parameters do together cannot pass for what one does alone (Box and Wilson 1951, foldover).
 
 /// Runs of the design, and without the mirror images.
 pub const RUNS: usize = 2 * HALF;

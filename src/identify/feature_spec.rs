@@ -106,8 +106,8 @@ impl FeatureSpec {
         self.orders = orders.iter().map(lines).collect();
     }
 
-    /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range above: a wheel
-    /// that does not touch has a force of 0 for long, which no threshold must split.
+    /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range
+    /// above: a wheel that does not touch has a force of 0 for long, which no threshold must split.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
         self.blocks(samples, offset, |kind, force, _, mean| found[kind * FORCES + force].push(mean));

@@ -1,9 +1,10 @@
-//! Goodness of fit: whether what a fit leaves is no more than repeatability allows, and if it is more, in which features and
-//! where on the track.
+//! Goodness of fit: whether what a fit leaves is no more than repeatability allows, and if it is more, in which
+//! features and where on the track.
 //!
-//! The objective's square Q is a mean of squared residuals, each over the variance of replicate laps, so that its mean is 1 where the
-//! model is right. Features are correlated, hence Q scatters as χ² of ν degrees of freedom over ν, with ν = tr(C)² / tr(C²) of
-//! the covariance C of the scaled features (Satterthwaite 1946). The carts of a simulation are replicate laps and give C.
+//! The objective's square Q is a mean of squared residuals, each over the variance of replicate laps, so that its mean
+//! is 1 where the model is right. Features are correlated, hence Q scatters as χ² of ν degrees of freedom over ν, with
+//! ν = tr(C)² / tr(C²) of the covariance C of the scaled features (Satterthwaite 1946). The carts of a simulation are
+//! replicate laps and give C.
 
 use super::places::Places;
 use super::repeatability::{Numerics, Repeatability};
@@ -18,8 +19,8 @@ use std::collections::BTreeMap;
 /// The objective of a right model is below the limit so often, as the standard normal quantile: 99 %.
 const QUANTILE: f64 = 2.326;
 
-/// What the objective may be over the quantile: it is left to the approximations of a fit and of its variances. Over the campaign of
-/// docs/identification.md the right law's objectives go up to 1.12.
+/// What the objective may be over the quantile: it is left to the approximations of a fit and of its variances. Over
+/// the campaign of docs/identification.md the right law's objectives go up to 1.12.
 const TOLERANCE: f64 = 1.5;
 
 /// A residual over so many deviations is named with its place.
@@ -203,8 +204,8 @@ pub fn objective(degrees_of_freedom: f64) -> f64 {
     TOLERANCE * (root * root * root).sqrt()
 }
 
-/// tr(C)² / tr(C²) of C = S + Σ d dᵀ, with S the covariance that so many laps are drawn from. The square of a covariance that few
-/// laps give is too large in the mean, which is taken off (Srivastava 2005, for normal deviates).
+/// tr(C)² / tr(C²) of C = S + Σ d dᵀ, with S the covariance that so many laps are drawn from. The square of a
+/// covariance that few laps give is too large in the mean, which is taken off (Srivastava 2005, for normal deviates).
 pub fn degrees(laps: &[DVector<f64>], common: &[DVector<f64>]) -> f64 {
     let m = laps.len().saturating_sub(1) as f64;
     if m < 2.0 {

@@ -1,5 +1,5 @@
-//! Groups of a campaign's runs: those of one layout at one set point of speed and tension. Values of runs at different set points are
-//! of different operating points, so that no median is taken over them.
+//! Groups of a campaign's runs: those of one layout at one set point of speed and tension. Values of runs at different
+//! set points are of different operating points, so that no median is taken over them.
 
 use crate::base::number::{shortest, trimmed};
 use serde::Serialize;

@@ -55,8 +55,8 @@ impl Centre {
 pub struct Sensitivity {
     /// Of each feature a row of slopes, and the mean speed's row last.
     pub slopes: DMatrix<f64>,
-    /// Of each feature what the slopes leave of a run of the design, beyond what its carts scatter by: the model bends, and
-    /// simulations differ in what all their carts share. A variance.
+    /// Of each feature what the slopes leave of a run of the design, beyond what its carts scatter by: the model bends,
+    /// and simulations differ in what all their carts share. A variance.
     pub unexplained: Vec<f64>,
     /// How far the design went, in coordinates.
     pub reach: Coordinates,
@@ -144,9 +144,9 @@ impl Blocks {
         Blocks(rows)
     }
 
-    /// Takes from the slopes what chaos alone would make of them: in each block of features and each column, the slopes are
-    /// shrunk together by the share of their sum of squares that is noise (James and Stein 1961, positive part), two deviations
-    /// of the noise's own sum added.
+    /// Takes from the slopes what chaos alone would make of them: in each block of features and each column, the slopes
+    /// are shrunk together by the share of their sum of squares that is noise (James and Stein 1961, positive part),
+    /// two deviations of the noise's own sum added.
     fn shrink(
         &self,
         slopes: &mut DMatrix<f64>,

@@ -1,11 +1,12 @@
 //! Identification: the chain model's parameters from measured laps, as the thesis' §2.4 has it.
 //!
-//! [`Measured`] makes a run ready; [`fit`](fit::fit) finds the parameters of one run in one damping law; [`study`] goes over the runs
-//! of a campaign and all laws; [`share`] combines runs. [`stiffness`] is the static test of a joint.
+//! [`Measured`] makes a run ready; [`fit`](fit::fit) finds the parameters of one run in one damping law; [`study`] goes
+//! over the runs of a campaign and all laws; [`share`] combines runs. [`stiffness`] is the static test of a joint.
 //!
-//! The motion is chaotic, so laps are compared by what two replicate laps share (`accumulator`), weighted by how far apart
-//! such laps are (`repeatability`). Slopes come from designs of simulations rather than from single differences (`design`, `local`), and
-//! what the run and the prior together say is a normal distribution within bounds (`posterior`).
+//! The motion is chaotic, so laps are compared by what two replicate laps share (`accumulator`), weighted by how far
+//! apart such laps are (`repeatability`). Slopes come from designs of simulations rather than from single differences
+//! (`design`, `local`), and what the run and the prior together say is a normal distribution within bounds
+//! (`posterior`).
 
 pub mod accumulator;
 pub mod coverage;

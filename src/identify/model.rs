@@ -14,8 +14,8 @@ use std::sync::Arc;
 /// A point of the parameters' space, in coordinates.
 pub type Coordinates = [f64; COUNT];
 
-/// Time before an ensemble is recorded, s, from the start and from a chain that has settled with nearly the same parameters: the
-/// waves along the chain that a start leaves die away slowly.
+/// Time before an ensemble is recorded, s, from the start and from a chain that has settled with nearly the same
+/// parameters: the waves along the chain that a start leaves die away slowly.
 const SETTLE: (f64, f64) = (40.0, 12.0);
 
 /// A layout's chain in one law, as it may have measured one run.

@@ -1,8 +1,10 @@
-//! The ten parameters that a measured lap can tell of the chain (thesis §2.4.2), with their coordinates, bounds and priors.
+//! The ten parameters that a measured lap can tell of the chain (thesis §2.4.2), with their coordinates, bounds and
+//! priors.
 //!
-//! Each is estimated in a coordinate in which the model is nearly linear: restitutions through the logarithm of the damping
-//! that they mean in a law, χ(e) or Kelvin-Voigt's ζ(e); positive numbers through their logarithm; the trigger's place in metres.
-//! In these coordinates the damping laws are the same model, so what one law's fit found starts the next one's.
+//! Each is estimated in a coordinate in which the model is nearly linear: restitutions through the logarithm of the
+//! damping that they mean in a law, χ(e) or Kelvin-Voigt's ζ(e); positive numbers through their logarithm; the
+//! trigger's place in metres. In these coordinates the damping laws are the same model, so what one law's fit found
+//! starts the next one's.
 
 use crate::base::trig;
 use crate::chain_input::{ContactLaw, Simulation};
@@ -162,9 +164,9 @@ impl Parameter {
         value.clamp(bounds.0, bounds.1)
     }
 
-    /// Mean and standard deviation of what is believed before the run, in the coordinate. `nominal` is that of the layout or the
-    /// sidecar. A restitution's prior is one of its damping, so that it is the same in every law: χ of 0.1 to 1.4 within
-    /// 1.5 deviations, Herbert and McWhannell's e of 0.92 to 0.25.
+    /// Mean and standard deviation of what is believed before the run, in the coordinate. `nominal` is that of the
+    /// layout or the sidecar. A restitution's prior is one of its damping, so that it is the same in every law: χ of
+    /// 0.1 to 1.4 within 1.5 deviations, Herbert and McWhannell's e of 0.92 to 0.25.
     pub fn prior(self, law: ContactLaw, nominal: f64) -> (f64, f64) {
         match self {
             Parameter::Speed => (trig::ln(nominal), 0.02),

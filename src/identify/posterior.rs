@@ -1,8 +1,8 @@
 //! What a run and the prior together say: the step to the best parameters, and how sure they are.
 //!
-//! Weighted least squares whose weights need not be the inverse covariance: with slopes J, weights W and the covariance Σ of honest
-//! laps, JᵀWr scatters by B = JᵀWΣWJ and answers the parameters by A = JᵀWJ, so the run's information is A B⁻¹ A (Godambe
-//! 1960; McFadden 1989 for simulated features). The prior's is added to it.
+//! Weighted least squares whose weights need not be the inverse covariance: with slopes J, weights W and the covariance
+//! Σ of honest laps, JᵀWr scatters by B = JᵀWΣWJ and answers the parameters by A = JᵀWJ, so the run's information is A
+//! B⁻¹ A (Godambe 1960; McFadden 1989 for simulated features). The prior's is added to it.
 
 use super::parameter::COUNT;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -17,8 +17,8 @@ pub struct Information {
 }
 
 impl Information {
-    /// From A, B and g = JᵀWr. With features that vary each on its own, B would be A; what B has less of is not believed, as the
-    /// laps it was estimated from are few and the slopes in A carry noise.
+    /// From A, B and g = JᵀWr. With features that vary each on its own, B would be A; what B has less of is not
+    /// believed, as the laps it was estimated from are few and the slopes in A carry noise.
     pub fn new(a: &DMatrix<f64>, b: &DMatrix<f64>, g: &DVector<f64>) -> Information {
         let n = a.nrows();
         let regular = a + DMatrix::identity(n, n) * (1e-9 * a.diagonal().max().max(1e-300));

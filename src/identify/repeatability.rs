@@ -1,5 +1,5 @@
-//! The repeatability: how far apart two replicate laps are. Each cart of a simulation is a lap of its own; a simulation with half the step and one
-//! from a fresh start say what the computation adds.
+//! The repeatability: how far apart two replicate laps are. Each cart of a simulation is a lap of its own; a simulation
+//! with half the step and one from a fresh start say what the computation adds.
 
 use super::model::{Coordinates, Model, Plan};
 use crate::base::trig;
@@ -16,8 +16,8 @@ pub struct Repeatability {
     pub bias: Vec<f64>,
     /// Each cart's feature less the mean of all.
     pub scatter: Vec<Vec<f64>>,
-    /// By how much all means of a force may be off together, as independent programs and sensors agree no better; 0 for what is no
-    /// mean.
+    /// By how much all means of a force may be off together, as independent programs and sensors agree no better; 0 for
+    /// what is no mean.
     pub level: Vec<f64>,
     /// The mean speed of a lap scatters by, m/s.
     pub speed: f64,
@@ -29,10 +29,11 @@ pub struct Numerics {
     /// To be added to what is simulated at the usual step: extrapolated to none, as the integrator is of second order
     /// (Richardson 1911).
     pub correction: Vec<f64>,
-    /// By how much features may be off together: half the correction, and what a fresh start does that has had the usual 30 s to
-    /// settle, as a measured chain seldom has longer.
+    /// By how much features may be off together: half the correction, and what a fresh start does that has had the
+    /// usual 30 s to settle, as a measured chain seldom has longer.
     pub discrepancies: [Vec<f64>; 2],
-    /// The discrepancies squared, or their mean in a feature's block when that is more; infinite for what the step makes.
+    /// The discrepancies squared, or their mean in a feature's block when that is more; infinite for what the step
+    /// makes.
     pub variance: Vec<f64>,
 }
 
@@ -42,8 +43,8 @@ const MADE_BY_THE_STEP: f64 = 0.1;
 /// A feature's deviation is at least this share of its block's.
 const LEAST_SHARE: f64 = 0.1;
 
-/// To what independent programs and sensors agree at best: of the range of a force's means along the track, and relative to spreads and
-/// amplitudes (design: chain model, Chaos: two-cart means to 0.0-0.3 %).
+/// To what independent programs and sensors agree at best: of the range of a force's means along the track, and
+/// relative to spreads and amplitudes (design: chain model, Chaos: two-cart means to 0.0-0.3 %).
 const MEANS_AGREE: f64 = 5e-4;
 const LOGARITHMS_AGREE: f64 = 3e-3;
 
@@ -159,7 +160,8 @@ impl Agreed {
         Agreed { blocks, all }
     }
 
-    /// To what independent programs and sensors agree: a share of a block's range for means, of itself for what is a logarithm.
+    /// To what independent programs and sensors agree: a share of a block's range for means, of itself for what is a
+    /// logarithm.
     fn least(&self, block: Block) -> f64 {
         match (block, self.all.get(&block)) {
             (Block::Mean(_), Some(own)) => MEANS_AGREE * (own.high - own.low),
@@ -168,8 +170,8 @@ impl Agreed {
         }
     }
 
-    /// No feature is believed better than that, nor much better than the others of its block, as where a wheel never touches carts
-    /// agree by chance. NaN stays.
+    /// No feature is believed better than that, nor much better than the others of its block, as where a wheel never
+    /// touches carts agree by chance. NaN stays.
     fn levelled(&self, deviation: &[f64]) -> Vec<f64> {
         let least = |block: Block| {
             let others = self.all.get(&block).map_or(0.0, |own| (own.squares / own.count).sqrt());

@@ -17,8 +17,8 @@ pub struct Shared {
     pub bound: Vec<i8>,
 }
 
-/// Combines what runs say of shared parameters: of each run the others are eliminated with their priors (Schur's complement), and what is
-/// left is added up, with the prior of the shared ones once.
+/// Combines what runs say of shared parameters: of each run the others are eliminated with their priors (Schur's
+/// complement), and what is left is added up, with the prior of the shared ones once.
 pub fn combine(shared: &[Parameter], runs: &[(&Model, &Fit)]) -> Option<Shared> {
     let (first, _) = runs.first()?;
     let reach = |p: &Parameter| p.reach();
@@ -97,7 +97,8 @@ mod tests {
         Model::new(&simulation, ContactLaw::default(), &measured, crate::dynamics::Width::widest())
     }
 
-    /// Two runs that know a parameter four times and once as well, and one of them only together with another parameter.
+    /// Two runs that know a parameter four times and once as well, and one of them only together with another
+    /// parameter.
     #[test]
     fn runs_count_by_what_they_know() {
         let model = model();

@@ -48,8 +48,8 @@ const FARTHEST: f64 = 1e12;
 
 const COLUMNS: [&str; 3] = ["direction", "deformation", "force"];
 
-/// Reads a test; `file` is named in mistakes. The columns may stand in any order; without `direction` all points are of the one
-/// that is given.
+/// Reads a test; `file` is named in mistakes. The columns may stand in any order; without `direction` all points are of
+/// the one that is given.
 ///
 /// # Errors
 ///

@@ -1,11 +1,12 @@
 //! Stiffness of a joint from a static test: deformation against force, fitted by F = K dⁿ (thesis §2.4).
 //!
-//! Least squares of the force residuals, all of one weight, by Levenberg and Marquardt's iteration (Marquardt 1963) from the
-//! straight line through the logarithms. Deformation is scaled by its geometric mean d₀ meanwhile: K is the force at a metre of
-//! deformation, a thousand times further than any test goes, so that K and n can hardly be told apart; the force at d₀ and n can.
+//! Least squares of the force residuals, all of one weight, by Levenberg and Marquardt's iteration (Marquardt 1963)
+//! from the straight line through the logarithms. Deformation is scaled by its geometric mean d₀ meanwhile: K is the
+//! force at a metre of deformation, a thousand times further than any test goes, so that K and n can hardly be told
+//! apart; the force at d₀ and n can.
 //!
-//! Intervals are Student's, from the Jacobian J at the solution: covariance s²(JᵀJ)⁻¹ with s² = Σr²/(N − 2) (Seber and Wild 1989,
-//! §2.1), taken for ln K rather than K, which is never below zero.
+//! Intervals are Student's, from the Jacobian J at the solution: covariance s²(JᵀJ)⁻¹ with s² = Σr²/(N − 2) (Seber and
+//! Wild 1989, §2.1), taken for ln K rather than K, which is never below zero.
 
 use crate::base::student;
 use crate::base::trig::{exp, ln, pow};
@@ -70,8 +71,8 @@ pub enum Unfit {
 /// Steps of the iteration. From the logarithms' line a dozen are enough for any test that a power describes.
 const STEPS: usize = 200;
 
-/// Fits K and n to deformations (m, magnitudes) and forces (N, magnitudes). Points at zero deformation say nothing of either
-/// and are left out.
+/// Fits K and n to deformations (m, magnitudes) and forces (N, magnitudes). Points at zero deformation say nothing of
+/// either and are left out.
 ///
 /// # Errors
 ///
@@ -265,8 +266,8 @@ mod tests {
         }
     }
 
-    /// Nine of ten intervals hold the truth: over 1000 tests of ten points (200 for each of five truths), between 87 and 93 %, which
-    /// is three standard deviations of the count.
+    /// Nine of ten intervals hold the truth: over 1000 tests of ten points (200 for each of five truths), between 87
+    /// and 93 %, which is three standard deviations of the count.
     #[test]
     fn nine_of_ten_intervals_hold_the_truth() {
         let (mut held, mut tests) = ([0, 0], 0);

@@ -1,7 +1,8 @@
 //! A study: every run of a campaign fitted in every law that is asked for.
 //!
-//! Six of the laws are the same model in other coordinates, so what one law's fit found is carried over through its damping χ, and
-//! only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is another model.
+//! Six of the laws are the same model in other coordinates, so what one law's fit found is carried over through its
+//! damping χ, and only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is
+//! another model.
 
 use super::fit::{Fit, Settings, fit};
 use super::goodness::{Goodness, is_wrong};
@@ -155,8 +156,8 @@ impl Subject {
     }
 }
 
-/// What everything a fit depends on hashes to (SHA-256): this program, the run and its chain, the law, the options, and what the fit
-/// started from.
+/// What everything a fit depends on hashes to (SHA-256): this program, the run and its chain, the law, the options, and
+/// what the fit started from.
 pub fn key(subject: &Subject, law: ContactLaw, settings: &Settings, held: &str) -> String {
     // The answer does not depend on threads.
     let settings = Settings { threads: 1, ..*settings };
@@ -184,8 +185,8 @@ pub fn fit_run(
     fitted(subject, &model, &measured, &found, settings, key)
 }
 
-/// Carries a fit over to another law of the same model. `None` where a restitution would be beyond its bounds, or to or from
-/// Kelvin and Voigt's.
+/// Carries a fit over to another law of the same model. `None` where a restitution would be beyond its bounds, or to or
+/// from Kelvin and Voigt's.
 pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Settings, width: Width) -> Option<Fitted> {
     let same = |law: ContactLaw| law != ContactLaw::KelvinVoigt;
     if !same(law) || !same(from.law) {
@@ -212,8 +213,8 @@ pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Setti
     Some(carried)
 }
 
-/// Where a fit of another law of the same model ends within a law's bounds, as far as what that fit knows of the run reaches: the best
-/// parameters there, from its information. `None` where that is too far, or for another model.
+/// Where a fit of another law of the same model ends within a law's bounds, as far as what that fit knows of the run
+/// reaches: the best parameters there, from its information. `None` where that is too far, or for another model.
 pub fn within(
     subject: &Subject,
     from: &Fitted,
@@ -376,7 +377,8 @@ fn deviations(subject: &Subject, fit: &Fitted, lap: f64, width: Width) -> (Devia
     (samples, two_carts)
 }
 
-/// Whether a lap simulated anew is as far from the run as a kept fit says. That costs one lap, where the fit costs hundreds.
+/// Whether a lap simulated anew is as far from the run as a kept fit says. That costs one lap, where the fit costs
+/// hundreds.
 pub fn is_confirmed(subject: &Subject, kept: &Fitted, width: Width) -> bool {
     let lap = subject.simulation.track.centre_line().length;
     let same = |a: &Deviations, b: &Deviations| {

@@ -14,8 +14,8 @@ const TOGETHER: f64 = 0.9;
 /// Deviation of the floor of approach speeds believed before, as the logarithm of a factor.
 const FLOOR_PRIOR: f64 = 0.5;
 
-/// What a run's information means. `information` is in coordinates divided by `reach`, the floor of approach speeds last; `prior` the
-/// deviations believed before, in the same.
+/// What a run's information means. `information` is in coordinates divided by `reach`, the floor of approach speeds
+/// last; `prior` the deviations believed before, in the same.
 pub fn identifiability(
     information: &DMatrix<f64>,
     prior: &[f64; COUNT],

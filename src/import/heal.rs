@@ -1,7 +1,7 @@
 //! From a drawn loop to vertices with radii.
 //!
-//! Between two arcs lies a section: a drawn straight or, where arcs meet directly, their common tangent. A vertex is the
-//! point at which two neighbouring sections' lines meet; its fillet has the drawn arc's radius. On a tangent loop
+//! Between two arcs lies a section: a drawn straight or, where arcs meet directly, their common tangent. A vertex is
+//! the point at which two neighbouring sections' lines meet; its fillet has the drawn arc's radius. On a tangent loop
 //! that is the drawing exactly. Otherwise ends that do not meet and headings that differ make the result deviate from
 //! the drawing. How far is measured afterwards, piece by piece, and has to be within the tolerance: nothing that was
 //! done to heal is trusted.
@@ -338,7 +338,8 @@ fn shift(piece: &Drawn, track: &Track, nodes: &[Node]) -> f64 {
 }
 
 /// Radii, and coordinates of vertices, that are whole millimetres but for what the drawing is inexact by: turns of a
-/// right angle come out as such. A vertex whose fillet touches its neighbour's stays. `None` where fillets no longer fit.
+/// right angle come out as such. A vertex whose fillet touches its neighbour's stays. `None` where fillets no longer
+/// fit.
 fn snapped(track: &Track, healed: &Healed, tolerance: f64) -> Option<Vec<Corner>> {
     let noise = 2.0 * healed.largest_gap.max(healed.largest_shift);
     let whole = |length: f64| {

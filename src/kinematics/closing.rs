@@ -1,4 +1,5 @@
-//! Closing: the pitch at which a whole number of joints, each a straight chord from the next, meets itself on the centre line.
+//! Closing: the pitch at which a whole number of joints, each a straight chord from the next, meets itself on the
+//! centre line.
 
 use crate::geometry::CentreLine;
 use std::fmt;
@@ -123,8 +124,9 @@ mod tests {
         assert!((got / (4.0 * excess) - 1.0).abs() < 0.01);
     }
 
-    /// Design, chain model: one transition from straight to arc makes a joint behind it lead and lag by about 0.0113 L³/R² in
-    /// all while the chain moves by one pitch, and a whole curve by up to twice that, as the fractional part of Rθ/L decides.
+    /// Design, chain model: one transition from straight to arc makes a joint behind it lead and lag by about 0.0113
+    /// L³/R² in all while the chain moves by one pitch, and a whole curve by up to twice that, as the fractional part
+    /// of Rθ/L decides.
     #[test]
     fn polygon_action_is_the_closed_form() {
         let (radius, pitch) = (4.0, 1.25);

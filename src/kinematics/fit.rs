@@ -7,8 +7,8 @@ use crate::geometry::{CentreLine, Form, PieceKind, Track};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     pub carts: usize,
-    /// What the chain lacks to close, N (p − ℓ) with p the pitch at which N carts close and ℓ their length, m; negative when the
-    /// chain has to be compressed. The mean over phases of the chain.
+    /// What the chain lacks to close, N (p − ℓ) with p the pitch at which N carts close and ℓ their length, m; negative
+    /// when the chain has to be compressed. The mean over phases of the chain.
     pub left_over: f64,
 }
 
@@ -16,7 +16,8 @@ pub struct Fit {
 const PHASES: usize = 8;
 
 impl Fit {
-    /// Whether a take-up of this length, m, compensates what is left over. What exceeds it by less than a solver leaves does not.
+    /// Whether a take-up of this length, m, compensates what is left over. What exceeds it by less than a solver leaves
+    /// does not.
     pub fn is_within(&self, take_up: f64) -> bool {
         self.left_over.abs() <= take_up + TOLERANCE
     }
@@ -46,8 +47,8 @@ pub fn left_over(line: &CentreLine, carts: usize, length: f64) -> Option<f64> {
     Some(carts as f64 * (pitch - length))
 }
 
-/// Of several lengths of cart, m, the one nearest to `length` of which a whole number fits within the take-up, m. Where none does,
-/// the one that leaves the least over, if that is less than `length` leaves.
+/// Of several lengths of cart, m, the one nearest to `length` of which a whole number fits within the take-up, m. Where
+/// none does, the one that leaves the least over, if that is less than `length` leaves.
 pub fn better_length(line: &CentreLine, length: f64, offered: &[f64], take_up: f64) -> Option<(f64, Fit)> {
     let left = fit(line, length).map_or(f64::INFINITY, |fit| fit.left_over.abs());
     let others = offered.iter().copied().filter(|l| (l - length).abs() > 1e-9);
@@ -81,8 +82,9 @@ mod tests {
     use crate::base::trig;
     use crate::geometry::{Corner, Point};
 
-    /// A stadium of straights s and half circles R (two quarter turns each) is closed by N carts when 2 s + 2πR less what their
-    /// chords cut off is N ℓ (design, chain model: θL²/(24R) − L³/(120R²) a bend, whose next term is 1 % of that).
+    /// A stadium of straights s and half circles R (two quarter turns each) is closed by N carts when 2 s + 2πR less
+    /// what their chords cut off is N ℓ (design, chain model: θL²/(24R) − L³/(120R²) a bend, whose next term is 1 % of
+    /// that).
     #[test]
     fn what_is_left_over_is_length_less_chords_less_carts() {
         let corner = |x, y| Corner { point: Point::new(x, y), radius: 5.0 };

@@ -1,5 +1,5 @@
-//! What effects a layout may name: each with its strengths, their units and bounds, and what says its place. What an effect does stands in
-//! `effects`, one file each.
+//! What effects a layout may name: each with its strengths, their units and bounds, and what says its place. What an
+//! effect does stands in `effects`, one file each.
 
 /// An effect that a layout may name.
 #[derive(Debug, PartialEq)]

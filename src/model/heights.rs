@@ -5,8 +5,8 @@ use crate::geometry::{Piece, PieceKind};
 
 /// Lowest and highest that each section and each fillet may be, m.
 ///
-/// A section with a level lies on it, and so does the fillet at either end of it: vertical curves lie on straights. What
-/// is between two levels climbs from one to the other somewhere, and may be at any height between.
+/// A section with a level lies on it, and so does the fillet at either end of it: vertical curves lie on straights.
+/// What is between two levels climbs from one to the other somewhere, and may be at any height between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heights {
     sections: Vec<(f64, f64)>,

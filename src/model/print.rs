@@ -10,7 +10,8 @@ use super::*;
 use crate::base::trig;
 use formula::{ANGLE, Dimension, LENGTH, NONE};
 
-/// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses nothing.
+/// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses
+/// nothing.
 pub fn print(layout: &Layout) -> String {
     let mut out = Printer::default();
     out.catalog(&layout.catalog);

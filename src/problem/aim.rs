@@ -1,7 +1,7 @@
 //! What a problem minimises: the track's length or, beside it, waves that curves send along the chain.
 //!
-//! With turns and radii held, a curve's polygon action is a constant: its harmonics, each an amplitude and a phase. What
-//! varies is the length of the straights between, which turns them against each other (thesis §3.4).
+//! With turns and radii held, a curve's polygon action is a constant: its harmonics, each an amplitude and a phase.
+//! What varies is the length of the straights between, which turns them against each other (thesis §3.4).
 
 use super::Expansion;
 use super::measures::Measures;
@@ -56,15 +56,15 @@ struct ByPhase {
 }
 
 impl Waves {
-    /// Σ over what counts of the squared peak to peak, mm², from the lengths of the straights, m. A harmonic of amplitude a
-    /// counts (2a)².
+    /// Σ over what counts of the squared peak to peak, mm², from the lengths of the straights, m. A harmonic of
+    /// amplitude a counts (2a)².
     pub fn value(&self, straights: &[f64]) -> f64 {
         let places = self.places(straights);
         (0..HARMONICS).map(|h| self.sums(&self.turned(&places.0, h), places.1, h, |_, _, _| {})).sum()
     }
 
-    /// Distance that each curve's front end lies behind curve 0's in the lattice of joints, m, walking backwards, and that
-    /// once around.
+    /// Distance that each curve's front end lies behind curve 0's in the lattice of joints, m, walking backwards, and
+    /// that once around.
     fn places(&self, straights: &[f64]) -> (Vec<f64>, f64) {
         let n = self.curves.len();
         let mut places = vec![0.0; n];

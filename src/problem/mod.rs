@@ -114,8 +114,8 @@ pub enum Function {
     Formula(Formula),
 }
 
-/// Limits that give way by one amount s, which is minimised in place of the track's length (Chinneck 2008, ch. 6). It is
-/// the last variable, after those of the vertices. Rows of angles give way by s / [`LEVER`].
+/// Limits that give way by one amount s, which is minimised in place of the track's length (Chinneck 2008, ch. 6). It
+/// is the last variable, after those of the vertices. Rows of angles give way by s / [`LEVER`].
 #[derive(Clone, Debug, Default)]
 pub struct Elastic {
     /// Indices into `Problem::rows`; these rows have one limit each.

@@ -1,5 +1,5 @@
-//! Pages that a person reads in a browser, each one file that opens offline: a lap, an identification, a diagnosis, polygon action. What a
-//! page shows stands beside it as JSON.
+//! Pages that a person reads in a browser, each one file that opens offline: a lap, an identification, a diagnosis,
+//! polygon action. What a page shows stands beside it as JSON.
 
 pub mod gap;
 pub mod identification;

@@ -77,8 +77,8 @@ pub fn analyse(sources: &mut SourceMap, loader: &mut Loader, main: FileId, layou
     Analysis { diagnostics: context.sink.into_inner().into_sorted(), layouts, unclear, wanted }
 }
 
-/// The message for a main file that exists but holds no text that could be checked: not UTF-8, or too large. `None` when
-/// it could not be read at all, which is no matter of its contents.
+/// The message for a main file that exists but holds no text that could be checked: not UTF-8, or too large. `None`
+/// when it could not be read at all, which is no matter of its contents.
 pub fn unreadable(sources: &mut SourceMap, error: &LoadError, path: &str) -> Option<Diagnostic> {
     program::main_diagnostic(sources, error, path)
 }

@@ -40,7 +40,8 @@ pub struct Entry {
     /// How far the run's files may name files.
     pub root: Root,
     /// A `.lss` or a `simulation.json`, which need not exist: the entry's, else the campaign's, else that of the run's
-    /// sidecar. Empty in a campaign that declares its own channels and names no layout. It may lie anywhere: see [`Entry::layout`].
+    /// sidecar. Empty in a campaign that declares its own channels and names no layout. It may lie anywhere: see
+    /// [`Entry::layout`].
     pub layout: PathBuf,
     /// Nominal, to group runs by, m/s.
     pub speed: Option<f64>,
@@ -85,14 +86,14 @@ impl Campaign {
     /// The name of the file that lists a campaign's runs.
     pub const FILE: &str = "campaign.toml";
 
-    /// Reads the folder of a campaign, or its `campaign.toml`. A folder without one is a campaign of all data files that
-    /// have a sidecar, and a single data file is a campaign of one run.
+    /// Reads the folder of a campaign, or its `campaign.toml`. A folder without one is a campaign of all data files
+    /// that have a sidecar, and a single data file is a campaign of one run.
     ///
     /// # Errors
     ///
     /// [`Problem::UnknownKey`], [`Problem::MissingKey`] and [`Problem::WrongValue`] with the key and its line;
-    /// [`Problem::MissingRun`], [`Problem::DuplicateRun`], [`Problem::NoRuns`]; and what [`Sidecar::read`] says when the
-    /// layout has to be found there.
+    /// [`Problem::MissingRun`], [`Problem::DuplicateRun`], [`Problem::NoRuns`]; and what [`Sidecar::read`] says when
+    /// the layout has to be found there.
     pub fn read(path: &Path) -> Result<Campaign, RunError> {
         let (campaign, refused) = Campaign::read_each(path)?;
         match refused.into_iter().next() {
@@ -153,7 +154,8 @@ impl Campaign {
         Ok((campaign, refused))
     }
 
-    /// The data files that a `campaign.toml` lists, seen from its folder, without looking for them; `file` is named in errors.
+    /// The data files that a `campaign.toml` lists, seen from its folder, without looking for them; `file` is named in
+    /// errors.
     ///
     /// # Errors
     ///

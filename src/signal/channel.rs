@@ -88,8 +88,8 @@ impl Channel {
         self.words().1
     }
 
-    /// Beyond this, in the channel's unit, a number is no measurement: far above what any sensor of the kind has, and far below where
-    /// squares and sums of a long run would overflow.
+    /// Beyond this, in the channel's unit, a number is no measurement: far above what any sensor of the kind has, and
+    /// far below where squares and sums of a long run would overflow.
     pub const fn farthest(self) -> f64 {
         match self {
             // That it is 0 or 1 is told in words of its own.

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;
 
-/// Beyond this no number of another machine's channel is a measurement: its fourth power, over a long run, still is a number.
+/// Beyond this no number of another machine's channel is a measurement: its fourth power, over a long run, still is a
+/// number.
 pub const FARTHEST: f64 = 1e30;
 
 /// Latest time of a sample, s; far beyond one that counts from 1970. And the shortest step between two.

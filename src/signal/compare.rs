@@ -1,8 +1,9 @@
 //! Two runs side by side.
 //!
-//! Lateral motion of the chain is chaotic: after the first second or two, two simulations of the same lap agree in their
-//! statistics only, and so do two measured laps. A difference at the same instant over a lap therefore measures chaos as well
-//! as what is to be compared. [`Deviation`] says of each measure what two replicate runs of the same lap differ by.
+//! Lateral motion of the chain is chaotic: after the first second or two, two simulations of the same lap agree in
+//! their statistics only, and so do two measured laps. A difference at the same instant over a lap therefore measures
+//! chaos as well as what is to be compared. [`Deviation`] says of each measure what two replicate runs of the same lap
+//! differ by.
 
 use super::filter::moving_mean;
 use super::gaps::{Bridged, bridge};
@@ -14,7 +15,8 @@ use super::spectrum::{log_distance, welch};
 use super::{Channel, Run};
 use std::collections::BTreeMap;
 
-/// Longest segment of the spectra, s: lines 0.1 Hz apart keep the passing of carts and the ring mode of the chain asunder.
+/// Longest segment of the spectra, s: lines 0.1 Hz apart keep the passing of carts and the ring mode of the chain
+/// asunder.
 const SEGMENT: f64 = 10.0;
 
 /// What the runs themselves do not tell.
@@ -33,18 +35,19 @@ pub struct Scale {
 pub struct Deviation {
     pub reference: Statistics,
     pub other: Statistics,
-    /// Root mean square of the difference at the same place of the track, lap by lap from each run's first sample, over the
-    /// reference's range (max − min). Two replicate simulations of the same lap: 0.005 to 0.03.
+    /// Root mean square of the difference at the same place of the track, lap by lap from each run's first sample, over
+    /// the reference's range (max − min). Two replicate simulations of the same lap: 0.005 to 0.03.
     pub nrmsd: Option<f64>,
     /// The same of the moving means over two carts' passage, over the range of the reference before the mean was taken.
     /// What repeats with the carts cancels, and most of the chaos with it; curves, motors and ramps stay. Two replicate
     /// simulations: 0.000 to 0.003.
     pub nrmsd_two_carts: Option<f64>,
-    /// Log-spectral distance, dB, of the power spectral densities up to the lower of the two low-passes. Chance alone leaves
-    /// about 4.3 dB · √(2/n) for n segments that overlap by half: 1.5 dB for a lap of 100 s. Twice every force is 6 dB.
+    /// Log-spectral distance, dB, of the power spectral densities up to the lower of the two low-passes. Chance alone
+    /// leaves about 4.3 dB · √(2/n) for n segments that overlap by half: 1.5 dB for a lap of 100 s. Twice every force
+    /// is 6 dB.
     pub spectral_distance: Option<f64>,
-    /// Damage-equivalent load of the other over that of the reference, for the same distance travelled. Large cycles are few,
-    /// so it scatters as the extremes do.
+    /// Damage-equivalent load of the other over that of the reference, for the same distance travelled. Large cycles
+    /// are few, so it scatters as the extremes do.
     pub damage_ratio: Option<f64>,
     /// Lost samples that were bridged before anything else, in the reference and in the other.
     pub filled: [usize; 2],
@@ -113,8 +116,8 @@ impl Grid {
         (places >= 2.0).then_some(Grid { places: places as usize, step: lap / places })
     }
 
-    /// A channel at the places of the grid, lap after lap; a lap begins where the run does, and what it lacks is NaN. With a
-    /// pitch, the moving mean over two carts.
+    /// A channel at the places of the grid, lap after lap; a lap begins where the run does, and what it lacks is NaN.
+    /// With a pitch, the moving mean over two carts.
     fn laps(&self, side: &Side, samples: &[f64], pitch: Option<f64>) -> Vec<f64> {
         let Some(place) = &side.place else { return Vec::new() };
         let mut on_grid = resample(&place.s, samples, self.step);
@@ -179,8 +182,8 @@ mod tests {
     const PITCH: f64 = 1.25;
     const SCALE: Scale = Scale { lap: Some(LAP), pitch: Some(PITCH), exponent: 3.0 };
 
-    /// `laps` at `speed` from `start`, with forces that depend on the place alone: one bump a lap, and the passing of carts
-    /// with a phase of its own.
+    /// `laps` at `speed` from `start`, with forces that depend on the place alone: one bump a lap, and the passing of
+    /// carts with a phase of its own.
     fn run(speed: f64, start: f64, laps: f64, phase: f64, gain: f64) -> Run {
         let count = (laps * LAP / speed * 500.0).round() as usize;
         let time: Vec<f64> = (0..count).map(|i| i as f64 / 500.0).collect();

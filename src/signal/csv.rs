@@ -162,8 +162,8 @@ fn next<R: Read>(
     })
 }
 
-/// An error whose row is the number of a sample, from 0, with the sample's line instead. Fields may hold line breaks, and empty lines
-/// are passed over, so the source is gone through again.
+/// An error whose row is the number of a sample, from 0, with the sample's line instead. Fields may hold line breaks,
+/// and empty lines are passed over, so the source is gone through again.
 fn on_line<R: Read + Seek>(mut error: RunError, source: &mut BufReader<R>) -> RunError {
     error.place.row = error.place.row.and_then(|sample| line_of(source, sample));
     error

@@ -5,8 +5,8 @@ use crate::base::number::normal;
 
 /// Rounds a sample to seven significant digits and to no finer than a millionth of its unit.
 ///
-/// A force transducer resolves five digits at best; and what a low-pass rings down to (1e-30 N) is nothing. Lost samples
-/// (NaN) stay lost.
+/// A force transducer resolves five digits at best; and what a low-pass rings down to (1e-30 N) is nothing. Lost
+/// samples (NaN) stay lost.
 pub fn round(channel: Channel, value: f64) -> f64 {
     if channel == Channel::Trigger { value } else { normal(rounded(value)) }
 }

@@ -74,8 +74,8 @@ impl Lowpass {
     }
 }
 
-/// Filters samples, at rest at the first before them. A lost sample (NaN) stays lost; the filter starts afresh, at rest,
-/// at the next one. `None` as in [`Lowpass::new`].
+/// Filters samples, at rest at the first before them. A lost sample (NaN) stays lost; the filter starts afresh, at
+/// rest, at the next one. `None` as in [`Lowpass::new`].
 pub fn lowpass(x: &[f64], corner_hz: f64, rate_hz: f64) -> Option<Vec<f64>> {
     let mut filter = Lowpass::new(corner_hz, rate_hz)?;
     let mut running = false;
@@ -94,11 +94,12 @@ pub fn lowpass(x: &[f64], corner_hz: f64, rate_hz: f64) -> Option<Vec<f64>> {
 }
 
 /// The centred moving mean over `width` samples, which need not be a whole number: the two samples at the ends of the
-/// window count in part. NaN where the window reaches over an end or a lost sample, as a mean over less would not cancel
-/// what the window is made for.
+/// window count in part. NaN where the window reaches over an end or a lost sample, as a mean over less would not
+/// cancel what the window is made for.
 ///
-/// For the mean over the passing of two carts, `width` = 2 · pitch / speed · rate. Within it, everything that repeats with
-/// each cart or each second cart cancels; the chaos of the lateral motion is of that kind (design: chain model, Chaos).
+/// For the mean over the passing of two carts, `width` = 2 · pitch / speed · rate. Within it, everything that repeats
+/// with each cart or each second cart cancels; the chaos of the lateral motion is of that kind (design: chain model,
+/// Chaos).
 pub fn moving_mean(x: &[f64], width: f64) -> Vec<f64> {
     if !(width > 1.0 && width.is_finite()) {
         return x.to_vec();

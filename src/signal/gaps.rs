@@ -26,8 +26,8 @@ pub struct Gaps<'a> {
 }
 
 impl<'a> Gaps<'a> {
-    /// A gap lasts from the last sample before it to the first one after it, less one step: 25 lost samples at 500 Hz are 50 ms. Gaps at
-    /// the ends stay.
+    /// A gap lasts from the last sample before it to the first one after it, less one step: 25 lost samples at 500 Hz
+    /// are 50 ms. Gaps at the ends stay.
     pub fn new(time: &'a [f64], samples: &'a [f64]) -> Self {
         let mut bridged = Vec::new();
         let mut before: Option<usize> = None;
@@ -69,7 +69,8 @@ impl<'a> Gaps<'a> {
     }
 }
 
-/// Bridges gaps up to [`BRIDGED`] by straight lines over time (see [`Gaps`]). Not for the trigger, which has nothing between 0 and 1.
+/// Bridges gaps up to [`BRIDGED`] by straight lines over time (see [`Gaps`]). Not for the trigger, which has nothing
+/// between 0 and 1.
 pub fn bridge(time: &[f64], samples: &[f64]) -> Bridged {
     let gaps = Gaps::new(time, samples);
     let out: Vec<f64> = gaps.iter().collect();

@@ -74,10 +74,10 @@ pub fn rmsd(reference: &[f64], other: &[f64]) -> Option<f64> {
     statistics(&difference).map(|d| d.rms)
 }
 
-/// Normalised root mean square deviation, the measure by which the thesis judges its model ("around or less than 10 % for
-/// all layouts and all measured forces", §2.3.1): the root mean square of the residual (as §2.4.2 minimises) over the range
-/// of the reference, max − min of all its samples. The thesis does not print the divisor; the range is the usual one, and
-/// the one by which the chain model's page states its own floor.
+/// Normalised root mean square deviation, the measure by which the thesis judges its model ("around or less than 10 %
+/// for all layouts and all measured forces", §2.3.1): the root mean square of the residual (as §2.4.2 minimises) over
+/// the range of the reference, max − min of all its samples. The thesis does not print the divisor; the range is the
+/// usual one, and the one by which the chain model's page states its own floor.
 ///
 /// `None` without common samples or when the reference does not vary.
 ///

@@ -1,8 +1,8 @@
 //! Order tracking: spectra over distance, so that what repeats with the carts or with a turn of the wheel stands still
 //! whatever the speed.
 //!
-//! Order k of a period is what happens k times in it: order 1 of the cart pitch is the passing of carts, order 1 of
-//! 2πr a turn of the wheel of radius r. Samples at equal steps of time are resampled to equal steps of distance (computed
+//! Order k of a period is what happens k times in it: order 1 of the cart pitch is the passing of carts, order 1 of 2πr
+//! a turn of the wheel of radius r. Samples at equal steps of time are resampled to equal steps of distance (computed
 //! order tracking, Fyfe and Munck 1997).
 
 use super::spectrum::{Spectrum, amplitude};
@@ -17,9 +17,9 @@ pub struct Resampled {
     pub samples: Vec<f64>,
 }
 
-/// Resamples onto the multiples of `step` within the distance covered. Between samples runs the cubic Hermite curve with
-/// the slopes of Catmull and Rom (1974); a straight line, which takes the top off short waves, would not do. `s` increases, or
-/// the samples that fall back behind another are passed over. NaN next to lost samples.
+/// Resamples onto the multiples of `step` within the distance covered. Between samples runs the cubic Hermite curve
+/// with the slopes of Catmull and Rom (1974); a straight line, which takes the top off short waves, would not do. `s`
+/// increases, or the samples that fall back behind another are passed over. NaN next to lost samples.
 pub fn resample(s: &[f64], x: &[f64], step: f64) -> Resampled {
     let mut nodes: Vec<(f64, f64)> = Vec::with_capacity(s.len());
     for (&s, &x) in s.iter().zip(x) {
@@ -63,8 +63,9 @@ fn hermite(nodes: &[(f64, f64)], i: usize, at: f64) -> f64 {
 }
 
 /// Amplitudes against orders of a period in metres: the cart pitch, or 2πr of a wheel. `s` is travelled distance
-/// (`Position::s`), `x` a channel with its gaps bridged. Lines are a whole number to an order, as whole periods only are
-/// looked at; steps are as long as the mean distance between samples, or a bit shorter. Empty for less than two periods.
+/// (`Position::s`), `x` a channel with its gaps bridged. Lines are a whole number to an order, as whole periods only
+/// are looked at; steps are as long as the mean distance between samples, or a bit shorter. Empty for less than two
+/// periods.
 pub fn order_spectrum(s: &[f64], x: &[f64], period: f64) -> Spectrum {
     let (Some(first), Some(last)) = (s.first(), s.last()) else { return Spectrum::default() };
     let travelled = last - first;

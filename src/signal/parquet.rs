@@ -160,8 +160,8 @@ fn decode<C: columns::Column, R: ChunkReader + 'static>(
     Ok((time, channels))
 }
 
-/// Data whose end is an error to read beyond. The decoder passes over fields that it does not know, and takes an end for bytes passed
-/// over: a length of 2³¹ in a torn header would keep it busy for minutes.
+/// Data whose end is an error to read beyond. The decoder passes over fields that it does not know, and takes an end
+/// for bytes passed over: a length of 2³¹ in a torn header would keep it busy for minutes.
 struct Ended<R>(R);
 
 impl<R: Length> Length for Ended<R> {
@@ -191,7 +191,8 @@ impl<R: Read> Read for Ended<R> {
     }
 }
 
-/// Pages of a column, of which each that is coded by a dictionary has one, and that as long as it says: the decoder takes both for granted.
+/// Pages of a column, of which each that is coded by a dictionary has one, and that as long as it says: the decoder
+/// takes both for granted.
 struct Checked {
     pages: Box<dyn PageReader>,
     has_dictionary: bool,

@@ -5,8 +5,8 @@ use super::{Channel, Run};
 /// Track position over a run's samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Position {
-    /// Arc length travelled, m: the trigger's position at its first edge, one lap more at every further edge. It does not
-    /// start anew with a lap; see [`Position::on_track`].
+    /// Arc length travelled, m: the trigger's position at its first edge, one lap more at every further edge. It does
+    /// not start anew with a lap; see [`Position::on_track`].
     pub s: Vec<f64>,
     /// Times of the trigger's rising edges, s.
     pub edges: Vec<f64>,
@@ -31,9 +31,9 @@ impl Position {
 }
 
 /// Position on the track over time: at a rising edge of the trigger the front joint is at the photocell
-/// (`trigger_position`); linear in time between two edges, which are a lap apart; before the first and after the last edge
-/// at the mean speed. An edge is midway between the last 0 and the first 1. `None` without an edge, or for a lap that has
-/// no length.
+/// (`trigger_position`); linear in time between two edges, which are a lap apart; before the first and after the last
+/// edge at the mean speed. An edge is midway between the last 0 and the first 1. `None` without an edge, or for a lap
+/// that has no length.
 pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
     position_from(run, lap_length, run.sidecar.trigger_position)
 }

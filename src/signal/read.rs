@@ -6,8 +6,8 @@ use std::fs::File;
 use std::path::Path;
 
 impl Run {
-    /// Reads `path`, which ends in `.csv`, `.parquet` or `.mf4`, and the `.toml` beside it. The path is the command line's; the
-    /// sidecar has to lie within the root of its folder.
+    /// Reads `path`, which ends in `.csv`, `.parquet` or `.mf4`, and the `.toml` beside it. The path is the command
+    /// line's; the sidecar has to lie within the root of its folder.
     ///
     /// # Errors
     ///

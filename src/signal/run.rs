@@ -14,8 +14,8 @@ pub struct Run {
 }
 
 impl Run {
-    /// Samples a second: one over the median step of time, to a µHz, as the differences of decimal times are noisy in their last
-    /// digits, Hz. 0 for fewer than two samples.
+    /// Samples a second: one over the median step of time, to a µHz, as the differences of decimal times are noisy in
+    /// their last digits, Hz. 0 for fewer than two samples.
     pub fn rate(&self) -> f64 {
         let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
         if steps.is_empty() {

@@ -66,8 +66,8 @@ impl Sidecar {
     ///
     /// # Errors
     ///
-    /// [`Problem::Malformed`] for text that is no TOML, [`Problem::MissingKey`] and [`Problem::WrongValue`] with the key
-    /// and its line.
+    /// [`Problem::Malformed`] for text that is no TOML, [`Problem::MissingKey`] and [`Problem::WrongValue`] with the
+    /// key and its line.
     pub fn read(bytes: &[u8], file: &Path) -> Result<Sidecar, RunError> {
         let text = Text::new(bytes, file)?;
         let mut reader = text.reader(text.parse()?);

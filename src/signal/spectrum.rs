@@ -24,8 +24,8 @@ impl Spectrum {
         self.points().skip(1).filter(|p| !p.1.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Integral over frequency from `from` to below `to`: of a power spectral density, the power in the band, the mean square of
-    /// what a filter would let through.
+    /// Integral over frequency from `from` to below `to`: of a power spectral density, the power in the band, the mean
+    /// square of what a filter would let through.
     pub fn band(&self, from: f64, to: f64) -> f64 {
         let within = self.points().filter(|(f, _)| (from..to).contains(f));
         within.map(|(_, v)| v).sum::<f64>() * self.step
@@ -53,9 +53,10 @@ fn is_paired(line: usize, count: usize) -> bool {
     line > 0 && 2 * line != count
 }
 
-/// Amplitudes: of each sine in the samples its amplitude, in their unit; at frequency 0 the mean's size. `rate` is samples a
-/// second (or a metre, or a period: then frequencies are per metre, or orders). Between two lines, a sine shows up to 15 %
-/// low (Harris 1978, scalloping loss 1.42 dB). A lost sample makes every value NaN: bridge gaps before.
+/// Amplitudes: of each sine in the samples its amplitude, in their unit; at frequency 0 the mean's size. `rate` is
+/// samples a second (or a metre, or a period: then frequencies are per metre, or orders). Between two lines, a sine
+/// shows up to 15 % low (Harris 1978, scalloping loss 1.42 dB). A lost sample makes every value NaN: bridge gaps
+/// before.
 pub fn amplitude(x: &[f64], rate: f64) -> Spectrum {
     let count = x.len();
     if count < 4 {
@@ -77,10 +78,10 @@ pub fn amplitude(x: &[f64], rate: f64) -> Spectrum {
     Spectrum { step: rate / count as f64, values }
 }
 
-/// One-sided power spectral density by Welch's method (1967): the mean over segments of `segment` samples that overlap by
-/// half, each without its mean and through a Hann window. In unit²/Hz; its integral is the variance. Segments with a lost
-/// sample are left out; when none is left, or the segment is shorter than four samples, the spectrum is empty. A segment longer than
-/// the samples is cut to them.
+/// One-sided power spectral density by Welch's method (1967): the mean over segments of `segment` samples that overlap
+/// by half, each without its mean and through a Hann window. In unit²/Hz; its integral is the variance. Segments with a
+/// lost sample are left out; when none is left, or the segment is shorter than four samples, the spectrum is empty. A
+/// segment longer than the samples is cut to them.
 pub fn welch(x: &[f64], rate: f64, segment: usize) -> Spectrum {
     let count = segment.min(x.len());
     if count < 4 {
@@ -113,9 +114,9 @@ pub fn welch(x: &[f64], rate: f64, segment: usize) -> Spectrum {
     Spectrum { step: rate / count as f64, values }
 }
 
-/// Log-spectral distance (Gray and Markel 1976) of two power spectral densities over a band, in dB: the root mean square
-/// over its lines of 10 lg(P₁/P₂). 3 dB is a factor of two in power everywhere. Lines at which either has no power are
-/// left out; `None` when no line is left, or the lines of the two are not at the same frequencies.
+/// Log-spectral distance (Gray and Markel 1976) of two power spectral densities over a band, in dB: the root mean
+/// square over its lines of 10 lg(P₁/P₂). 3 dB is a factor of two in power everywhere. Lines at which either has no
+/// power are left out; `None` when no line is left, or the lines of the two are not at the same frequencies.
 pub fn log_distance(reference: &Spectrum, other: &Spectrum, from: f64, to: f64) -> Option<f64> {
     if (reference.step - other.step).abs() > 1e-6 * reference.step {
         return None;

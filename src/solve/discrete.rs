@@ -68,8 +68,8 @@ pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings
     best
 }
 
-/// The layout nearest to `x` with its turns and radii held on the grid, and straights of at least so much in all (m) if that is
-/// given; `None` where they cannot be held.
+/// The layout nearest to `x` with its turns and radii held on the grid, and straights of at least so much in all (m) if
+/// that is given; `None` where they cannot be held.
 pub fn hold(
     layout: &Layout,
     problem: &Problem,

@@ -1,7 +1,7 @@
 //! What a layout is still free to do at its optimum, and what the rows that hold it cost.
 //!
-//! A vertex can move, to first order, along the null space of the rows that are active (Nocedal and Wright 2006, §12.4);
-//! without the inequalities among them, of the equations alone. A row's multiplier is the derivative of the
+//! A vertex can move, to first order, along the null space of the rows that are active (Nocedal and Wright 2006,
+//! §12.4); without the inequalities among them, of the equations alone. A row's multiplier is the derivative of the
 //! shortest length by its limit (ibid., §12.9).
 
 use super::Stage;

@@ -1,4 +1,5 @@
-//! Which method solves a layout's goal: polygon action has one of its own, on top of the stages that all others go through.
+//! Which method solves a layout's goal: polygon action has one of its own, on top of the stages that all others go
+//! through.
 
 use super::options::{Discretise, Options, Progress};
 use super::{Stage, exact, polygon, stages};

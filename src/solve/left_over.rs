@@ -78,7 +78,8 @@ fn mm(metres: f64) -> String {
     format!("{} mm", trimmed(1e3 * metres, 1))
 }
 
-/// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like pairs.
+/// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like
+/// pairs.
 pub(super) fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
     let held = |i: usize| {
         layout.constraints.iter().any(|c| {

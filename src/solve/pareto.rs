@@ -1,8 +1,8 @@
 //! Length against cost: layouts that no other one beats in both.
 //!
-//! The ends are the shortest and the cheapest layout. Between two neighbours a metre is counted as many EUR as makes both alike; what
-//! is best then lies below the line between them, or there is nothing (Aneja and Nair 1979). Layouts that are best for no price
-//! of a metre are not found this way.
+//! The ends are the shortest and the cheapest layout. Between two neighbours a metre is counted as many EUR as makes
+//! both alike; what is best then lies below the line between them, or there is nothing (Aneja and Nair 1979). Layouts
+//! that are best for no price of a metre are not found this way.
 
 use super::{Certificate, Stage, Status, worth};
 use super::{Options, Progress, solve};

@@ -53,7 +53,8 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
     vec![diagnostic.help(help)]
 }
 
-/// Why the last stage found no layout: smallest sets of lines that no layout was found for. None where they are not found.
+/// Why the last stage found no layout: smallest sets of lines that no layout was found for. None where they are not
+/// found.
 pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
     match stages.last() {
         Some(last) if last.status == Status::Infeasible => match last.name {

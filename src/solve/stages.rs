@@ -10,7 +10,8 @@ use crate::problem::{Problem, Scope, perturbed};
 use crate::solve::certificate::Certificate;
 use std::time::Instant;
 
-/// Solves a layout for length or cost; the last stage returned is the result. A stage that finds no feasible layout is the last.
+/// Solves a layout for length or cost; the last stage returned is the result. A stage that finds no feasible layout is
+/// the last.
 pub(super) fn solve_in_stages(
     layout: &Layout,
     options: &Options,

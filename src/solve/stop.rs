@@ -1,5 +1,5 @@
-//! A limit of time. Iterations and nodes limit a search in the first place, so that the same input gives the same result; a limit of
-//! time ends it early where a user asks for that, and what was ended so says it.
+//! A limit of time. Iterations and nodes limit a search in the first place, so that the same input gives the same
+//! result; a limit of time ends it early where a user asks for that, and what was ended so says it.
 
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};

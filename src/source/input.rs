@@ -92,8 +92,8 @@ pub fn within(file: &File, limit: u64) -> Result<u64, InputError> {
     }
 }
 
-/// Opens a regular file at a canonical place. What was opened is what was looked at, still stands there, and no link took its place
-/// meanwhile.
+/// Opens a regular file at a canonical place. What was opened is what was looked at, still stands there, and no link
+/// took its place meanwhile.
 pub(super) fn open(place: &Path) -> Result<File, InputError> {
     let refused = |why: &str| Err(InputError::Unreadable(why.to_owned()));
     // Looked at before it is opened: to open a pipe waits for somebody to write into it.

@@ -65,7 +65,8 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// Reads the main file, which the command line names, from the disk. The project root is [`Root::of_layout`] of its folder.
+    /// Reads the main file, which the command line names, from the disk. The project root is [`Root::of_layout`] of its
+    /// folder.
     pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, FileId), LoadError> {
         let place = root::given(path)?;
         let root = Root::of_layout(place.parent().unwrap_or(Path::new("/")));
@@ -147,8 +148,8 @@ impl Loader {
     }
 }
 
-/// Reads a drawing from the disk. Programs write them in many encodings: what is not UTF-8 is taken for Latin-1, in which
-/// every byte is a character.
+/// Reads a drawing from the disk. Programs write them in many encodings: what is not UTF-8 is taken for Latin-1, in
+/// which every byte is a character.
 pub fn drawing(sources: &mut SourceMap, path: &Path) -> Result<FileId, LoadError> {
     let bytes = root::read_given(path, DRAWING_LIMIT)?;
     let text = String::from_utf8(bytes)

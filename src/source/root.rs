@@ -1,7 +1,7 @@
 //! How far a file may name other files: the project's root.
 //!
-//! Whoever starts a program is trusted, what it reads is not. A path on the command line may lead anywhere; a path that stands in a
-//! file has to stay within the [`Root`], also through symbolic links.
+//! Whoever starts a program is trusted, what it reads is not. A path on the command line may lead anywhere; a path that
+//! stands in a file has to stay within the [`Root`], also through symbolic links.
 
 use super::input::{self, InputError};
 use super::visible::shown;
@@ -35,16 +35,16 @@ impl Root {
         Ok(())
     }
 
-    /// The root of a layout in this folder: the one given, else the nearest folder upwards that holds `.git` or `lss.toml`, else the
-    /// folder itself.
+    /// The root of a layout in this folder: the one given, else the nearest folder upwards that holds `.git` or
+    /// `lss.toml`, else the folder itself.
     pub fn of_layout(folder: &Path) -> Root {
         let folder = canonical(folder);
         let root = found(&folder).unwrap_or(folder);
         Root { folders: vec![root] }
     }
 
-    /// The root of a campaign in this folder: as that of a layout, but without a marked folder also the one above, so that
-    /// `campaigns/a` may name `../track.lss`. The file system's own root is never taken for that.
+    /// The root of a campaign in this folder: as that of a layout, but without a marked folder also the one above, so
+    /// that `campaigns/a` may name `../track.lss`. The file system's own root is never taken for that.
     pub fn of_campaign(folder: &Path) -> Root {
         let folder = canonical(folder);
         if let Some(root) = found(&folder) {
@@ -119,8 +119,9 @@ impl Root {
     }
 }
 
-/// Where a path of the command line leads, canonical. It is trusted and may be anywhere; but a symbolic link that stands in a marked
-/// project does not lead out of it, as it came with the project: `lss check layouts/*.lss` names what somebody else put there.
+/// Where a path of the command line leads, canonical. It is trusted and may be anywhere; but a symbolic link that
+/// stands in a marked project does not lead out of it, as it came with the project: `lss check layouts/*.lss` names
+/// what somebody else put there.
 ///
 /// # Errors
 ///

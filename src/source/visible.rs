@@ -4,15 +4,15 @@ use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Whether a character steers a terminal rather than being shown: the control characters C0, DEL and C1, and those that turn the
-/// direction of the text around them (Unicode Standard Annex 9).
+/// Whether a character steers a terminal rather than being shown: the control characters C0, DEL and C1, and those that
+/// turn the direction of the text around them (Unicode Standard Annex 9).
 pub fn steers(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Text of several lines, with `\u001b` for what would steer a terminal. Line breaks and tabs stay. This is JSON's own way to write
-/// them, so JSON stays what it says.
+/// Text of several lines, with `\u001b` for what would steer a terminal. Line breaks and tabs stay. This is JSON's own
+/// way to write them, so JSON stays what it says.
 pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, |c| steers(c) && c != '\n' && c != '\t')
 }

@@ -10,7 +10,8 @@ use crate::source::Span;
 /// Columns of a line before a list in it is spread.
 const WIDTH: usize = 120;
 
-/// Formats a tree. `source` is the text it was parsed from: lines that did not parse are taken over from it as they are.
+/// Formats a tree. `source` is the text it was parsed from: lines that did not parse are taken over from it as they
+/// are.
 pub fn format(tree: &Tree, source: &str) -> String {
     let mut writer = Writer { out: String::new(), indent: 0, spread: false, trial: false, source };
     writer.nodes(&tree.items, "", |writer, item, span| writer.item(item, span));

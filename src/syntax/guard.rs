@@ -226,7 +226,8 @@ impl Guard<'_> {
         }
     }
 
-    /// Takes every bracket above `depth` for forgotten: reports it and closes it where it belongs, at `at` at the latest.
+    /// Takes every bracket above `depth` for forgotten: reports it and closes it where it belongs, at `at` at the
+    /// latest.
     fn close_down_to(&mut self, depth: usize, at: usize, instead: Option<usize>) {
         let mut belongs = None;
         while self.open.len() > depth {

@@ -1,5 +1,5 @@
-//! The coarse loop of this test by full search: every heading and radius, and for each the straights at a vertex of what
-//! is left. Nothing of the crate is used.
+//! The coarse loop of this test by full search: every heading and radius, and for each the straights at a vertex of
+//! what is left. Nothing of the crate is used.
 
 /// 15°
 const STEP: f64 = std::f64::consts::PI / 12.0;

@@ -65,7 +65,8 @@ layout formulas {
   optimise length
 }";
 
-/// Values of rows by what they are called, each list ascending; unlike numbers of the file, names do not depend on its order.
+/// Values of rows by what they are called, each list ascending; unlike numbers of the file, names do not depend on its
+/// order.
 fn by_name(rows: impl Iterator<Item = (String, f64)>) -> BTreeMap<String, Vec<f64>> {
     let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for (name, value) in rows {
@@ -136,7 +137,8 @@ fn python(script: &str, arguments: &[&Path]) -> Option<Vec<String>> {
     (!missing).then_some(lines)
 }
 
-/// Solves `stem.nl` by IPOPT from the start in the file: status, optimum, then each row and variable with its multiplier.
+/// Solves `stem.nl` by IPOPT from the start in the file: status, optimum, then each row and variable with its
+/// multiplier.
 const IPOPT: &str = r#"
 import sys
 try:

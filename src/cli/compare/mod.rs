@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 
 /// Compare two runs, measured or simulated, channel by channel.
 ///
-/// Lap length and cart pitch come from --lap and --pitch, else from the simulation.json that a run's sidecar names, else
-/// the lap from the trigger's lap time and the nominal speed. Two replicate simulations of the same lap differ by 0.5 to 3 %
-/// (NRMSD), and by 0.0 to 0.3 % in the mean over two carts.
+/// Lap length and cart pitch come from --lap and --pitch, else from the simulation.json that a run's sidecar names,
+/// else the lap from the trigger's lap time and the nominal speed. Two replicate simulations of the same lap differ by
+/// 0.5 to 3 % (NRMSD), and by 0.0 to 0.3 % in the mean over two carts.
 #[derive(Debug, clap::Args)]
 pub struct Compare {
     /// The reference: a data file, .csv, .parquet or .mf4, with its sidecar .toml beside it.

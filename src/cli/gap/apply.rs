@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// For each layout `NAME-gap.json`, and `NAME-gap.lss` where it came as `.lss`: the layout with the effects of the verdict.
+/// For each layout `NAME-gap.json`, and `NAME-gap.lss` where it came as `.lss`: the layout with the effects of the
+/// verdict.
 pub fn files(
     cases: &[Case],
     chains: &Chains,

@@ -27,9 +27,10 @@ enum What {
 
 /// Make campaigns with effects, and seal what was put in.
 ///
-/// Each case is a campaign of three runs from another simulation than the diagnosis': other steps or another integrator, other contact
-/// smoothing, a scatter that every built chain has, noise, trigger jitter and quantisation. 40 in 100 have one effect, 15 a pair, 15 none, 15
-/// one that is not in the library, 15 a sensor's. The key's salted SHA-256 is printed and stored in challenge.json.
+/// Each case is a campaign of three runs from another simulation than the diagnosis': other steps or another
+/// integrator, other contact smoothing, a scatter that every built chain has, noise, trigger jitter and quantisation.
+/// 40 in 100 have one effect, 15 a pair, 15 none, 15 one that is not in the library, 15 a sensor's. The key's salted
+/// SHA-256 is printed and stored in challenge.json.
 #[derive(Debug, clap::Args)]
 struct New {
     /// Number of cases.
@@ -41,7 +42,8 @@ struct New {
     /// Make all cases of one kind instead of the mix.
     #[arg(long, value_enum, value_name = "KIND")]
     only: Option<Only>,
-    /// Drive all cases on this layout, .lss or simulation.json, instead of the five of the library: what would be seen on your track?
+    /// Drive all cases on this layout, .lss or simulation.json, instead of the five of the library: what would be seen
+    /// on your track?
     #[arg(long, value_name = "FILE")]
     layout: Option<PathBuf>,
     /// Folder of the challenge; created if it is missing.
@@ -60,8 +62,9 @@ enum Only {
 
 /// Diagnose every case, then open the key and score the answers.
 ///
-/// Each case is diagnosed by a child process on a copy without key and seed. Answers are kept in DIR/answers, so that a stopped run goes on
-/// where it was; only when all are there is the key opened and held against its hash. Writes score.json and score.md.
+/// Each case is diagnosed by a child process on a copy without key and seed. Answers are kept in DIR/answers, so that a
+/// stopped run goes on where it was; only when all are there is the key opened and held against its hash. Writes
+/// score.json and score.md.
 #[derive(Debug, clap::Args)]
 struct Score {
     /// Folder of the challenge.

@@ -22,9 +22,9 @@ const PARTIAL: &str = "gap.partial";
 
 /// Diagnose the gap between a campaign of measured runs and the simulation of their layouts.
 ///
-/// Fits the nominal model to each run, maps what is left over the floor of two replicate laps, asks every effect of the library
-/// whether it explains that, and tells how much of the gap each closes on runs left out. Writes gap.json and gap.html. One that was
-/// stopped goes on where it was when it is started again with the same outputs' folder.
+/// Fits the nominal model to each run, maps what is left over the floor of two replicate laps, asks every effect of the
+/// library whether it explains that, and tells how much of the gap each closes on runs left out. Writes gap.json and
+/// gap.html. One that was stopped goes on where it was when it is started again with the same outputs' folder.
 #[derive(Debug, clap::Args)]
 pub struct Diagnose {
     /// Folder of a campaign, its campaign.toml, or a single data file.
@@ -35,7 +35,8 @@ pub struct Diagnose {
     /// Layout of all runs, .lss or simulation.json, instead of those that campaign and sidecars name.
     #[arg(long, value_name = "FILE")]
     layout: Option<PathBuf>,
-    /// A program that simulates the runs instead, as docs/outside-models.md has it; the campaign declares its own channels then.
+    /// A program that simulates the runs instead, as docs/outside-models.md has it; the campaign declares its own
+    /// channels then.
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["layout", "apply"])]
     model: Option<String>,
     /// Also write a layout with the verdict's effects added, for `lss simulate`.

@@ -17,8 +17,8 @@ use crate::source::root::is_marked;
 use std::fmt::Write;
 use std::path::{Component, Path};
 
-/// For each layout and set point of the campaign `NAME-fitted.json`, and `NAME-fitted.lss` where it came as `.lss`. The set point
-/// is in the name where a layout has several.
+/// For each layout and set point of the campaign `NAME-fitted.json`, and `NAME-fitted.lss` where it came as `.lss`. The
+/// set point is in the name where a layout has several.
 pub fn files(
     cases: &[Case],
     groups: &[Group],
@@ -77,7 +77,8 @@ fn head(layout: &Layout, group: &Group, fits: &[&Fitted]) -> String {
         let _ = writeln!(
             out,
             "// WARNING: the model does not fit {which}: the objective of {} is {}, repeatability allows {}.\n\
-             // These values make up for something that the model lacks. Look for it with `lss gap diagnose` before you use them.",
+             // These values make up for something that the model lacks. Look for it with `lss gap diagnose` before you
+             // use them.",
             worst.run,
             fixed(worst.objective, 2),
             fixed(worst.goodness.limit.objective, 2),
@@ -101,7 +102,8 @@ fn law_note(law: ContactLaw) -> String {
     }
 }
 
-/// How a file in `output` names the layout: by its relative path inside one project, else by a copy beside it that is called `name`.
+/// How a file in `output` names the layout: by its relative path inside one project, else by a copy beside it that is
+/// called `name`.
 pub fn import(layout: &Path, output: &Path, name: &str) -> (String, Option<Vec<u8>>) {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (layout, output) = (absolute(layout), absolute(output));
@@ -132,8 +134,8 @@ fn relative(to: &Path, from: &Path) -> String {
     if from.len() == common { format!("./{}", parts.join("/")) } else { parts.join("/") }
 }
 
-/// The layout's declaration. A layout always has Herbert and McWhannell's law: restitutions of another law are written as those of
-/// this one with the same damping.
+/// The layout's declaration. A layout always has Herbert and McWhannell's law: restitutions of another law are written
+/// as those of this one with the same damping.
 fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> String {
     let mut out = String::new();
     let law = simulation.contact_law;

@@ -11,9 +11,10 @@ use clap::Subcommand;
 
 /// Find parameters of the model from measurements.
 ///
-/// Fits restitutions, speed, tension, rolling resistance, the trigger's place and the controller's gains to measured laps, each run on its
-/// own, with intervals. Writes a JSON file a law, identification.html, and for every layout a fitted .lss and simulation.json. What is
-/// finished is kept in DIR/fits, so that a study that was stopped goes on there.
+/// Fits restitutions, speed, tension, rolling resistance, the trigger's place and the controller's gains to measured
+/// laps, each run on its own, with intervals. Writes a JSON file a law, identification.html, and for every layout a
+/// fitted .lss and simulation.json. What is finished is kept in DIR/fits, so that a study that was stopped goes on
+/// there.
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Identify {

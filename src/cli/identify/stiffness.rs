@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Fit a joint's stiffness to a static test: force = K deformation^n, axial and radial.
 ///
-/// FILE has the columns direction (axial or radial), deformation (m) and force (N). The joint that is written takes what a
-/// static test does not tell from std.joints.ball_joint, and its exponents are 1, 1.5 or 2, with K fitted anew.
+/// FILE has the columns direction (axial or radial), deformation (m) and force (N). The joint that is written takes
+/// what a static test does not tell from std.joints.ball_joint, and its exponents are 1, 1.5 or 2, with K fitted anew.
 #[derive(Debug, clap::Args)]
 pub struct Stiffness {
     /// The test, .csv.

@@ -113,8 +113,8 @@ impl Polygon {
     }
 }
 
-/// The layout as one that asks for an even run: within a budget where it asks for the shortest, near what is written where it
-/// asks for nothing.
+/// The layout as one that asks for an even run: within a budget where it asks for the shortest, near what is written
+/// where it asks for nothing.
 fn smooth(layout: &Layout) -> Layout {
     let mut layout = layout.clone();
     if Smooth::of(&layout.objective).is_none() {

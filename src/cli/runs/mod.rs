@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 
 /// Show a campaign of runs at a glance: laps, lost samples, levels, speeds, and channels that look wrong.
 ///
-/// FOLDER holds a campaign.toml, or data files with their sidecars. Laps, speeds and sides need the layout of a run: its
-/// simulation.json is read, its .lss is built. A run that cannot be read does not hide the others; the exit code is 1 then.
+/// FOLDER holds a campaign.toml, or data files with their sidecars. Laps, speeds and sides need the layout of a run:
+/// its simulation.json is read, its .lss is built. A run that cannot be read does not hide the others; the exit code is
+/// 1 then.
 #[derive(Debug, clap::Args)]
 pub struct Runs {
     /// Folder of a campaign, its campaign.toml, or a single data file.

@@ -1,5 +1,5 @@
-//! What a built chain's deviations do to each cart: offsets of rails and wheels, dry friction, drag. One cart after the other, as only
-//! simulations with effects pay for it.
+//! What a built chain's deviations do to each cart: offsets of rails and wheels, dry friction, drag. One cart after the
+//! other, as only simulations with effects pay for it.
 
 use super::Forces;
 use crate::base::trig;

@@ -1,8 +1,8 @@
 //! All forces on all carts at one moment, several carts at once (design: chain model).
 //!
-//! Three passes over the packs: front joints with their velocities, feet on the centre line and arc lengths; joints; wheels,
-//! motors and weight, into accelerations. Each keeps its branches to what is rare, so that the processor can overlap the
-//! long latencies of roots and divisions.
+//! Three passes over the packs: front joints with their velocities, feet on the centre line and arc lengths; joints;
+//! wheels, motors and weight, into accelerations. Each keeps its branches to what is rare, so that the processor can
+//! overlap the long latencies of roots and divisions.
 
 mod built;
 mod carts;
@@ -20,8 +20,8 @@ use pulp::{Simd, WithSimd};
 /// Lateral or vertical offset of a front joint from the centre line beyond which the cart is off the rail, m.
 pub const OFF_RAIL: f64 = 0.05;
 
-/// What the evaluation of forces keeps from one time to the next: where each cart is on the track, and what each contact
-/// remembers.
+/// What the evaluation of forces keeps from one time to the next: where each cart is on the track, and what each
+/// contact remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Memory {
     pub home: Vec<Home>,
@@ -41,7 +41,8 @@ pub struct Forces {
     /// Front joints in the world, m, m/s: rows of numbers, one a cart, and behind the last the first again.
     front: [Vec<f64>; 3],
     front_velocity: [Vec<f64>; 3],
-    /// Of each cart on its follower's front joint, in the world, N; before the first, what the last pulls the first with.
+    /// Of each cart on its follower's front joint, in the world, N; before the first, what the last pulls the first
+    /// with.
     pull: [Vec<f64>; 3],
     /// Torque of the joint behind about the centre of mass, in the cart's axes, N m.
     joint_torque: Vec<[Row; 3]>,

@@ -1,8 +1,8 @@
 //! The thesis' integrator (§2.2): the embedded Runge-Kutta method of orders 5 and 4 of Cash and Karp (1990), with steps
 //! adapted to a tolerance.
 //!
-//! Contacts keep their memory through the stages of a step and look at it anew at the step's end, so that a step taken back
-//! leaves no trace.
+//! Contacts keep their memory through the stages of a step and look at it anew at the step's end, so that a step taken
+//! back leaves no trace.
 
 use super::{Integrator, TooFine};
 use crate::base::trig;

@@ -1,8 +1,8 @@
-//! Velocity Verlet (Swope et al. 1982), with velocities predicted where forces depend on them: one evaluation a step, of
-//! second order.
+//! Velocity Verlet (Swope et al. 1982), with velocities predicted where forces depend on them: one evaluation a step,
+//! of second order.
 //!
-//! v* = v + h a, with which a' is evaluated at x' = x + h (v + h a / 2); then v' = v + h (a + a')/2. Orientations turn by
-//! the mean angular velocity of the step.
+//! v* = v + h a, with which a' is evaluated at x' = x + h (v + h a / 2); then v' = v + h (a + a')/2. Orientations turn
+//! by the mean angular velocity of the step.
 
 use super::{Integrator, TooFine};
 use crate::dynamics::chain::Chain;

@@ -1,8 +1,8 @@
 //! The centre line as the wheels read it: segments that turn by at most 60° about one axis, each with the frame at its
 //! middle, so that the nearest point of a line or an arc is one formula without branches or trigonometry.
 //!
-//! With a, b the point's coordinates along the tangent and towards the curvature κ at the middle, q = 2b − κ(a² + b²) and
-//! w = √(1 − κq): the offset towards the curvature is q/(1 + w), the tangent has turned by ψ with sin ψ = κa/w and
+//! With a, b the point's coordinates along the tangent and towards the curvature κ at the middle, q = 2b − κ(a² + b²)
+//! and w = √(1 − κq): the offset towards the curvature is q/(1 + w), the tangent has turned by ψ with sin ψ = κa/w and
 //! cos ψ = (1 − κb)/w. For κ = 0 this is the straight line.
 
 mod handover;

@@ -57,7 +57,8 @@ pub fn raise(layout: &Layout, plan: &[(usize, Shape)]) -> (Vec<Leg>, f64, Vec<Di
     (legs, given[anchor].map_or(0.0, |level| level.height), said)
 }
 
-/// Whether a climb that begins on an earlier section already has this piece. A curve is its when both sections beside it are.
+/// Whether a climb that begins on an earlier section already has this piece. A curve is its when both sections beside
+/// it are.
 fn taken(inside: &[bool], climbs: &[Option<Vec<Leg>>], vertex: usize, curve: bool, n: usize) -> bool {
     let before = (vertex + n - 1) % n;
     if curve {

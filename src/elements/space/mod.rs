@@ -23,7 +23,8 @@ pub struct Leg {
     pub form: Form,
 }
 
-/// The centre line in space. It begins at vertex 0's outgoing tangent point, or where the first section with a level does.
+/// The centre line in space. It begins at vertex 0's outgoing tangent point, or where the first section with a level
+/// does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Space {
     pub legs: Vec<Leg>,

@@ -33,9 +33,9 @@ const MARGIN: f64 = 1e-5;
 
 /// The rows of every climb. A climb whose statements contradict each other has none: building says so.
 ///
-/// On one straight, a climb of given slope and radius takes a fixed length of plan. Over several, the slope is as gentle
-/// as the run allows; the catalogue's steepest bounds the run from below, and the vertical curves at that slope, the
-/// longest there can be, the straights at its ends.
+/// On one straight, a climb of given slope and radius takes a fixed length of plan. Over several, the slope is as
+/// gentle as the run allows; the catalogue's steepest bounds the run from below, and the vertical curves at that slope,
+/// the longest there can be, the straights at its ends.
 pub fn rooms(layout: &Layout, written: &Track) -> Vec<Room> {
     let (given, _) = sections(layout);
     let mut rooms = Vec::new();

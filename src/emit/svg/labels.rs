@@ -19,7 +19,8 @@ use crate::base::number::trimmed;
 const REACH: f64 = 24.0;
 /// Room left and right of a text together, mm.
 const PADDING: f64 = 1.6;
-/// Cost from which a place is taken only when no other is free, not even far away: beside another piece, without a leader.
+/// Cost from which a place is taken only when no other is free, not even far away: beside another piece, without a
+/// leader.
 const LAST: f64 = 1000.0;
 /// Longest text of a label, mm; longer names are cut.
 const LONGEST: f64 = 70.0;
@@ -228,7 +229,8 @@ impl<'a> Labels<'a> {
         self.beside_track(at, heading, &climb.text(), "climb-text", !climb.spiral);
     }
 
-    /// One label for each run of like pieces, on turns or elsewhere: how many of which article. The bill counts the same pieces.
+    /// One label for each run of like pieces, on turns or elsewhere: how many of which article. The bill counts the
+    /// same pieces.
     pub fn runs(&mut self, pieces: &[Piece], turns: bool) {
         let n = pieces.len();
         // Begin where an article begins, so that no run is cut at the end of the list.
@@ -286,8 +288,8 @@ fn extent(text: &str, height: Height) -> Point {
     Point::new(text::width(text, height.size(), false) + PADDING, 1.24 * height.size())
 }
 
-/// Text along the track, beside it, shifted by up to a text's length either way. Places further than a few millimetres get a
-/// leader from the anchor.
+/// Text along the track, beside it, shifted by up to a text's length either way. Places further than a few millimetres
+/// get a leader from the anchor.
 fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     for row in 0..3 {

@@ -1,10 +1,11 @@
-//! Which way an impact goes: a rail's step up presses a wheel first and throws it off then, a step down lets it fall first and land then. Means
-//! over a cell and powers are nearly the same of both.
+//! Which way an impact goes: a rail's step up presses a wheel first and throws it off then, a step down lets it fall
+//! first and land then. Means over a cell and powers are nearly the same of both.
 //!
-//! A straight line is fitted to a force along the track where something strikes; by how much it rises, from the middle to the end, is the
-//! impact's *force slope*. No model has an impact exactly as large as it is, but any has it that way round, so the feature is asinh of the force slope over a
-//! scale, which is in proportion to small ones and hardly grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean
-//! squares, which are blind to a few of a thousand features: it speaks against what strikes the other way round.
+//! A straight line is fitted to a force along the track where something strikes; by how much it rises, from the middle
+//! to the end, is the impact's *force slope*. No model has an impact exactly as large as it is, but any has it that way
+//! round, so the feature is asinh of the force slope over a scale, which is in proportion to small ones and hardly
+//! grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean squares, which are blind to a few of a
+//! thousand features: it speaks against what strikes the other way round.
 
 use super::Fitted;
 use super::impacts::{self, RAILS, Suspect};
@@ -18,12 +19,14 @@ use crate::signal::FORCES;
 /// Over how many parts of the lap, of which the impact begins in the second.
 const PARTS: usize = 5;
 
-/// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is simulated without the impact.
+/// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is
+/// simulated without the impact.
 const DEVIATIONS: f64 = 3.0;
 const OF_MEAN: f64 = 0.003;
 const OF_NOMINAL: f64 = 0.3;
 
-/// Deviation of asinh of the force slope over the scale: an impact may be half as large again as simulated, or half as large.
+/// Deviation of asinh of the force slope over the scale: an impact may be half as large again as simulated, or half as
+/// large.
 const DEVIATION: f64 = 0.6;
 
 /// An impact in one channel of a run.
@@ -39,8 +42,8 @@ pub struct Impact {
     measured: f64,
 }
 
-/// Sums over samples of a force in a part of the lap: how many, u and u² where u is how far each is from the part's middle in parts, the
-/// force and u times the force.
+/// Sums over samples of a force in a part of the lap: how many, u and u² where u is how far each is from the part's
+/// middle in parts, the force and u times the force.
 #[derive(Clone, Copy, Default)]
 pub struct SlopeSums {
     count: f64,
@@ -215,7 +218,8 @@ pub fn extend(frame: &mut Frame, run: &Fitted) {
 mod tests {
     use super::*;
 
-    /// A run of 20 m at 2 m/s and 500 Hz on 100 N, with an impact at 5 m that first adds `up`, N, and takes it back then.
+    /// A run of 20 m at 2 m/s and 500 Hz on 100 N, with an impact at 5 m that first adds `up`, N, and takes it back
+    /// then.
     fn impact(up: f32) -> (Vec<f32>, Vec<f32>) {
         let station: Vec<f32> = (0..5000_i16).map(|k| 0.004 * f32::from(k) + 0.001).collect();
         let force = |s: &f32| match s - 5.0 {
@@ -238,8 +242,8 @@ mod tests {
 
     #[test]
     fn up_and_down_tilt_the_other_way_round() {
-        // From the middle of 0.5 m to its end u is 1, and each part 0.4: with f = 40 and −40 N over u in turn, ∫ u f du/∫ u² du =
-        // −40·0.4²/(2/3) = −9.6 N.
+        // From the middle of 0.5 m to its end u is 1, and each part 0.4: with f = 40 and −40 N over u in turn, ∫ u f
+        // du/∫ u² du = −40·0.4²/(2/3) = −9.6 N.
         assert!((force_slope(40.0, 0.0) + 9.6).abs() < 0.2, "{}", force_slope(40.0, 0.0));
         assert!((force_slope(-40.0, 0.0) - 9.6).abs() < 0.2, "{}", force_slope(-40.0, 0.0));
         assert!(force_slope(0.0, 0.0).abs() < 1e-9);

@@ -1,4 +1,5 @@
-//! A fitted run as the diagnosis sees it: what its features are about, the repeatability, discrepancies, and slopes by the nuisances.
+//! A fitted run as the diagnosis sees it: what its features are about, the repeatability, discrepancies, and slopes by
+//! the nuisances.
 
 use super::Fitted;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
@@ -57,7 +58,8 @@ pub fn scatter(run: &Fitted, single: &[Vec<f64>]) -> Vec<Vec<f64>> {
     single.iter().map(each).collect()
 }
 
-/// A variance; infinite of what no lap changes but for rounding, as the share of time above a force that is never reached.
+/// A variance; infinite of what no lap changes but for rounding, as the share of time above a force that is never
+/// reached.
 fn telling(variance: f64) -> f64 {
     if variance < LEAST * LEAST { f64::INFINITY } else { variance }
 }

@@ -39,8 +39,9 @@ pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
     (part, along - part as f64)
 }
 
-/// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those simulated; NaN where nothing was
-/// measured. `measured` begins with its trigger at `trigger`, m, and has white noise of the deviation `noise`, N.
+/// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those
+/// simulated; NaN where nothing was measured. `measured` begins with its trigger at `trigger`, m, and has white noise
+/// of the deviation `noise`, N.
 pub fn high_frequency_power(
     landing: &Landing,
     lap: f64,
@@ -87,8 +88,8 @@ impl Suspect {
     }
 }
 
-/// Where steps of the rails may be: where each rail is struck hardest, which is seen beside whatever else is wrong with its channels, and in
-/// the cells in which these are worst.
+/// Where steps of the rails may be: where each rail is struck hardest, which is seen beside whatever else is wrong with
+/// its channels, and in the cells in which these are worst.
 pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
     let places = &first.model.spec.places;

@@ -15,13 +15,15 @@ use std::iter;
 const FEW_LAPS: usize = 6;
 const MANY_LAPS: usize = 128;
 
-/// Where few carts are like the one with the sensors, others are loaded: until so many laps are known, and so often at most.
+/// Where few carts are like the one with the sensors, others are loaded: until so many laps are known, and so often at
+/// most.
 const SOME_LAPS: usize = 12;
 const LOADED: usize = 4;
 
 impl Chains {
-    /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them: each cart of a
-    /// simulation is a lap. `None` where no effect is the machine's, and where few carts are like the one with the sensors.
+    /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them:
+    /// each cart of a simulation is a lap. `None` where no effect is the machine's, and where few carts are like the
+    /// one with the sensors.
     pub(super) fn laps(&self, request: &Request) -> Option<Laps> {
         let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
         let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
@@ -76,7 +78,8 @@ fn with_draw(effects: &[input::Effect], draw: usize) -> Vec<input::Effect> {
     effects
 }
 
-/// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside them.
+/// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside
+/// them.
 pub(super) fn observed(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
     let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
     let Some(beside) = Beside::in_input(simulation) else { return vec![true; carts] };

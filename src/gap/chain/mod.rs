@@ -1,4 +1,5 @@
-//! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their sites.
+//! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their
+//! sites.
 
 mod force_slope;
 mod frame;
@@ -168,7 +169,8 @@ impl Chains {
         });
     }
 
-    /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where the gap is largest.
+    /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where
+    /// the gap is largest.
     fn sites(&self, effect: &Effect, suspects: &[Suspect]) -> Vec<(Site, f64)> {
         let Some(first) = self.runs.first() else { return Vec::new() };
         let Sites::Listed(listed) = effect.sites else {
@@ -332,7 +334,8 @@ impl Fitted {
         model
     }
 
-    /// Features of an ensemble as sensors with the model's effects observe it; of the carts that are not loaded, where some are.
+    /// Features of an ensemble as sensors with the model's effects observe it; of the carts that are not loaded, where
+    /// some are.
     fn features(&self, model: &Model, ensemble: &Ensemble, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
         let observed = observed(&model.simulation, load, ensemble.carts.len());
         // Moving the measured samples ahead leaves the model behind.
@@ -361,8 +364,8 @@ impl Fitted {
         features
     }
 
-    /// Features of the nominal chain, sensed by sensors with effects: a sensor's effect needs no simulation, and few carts, as what chaos
-    /// does to them is the same with and without it.
+    /// Features of the nominal chain, sensed by sensors with effects: a sensor's effect needs no simulation, and few
+    /// carts, as what chaos does to them is the same with and without it.
     fn sensed_features(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
         let ensemble = &self.landing.centre.ensemble;
         let every = (ensemble.carts.len() / SENSOR_CARTS).max(1);
@@ -408,8 +411,8 @@ impl Fitted {
         }
     }
 
-    /// Features moved back towards the nominal ones by the share of their difference that chaos makes (James and Stein 1961,
-    /// positive part), block by block.
+    /// Features moved back towards the nominal ones by the share of their difference that chaos makes (James and Stein
+    /// 1961, positive part), block by block.
     fn calmed(&self, frame: &Frame, raw: &[f64], passes: f64) -> Vec<f64> {
         let mut sums: BTreeMap<(&str, Band), (f64, f64)> = BTreeMap::new();
         let mut each = Vec::with_capacity(raw.len());
@@ -432,7 +435,8 @@ impl Fitted {
     }
 }
 
-/// How far a run of so many laps has come, m, where it passes a place so far from where it began; on average of all passes.
+/// How far a run of so many laps has come, m, where it passes a place so far from where it began; on average of all
+/// passes.
 fn passed(beyond: f64, lap: f64, laps: f64) -> f64 {
     beyond.rem_euclid(lap) + (laps.ceil() - 1.0).max(0.0) * 0.5 * lap
 }

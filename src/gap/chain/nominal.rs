@@ -62,8 +62,8 @@ fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
     })
 }
 
-/// The largest forces of channels that do not clip, so that at the loss which the runs have on average each ends where it was measured
-/// to: an amplifier's end is one force, whatever a run's largest.
+/// The largest forces of channels that do not clip, so that at the loss which the runs have on average each ends where
+/// it was measured to: an amplifier's end is one force, whatever a run's largest.
 pub fn set_tops(runs: &mut [Fitted]) {
     for k in 0..FORCES {
         let known: Vec<(f64, f64)> = runs.iter().map(|r| r.highs[k]).filter(|(m, s)| *m > 0.0 && *s > 0.0).collect();

@@ -27,8 +27,8 @@ pub(super) struct RunPart {
     pub channels: Vec<Vec<f64>>,
 }
 
-/// Reads a campaign: its channels with their units, and its runs. A single run is cut into so many parts of equal length, so that some
-/// can be left out.
+/// Reads a campaign: its channels with their units, and its runs. A single run is cut into so many parts of equal
+/// length, so that some can be left out.
 pub(super) fn read(campaign: &Path, parts: usize) -> Result<(BTreeMap<String, String>, Vec<RunPart>), Error> {
     let campaign = Campaign::read(campaign)?;
     if campaign.channels.is_empty() {

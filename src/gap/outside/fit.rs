@@ -1,5 +1,5 @@
-//! Fits a model's nuisances to one part of a run: Gauss and Newton's method on means over windows, with bounds, and slopes from central
-//! differences.
+//! Fits a model's nuisances to one part of a run: Gauss and Newton's method on means over windows, with bounds, and
+//! slopes from central differences.
 
 use super::Error;
 use super::data::RunPart;
@@ -140,8 +140,8 @@ impl Fitter<'_> {
         self.part.channels.iter().zip(&point.rows).map(less).collect()
     }
 
-    /// Of each nuisance the change of samples with it. What cannot be simulated on one side is taken from the other; on neither, it
-    /// counts as none.
+    /// Of each nuisance the change of samples with it. What cannot be simulated on one side is taken from the other; on
+    /// neither, it counts as none.
     fn slopes(&self, point: &Point) -> Vec<Rows> {
         let moved = |k: usize, by: f64| {
             let mut at = point.at.clone();
@@ -204,8 +204,8 @@ impl Fitter<'_> {
         self.residuals(windows, repeatability, &point.rows).0.norm_squared() + off
     }
 
-    /// The step to the least squares within the bounds, if features were linear. What would leave its bounds is held at them, the worst
-    /// first.
+    /// The step to the least squares within the bounds, if features were linear. What would leave its bounds is held at
+    /// them, the worst first.
     fn direction(
         &self,
         w: &Windows,

@@ -1,8 +1,10 @@
-//! Any program as a model: it speaks JSON on its standard input and output, and the diagnosis treats it as it does the chain.
+//! Any program as a model: it speaks JSON on its standard input and output, and the diagnosis treats it as it does the
+//! chain.
 //!
-//! [`Outside::open`] starts the program, reads a campaign that declares its own channels, and fits the program's nuisances to each run;
-//! a campaign of a single run is cut into parts first. Features are means over windows in time, scored by a repeatability that is found in the
-//! measurements themselves. `docs/outside-models.md` is what those read who write such programs.
+//! [`Outside::open`] starts the program, reads a campaign that declares its own channels, and fits the program's
+//! nuisances to each run; a campaign of a single run is cut into parts first. Features are means over windows in time,
+//! scored by a repeatability that is found in the measurements themselves. `docs/outside-models.md` is what those read
+//! who write such programs.
 
 mod data;
 mod error;
@@ -36,7 +38,8 @@ pub fn description(line: &str) -> Result<usize, Error> {
     protocol::description(line).map(|description| description.effects.len())
 }
 
-/// Whether a line answers `simulate` of these channels from one time to another, s. The channels at some times between them.
+/// Whether a line answers `simulate` of these channels from one time to another, s. The channels at some times between
+/// them.
 ///
 /// # Errors
 ///
@@ -83,7 +86,8 @@ pub struct Outside {
 struct Failed {
     /// By request.
     reasons: BTreeMap<String, Error>,
-    /// Effects with which it was silent: each time costs as long as it is waited for, so these are not asked together again.
+    /// Effects with which it was silent: each time costs as long as it is waited for, so these are not asked together
+    /// again.
     silent: BTreeMap<Vec<usize>, Error>,
 }
 
@@ -92,8 +96,8 @@ impl Outside {
     ///
     /// # Errors
     ///
-    /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the campaign or one of
-    /// its runs cannot be read or is too short.
+    /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the
+    /// campaign or one of its runs cannot be read or is too short.
     pub fn open(command: &str, campaign: &Path, settings: &Settings) -> Result<Outside, Error> {
         let program = Program::new(command)?;
         // Before it starts: what is changed later is taken for another program.
@@ -137,7 +141,8 @@ impl Outside {
         &self.channels
     }
 
-    /// All that the answers come from: the program's files, the campaign and the runs with their inputs, and the nuisances as fitted.
+    /// All that the answers come from: the program's files, the campaign and the runs with their inputs, and the
+    /// nuisances as fitted.
     pub fn origin(&self) -> String {
         let mut origin = format!("{} {}", crate::base::program(), self.origin);
         for (part, at) in self.parts.iter().zip(&self.fitted) {
@@ -295,8 +300,8 @@ impl Outside {
         Some(self.ask(part, &at, effects).and_then(finite))
     }
 
-    /// Asks for a run as it was fitted when all requests failed with effects: a program that has ended for good fails without them, too,
-    /// and is not asked any more.
+    /// Asks for a run as it was fitted when all requests failed with effects: a program that has ended for good fails
+    /// without them, too, and is not asked any more.
     fn still_alive(&self, cause: &Error) {
         if matches!(cause, Error::Refused(_) | Error::NotFinite { .. }) {
             return;

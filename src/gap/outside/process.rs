@@ -26,8 +26,8 @@ pub(super) struct Program {
 }
 
 impl Program {
-    /// Splits a command into words as a shell does: by blanks, with quotes of both kinds; but a backslash stands for itself (as in
-    /// paths of Windows) unless it precedes a quote, a backslash or a blank.
+    /// Splits a command into words as a shell does: by blanks, with quotes of both kinds; but a backslash stands for
+    /// itself (as in paths of Windows) unless it precedes a quote, a backslash or a blank.
     pub fn new(command: &str) -> Result<Program, Error> {
         let mut words = Vec::new();
         let mut word: Option<String> = None;
@@ -55,8 +55,9 @@ impl Program {
         }
     }
 
-    /// What the program is made of, as far as its command tells: the words, and the content of the files that they name. A word names a
-    /// file by its path, or by what stands behind its `=`; the first one also by the folders of PATH.
+    /// What the program is made of, as far as its command tells: the words, and the content of the files that they
+    /// name. A word names a file by its path, or by what stands behind its `=`; the first one also by the folders of
+    /// PATH.
     pub fn origin(&self) -> String {
         let named = |word: &String| {
             let behind = word.split_once('=').map(|(_, path)| PathBuf::from(path));
@@ -115,7 +116,8 @@ fn listen(output: ChildStdout, lines: &SyncSender<Vec<u8>>) {
     }
 }
 
-/// A running program. Its input ends when it is dropped; it is stopped if that does not end it, and never left a zombie.
+/// A running program. Its input ends when it is dropped; it is stopped if that does not end it, and never left a
+/// zombie.
 struct Process {
     child: Child,
     input: Option<ChildStdin>,
@@ -215,8 +217,8 @@ impl Pool {
         self.most
     }
 
-    /// Asks a process that has nothing to do; `read` reads its answer. A process that fails, or whose answer is not one, is ended,
-    /// as what it says next may be about anything.
+    /// Asks a process that has nothing to do; `read` reads its answer. A process that fails, or whose answer is not
+    /// one, is ended, as what it says next may be about anything.
     pub fn ask<T>(&self, request: &str, blame: Blame, read: impl FnOnce(&str) -> Result<T, Error>) -> Result<T, Error> {
         let idle = self.take()?;
         let started = idle.map_or_else(|| self.program.start(), Ok);

@@ -1,5 +1,5 @@
-//! What is said to a model outside, and what it answers: one JSON object a line. `docs/outside-models.md` describes it for those who
-//! write models.
+//! What is said to a model outside, and what it answers: one JSON object a line. `docs/outside-models.md` describes it
+//! for those who write models.
 
 use super::Error;
 use crate::gap::{Candidate, Strength};
@@ -247,7 +247,8 @@ pub(super) fn series(line: &str, channels: &[String], from: f64, to: f64) -> Res
 }
 
 impl Series {
-    /// On other times, which increase too, by straight lines. What lies beyond the ends by rounding has the ends' values.
+    /// On other times, which increase too, by straight lines. What lies beyond the ends by rounding has the ends'
+    /// values.
     pub fn at(&self, times: &[f64]) -> Vec<Vec<f64>> {
         let last = self.time.len().saturating_sub(1);
         let mut i = 0;

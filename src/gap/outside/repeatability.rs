@@ -1,8 +1,8 @@
 //! The repeatability of a measured run: by how much its features would differ if the same were measured again.
 //!
-//! There is no second lap to compare with, so the noise is taken from within each window: the means of its two halves differ by what
-//! is faster than the window, and half of that difference is a draw of the noise of the whole window's mean. What is slower cannot be
-//! told from the machine; there, it counts how closely the model is believed to follow.
+//! There is no second lap to compare with, so the noise is taken from within each window: the means of its two halves
+//! differ by what is faster than the window, and half of that difference is a draw of the noise of the whole window's
+//! mean. What is slower cannot be told from the machine; there, it counts how closely the model is believed to follow.
 
 use super::windows::Windows;
 use crate::base::random::{normal, uniform};
@@ -83,8 +83,8 @@ impl Repeatability {
     }
 }
 
-/// Of each window a draw of its mean's noise: half of what its halves' means differ by, less what they do because the windows around it
-/// rise or fall. NaN where a half is lost.
+/// Of each window a draw of its mean's noise: half of what its halves' means differ by, less what they do because the
+/// windows around it rise or fall. NaN where a half is lost.
 fn draws(means: &[f64], first: &[f64], second: &[f64]) -> Vec<f64> {
     let rise = |i: usize| match (i.checked_sub(1).and_then(|b| means.get(b)), means.get(i + 1)) {
         (Some(before), Some(after)) if (after - before).is_finite() => 0.25 * (after - before),
@@ -112,8 +112,8 @@ impl Noise {
     }
 }
 
-/// A sample of the repeatability: blocks of draws from other places, with either sign and alike in all channels; and slow waves as large as the
-/// model is inaccurate.
+/// A sample of the repeatability: blocks of draws from other places, with either sign and alike in all channels; and
+/// slow waves as large as the model is inaccurate.
 fn sample(channels: &[Noise], count: usize, number: u64) -> Vec<f64> {
     let mut state = 0x6f75_7473_6964_6500 ^ number;
     let blocks: Vec<(usize, f64)> = (0..count.div_ceil(BLOCK))

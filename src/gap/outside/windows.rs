@@ -77,8 +77,8 @@ impl Windows {
         channels.flat_map(of).collect()
     }
 
-    /// Features of rows of samples, a row a channel: means over what was measured of each window. NaN where less than half of a window
-    /// was measured, or where the row has none for a sample that was.
+    /// Features of rows of samples, a row a channel: means over what was measured of each window. NaN where less than
+    /// half of a window was measured, or where the row has none for a sample that was.
     pub fn means(&self, rows: &[Vec<f64>]) -> Vec<f64> {
         self.over(rows, |[from, _, to]| (from, to), self.as_built.div_ceil(2))
     }
@@ -106,8 +106,8 @@ impl Windows {
     }
 }
 
-/// Samples after which what is left of a channel has forgotten itself: where the autocorrelation, without what is slower than `slow`
-/// samples, is under 1/e. At least 1.
+/// Samples after which what is left of a channel has forgotten itself: where the autocorrelation, without what is
+/// slower than `slow` samples, is under 1/e. At least 1.
 fn correlation(x: &[f64], slow: usize) -> usize {
     let slow = slow.max(2);
     let mut fast = Vec::with_capacity(x.len());

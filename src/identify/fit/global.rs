@@ -32,8 +32,8 @@ impl Fitter<'_> {
         }
     }
 
-    /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel misses is of
-    /// unknown size, so that one that is far off has no more to say than the others.
+    /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel
+    /// misses is of unknown size, so that one that is far off has no more to say than the others.
     pub(super) fn place(&self, model: &Model, at: &mut Coordinates, centre: &Centre, repeatability: &Repeatability) {
         let k = Parameter::TriggerPosition.index();
         if !self.settings.free[k] {
@@ -64,7 +64,8 @@ impl Fitter<'_> {
         at[k] = best.0;
     }
 
-    /// Of each channel how far its means along the track are off, over the deviation of a lap's; of those that are known.
+    /// Of each channel how far its means along the track are off, over the deviation of a lap's; of those that are
+    /// known.
     fn off_places(
         &self,
         model: &Model,
@@ -83,7 +84,8 @@ impl Fitter<'_> {
         std::array::from_fn(|k| (k * cells..(k + 1) * cells).map(off).filter(|x| x.is_finite()).collect())
     }
 
-    /// Whether the other channels bear out a tension that joint_xi asks for. One farther off than slopes hold may be its sensor's fault.
+    /// Whether the other channels bear out a tension that joint_xi asks for. One farther off than slopes hold may be
+    /// its sensor's fault.
     pub(super) fn agree(
         &self,
         model: &Model,
@@ -105,8 +107,8 @@ impl Fitter<'_> {
         others.map(|(_, (before, after))| trig::ln(after.max(1.0) / before.max(1.0)) - HARDLY_WORSE).sum::<f64>() <= 0.0
     }
 
-    /// The global stage for the tension: a chain that is tighter at rest is tighter by as much when it runs, whatever it loses there.
-    /// Whether it moved much.
+    /// The global stage for the tension: a chain that is tighter at rest is tighter by as much when it runs, whatever
+    /// it loses there. Whether it moved much.
     pub(super) fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
         let mut measured = FeatureAccumulator::new(&model.spec);

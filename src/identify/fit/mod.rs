@@ -1,5 +1,5 @@
-//! The fit of one run: a global stage for what would fool a local one (speed, trigger, tension), then Gauss-Newton steps on slopes
-//! from designs of simulations.
+//! The fit of one run: a global stage for what would fool a local one (speed, trigger, tension), then Gauss-Newton
+//! steps on slopes from designs of simulations.
 
 mod global;
 mod residuals;
@@ -51,14 +51,15 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// −1 or 1 where a parameter is at its bound.
     pub bound: Vec<i8>,
-    /// Root mean square of the residuals, each over the repeatability of two replicate laps: 1 is as near as laps are to each other.
+    /// Root mean square of the residuals, each over the repeatability of two replicate laps: 1 is as near as laps are
+    /// to each other.
     pub objective: f64,
     /// The same of each block of features.
     pub blocks: BTreeMap<Block, f64>,
     /// What the objective may be, and where the model is off; none of a fit that was read back.
     pub goodness: Option<Goodness>,
-    /// What the run says of the parameters near `at`, in coordinates divided by their reach; the floor of approach speeds is
-    /// the last.
+    /// What the run says of the parameters near `at`, in coordinates divided by their reach; the floor of approach
+    /// speeds is the last.
     pub information: DMatrix<f64>,
     /// The same without the floor of approach speeds, and where it pulls.
     pub own: Information,

@@ -84,7 +84,8 @@ impl Fitter<'_> {
         sums
     }
 
-    /// Whether a block is wrong, and passes only for what bent slopes do not explain: a design that goes less far has straighter ones.
+    /// Whether a block is wrong, and passes only for what bent slopes do not explain: a design that goes less far has
+    /// straighter ones.
     pub(super) fn hidden(&self, bare: &Residuals, with_unexplained: &Residuals) -> bool {
         let (bare, with) = (self.squares(bare), self.squares(with_unexplained));
         bare.iter().any(|(block, (sum, n))| sum / n > WRONG && *sum > 2.0 * with[block].0)

@@ -1,9 +1,9 @@
 //! The open chain: joints laid backwards from a starting straight, each a straight chord behind the one before.
 //!
 //! The centre line is unrolled once around, from the starting straight back to itself, so that nothing wraps. Only what
-//! lies behind the first joint matters, and so the starting straight may be taken to go on ahead of it; in the same way a
-//! straight that is shorter than a cart, on which some phases have no joint, is measured on its line produced backwards.
-//! The chain itself stays on the track.
+//! lies behind the first joint matters, and so the starting straight may be taken to go on ahead of it; in the same way
+//! a straight that is shorter than a cart, on which some phases have no joint, is measured on its line produced
+//! backwards. The chain itself stays on the track.
 
 use super::{Course, Unsuited};
 use crate::geometry::{CentreLine, Form};
@@ -13,7 +13,8 @@ const ITERATIONS: usize = 50;
 /// Positions are good to some 1e-14 m; convergence is quadratic.
 const CLOSE: f64 = 1e-12;
 
-/// The course from the starting straight (the last piece) backwards to the straight behind some curves (the first piece).
+/// The course from the starting straight (the last piece) backwards to the straight behind some curves (the first
+/// piece).
 pub struct Unrolled {
     pub line: CentreLine,
     /// Index of the piece that is the straight behind one curve, two curves, ...
@@ -74,7 +75,8 @@ impl Unrolled {
         Unrolled { line: CentreLine::new([0.0; 4], &forms), straights, parts, start: course.begins[start] }
     }
 
-    /// The chain with its first joint at `front` (m) past the begin of the starting straight, down to the last straight.
+    /// The chain with its first joint at `front` (m) past the begin of the starting straight, down to the last
+    /// straight.
     pub fn ride(&self, pitch: f64, front: f64) -> Result<Ride, Unsuited> {
         let stretches = &self.line.stretches;
         let last = stretches.len() - 1;

@@ -4,7 +4,8 @@ use crate::base::trig;
 use crate::geometry::{CentreLine, Form};
 use std::fmt;
 
-/// Curves that meet without a straight between them are this far apart, m: the straight still has a direction to measure on.
+/// Curves that meet without a straight between them are this far apart, m: the straight still has a direction to
+/// measure on.
 pub(super) const TOUCHING: f64 = 1e-9;
 /// Joints that one chain may have.
 const MOST_JOINTS: f64 = 1e6;
@@ -65,8 +66,8 @@ impl fmt::Display for Unsuited {
 impl std::error::Error for Unsuited {}
 
 impl Course {
-    /// Takes a closed centre line apart. Pieces of one straight, also around arc length 0, and of one bend are joined; straight
-    /// 0 is the one that arc length 0 lies on or, where a curve begins there, the first behind it.
+    /// Takes a closed centre line apart. Pieces of one straight, also around arc length 0, and of one bend are joined;
+    /// straight 0 is the one that arc length 0 lies on or, where a curve begins there, the first behind it.
     ///
     /// # Errors
     /// [`Unsuited::NoStraight`], [`Unsuited::NoCurve`], [`Unsuited::NotFinite`].

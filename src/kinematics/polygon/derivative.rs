@@ -1,13 +1,15 @@
 //! Exact derivatives of the polygon action with respect to the vertices of a plane layout, by implicit differentiation
 //! through the chords.
 //!
-//! A chord r from the joint behind to the one ahead keeps its length: r·dr = 0. Seen from the joint behind, r runs over parts
-//! of pieces of curvature κ and length w, and with X the point and t the tangent where such a part ends, P the joint ahead,
+//! A chord r from the joint behind to the one ahead keeps its length: r·dr = 0. Seen from the joint behind, r runs over
+//! parts of pieces of curvature κ and length w, and with X the point and t the tangent where such a part ends, P the
+//! joint ahead,
 //!
 //! dr = (t + κ ẑ×(P − X)) dw + (∂c/∂κ + w ẑ×(P − X)) dκ,
 //!
-//! c the part's own chord. That gives the joint behind by the one ahead and the lengths and curvatures between, joint after
-//! joint; lengths and curvatures follow from radii, turns and straights, and those from the vertices (thesis §3.2).
+//! c the part's own chord. That gives the joint behind by the one ahead and the lengths and curvatures between, joint
+//! after joint; lengths and curvatures follow from radii, turns and straights, and those from the vertices (thesis
+//! §3.2).
 
 use super::chain::{Joint, Ride, Unrolled};
 use super::{Course, Objective, STEPS, Unsuited, front, harmonic};
@@ -78,8 +80,8 @@ pub fn gradient(variables: &[f64], pitch: f64, objective: Objective) -> Result<G
 }
 
 impl Course {
-    /// The course of a plane layout: straight k is section k's, curve k the fillet of the vertex at its end. Straights that
-    /// are too short to have a direction are given a nanometre.
+    /// The course of a plane layout: straight k is section k's, curve k the fillet of the vertex at its end. Straights
+    /// that are too short to have a direction are given a nanometre.
     ///
     /// # Errors
     /// [`Unsuited::NotFinite`].
@@ -123,8 +125,8 @@ fn to_vertices(own: &[f64], measures: &Measures) -> Vec<f64> {
     out
 }
 
-/// The derivatives of one chain's joints, from the first to the last: by straight k at k, radius of curve k at n + k, its turn
-/// at 2n + k.
+/// The derivatives of one chain's joints, from the first to the last: by straight k at k, radius of curve k at n + k,
+/// its turn at 2n + k.
 struct Sweep<'a> {
     unrolled: &'a Unrolled,
     ride: &'a Ride,

@@ -1,8 +1,9 @@
 //! First harmonics: a curve's polygon action as amplitude and phase.
 //!
-//! A curve maps the lattice of joints ahead of it to the lattice behind it, shifted by a small periodic function of where
-//! the lattice stands. Deviations (millimetres) are small against the cart, so that harmonics of curves in series add up
-//! like alternating currents, each turned by its phase; [`superposed`] does that, and tests hold it against [`action`].
+//! A curve maps the lattice of joints ahead of it to the lattice behind it, shifted by a small periodic function of
+//! where the lattice stands. Deviations (millimetres) are small against the cart, so that harmonics of curves in series
+//! add up like alternating currents, each turned by its phase; [`superposed`] does that, and tests hold it against
+//! [`action`].
 //!
 //! [`action`]: super::action
 

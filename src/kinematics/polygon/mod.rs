@@ -1,12 +1,13 @@
 //! Polygon action: what a chain of straight carts on a curved centre line does to its own speed (thesis §3.4).
 //!
-//! An open chain is laid from a straight backwards through every curve. While its first joint moves evenly by one cart, the
-//! joints behind a curve lead and lag, because chords cut corners by a little more or less as the cart's place on the curve
-//! changes. On a straight every joint deviates alike, so that one number says how rough it runs there: ΔP, peak to peak.
+//! An open chain is laid from a straight backwards through every curve. While its first joint moves evenly by one cart,
+//! the joints behind a curve lead and lag, because chords cut corners by a little more or less as the cart's place on
+//! the curve changes. On a straight every joint deviates alike, so that one number says how rough it runs there: ΔP,
+//! peak to peak.
 //!
 //! Curves are in series. What one adds to the next depends on their phase, the length between them modulo the cart, and
-//! two equal curves half a cart apart cancel. A layout of n straights thus has n² values, one for each straight seen from
-//! each starting straight; [`Objective`] says which of them count.
+//! two equal curves half a cart apart cancel. A layout of n straights thus has n² values, one for each straight seen
+//! from each starting straight; [`Objective`] says which of them count.
 //!
 //! - [`Course`]: the centre line as straights and curves in turn,
 //! - [`action`]: ΔP of each straight from each start, by Newton's method on the chords,
@@ -72,10 +73,11 @@ impl Objective {
 /// The polygon action of a course.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Action {
-    /// ΔP in m: of the straight (second index) when the chain starts on another (first index). The chain runs backwards: from
-    /// straight i it comes to i − 1 first, and to i itself last, behind every curve.
+    /// ΔP in m: of the straight (second index) when the chain starts on another (first index). The chain runs
+    /// backwards: from straight i it comes to i − 1 first, and to i itself last, behind every curve.
     pub delta_p: Vec<Vec<f64>>,
-    /// First harmonic of the same deviations, m: amplitude and phase over the first joint's way from the begin of its straight.
+    /// First harmonic of the same deviations, m: amplitude and phase over the first joint's way from the begin of its
+    /// straight.
     pub first: Vec<Vec<Phasor>>,
 }
 
@@ -148,8 +150,8 @@ fn front(step: usize, pitch: f64) -> f64 {
     pitch * step as f64 / STEPS as f64
 }
 
-/// What an objective would be if the phases of curves were left to chance: each value then the sum of squares of the curves
-/// passed, m².
+/// What an objective would be if the phases of curves were left to chance: each value then the sum of squares of the
+/// curves passed, m².
 pub fn by_chance(curves: &[CurvePhasor], objective: Objective) -> f64 {
     let n = curves.len();
     let from = |i: usize| -> f64 {

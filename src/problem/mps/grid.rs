@@ -22,8 +22,8 @@ pub struct Grid {
     pub origin: f64,
     /// Whether the layout fixes that heading; if not, it is assumed.
     pub fixed: bool,
-    /// First and last heading of each section, in steps from the origin, unwound along the loop from the anchor on: within
-    /// half a turn of the written one, and within reach of turns.
+    /// First and last heading of each section, in steps from the origin, unwound along the loop from the anchor on:
+    /// within half a turn of the written one, and within reach of turns.
     pub headings: Vec<(i64, i64)>,
     /// First and last turn in its written direction, in steps.
     pub turns: (i64, i64),

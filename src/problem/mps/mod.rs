@@ -3,10 +3,10 @@
 //! With headings on the grid, a layout's only nonlinear terms are products with a choice. Each is linear in columns
 //! that stand for the choice itself:
 //!
-//! - `heading[S][h]` is 1 where section S has the heading h; `length[S][h]` is its length then, else 0, so the section's
-//!   vector is Σ length·(cos h, sin h) (disaggregation: Balas 1985);
-//! - `curve[P][t][r]` is 1 where vertex P turns by t with the radius r: its tangent length R tan(t/2) and its arc R t are
-//!   numbers;
+//! - `heading[S][h]` is 1 where section S has the heading h; `length[S][h]` is its length then, else 0, so the
+//!   section's vector is Σ length·(cos h, sin h) (disaggregation: Balas 1985);
+//! - `curve[P][t][r]` is 1 where vertex P turns by t with the radius r: its tangent length R tan(t/2) and its arc R t
+//!   are numbers;
 //! - `bend[P][h][t][r]` is 1 where besides the section before P has the heading h: a flow from heading to heading along
 //!   the loop, which ties curves to headings and takes its tangent lengths of both sections.
 //!

@@ -148,7 +148,8 @@ impl Graph {
         }
     }
 
-    /// The nodes that each of `roots` reaches, itself among them; ascending, so parts come before what they are part of.
+    /// The nodes that each of `roots` reaches, itself among them; ascending, so parts come before what they are part
+    /// of.
     pub fn reach(&self, roots: &[Id]) -> BTreeSet<Id> {
         let mut seen = BTreeSet::new();
         let mut open = roots.to_vec();

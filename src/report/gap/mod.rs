@@ -1,5 +1,5 @@
-//! `gap.html`: where a built system and its simulation part, what does it and how far adding it closes the gap, on one page that
-//! stands on its own: no script, no font, no network.
+//! `gap.html`: where a built system and its simulation part, what does it and how far adding it closes the gap, on one
+//! page that stands on its own: no script, no font, no network.
 
 mod bars;
 mod map;

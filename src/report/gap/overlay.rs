@@ -1,4 +1,5 @@
-//! A channel over a stretch: measured, simulated before and after, their difference, and how far repeated measurements stray.
+//! A channel over a stretch: measured, simulated before and after, their difference, and how far repeated measurements
+//! stray.
 
 use super::words::{band, percent, scale_of, stretch};
 use crate::base::number::fixed;
@@ -27,8 +28,8 @@ pub fn legend(changed: bool) -> Markup {
     }
 }
 
-/// Measured against simulated, and below it the difference of both with the band of repeatability; nothing where no number can be drawn.
-/// `share` is the channel's share of the gap.
+/// Measured against simulated, and below it the difference of both with the band of repeatability; nothing where no
+/// number can be drawn. `share` is the channel's share of the gap.
 pub fn chart(overlay: &Overlay, axis: Axis, share: Option<f64>) -> Markup {
     let (from, to) = bounds(overlay.at.iter().filter(|x| x.is_finite()).copied());
     let less = |simulated: &[f64]| overlay.measured.iter().zip(simulated).map(|(m, s)| m - s).collect::<Vec<f64>>();

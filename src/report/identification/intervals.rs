@@ -1,4 +1,5 @@
-//! Estimates and intervals of a parameter over the runs: a row a run with a dot and a bar, runs of one set point together.
+//! Estimates and intervals of a parameter over the runs: a row a run with a dot and a bar, runs of one set point
+//! together.
 
 use crate::base::number::{fixed, tick_labels, ticks};
 use maud::{Markup, html};

@@ -43,8 +43,9 @@ impl fmt::Display for Hotspot {
 /// Peaks that lie nearer than this are one, m.
 const APART: f64 = 5.0;
 
-/// The hardest steering at two places, then the largest axial force of the joint, the hardest run of each wheel, and the joint's
-/// largest lateral force. The largest is by absolute value, and keeps its sign. Empty when the run's places cannot be told.
+/// The hardest steering at two places, then the largest axial force of the joint, the hardest run of each wheel, and
+/// the joint's largest lateral force. The largest is by absolute value, and keeps its sign. Empty when the run's places
+/// cannot be told.
 pub fn hotspots(simulation: &Simulation, run: &Run) -> Vec<Hotspot> {
     let track = LapTrack::new(simulation);
     let lap = track.line.length;

@@ -1,4 +1,5 @@
-//! `lap.html`: a simulated lap on one page, for judging it by eye. It stands on its own: no script, no font, no network.
+//! `lap.html`: a simulated lap on one page, for judging it by eye. It stands on its own: no script, no font, no
+//! network.
 
 pub(super) mod chart;
 mod hotspot;

@@ -1,5 +1,5 @@
-//! The polygon action of a layout on a sheet: the plan with its straights as rough as they run, the matrix of starts and
-//! straights, and the curves' first harmonics head to tail.
+//! The polygon action of a layout on a sheet: the plan with its straights as rough as they run, the matrix of starts
+//! and straights, and the curves' first harmonics head to tail.
 
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
@@ -191,7 +191,8 @@ fn roughest(report: &Report) -> usize {
         .unwrap_or(0)
 }
 
-/// The curves' first harmonics, one at the head of the other: from the middle to each head is what the straight behind it has.
+/// The curves' first harmonics, one at the head of the other: from the middle to each head is what the straight behind
+/// it has.
 fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
     let mut group = Element::group("harmonics").with(rectangle(area.low, area.high, "rule"));
     let start = roughest(report);

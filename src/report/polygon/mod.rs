@@ -102,7 +102,8 @@ pub struct Curve {
     pub alone_mm: f64,
     /// ΔP at its most, when its ends add up: 0.0226 L³/R², mm; `null` where it is more than one arc.
     pub most_mm: Option<f64>,
-    /// Phase of its first harmonic against that of the next curve behind it on the chain, deg in (−180, 180]: 180 cancels.
+    /// Phase of its first harmonic against that of the next curve behind it on the chain, deg in (−180, 180]: 180
+    /// cancels.
     pub phase_to_next_deg: f64,
     /// Its share of the first harmonics' value: below 0 it cancels more than it adds.
     pub share: f64,
@@ -219,8 +220,8 @@ fn straight(course: &Course, names: &[String], delta_p_mm: &[Vec<f64>], j: usize
     }
 }
 
-/// Share of each curve in Σ 4|H|² of what counts, H being the sum of the parts before it: the projection of its part on H.
-/// They add up to 1.
+/// Share of each curve in Σ 4|H|² of what counts, H being the sum of the parts before it: the projection of its part on
+/// H. They add up to 1.
 fn shares(parts: &[Vec<Phasor>], objective: Objective) -> Vec<f64> {
     let n = parts.len();
     let mut shares = vec![0.0; n];

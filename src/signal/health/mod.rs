@@ -12,11 +12,11 @@
 //! | joint axes exchanged | `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their joints |
 //! | speeds differ | running wheels and trigger disagree by more than [`SLIP`] |
 //!
-//! **What is expected in a curve** of curvature κ (left positive) for cart length L, mass m, μ = m/L, tension T and speed v, from the
-//! balance of a cart: its steering wheels push with (T − μv²)Lκ to the outside, which loads the inner one (thesis §2.3; the
-//! chain model's long-curve check). About the centre of mass, which is z_c above the joints, with the steering contact h_s below the
-//! joints and the running wheels ±b_r aside: run_left − run_right = (h_s (T − μv²)Lκ − z_c m v²κ)/b_r. The inner wheels turn slower,
-//! by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
+//! **What is expected in a curve** of curvature κ (left positive) for cart length L, mass m, μ = m/L, tension T and
+//! speed v, from the balance of a cart: its steering wheels push with (T − μv²)Lκ to the outside, which loads the inner
+//! one (thesis §2.3; the chain model's long-curve check). About the centre of mass, which is z_c above the joints, with
+//! the steering contact h_s below the joints and the running wheels ±b_r aside: run_left − run_right = (h_s (T − μv²)Lκ
+//! − z_c m v²κ)/b_r. The inner wheels turn slower, by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
 
 mod suspect;
 

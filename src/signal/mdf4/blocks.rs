@@ -179,8 +179,8 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(Recorded { blocks: self, left, pieces, inflated: Vec::new(), at: 0 })
     }
 
-    /// What a block holds compressed. Transposed, the first bytes of all records come first, then the second ones, with what is left of
-    /// a record behind.
+    /// What a block holds compressed. Transposed, the first bytes of all records come first, then the second ones, with
+    /// what is left of a record behind.
     fn inflate(&self, packed: &Packed) -> Result<Vec<u8>, Torn> {
         let mut data = self.data.borrow_mut();
         data.seek(SeekFrom::Start(packed.at)).map_err(|why| why.to_string())?;

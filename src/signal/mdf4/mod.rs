@@ -1,12 +1,13 @@
 //! Runs as MDF4 (ASAM MDF 4.x), as measuring systems write it: groups of channels over a time master each.
 //!
-//! What is read: records sorted or not, in one block or in lists of them, plain or compressed (deflate, transposed or not);
-//! integers and floats of either byte order, at any bit; conversions that are linear or rational; invalidation bits, which
-//! make a lost sample; masters that are written or counted. Blocks are laid out as the ASAM MDF standard, version 4.1,
-//! describes them in its chapter on block types.
+//! What is read: records sorted or not, in one block or in lists of them, plain or compressed (deflate, transposed or
+//! not); integers and floats of either byte order, at any bit; conversions that are linear or rational; invalidation
+//! bits, which make a lost sample; masters that are written or counted. Blocks are laid out as the ASAM MDF standard,
+//! version 4.1, describes them in its chapter on block types.
 //!
-//! This reader is the project's own: the crates for MDF4 that read compressed data allocate what a length field asks for, so
-//! that one wrong byte aborts the process. Here every access is checked, and no more is allocated than the file can fill.
+//! This reader is the project's own: the crates for MDF4 that read compressed data allocate what a length field asks
+//! for, so that one wrong byte aborts the process. Here every access is checked, and no more is allocated than the file
+//! can fill.
 
 mod blocks;
 mod records;
@@ -29,8 +30,8 @@ struct Group {
     channels: Vec<(Channel, Block)>,
 }
 
-/// Reads a data file; `file` is named in errors. A channel called `time`, `t` or `timestamp`, or the master, is time; the
-/// others are known by their names and have their units, if they name any.
+/// Reads a data file; `file` is named in errors. A channel called `time`, `t` or `timestamp`, or the master, is time;
+/// the others are known by their names and have their units, if they name any.
 ///
 /// # Errors
 ///

@@ -1,6 +1,7 @@
 //! The same for the catalogue's grid: lines for which stage 3 finds no layout of standard turns and radii.
 //!
-//! A line is left out of the layout itself, and stage 3 begins again from the continuous optimum, which meets all lines.
+//! A line is left out of the layout itself, and stage 3 begins again from the continuous optimum, which meets all
+//! lines.
 
 use super::lines::{Kind, Lines, Role};
 use super::search::{Search, Set, meets};

@@ -1,10 +1,10 @@
 //! Constraints that follow from the other lines.
 //!
-//! A constraint follows from others when they alone keep it: with it taken away, nothing that meets the rest breaks it by
-//! any amount. For every limit of a line the solver is asked to break it by a little while the rest holds; the line
-//! is reported when no limit gives at all from any start, and the lines whose rows resist are what it follows from. Where
-//! a problem is not convex a search that gets stuck proves little, so a line is reported only where it and all that
-//! resists are equations, whose gradients are then dependent, or linear, which makes the answer exact.
+//! A constraint follows from others when they alone keep it: with it taken away, nothing that meets the rest breaks it
+//! by any amount. For every limit of a line the solver is asked to break it by a little while the rest holds; the line
+//! is reported when no limit gives at all from any start, and the lines whose rows resist are what it follows from.
+//! Where a problem is not convex a search that gets stuck proves little, so a line is reported only where it and all
+//! that resists are equations, whose gradients are then dependent, or linear, which makes the answer exact.
 
 use super::lines::{Kind, Lines, Role};
 use super::search::Search;
@@ -104,8 +104,8 @@ fn resistance(search: &Search, line: usize, holding: &BTreeSet<usize>) -> Option
     search.lines.list[line].rows.iter().map(resists).collect()
 }
 
-/// Whether a limit's gradient is made of those of equations among the reasons, so that they leave it no choice; or, if it is
-/// linear, of those of linear rows.
+/// Whether a limit's gradient is made of those of equations among the reasons, so that they leave it no choice; or, if
+/// it is linear, of those of linear rows.
 fn depends(search: &Search, resistance: &Resistance, reasons: &BTreeSet<usize>) -> bool {
     let (lines, problem) = (search.lines, &resistance.problem);
     let mut x = resistance.at.clone();

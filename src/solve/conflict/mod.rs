@@ -1,8 +1,8 @@
 //! Why no layout meets the constraints, and which of them say nothing: answers in lines of source.
 //!
 //! Solvers here are local, so each statement says what stands behind it. A set of lines is in conflict when no layout
-//! that meets it was found from any start, or when a relaxation [proves](proof) that there is none. Whatever is said of a
-//! single line has a layout behind it that was checked: without the line, and with the line given way by the stated
+//! that meets it was found from any start, or when a relaxation [proves](proof) that there is none. Whatever is said of
+//! a single line has a layout behind it that was checked: without the line, and with the line given way by the stated
 //! amount. A line follows from others when the solver cannot break it from any start.
 
 mod grid;

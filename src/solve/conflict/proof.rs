@@ -2,10 +2,10 @@
 //!
 //! With the headings of sections within narrow ranges, what a loop is made of is nearly linear in straights, radii and
 //! tangent lengths: the vector along a section lies in a thin cone. The relaxation of a box of headings is a linear
-//! program; where it has no solution, multipliers say so (Farkas' lemma), and they are checked in the arithmetic of this
-//! file, whatever the solver claims. Boxes are halved until every one is refuted (branch and bound; Tawarmalani and Sahinidis
-//! 2002). Rows that are not linear in these terms, obstacles and the track's own width are left out, which is safe:
-//! with them there are fewer layouts still.
+//! program; where it has no solution, multipliers say so (Farkas' lemma), and they are checked in the arithmetic of
+//! this file, whatever the solver claims. Boxes are halved until every one is refuted (branch and bound; Tawarmalani
+//! and Sahinidis 2002). Rows that are not linear in these terms, obstacles and the track's own width are left out,
+//! which is safe: with them there are fewer layouts still.
 
 use crate::base::trig;
 use crate::geometry::Point;
@@ -47,8 +47,8 @@ pub fn infeasible(problem: &Problem) -> bool {
     true
 }
 
-/// Ranges of unwrapped headings by section, rad: each turn leads from the range of one section to the next, and the last
-/// one to the first a winding later.
+/// Ranges of unwrapped headings by section, rad: each turn leads from the range of one section to the next, and the
+/// last one to the first a winding later.
 #[derive(Clone, Debug)]
 struct Headings {
     ranges: Vec<(f64, f64)>,
@@ -194,9 +194,9 @@ impl Linear {
     }
 }
 
-/// The program's variables of a vertex and the section that begins there: x, y and radius of the vertex, its tangent length,
-/// the section's straight and heading, and vectors along what they lie on: the tangent before the vertex, the one behind
-/// it, and the straight.
+/// The program's variables of a vertex and the section that begins there: x, y and radius of the vertex, its tangent
+/// length, the section's straight and heading, and vectors along what they lie on: the tangent before the vertex, the
+/// one behind it, and the straight.
 const EACH: usize = 12;
 const TANGENT: usize = 3;
 const STRAIGHT: usize = 4;

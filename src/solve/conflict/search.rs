@@ -22,7 +22,8 @@ pub const HOLDS: f64 = 1e-6;
 const ITERATIONS: usize = 120;
 /// Solves of one search.
 const SOLVES: usize = 400;
-/// The same of a thorough one of up to [`SMALL`] vertices. A solve takes about the cube of them, so larger layouts get fewer.
+/// The same of a thorough one of up to [`SMALL`] vertices. A solve takes about the cube of them, so larger layouts get
+/// fewer.
 const THOROUGH: usize = 400;
 const FEWEST: usize = 6;
 const SMALL: usize = 10;
@@ -142,7 +143,8 @@ impl<'a> Search<'a> {
         best.map(least)
     }
 
-    /// The same beginning at a layout that meets the other rows: what the limits give way by there is enough in any case.
+    /// The same beginning at a layout that meets the other rows: what the limits give way by there is enough in any
+    /// case.
     pub fn minimum_near(&self, problem: &Problem, witness: &[f64]) -> Option<Least> {
         let (x, slack) = slacken(problem, witness);
         let meets = problem.evaluate(&x, 0.0).rows.iter().all(|row| row.violation() <= HOLDS);
@@ -231,7 +233,8 @@ impl<'a> Search<'a> {
         x
     }
 
-    /// A layout that meets the lines of a set with one more that gives way by a fixed amount, near one that does so already.
+    /// A layout that meets the lines of a set with one more that gives way by a fixed amount, near one that does so
+    /// already.
     pub fn given_way(&self, role: impl Fn(usize) -> Role, amount: f64, near: &[f64]) -> Option<Vec<f64>> {
         Search::reach(&self.lines.given_way(amount, role), near)
     }
@@ -294,8 +297,8 @@ pub fn only(set: &Set, role: Role) -> impl Fn(usize) -> Role {
     move |i| if set.contains(&i) { role } else { Role::Left }
 }
 
-/// Whether a layout meets every row of a problem in which nothing gives way, does not cross itself, and drives the way that
-/// fixed sections are written.
+/// Whether a layout meets every row of a problem in which nothing gives way, does not cross itself, and drives the way
+/// that fixed sections are written.
 pub fn meets(problem: &Problem, x: &[f64]) -> bool {
     let at = problem.evaluate(x, 0.0);
     at.rows.iter().all(|row| row.violation() <= HOLDS)

@@ -19,7 +19,8 @@ pub struct Stated {
 /// What rounding may leave out because limits hold to more than that, in a thousandth of the unit.
 const HELD: f64 = 0.01;
 
-/// An amount rounded up to three decimals of its unit, and a thousandth more for each of `more`: `5.193 m`, `0.21 mm`, `5°`.
+/// An amount rounded up to three decimals of its unit, and a thousandth more for each of `more`: `5.193 m`, `0.21 mm`,
+/// `5°`.
 pub fn stated(unit: Unit, slack: f64, more: u32) -> Stated {
     let (scale, name) = match unit {
         Unit::Metre if slack < 0.01 => (1e3, " mm"),

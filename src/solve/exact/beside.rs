@@ -1,11 +1,12 @@
-//! What a layout that comes too close to a region could do instead: alternatives of linear rows, one of which every layout with
-//! the same headings meets.
+//! What a layout that comes too close to a region could do instead: alternatives of linear rows, one of which every
+//! layout with the same headings meets.
 //!
-//! With headings chosen, a straight keeps its distance D from a point when the point lies D to the side, or before or behind
-//! the straight: three half-planes. An arc whose inner side the point is on keeps it in a disc, R − |q − c| >= D, which is
-//! convex and the intersection of its tangents' half-planes; one whose outer side the point is on keeps it out of a disc, which
-//! is not, and is split into sectors: within an angle δ of a direction w, |q − c| >= R + D implies w·(q − c) >= (R + D) cos δ. An
-//! arc that bulges towards an edge keeps n·(c − p) − R >= D, or its lowest point is not over the edge.
+//! With headings chosen, a straight keeps its distance D from a point when the point lies D to the side, or before or
+//! behind the straight: three half-planes. An arc whose inner side the point is on keeps it in a disc, R − |q − c| >=
+//! D, which is convex and the intersection of its tangents' half-planes; one whose outer side the point is on keeps it
+//! out of a disc, which is not, and is split into sectors: within an angle δ of a direction w, |q − c| >= R + D implies
+//! w·(q − c) >= (R + D) cos δ. An arc that bulges towards an edge keeps n·(c − p) − R >= D, or its lowest point is not
+//! over the edge.
 
 use super::grid::Grid;
 use super::row::{Row, Touch};
@@ -36,8 +37,9 @@ pub enum Joint {
 pub enum What {
     /// How the arc at a vertex stage passes it.
     Arc(usize, Way),
-    /// It lies before (or else behind) the normal of the track at a joint. On the normal itself it is beside both pieces,
-    /// so a piece that it may be beside need not offer the other side again: that would let it slip between the two.
+    /// It lies before (or else behind) the normal of the track at a joint. On the normal itself it is beside both
+    /// pieces, so a piece that it may be beside need not offer the other side again: that would let it slip between the
+    /// two.
     Before(Joint, bool),
 }
 
@@ -166,9 +168,9 @@ impl Beside<'_> {
         found.min_by_key(|r| matches!(r, Remedy::Halve(..)))
     }
 
-    /// A corner on the inner side of the two arcs at a section's ends, whatever headings are chosen: the track between is convex,
-    /// so the corner lies a distance D inside its tangent of this heading, or before where the first arc begins, or behind
-    /// where the second ends.
+    /// A corner on the inner side of the two arcs at a section's ends, whatever headings are chosen: the track between
+    /// is convex, so the corner lies a distance D inside its tangent of this heading, or before where the first arc
+    /// begins, or behind where the second ends.
     fn convex(&self, keepout: &Keepout, corner: usize, stage: usize, heading: f64, open: &Open) -> Option<Remedy> {
         let (grid, n) = (self.grid, self.grid.len());
         let sign = grid.signs[stage];
@@ -207,9 +209,9 @@ impl Beside<'_> {
         ]))
     }
 
-    /// That a corner lies a distance D inside the loop's tangent of this heading, where it must: it lies within the loop, whose
-    /// farthest point in the direction of the normal has this heading on an arc that turns as the loop does, and only
-    /// these consecutive arcs can have it.
+    /// That a corner lies a distance D inside the loop's tangent of this heading, where it must: it lies within the
+    /// loop, whose farthest point in the direction of the normal has this heading on an arc that turns as the loop
+    /// does, and only these consecutive arcs can have it.
     fn inside(&self, keepout: &Keepout, corner: usize, heading: f64, open: &Open) -> Option<Alternative> {
         let (grid, n) = (self.grid, self.grid.len());
         let winding = open.headings[n][0] - open.headings[0][0];

@@ -11,8 +11,8 @@ const SLACK: f64 = 1e-9;
 /// How exactly fixed headings are written, rad: a hundredth of what rows hold to over a hundred metres.
 const FIXED: f64 = 1e-8;
 
-/// A loop opened at a section of known heading. *Stage* k is the k-th section after it, and the vertex where that section
-/// begins; stage n is the opened section again, one winding later.
+/// A loop opened at a section of known heading. *Stage* k is the k-th section after it, and the vertex where that
+/// section begins; stage n is the opened section again, one winding later.
 #[derive(Clone, Debug)]
 pub struct Grid {
     /// rad
@@ -42,14 +42,16 @@ pub struct Grid {
 pub enum NoGrid {
     /// The step does not divide a full turn.
     Step,
-    /// The headings of these two sections are fixed, and no number of steps lies between them; `off` is what lacks, rad.
+    /// The headings of these two sections are fixed, and no number of steps lies between them; `off` is what lacks,
+    /// rad.
     Apart { first: usize, other: usize, off: f64 },
     /// No turn or no radius is within the limits, or no choice of turns closes the loop.
     Empty,
 }
 
 impl Grid {
-    /// States the choices of a problem. A grid that nothing holds is `offset` (rad) off the first section of the layout `at`.
+    /// States the choices of a problem. A grid that nothing holds is `offset` (rad) off the first section of the layout
+    /// `at`.
     pub fn new(layout: &Layout, problem: &Problem, at: &[f64], offset: f64) -> Result<Self, NoGrid> {
         let n = problem.signs.len();
         let step = layout.catalog.curve.angle_step;

@@ -1,5 +1,5 @@
-//! The best multipliers of the dual, by column generation: the simplex method on convex combinations of choices, which the
-//! shortest path prices (Dantzig and Wolfe 1960).
+//! The best multipliers of the dual, by column generation: the simplex method on convex combinations of choices, which
+//! the shortest path prices (Dantzig and Wolfe 1960).
 //!
 //! Nothing here has to be exact: whatever multipliers come out, the bound is evaluated by [`network`](super::network).
 

@@ -1,10 +1,10 @@
 //! Stage 3 with a proof: branch and bound over turns on the angle step and radii on the catalogue's list.
 //!
-//! With headings chosen, length, closure and nearly every other row are linear in straights and radii, and sums over sections
-//! and vertices. So the Lagrangian dual of a choice of open headings is a shortest path through them
-//! ([`network`]); its best multipliers come from column generation ([`master`]); a search branches on headings, radii and on
-//! the ways past regions ([`search`], [`beside`]); chains between fixed sections are searched apart ([`parts`]). Regions may be
-//! relaxed in a bound, never in a layout: that meets every row of its [`Problem`].
+//! With headings chosen, length, closure and nearly every other row are linear in straights and radii, and sums over
+//! sections and vertices. So the Lagrangian dual of a choice of open headings is a shortest path through them
+//! ([`network`]); its best multipliers come from column generation ([`master`]); a search branches on headings, radii
+//! and on the ways past regions ([`search`], [`beside`]); chains between fixed sections are searched apart ([`parts`]).
+//! Regions may be relaxed in a bound, never in a layout: that meets every row of its [`Problem`].
 
 mod beside;
 mod choice;
@@ -40,8 +40,8 @@ use std::cell::RefCell;
 use std::time::Instant;
 use tariff::{Aim, Detail, Tariff};
 
-/// The shortest or cheapest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how far it may
-/// be from the best.
+/// The shortest or cheapest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how
+/// far it may be from the best.
 pub fn discretise(
     layout: &Layout,
     problem: &Problem,
@@ -154,8 +154,8 @@ impl Task<'_> {
         worth
     }
 
-    /// The cheapest layout: first with straights at the least that a metre costs, which is quickly searched, then with their pieces;
-    /// where chains are searched apart, without those of the sections between chains, and then with them.
+    /// The cheapest layout: first with straights at the least that a metre costs, which is quickly searched, then with
+    /// their pieces; where chains are searched apart, without those of the sections between chains, and then with them.
     fn cheapest(&self, grid: &Grid, incumbent: Option<(Vec<f64>, f64)>) -> Found {
         *self.cheapest.borrow_mut() = incumbent;
         let apart = parts::split(grid, &row::state(self.problem, grid)) && self.layout.is_flat();

@@ -1,9 +1,9 @@
 //! The Lagrangian dual of a loop over headings and radii: for any multipliers a shortest path.
 //!
-//! min L(x) s.t. rows a_r(x) >= b_r is bounded from below by Σ y_r b_r + min_x [L(x) − Σ y_r a_r(x)] for every y_r >= 0 (of any
-//! sign for equalities; Geoffrion 1974). With headings chosen, every row is a sum over sections and vertices, so the
-//! inner minimum is a shortest path through the headings of one section after another, straights and radii each at an end
-//! of their interval.
+//! min L(x) s.t. rows a_r(x) >= b_r is bounded from below by Σ y_r b_r + min_x [L(x) − Σ y_r a_r(x)] for every y_r >= 0
+//! (of any sign for equalities; Geoffrion 1974). With headings chosen, every row is a sum over sections and vertices,
+//! so the inner minimum is a shortest path through the headings of one section after another, straights and radii each
+//! at an end of their interval.
 
 use super::grid::Grid;
 use super::row::{Row, Touch};
@@ -216,8 +216,8 @@ fn edges(grid: &Grid, tariff: &Tariff, open: &Open, p: &Prices, k: usize) -> Vec
     out
 }
 
-/// More than floating-point arithmetic can have added to a bound: every sum has at most 32 + 4n roundings, each of at most
-/// half an ulp of the sum of absolute values (Higham 2002, §4.2); unit vectors and tangents are good to 4 ulps.
+/// More than floating-point arithmetic can have added to a bound: every sum has at most 32 + 4n roundings, each of at
+/// most half an ulp of the sum of absolute values (Higham 2002, §4.2); unit vectors and tangents are good to 4 ulps.
 fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -> f64 {
     let n = grid.len();
     let size = |g: Point| g.x.abs() + g.y.abs();

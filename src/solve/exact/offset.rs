@@ -1,8 +1,9 @@
-//! Layouts whose rotation nothing fixes: the offset of the grid is a variable between 0 and a step, which is branched on.
+//! Layouts whose rotation nothing fixes: the offset of the grid is a variable between 0 and a step, which is branched
+//! on.
 //!
-//! A layout whose offset is within δ of the middle of an interval becomes one at the middle when it is turned about a known
-//! vertex. No point of a loop of length L through that vertex is farther from it than L/2, so that none moves by more than
-//! δ L/2: with rows and regions relaxed by as much, the search at the middle bounds the whole interval.
+//! A layout whose offset is within δ of the middle of an interval becomes one at the middle when it is turned about a
+//! known vertex. No point of a loop of length L through that vertex is farther from it than L/2, so that none moves by
+//! more than δ L/2: with rows and regions relaxed by as much, the search at the middle bounds the whole interval.
 
 use super::search::Found;
 use crate::model::Interval as Bounds;
@@ -62,8 +63,8 @@ fn directed(function: &Function) -> bool {
 /// From variables to variables and their value.
 type Improve<'a> = dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)> + 'a;
 
-/// Bounds every offset, and improves the incumbent (variables and value) on the way. `improve` makes a layout of the relaxed
-/// problem one of the problem, if it can; a metre of track is worth at least `metre`.
+/// Bounds every offset, and improves the incumbent (variables and value) on the way. `improve` makes a layout of the
+/// relaxed problem one of the problem, if it can; a metre of track is worth at least `metre`.
 pub fn search(
     problem: &Problem,
     step: f64,

@@ -1,8 +1,8 @@
 //! Loops that fixed sections split into independent chains, each of which is searched alone.
 //!
-//! Between two sections whose vertices are both fixed the track is a chain of its own: its turns, radii and straights meet
-//! the others' only in the length that remains of the fixed sections, and where strands come close. Both are relaxed while
-//! a chain is searched, and checked of the whole; if they do not hold, the whole is searched.
+//! Between two sections whose vertices are both fixed the track is a chain of its own: its turns, radii and straights
+//! meet the others' only in the length that remains of the fixed sections, and where strands come close. Both are
+//! relaxed while a chain is searched, and checked of the whole; if they do not hold, the whole is searched.
 
 use super::grid::Grid;
 use super::row::{Row, Stated};

@@ -6,8 +6,8 @@ use crate::model::{Formula, Target};
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{Function, Problem};
 
-/// `value >= low`, or `value == low`. Every list is by stage. V is a vertex, u and n the unit vector along a section and its
-/// left normal, t = R tan(turn/2) the tangent length at a vertex, s the straight of a section.
+/// `value >= low`, or `value == low`. Every list is by stage. V is a vertex, u and n the unit vector along a section
+/// and its left normal, t = R tan(turn/2) the tangent length at a vertex, s the straight of a section.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     /// g·V; stage n is the first vertex, after the way around.
@@ -30,8 +30,8 @@ pub struct Row {
     pub equal: bool,
 }
 
-/// The point p with a given heading on one of consecutive arcs that all turn in the same direction. The track there is convex, so
-/// that p is its extreme point in the direction of the normal.
+/// The point p with a given heading on one of consecutive arcs that all turn in the same direction. The track there is
+/// convex, so that p is its extreme point in the direction of the normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
     /// The arcs, by vertex stage 1..=n; V is the first one's vertex.
@@ -50,8 +50,8 @@ impl Touch {
         f64::from(sign) * (f64::from(heading) - self.heading) >= 0.0
     }
 
-    /// What the arc at a stage adds, for each metre of its tangent length and of its radius; u and v are the unit vectors before
-    /// and after, with their headings. Beyond p nothing counts; before it, the whole way.
+    /// What the arc at a stage adds, for each metre of its tangent length and of its radius; u and v are the unit
+    /// vectors before and after, with their headings. Beyond p nothing counts; before it, the whole way.
     pub fn arc(&self, k: usize, sign: i32, (h, u): (i32, Point), (t, v): (i32, Point)) -> (f64, f64) {
         let first = k == self.from;
         if self.passed(h, sign) {
@@ -103,8 +103,8 @@ impl Row {
         self.touch.extend(other.touch.into_iter().map(|t| Touch { pull: t.pull * factor, ..t }));
     }
 
-    /// Counts positions from the last known vertex before them rather than from the first vertex. Returns the constant that
-    /// this takes out of the row.
+    /// Counts positions from the last known vertex before them rather than from the first vertex. Returns the constant
+    /// that this takes out of the row.
     pub fn anchor(&mut self, fixed: &[(usize, Point)]) -> f64 {
         let mut constant = 0.0;
         for i in 0..self.at.len() {

@@ -47,8 +47,8 @@ pub struct Setting<'a> {
     pub stop: Stop,
     /// What is open at first.
     pub open: Open,
-    /// Straights (by section) that couple what is searched with what is not: their limits, the track's own width and crossings
-    /// are then left to whoever puts the parts together.
+    /// Straights (by section) that couple what is searched with what is not: their limits, the track's own width and
+    /// crossings are then left to whoever puts the parts together.
     pub coupled: Option<Vec<usize>>,
     /// Vertices whose position is known, by stage.
     pub fixed: Vec<(usize, Point)>,
@@ -56,8 +56,8 @@ pub struct Setting<'a> {
     pub value: &'a Value<'a>,
     /// A whole number of carts must close the loop; only where length is minimised.
     pub closes: Option<Closes>,
-    /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m); `None`
-    /// where that fails.
+    /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m);
+    /// `None` where that fails.
     pub polish: &'a Polish<'a>,
 }
 

@@ -1,9 +1,9 @@
 //! What choices are worth: their length, or what their pieces cost.
 //!
-//! Prices count in units of the least that a metre of straight can cost, so that a search compares metres either way. Beyond its
-//! metres, a straight's price is a step function of its length ([`Steps`]); the least of step and multipliers lies at a vertex of
-//! the step function's lower convex hull, which is what a bound needs of it. A search that finds a straight above its hull
-//! branches on its *cells*: break points, and the open intervals between them.
+//! Prices count in units of the least that a metre of straight can cost, so that a search compares metres either way.
+//! Beyond its metres, a straight's price is a step function of its length ([`Steps`]); the least of step and
+//! multipliers lies at a vertex of the step function's lower convex hull, which is what a bound needs of it. A search
+//! that finds a straight above its hull branches on its *cells*: break points, and the open intervals between them.
 
 use super::grid::Grid;
 use super::grid::track;
@@ -195,7 +195,8 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
     elements::price(&pieces, layout) + metre * track.length
 }
 
-/// The steps of one straight within its limits: cell 2i is the length of step i, cell 2i + 1 what lies between it and the next.
+/// The steps of one straight within its limits: cell 2i is the length of step i, cell 2i + 1 what lies between it and
+/// the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     steps: Vec<Step>,

@@ -163,8 +163,8 @@ fn path(variables: &[f64], pitch: f64) -> f64 {
 }
 
 impl Base {
-    /// The problem with turns held at these multiples of the angle step (in their written directions), and coordinates kept
-    /// within reach of `centre`.
+    /// The problem with turns held at these multiples of the angle step (in their written directions), and coordinates
+    /// kept within reach of `centre`.
     pub fn problem(&self, problem: &Problem, turns: &[i64], centre: &[f64]) -> Problem {
         let mut held = problem.clone();
         let step = self.layout.catalog.curve.angle_step;

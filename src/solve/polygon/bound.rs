@@ -1,9 +1,10 @@
 //! How little polygon action the same curves can have, whatever straights lie between them.
 //!
-//! Deviations behind curves in series add up, each shifted by its phase ([`superposed`]), and peak to peak is a seminorm that no
-//! shift changes. So with aₘ the ΔP of the m-th curve alone, and pₘ that behind m of them, |pₘ − pₘ₋₁| ≤ aₘ ≤ pₘ + pₘ₋₁ and p₁ = a₁. The
-//! least sum of squares that these inequalities leave is a convex quadratic program for each start, and a bound on every
-//! layout with these curves in this order. It holds as far as deviations add up, to about 1 %.
+//! Deviations behind curves in series add up, each shifted by its phase ([`superposed`]), and peak to peak is a
+//! seminorm that no shift changes. So with aₘ the ΔP of the m-th curve alone, and pₘ that behind m of them, |pₘ − pₘ₋₁|
+//! ≤ aₘ ≤ pₘ + pₘ₋₁ and p₁ = a₁. The least sum of squares that these inequalities leave is a convex quadratic program
+//! for each start, and a bound on every layout with these curves in this order. It holds as far as deviations add up,
+//! to about 1 %.
 //!
 //! [`superposed`]: crate::kinematics::polygon::superposed
 

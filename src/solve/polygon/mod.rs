@@ -1,17 +1,21 @@
-//! `optimise polygon_action`: a layout on the catalogue's grid whose curves cancel each other's polygon action (thesis §3.4).
+//! `optimise polygon_action`: a layout on the catalogue's grid whose curves cancel each other's polygon action (thesis
+//! §3.4).
 //!
-//! Radii stay as written; those of vertices without one are the base's. What is left is to choose the turns on their grid, and
-//! then, with turns and radii held, the lengths of the straights:
+//! Radii stay as written; those of vertices without one are the base's. What is left is to choose the turns on their
+//! grid, and then, with turns and radii held, the lengths of the straights:
 //!
-//! 1. A *base* that meets every constraint: the shortest layout where a budget or a sum weighs length, else the one nearest to
-//!    what is written, on the grid ([`base`]). It sets how long the track may become and how many carts it takes.
-//! 2. With turns and radii held, each curve is a constant phasor, and straights turn them against each other. Their landscape
-//!    has the cart's length as period and a great many minima: it is searched globally in the curves' phases, over the
-//!    polytope of the rows linearised at the base, by improving hit-and-run with whole lines searched ([`search`]).
+//! 1. A *base* that meets every constraint: the shortest layout where a budget or a sum weighs length, else the one
+//!    nearest to what is written, on the grid ([`base`]). It sets how long the track may become and how many carts it
+//!    takes.
+//! 2. With turns and radii held, each curve is a constant phasor, and straights turn them against each other. Their
+//!    landscape has the cart's length as period and a great many minima: it is searched globally in the curves' phases,
+//!    over the polytope of the rows linearised at the base, by improving hit-and-run with whole lines searched
+//!    ([`search`]).
 //! 3. The best of these are solved exactly by sequential quadratic programming, on all rows, and judged by ΔP itself.
 //! 4. Neighbouring turns on the grid are tried in the same way, until none of them helps ([`turns`]).
 //!
-//! The result is a good layout, not a proven best one; [`least_action`] says how good any layout with its curves can be.
+//! The result is a good layout, not a proven best one; [`least_action`] says how good any layout with its curves can
+//! be.
 
 mod base;
 mod bound;

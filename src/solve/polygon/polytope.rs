@@ -1,7 +1,7 @@
 //! The rows of a problem linearised: what straights a layout with held turns may have.
 //!
-//! With turns held, sections move parallel to themselves, and every length is linear in the coordinates that are left. Rows
-//! of equality take directions away (their null space remains); the others are half-spaces in it.
+//! With turns held, sections move parallel to themselves, and every length is linear in the coordinates that are left.
+//! Rows of equality take directions away (their null space remains); the others are half-spaces in it.
 
 use crate::problem::measures::Measures;
 use crate::problem::{Expansion, Problem};

@@ -1,4 +1,5 @@
-//! The thesis' way, for comparison: Box's complex method on the same base, limits and rows, with turns free between theirs.
+//! The thesis' way, for comparison: Box's complex method on the same base, limits and rows, with turns free between
+//! theirs.
 
 use super::base::base;
 use super::candidate::{Candidate, waves};

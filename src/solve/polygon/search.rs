@@ -1,5 +1,5 @@
-//! The global search in phases: improving hit-and-run (Zabinsky et al. 1993) over the polytope of straights, each line of
-//! which is searched as a whole.
+//! The global search in phases: improving hit-and-run (Zabinsky et al. 1993) over the polytope of straights, each line
+//! of which is searched as a whole.
 //!
 //! With turns and radii held, polygon action depends on the phases between curves alone, a sum of cosines that costs
 //! microseconds; so a line through the polytope is looked at as densely as its waves ask for, and its best place found,

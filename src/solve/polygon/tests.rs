@@ -112,8 +112,8 @@ fn waves_at(waves: &crate::problem::Waves, straights: &[f64]) -> f64 {
     waves.value(straights)
 }
 
-/// The value of waves in series is that of the whole chain, but for what lies beyond the third harmonic, and its derivatives are
-/// exact.
+/// The value of waves in series is that of the whole chain, but for what lies beyond the third harmonic, and its
+/// derivatives are exact.
 #[test]
 fn waves_are_the_chain() {
     let layout = smooth(thesis10(), None);

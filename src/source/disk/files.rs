@@ -49,7 +49,8 @@ impl Files {
 
     /// Writes all files into `folder`, which is made if need be.
     ///
-    /// Every content is on the disk under a temporary name before the first takes its place. On failure, everything is put back.
+    /// Every content is on the disk under a temporary name before the first takes its place. On failure, everything is
+    /// put back.
     ///
     /// # Errors
     ///
@@ -58,7 +59,8 @@ impl Files {
         self.commit(folder, None)
     }
 
-    /// The same, with a manifest: it says first what is about to be replaced, and last that all of it was. [`super::inspect`] reads it.
+    /// The same, with a manifest: it says first what is about to be replaced, and last that all of it was.
+    /// [`super::inspect`] reads it.
     ///
     /// # Errors
     ///

@@ -1,5 +1,6 @@
-//! The manifest of a set of files: SHA-256 of each. It is written twice: before the first file is replaced, with the hashes that the
-//! files had and will have, and after the last. So a set that was interrupted is told from one that was changed by somebody else.
+//! The manifest of a set of files: SHA-256 of each. It is written twice: before the first file is replaced, with the
+//! hashes that the files had and will have, and after the last. So a set that was interrupted is told from one that was
+//! changed by somebody else.
 
 use crate::base::digest::{sha256, sha256_of};
 use serde::{Deserialize, Serialize};

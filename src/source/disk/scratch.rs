@@ -11,7 +11,8 @@ const PREFIX: &str = "lss-scratch-";
 const LOCK: &str = ".lock";
 const ATTEMPTS: usize = 16;
 
-/// A new folder in the system's one for temporary files, which only this user can enter. It is removed with all that is in it.
+/// A new folder in the system's one for temporary files, which only this user can enter. It is removed with all that is
+/// in it.
 #[derive(Debug)]
 pub struct Scratch {
     path: PathBuf,

@@ -1,4 +1,5 @@
-//! Temporary files: names that cannot be guessed, a lock while somebody needs them, and the removal of those that nobody does.
+//! Temporary files: names that cannot be guessed, a lock while somebody needs them, and the removal of those that
+//! nobody does.
 
 use crate::base::unique;
 use std::ffi::OsStr;
@@ -11,8 +12,8 @@ const SUFFIX: &str = ".tmp";
 /// Attempts to find a name that is free and is not swept at once.
 const ATTEMPTS: usize = 16;
 
-/// A file that is removed unless it takes a target's place. It is locked as long as this process needs it, which is how [`sweep`] tells
-/// it from one that a dead process left.
+/// A file that is removed unless it takes a target's place. It is locked as long as this process needs it, which is how
+/// [`sweep`] tells it from one that a dead process left.
 #[derive(Debug)]
 pub struct Temporary {
     path: PathBuf,
@@ -53,7 +54,8 @@ impl Temporary {
     pub fn second_name(of: &Path) -> io::Result<Temporary> {
         let path = folder_of(of).join(name()?);
         fs::hard_link(of, &path)?;
-        // Shared, as another process may do the same. Without a lock the name may be swept, which loses only the way back.
+        // Shared, as another process may do the same. Without a lock the name may be swept, which loses only the way
+        // back.
         let file = File::open(&path).ok().filter(|file| file.try_lock_shared().is_ok());
         Ok(Temporary { path, file, placed: false })
     }

@@ -12,7 +12,8 @@ const TOUCH: f64 = 1e-9;
 const MOST: usize = 10;
 
 impl Context<'_> {
-    /// Whether the loop stays clear of itself: where it crosses in the plan, one section is `headroom` above the other, m.
+    /// Whether the loop stays clear of itself: where it crosses in the plan, one section is `headroom` above the other,
+    /// m.
     pub(super) fn check_crossings(&self, vertices: &[Vertex], track: &Track, levels: &[Level], headroom: f64) -> bool {
         let heights = Heights::new(vertices.len(), levels);
         let name = |piece: &Piece| {
@@ -64,9 +65,9 @@ impl Context<'_> {
     }
 }
 
-/// Pairs of pieces that cross without headroom, at most [`MOST`]. A sweep along x: O(n log n) and the pairs whose extents in
-/// x overlap, each of which costs a comparison. [`crate::geometry::self_crossings`] finds all, and how near a miss is;
-/// this one stops early, because hostile input crosses itself millions of times.
+/// Pairs of pieces that cross without headroom, at most [`MOST`]. A sweep along x: O(n log n) and the pairs whose
+/// extents in x overlap, each of which costs a comparison. [`crate::geometry::self_crossings`] finds all, and how near
+/// a miss is; this one stops early, because hostile input crosses itself millions of times.
 fn crossings<'a>(track: &'a Track, heights: &Heights, headroom: f64) -> Vec<(&'a Piece, &'a Piece)> {
     let boxes: Vec<(Point, Point)> = track.pieces.iter().map(|p| Curve::from(p).bounds()).collect();
     let mut order: Vec<usize> = (0..boxes.len()).collect();

@@ -24,8 +24,8 @@ struct Region<'a> {
 }
 
 impl Context<'_> {
-    /// Compares the part of each fixed section that is straight whatever its curves become with obstacles and walls; `width` is
-    /// the band's, m.
+    /// Compares the part of each fixed section that is straight whatever its curves become with obstacles and walls;
+    /// `width` is the band's, m.
     pub fn check_fixed(
         &self,
         constraints: &[Constraint],
