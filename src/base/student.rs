@@ -1,4 +1,7 @@
 //! Student's t distribution, for intervals from few degrees of freedom.
+//!
+//! Written here, because a crate of distributions would bring a second linear algebra for one function; it goes through
+//! [`trig`](super::trig), so that intervals are the same digits everywhere.
 
 use crate::base::trig::{FRAC_PI_2, sin_cos, tan};
 

@@ -1,5 +1,8 @@
 //! Exact derivatives of a few variables: a value with its gradient and Hessian, carried through arithmetic
 //! (second-order forward differentiation, Griewank and Walther 2008, ch. 13).
+//!
+//! Written here, because values go through [`trig`](crate::base::trig), so that derivatives are the same digits on
+//! every platform; a row's few variables fit in an array.
 
 use crate::base::trig;
 use std::ops::{Add, Mul, Neg, Sub};

@@ -1,4 +1,6 @@
 //! A small typed writer: elements with attributes, escaped, one number format.
+//!
+//! Written here, because a drawing needs nothing of XML but elements, and one number format for all of them.
 
 use std::fmt::Write;
 

@@ -13,6 +13,7 @@ use super::posterior::{Information, Posterior, posterior};
 use super::repeatability::{Numerics, Repeatability};
 use crate::dynamics::Ensemble;
 use crate::identify::accumulator::{Block, FeatureAccumulator};
+use crate::identify::fit::residuals::Residuals;
 use crate::signal::FORCES;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -115,45 +116,7 @@ pub fn land(
     settings: &Settings,
 ) -> Result<(Fit, Landing), String> {
     let mut fitter = Fitter { measured, settings, simulations: 0, blocks: FeatureAccumulator::blocks(&model.spec) };
-    let lost = "the chain cannot be simulated with parameters like these";
-    let global = start.is_none();
-    let mut at = start.unwrap_or_else(|| Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()])));
-    if let (Some((speed, _)), true) = (measured.speed, settings.free[Parameter::Speed.index()] && global) {
-        at[Parameter::Speed.index()] = model.coordinate(Parameter::Speed, speed);
-    }
-    // Where the run was is not known before its trigger is.
-    model.spec.within = None;
-    if !global {
-        fitter.limit(model, &at);
-    }
-    fitter.set_thresholds(model, &at);
-    let ensemble = Repeatability::run_ensemble(model, &at, None).ok_or(lost)?;
-    fitter.find_noise(model, &ensemble);
-    let mut repeatability = fitter.repeatability(model, &ensemble);
-    let mut centre = Centre::of(model, ensemble, settings.seed);
-    if global {
-        fitter.place(model, &mut at, &centre, &repeatability);
-        if fitter.limit(model, &at) {
-            repeatability = fitter.repeatability(model, &centre.ensemble);
-            centre = Centre::of(model, centre.ensemble, settings.seed);
-        }
-        for _ in 0..2 {
-            let slack = at;
-            if !fitter.tighten(model, &mut at, &centre) {
-                break;
-            }
-            let tight = fitter.centre(model, &at, &centre).ok_or(lost)?;
-            if !fitter.agree(model, (&slack, &centre), (&at, &tight), &repeatability) {
-                at = slack;
-                break;
-            }
-            centre = tight;
-        }
-        fitter.set_thresholds(model, &at);
-        let ensemble = Repeatability::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
-        repeatability = fitter.repeatability(model, &ensemble);
-        centre = Centre::of(model, ensemble, settings.seed);
-    }
+    let Begin { mut at, mut repeatability, mut centre } = fitter.begin(model, start).ok_or(LOST)?;
     let mut numerics = Numerics::none(repeatability.deviation.len());
     let base = Parameter::ALL.map(Parameter::reach);
     let mut reach = base;
@@ -171,7 +134,7 @@ pub fn land(
                 fitter.simulations += super::design::RUNS;
                 let seed = settings.seed.wrapping_add(7919 * steps as u64);
                 let found = Sensitivity::new(model, &repeatability, &at, &centre, &reach, seed, settings.threads)
-                    .ok_or(lost)?;
+                    .ok_or(LOST)?;
                 (at, found)
             }
         };
@@ -191,62 +154,8 @@ pub fn land(
             }
         }
         if length < SHORT || steps == settings.steps {
-            let mut covariance: DMatrix<f64> = DMatrix::from_fn(COUNT, COUNT, |i, j| {
-                found.covariance[(i, j)] * Parameter::ALL[i].reach() * Parameter::ALL[j].reach()
-            });
-            let trigger = Parameter::TriggerPosition.index();
-            if length >= SHORT && steps > 0 {
-                // Where the steps would still go is not known better than that.
-                for p in Parameter::ALL {
-                    let left = found.step[p.index()] * p.reach();
-                    covariance[(p.index(), p.index())] += left * left;
-                }
-            }
-            if settings.free[trigger] {
-                // The edge is somewhere between two samples.
-                let sample = measured.nominal_speed / measured.rate;
-                covariance[(trigger, trigger)] += sample * sample / 12.0;
-            }
-            let bare = fitter.residuals(model, &at, &centre, &repeatability, &numerics);
-            let (objective, blocks) = fitter.objective(&bare);
-            let left = Left {
-                residual: &bare.of,
-                variance: &bare.variance,
-                predicted: &bare.predicted,
-                passes: &bare.passes,
-                blocks: &fitter.blocks,
-            };
-            let goodness = Some(Goodness::new(&left, &repeatability, &numerics, &model.spec.places));
-            let landing = Landing {
-                at,
-                measured: fitter.measure(model, &at).0,
-                nominal: residuals.predicted,
-                passes: residuals.passes,
-                variance: residuals.variance,
-                sensitivity: slopes.1,
-                repeatability,
-                numerics,
-                centre,
-                blocks: fitter.blocks,
-                speed: residuals.speed,
-            };
-            let last = if length < SHORT { 1.0 } else { 0.0 };
-            // The last step is too short to be worth a simulation.
-            move_by(model, &mut at, &found, last);
-            let fit = Fit {
-                at,
-                covariance,
-                bound: found.bound.clone(),
-                objective,
-                blocks,
-                goodness,
-                information: whole,
-                own: information,
-                steps,
-                simulations: fitter.simulations,
-                noise: model.spec.noise.map(f64::from),
-            };
-            return Ok((fit, landing));
+            let about = About { at, repeatability, numerics, centre, sensitivity: slopes.1 };
+            return Ok(fitter.end(model, about, residuals, End { found, length, steps, whole, own: information }));
         }
         let before = fitter.cost(model, &at, &residuals, &misfit);
         // Slopes are believed as far as half as far again as their design went.
@@ -257,7 +166,7 @@ pub fn land(
             at = from;
             move_by(model, &mut at, &found, share);
             fitter.limit(model, &at);
-            centre = fitter.centre(model, &at, &centre).ok_or(lost)?;
+            centre = fitter.centre(model, &at, &centre).ok_or(LOST)?;
             let mut residuals = fitter.residuals(model, &at, &centre, &repeatability, &numerics);
             residuals.add(&slopes.1.unexplained);
             if halving == 2 || fitter.cost(model, &at, &residuals, &misfit) < 1.02 * before {
@@ -267,20 +176,47 @@ pub fn land(
         }
         if steps < 2 {
             // The repeatability, and how far a design need go, depend on what is fitted.
-            let ensemble = Repeatability::run_ensemble(model, &at, Some(&centre.ensemble.settled)).ok_or(lost)?;
-            repeatability = fitter.repeatability(model, &ensemble);
-            centre = Centre::of(model, ensemble, settings.seed);
+            (repeatability, centre) = fitter.anew(model, &at, &centre).ok_or(LOST)?;
         }
         let far = |k: usize| base[k] * (8.0 * found.covariance[(k, k)].sqrt()).max(found.step[k].abs());
         reach = std::array::from_fn(|k| far(k).clamp(LEAST_REACH * base[k], base[k]));
         if steps == 1 {
             let (features, settled) = (&centre.answer.features, &centre.ensemble.settled);
-            numerics = Numerics::new(model, &at, features, settled, settings.seed).ok_or(lost)?;
+            numerics = Numerics::new(model, &at, features, settled, settings.seed).ok_or(LOST)?;
             fitter.simulations += 2;
         }
         designed = Some(slopes);
         steps += 1;
     }
+}
+
+const LOST: &str = "the chain cannot be simulated with parameters like these";
+
+/// Where the local steps of a fit begin.
+struct Begin {
+    at: Coordinates,
+    repeatability: Repeatability,
+    centre: Centre,
+}
+
+/// What is known about the point at which a fit ends.
+struct About {
+    at: Coordinates,
+    repeatability: Repeatability,
+    numerics: Numerics,
+    centre: Centre,
+    sensitivity: Sensitivity,
+}
+
+/// The last step of a fit.
+struct End {
+    found: Posterior,
+    /// In deviations.
+    length: f64,
+    steps: usize,
+    /// What the run says of the parameters, with the floor of approach speeds and without it.
+    whole: DMatrix<f64>,
+    own: Information,
 }
 
 /// Length of a step in deviations, root mean square over what is free.
@@ -306,6 +242,124 @@ struct Fitter<'a> {
 }
 
 impl Fitter<'_> {
+    /// Finds where to begin: what would fool local steps, and the repeatability there.
+    fn begin(&mut self, model: &mut Model, start: Option<Coordinates>) -> Option<Begin> {
+        let settings = self.settings;
+        let global = start.is_none();
+        let mut at = start.unwrap_or_else(|| Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()])));
+        if let (Some((speed, _)), true) = (self.measured.speed, settings.free[Parameter::Speed.index()] && global) {
+            at[Parameter::Speed.index()] = model.coordinate(Parameter::Speed, speed);
+        }
+        // Where the run was is not known before its trigger is.
+        model.spec.within = None;
+        if !global {
+            self.limit(model, &at);
+        }
+        self.set_thresholds(model, &at);
+        let ensemble = Repeatability::run_ensemble(model, &at, None)?;
+        self.find_noise(model, &ensemble);
+        let mut repeatability = self.repeatability(model, &ensemble);
+        let mut centre = Centre::of(model, ensemble, settings.seed);
+        if !global {
+            return Some(Begin { at, repeatability, centre });
+        }
+        self.place(model, &mut at, &centre, &repeatability);
+        if self.limit(model, &at) {
+            repeatability = self.repeatability(model, &centre.ensemble);
+            centre = Centre::of(model, centre.ensemble, settings.seed);
+        }
+        for _ in 0..2 {
+            let slack = at;
+            if !self.tighten(model, &mut at, &centre) {
+                break;
+            }
+            let tight = self.centre(model, &at, &centre)?;
+            if !self.agree(model, (&slack, &centre), (&at, &tight), &repeatability) {
+                at = slack;
+                break;
+            }
+            centre = tight;
+        }
+        self.set_thresholds(model, &at);
+        let (repeatability, centre) = self.anew(model, &at, &centre)?;
+        Some(Begin { at, repeatability, centre })
+    }
+
+    /// Repeatability and centre at a point, from a chain that has settled near it.
+    fn anew(&mut self, model: &Model, at: &Coordinates, near: &Centre) -> Option<(Repeatability, Centre)> {
+        let ensemble = Repeatability::run_ensemble(model, at, Some(&near.ensemble.settled))?;
+        let repeatability = self.repeatability(model, &ensemble);
+        Some((repeatability, Centre::of(model, ensemble, self.settings.seed)))
+    }
+
+    /// What a fit comes to at the point where it ends.
+    fn end(self, model: &Model, about: About, residuals: Residuals, end: End) -> (Fit, Landing) {
+        let About { mut at, repeatability, numerics, centre, sensitivity } = about;
+        let End { found, length, steps, whole, own } = end;
+        let covariance = self.covariance(&found, length, steps);
+        let bare = self.residuals(model, &at, &centre, &repeatability, &numerics);
+        let (objective, blocks) = self.objective(&bare);
+        let left = Left {
+            residual: &bare.of,
+            variance: &bare.variance,
+            predicted: &bare.predicted,
+            passes: &bare.passes,
+            blocks: &self.blocks,
+        };
+        let goodness = Some(Goodness::new(&left, &repeatability, &numerics, &model.spec.places));
+        let measured = self.measure(model, &at).0;
+        let landing = Landing {
+            at,
+            measured,
+            nominal: residuals.predicted,
+            passes: residuals.passes,
+            variance: residuals.variance,
+            sensitivity,
+            repeatability,
+            numerics,
+            centre,
+            blocks: self.blocks,
+            speed: residuals.speed,
+        };
+        // The last step is too short to be worth a simulation.
+        move_by(model, &mut at, &found, if length < SHORT { 1.0 } else { 0.0 });
+        let fit = Fit {
+            at,
+            covariance,
+            bound: found.bound.clone(),
+            objective,
+            blocks,
+            goodness,
+            information: whole,
+            own,
+            steps,
+            simulations: self.simulations,
+            noise: model.spec.noise.map(f64::from),
+        };
+        (fit, landing)
+    }
+
+    /// Covariance of the parameters' coordinates.
+    fn covariance(&self, found: &Posterior, length: f64, steps: usize) -> DMatrix<f64> {
+        let mut covariance: DMatrix<f64> = DMatrix::from_fn(COUNT, COUNT, |i, j| {
+            found.covariance[(i, j)] * Parameter::ALL[i].reach() * Parameter::ALL[j].reach()
+        });
+        let trigger = Parameter::TriggerPosition.index();
+        if length >= SHORT && steps > 0 {
+            // Where the steps would still go is not known better than that.
+            for p in Parameter::ALL {
+                let left = found.step[p.index()] * p.reach();
+                covariance[(p.index(), p.index())] += left * left;
+            }
+        }
+        if self.settings.free[trigger] {
+            // The edge is somewhere between two samples.
+            let sample = self.measured.nominal_speed / self.measured.rate;
+            covariance[(trigger, trigger)] += sample * sample / 12.0;
+        }
+        covariance
+    }
+
     fn centre(&mut self, model: &Model, at: &Coordinates, from: &Centre) -> Option<Centre> {
         self.simulations += 1;
         Centre::new(model, at, &from.ensemble.settled, self.settings.seed.wrapping_add(self.simulations as u64))

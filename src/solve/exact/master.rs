@@ -2,6 +2,9 @@
 //! the shortest path prices (Dantzig and Wolfe 1960).
 //!
 //! Nothing here has to be exact: whatever multipliers come out, the bound is evaluated by [`network`](super::network).
+//!
+//! Written here, because columns come one at a time, each from a shortest path under the multipliers of the last step:
+//! a solver that takes a whole linear program would begin anew with each of them.
 
 use super::grid::Grid;
 use super::network::{Dual, Limits, minimise};
