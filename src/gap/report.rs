@@ -250,12 +250,12 @@ fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
 /// moved along by half.
 fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64> {
     let after = left_out(comparison, scored, placebo)?;
-    share(&comparison.evidence, |run| scored.mean_square_of(comparison, run, &after[run]))
+    share(&comparison.evidence, |run| scored.mean_square_of(&comparison.evidence, run, &after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
 fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<Vec<DVector<f64>>> {
-    let evidence = scored.evidence(comparison);
+    let evidence = scored.evidence(&comparison.evidence);
     let runs = evidence.len();
     if runs < 2 {
         return None;
@@ -335,7 +335,7 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
     let Some(after) = left_out(comparison, scored, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
     for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let evidence = &scored.evidence(comparison)[run];
+        let evidence = &scored.evidence(&comparison.evidence)[run];
         for ((k, x), (_, y)) in evidence.each(&evidence.residual).zip(evidence.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
             *sum = [sum[0] + x * x / evidence.replicate, sum[1] + y * y / evidence.replicate, sum[2] + 1.0];
@@ -353,7 +353,7 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Pl
     let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let evidence = &shown.map_or(&comparison.evidence[..], |j| j.evidence(comparison))[run];
+        let evidence = &shown.map_or(&comparison.evidence[..], |j| j.evidence(&comparison.evidence))[run];
         let residual = match shown {
             Some(j) => &j.residuals()[run] + evidence.long(&j.fitted.changes[run]),
             None => evidence.residual.clone(),
@@ -423,7 +423,7 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| j.mean_square_of(comparison, run, &j.residuals()[run]))),
+            after: tidy(shown.map_or(before, |j| j.mean_square_of(&comparison.evidence, run, &j.residuals()[run]))),
             replicate: 1.0,
             replicate_high: tidy(evidence.replicate_high / evidence.replicate),
         }

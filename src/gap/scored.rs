@@ -1,6 +1,5 @@
 //! A hypothesis with its score, term by term.
 
-use super::comparison::Comparison;
 use super::evidence::Evidence;
 use super::hypothesis::Fitted;
 use super::repeatability::Repeatability;
@@ -47,15 +46,15 @@ impl Scored {
         self.terms.log_posterior()
     }
 
-    /// What it is scored by.
-    pub fn evidence<'a>(&'a self, comparison: &'a Comparison) -> &'a [Evidence] {
-        self.repeatability.as_ref().map_or(&comparison.evidence, |f| &f.evidence)
+    /// What it is scored by: the nominal chain's, or that of the repeatability that it makes itself.
+    pub fn evidence<'a>(&'a self, nominal: &'a [Evidence]) -> &'a [Evidence] {
+        self.repeatability.as_ref().map_or(nominal, |f| &f.evidence)
     }
 
     /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises
     /// counts as left.
-    pub fn mean_square_of(&self, comparison: &Comparison, run: usize, residual: &DVector<f64>) -> f64 {
-        let (own, nominal) = (&self.evidence(comparison)[run], &comparison.evidence[run]);
+    pub fn mean_square_of(&self, nominal: &[Evidence], run: usize, residual: &DVector<f64>) -> f64 {
+        let (own, nominal) = (&self.evidence(nominal)[run], &nominal[run]);
         let raised = if self.repeatability.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
         raised * own.mean_square(residual)
     }
