@@ -5,7 +5,7 @@
 
 use lss::chain_input::{Piece, Simulation, Track};
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
-use lss::dynamics::{Chain, End, EnsemblePlan, Kind, Method, PACK, Plan, Width, parameters};
+use lss::dynamics::{Chain, End, EnsemblePlan, Method, PACK, Plan, TroubleKind, Width, parameters};
 use lss::effects::{self, run_ensemble, simulate, simulate_all};
 use lss::signal::Channel;
 use std::path::Path;
@@ -358,7 +358,7 @@ fn trouble_says_when_which_cart_and_where() {
     let plan = Plan { settle: 0.0, step: Some(2e-3), ..Plan::default() };
     let outcome = simulate(&simulation, &plan, Width::widest(), &mut |_| true).expect("fit");
     let End::Trouble(trouble) = outcome.end else { panic!("{:?}", outcome.end) };
-    assert!(matches!(trouble.kind, Kind::Broken | Kind::OffRail | Kind::NotANumber));
+    assert!(matches!(trouble.kind, TroubleKind::Broken | TroubleKind::OffRail | TroubleKind::NotANumber));
     assert!(trouble.advice().contains("--step"), "{}", trouble.advice());
     assert!((1..=171).contains(&trouble.cart) && trouble.time > 0.0);
     assert_eq!(outcome.run.time.len(), outcome.run.channels[&lss::signal::Channel::JointXi].len());

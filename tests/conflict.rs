@@ -11,7 +11,7 @@ use lss::problem::measures::to_corners;
 use lss::problem::{Problem, Scope};
 use lss::semantics::analyse;
 use lss::solve::sqp::{self, Settings};
-use lss::solve::{self, Conflict, Discretise, Kind, Member, Options, Proof, Stage, Within};
+use lss::solve::{self, Conflict, Discretise, LineKind, Member, Options, Proof, Stage, Within};
 use lss::source::{Loader, SourceMap, Span};
 
 /// A layout of four vertices, by what is said about it.
@@ -438,7 +438,7 @@ fn holds_up(layout: &Layout, conflict: &Conflict) -> usize {
         let give = conflict.members.iter().map(|m| {
             let angle =
                 constraint(layout, m).is_some_and(|c| matches!(c, ConstraintKind::Require { unit: Unit::Radian, .. }));
-            let by = if angle || m.kind == Kind::Turns { together.amount / 10.0 } else { together.amount };
+            let by = if angle || m.kind == LineKind::Turns { together.amount / 10.0 } else { together.amount };
             excess(layout, &together.corners, &|span| span == m.span, Some((m.span, by)))
         });
         assert!(give.fold(0.0, f64::max) <= MET, "{conflict:?}");

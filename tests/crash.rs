@@ -6,7 +6,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::benchmark::seal::seal;
-use lss::benchmark::{Case, Facts, Key, Kind};
+use lss::benchmark::{Case, CaseKind, Facts, Key};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
@@ -343,7 +343,7 @@ fn challenge() -> Scene {
     let scene = Scene::new("challenge", &["gap", "challenge", "score", "cases"], |at| {
         let case = |k: usize| Case {
             name: format!("case-{k}"),
-            kind: Kind::None,
+            kind: CaseKind::None,
             truth: Vec::new(),
             strength_over_floor: 0.0,
             level: None,

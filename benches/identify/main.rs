@@ -14,7 +14,7 @@ use lss::base::random::{normal, uniform};
 use lss::chain_input::{ContactLaw, Simulation};
 use lss::dynamics::{End, Method, Plan, Width};
 use lss::effects::simulate;
-use lss::identify::study::{Fitted, Subject, fit_run};
+use lss::identify::study::{RunFit, Subject, fit_run};
 use lss::identify::{COUNT, Parameter, Settings};
 use lss::signal::{Run, csv};
 use std::path::{Path, PathBuf};
@@ -85,7 +85,7 @@ fn measure(nominal: &Simulation, truth: &[f64; COUNT], case: u64, state: &mut u6
     run
 }
 
-fn fitted(subject: &Subject, seed: u64) -> Fitted {
+fn fitted(subject: &Subject, seed: u64) -> RunFit {
     let settings = Settings { seed, ..Settings::default() };
     fit_run(subject, ContactLaw::default(), None, &settings, Width::widest(), String::new()).expect("a fit")
 }

@@ -299,7 +299,7 @@ pub fn child(case: &Path, out: &Path) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::benchmark::key::{Case, Kind, Level, Truth};
+    use crate::benchmark::key::{Case, CaseKind, Level, Truth};
     use std::cell::RefCell;
 
     fn challenge(folder: &Path) {
@@ -311,7 +311,7 @@ mod tests {
         };
         let case = |name: &str| Case {
             name: name.into(),
-            kind: Kind::One,
+            kind: CaseKind::One,
             truth: vec![truth.clone()],
             strength_over_floor: 5.0,
             level: Some(Level::Medium),

@@ -1,6 +1,6 @@
 //! Makes a challenge.
 
-use super::key::{Case, Facts, Key, Kind, Level};
+use super::key::{Case, CaseKind, Facts, Key, Level};
 use super::reality::{Changes, Reality, distances, measured};
 use super::sources::{MACHINE, SENSORS, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
@@ -23,8 +23,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Of a hundred cases.
-const MIX: [(Kind, usize); 5] =
-    [(Kind::One, 40), (Kind::Pair, 15), (Kind::None, 15), (Kind::Unknown, 15), (Kind::Sensor, 15)];
+const MIX: [(CaseKind, usize); 5] =
+    [(CaseKind::One, 40), (CaseKind::Pair, 15), (CaseKind::None, 15), (CaseKind::Unknown, 15), (CaseKind::Sensor, 15)];
 /// Of ten effects.
 const LEVELS: [Level; 10] = [
     Level::Weak,
@@ -52,7 +52,7 @@ pub struct Order {
     pub cases: usize,
     pub seed: u64,
     /// All cases of one kind, rather than the mix.
-    pub only: Option<Kind>,
+    pub only: Option<CaseKind>,
     /// All cases on this layout, rather than on those of the library.
     pub layout: Option<Simulation>,
     pub threads: usize,
@@ -62,7 +62,7 @@ pub struct Order {
 #[derive(Clone, Debug, PartialEq)]
 struct Wish {
     name: String,
-    kind: Kind,
+    kind: CaseKind,
     /// Numbers of its sources, each with a level.
     sources: Vec<(usize, Level)>,
     track: usize,
@@ -137,12 +137,12 @@ fn wishes(order: &Order) -> Vec<Wish> {
         kinds.extend(vec![kind; count]);
     }
     // Rounding leaves one over or under.
-    kinds.resize(order.cases, Kind::One);
+    kinds.resize(order.cases, CaseKind::One);
     shuffle(&mut kinds, &mut state);
     let mut effects = Deck::new(MACHINE);
     let mut sensors = Deck::new(SENSORS);
     let mut unknowns = Deck::new(UNKNOWN);
-    let mut levels: BTreeMap<Kind, Deck> = BTreeMap::new();
+    let mut levels: BTreeMap<CaseKind, Deck> = BTreeMap::new();
     let mut places = Deck::new(TRACKS.len());
     let digits = order.cases.to_string().len().max(3);
     kinds
@@ -154,11 +154,11 @@ fn wishes(order: &Order) -> Vec<Wish> {
                 (deck.draw(state), LEVELS[level])
             };
             let sources = match kind {
-                Kind::None => Vec::new(),
-                Kind::One => vec![of(&mut effects, &mut state)],
-                Kind::Sensor => vec![of(&mut sensors, &mut state)],
-                Kind::Unknown => vec![of(&mut unknowns, &mut state)],
-                Kind::Pair => {
+                CaseKind::None => Vec::new(),
+                CaseKind::One => vec![of(&mut effects, &mut state)],
+                CaseKind::Sensor => vec![of(&mut sensors, &mut state)],
+                CaseKind::Unknown => vec![of(&mut unknowns, &mut state)],
+                CaseKind::Pair => {
                     let first = of(&mut effects, &mut state);
                     let mut second = of(&mut effects, &mut state);
                     if second.0 == first.0 {
@@ -217,8 +217,8 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
         .iter()
         .map(|(which, level)| {
             let source = match wish.kind {
-                Kind::Sensor => sensor(*which, &mut state),
-                Kind::Unknown => unknown(*which, nominal, &mut state),
+                CaseKind::Sensor => sensor(*which, &mut state),
+                CaseKind::Unknown => unknown(*which, nominal, &mut state),
                 _ => machine(*which, nominal, &mut state),
             };
             (source, *level)
@@ -375,21 +375,21 @@ mod tests {
     #[test]
     fn the_mix_is_kept_and_every_effect_comes() {
         let found = wishes(&order(120));
-        let count = |kind: Kind| found.iter().filter(|w| w.kind == kind).count();
+        let count = |kind: CaseKind| found.iter().filter(|w| w.kind == kind).count();
         assert_eq!(MIX.map(|(kind, _)| count(kind)), [48, 18, 18, 18, 18]);
         let machine: Vec<usize> = found
             .iter()
-            .filter(|w| w.kind == Kind::One || w.kind == Kind::Pair)
+            .filter(|w| w.kind == CaseKind::One || w.kind == CaseKind::Pair)
             .flat_map(|w| w.sources.iter().map(|s| s.0))
             .collect();
         assert!((0..MACHINE).all(|k| machine.iter().filter(|m| **m == k).count() >= 4));
-        let ones: Vec<Level> = found.iter().filter(|w| w.kind == Kind::One).map(|w| w.sources[0].1).collect();
+        let ones: Vec<Level> = found.iter().filter(|w| w.kind == CaseKind::One).map(|w| w.sources[0].1).collect();
         assert!(ones.iter().filter(|l| **l == Level::Weak).count().abs_diff(9) <= 1);
-        assert!(found.iter().filter(|w| w.kind == Kind::Pair).all(|w| w.sources[0].0 != w.sources[1].0));
+        assert!(found.iter().filter(|w| w.kind == CaseKind::Pair).all(|w| w.sources[0].0 != w.sources[1].0));
         assert_eq!(wishes(&order(120)), found);
         assert_ne!(wishes(&Order { seed: 5, ..order(120) }), found);
-        let none = wishes(&Order { only: Some(Kind::None), ..order(60) });
-        assert!(none.len() == 60 && none.iter().all(|w| w.kind == Kind::None));
+        let none = wishes(&Order { only: Some(CaseKind::None), ..order(60) });
+        assert!(none.len() == 60 && none.iter().all(|w| w.kind == CaseKind::None));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! One answer against its truth.
 
-use super::key::{Answer, Case, Kind, Named, Truth};
+use super::key::{Answer, Case, CaseKind, Named, Truth};
 use crate::effects::LIBRARY;
 use crate::gap::Verdict;
 use serde::Serialize;
@@ -61,8 +61,8 @@ fn ranking(answer: &Answer) -> Vec<(&str, &str, f64)> {
 /// Names that would be right.
 fn right(case: &Case) -> Vec<&str> {
     match case.kind {
-        Kind::None => vec!["no gap"],
-        Kind::Unknown => vec!["unknown"],
+        CaseKind::None => vec!["no gap"],
+        CaseKind::Unknown => vec!["unknown"],
         _ => case.truth.iter().map(|t| t.effect.as_str()).collect(),
     }
 }

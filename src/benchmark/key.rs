@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// What was done to a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum CaseKind {
     /// One effect of the machine.
     One,
     /// Two of them.
@@ -20,22 +20,22 @@ pub enum Kind {
     Sensor,
 }
 
-impl Kind {
-    pub const ALL: [Kind; 5] = [Kind::One, Kind::Pair, Kind::Sensor, Kind::None, Kind::Unknown];
+impl CaseKind {
+    pub const ALL: [CaseKind; 5] = [CaseKind::One, CaseKind::Pair, CaseKind::Sensor, CaseKind::None, CaseKind::Unknown];
 
     pub fn name(self) -> &'static str {
         match self {
-            Kind::One => "one effect",
-            Kind::Pair => "pair",
-            Kind::None => "no gap",
-            Kind::Unknown => "unknown",
-            Kind::Sensor => "sensor",
+            CaseKind::One => "one effect",
+            CaseKind::Pair => "pair",
+            CaseKind::None => "no gap",
+            CaseKind::Unknown => "unknown",
+            CaseKind::Sensor => "sensor",
         }
     }
 
     /// Whether it has effects that can be named.
     pub fn nameable(self) -> bool {
-        matches!(self, Kind::One | Kind::Pair | Kind::Sensor)
+        matches!(self, CaseKind::One | CaseKind::Pair | CaseKind::Sensor)
     }
 }
 
@@ -88,7 +88,7 @@ pub struct Truth {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     pub name: String,
-    pub kind: Kind,
+    pub kind: CaseKind,
     pub truth: Vec<Truth>,
     /// What the effects do to the two-cart means over the repeatability: two replicate laps' root mean square distance,
     /// in the channel in which that is most. 0 without effects.

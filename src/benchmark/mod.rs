@@ -23,7 +23,7 @@ mod tests;
 mod tracks;
 
 pub use judge::{Judged, Rank};
-pub use key::{Answer, Case, Facts, GapPart, Interval, Key, Kind, Level, Named, Truth};
+pub use key::{Answer, Case, CaseKind, Facts, GapPart, Interval, Key, Level, Named, Truth};
 pub use score::{Accuracy, Line, Row, Score, score};
 pub use statistics::{Bin, Mean, Share};
 

@@ -1,7 +1,7 @@
 //! The table of a challenge: what answers are worth, from key and answers alone.
 
 use super::judge::{Judged, judge};
-use super::key::{Answer, Case, Kind, Level};
+use super::key::{Answer, Case, CaseKind, Level};
 use super::statistics::{Bin, Mean, Share, area, brier, calibration, mean};
 use crate::effects::LIBRARY;
 use crate::gap::Verdict;
@@ -66,7 +66,7 @@ pub struct Row {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
     pub name: String,
-    pub kind: Kind,
+    pub kind: CaseKind,
     pub truth: Vec<String>,
     pub strength_over_floor: f64,
     pub level: Option<Level>,
@@ -90,7 +90,7 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
     let unknown = |keep: &dyn Fn(&Case) -> bool| -> Vec<f64> {
         all.iter().filter(|(c, _)| keep(c)).map(|(_, j)| j.unknown).collect()
     };
-    let others = unknown(&|c| c.kind != Kind::Unknown);
+    let others = unknown(&|c| c.kind != CaseKind::Unknown);
     let (forecasts, prevalence) = forecasts(cases, &answer);
     let mut effects: Vec<&str> = cases.iter().flat_map(|c| c.truth.iter().map(|t| t.effect.as_str())).collect();
     effects.sort_unstable();
@@ -99,7 +99,7 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
         cases: cases.len(),
         failed: cases.iter().filter(|c| !answers.contains_key(&c.name)).count(),
         headline: some(&|c| c.kind.nameable() && clear(c)),
-        by_kind: Kind::ALL
+        by_kind: CaseKind::ALL
             .into_iter()
             .map(|kind| Row { name: kind.name().to_owned(), accuracy: some(&|c| c.kind == kind) })
             .collect(),
@@ -118,10 +118,10 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
             })
             .collect(),
         false_alarms: Share::of_all(
-            all.iter().filter(|(c, _)| c.kind == Kind::None).map(|(_, j)| j.verdict != Some(Verdict::None)),
+            all.iter().filter(|(c, _)| c.kind == CaseKind::None).map(|(_, j)| j.verdict != Some(Verdict::None)),
         ),
-        unknown_area: area(&unknown(&|c| c.kind == Kind::Unknown), &others),
-        unknown_area_clear: area(&unknown(&|c| c.kind == Kind::Unknown && clear(c)), &others),
+        unknown_area: area(&unknown(&|c| c.kind == CaseKind::Unknown), &others),
+        unknown_area_clear: area(&unknown(&|c| c.kind == CaseKind::Unknown && clear(c)), &others),
         brier: brier(&forecasts),
         brier_of_prevalence: brier(&prevalence).map(|m| m.value),
         calibration: calibration(&forecasts),
@@ -166,7 +166,7 @@ type Forecasts = Vec<(f64, bool)>;
 /// cases for probability.
 fn forecasts<'a>(cases: &[Case], answer: &impl Fn(&Case) -> &'a Answer) -> (Forecasts, Forecasts) {
     let present =
-        |case: &Case, effect: &str| case.kind != Kind::Unknown && case.truth.iter().any(|t| t.effect == effect);
+        |case: &Case, effect: &str| case.kind != CaseKind::Unknown && case.truth.iter().any(|t| t.effect == effect);
     let (mut said, mut usual) = (Vec::new(), Vec::new());
     for effect in LIBRARY {
         let how_often = cases.iter().filter(|c| present(c, effect.name())).count() as f64 / cases.len().max(1) as f64;

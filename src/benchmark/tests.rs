@@ -3,7 +3,7 @@ use super::*;
 use crate::gap::Verdict;
 use std::collections::BTreeMap;
 
-fn case(name: &str, kind: Kind, truth: &[&str], strength_over_floor: f64) -> Case {
+fn case(name: &str, kind: CaseKind, truth: &[&str], strength_over_floor: f64) -> Case {
     let truth = truth.iter().map(|effect| Truth {
         effect: (*effect).into(),
         strengths: [("height".to_owned(), 1.0)].into(),
@@ -55,11 +55,11 @@ fn answer(verdict: Verdict, effects: Vec<Named>, unknown: f64, none: f64) -> Ans
 /// unknown.
 fn challenge() -> (Vec<Case>, BTreeMap<String, Answer>) {
     let cases = vec![
-        case("a", Kind::One, &["rail_step"], 5.0),
-        case("b", Kind::One, &["rail_step"], 12.0),
-        case("c", Kind::None, &[], 0.0),
-        case("d", Kind::Unknown, &["a lean"], 20.0),
-        case("e", Kind::Pair, &["rail_step", "pitch_wear"], 4.0),
+        case("a", CaseKind::One, &["rail_step"], 5.0),
+        case("b", CaseKind::One, &["rail_step"], 12.0),
+        case("c", CaseKind::None, &[], 0.0),
+        case("d", CaseKind::Unknown, &["a lean"], 20.0),
+        case("e", CaseKind::Pair, &["rail_step", "pitch_wear"], 4.0),
     ];
     let found =
         vec![named("rail_step", "rail_step", 0.8, (0.5, 1.5), 11.0), named("pitch_wear", "", 0.1, (0.0, 1.0), 0.0)];

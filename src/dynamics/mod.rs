@@ -29,5 +29,5 @@ pub use inspect::Placement;
 pub use model::Model;
 pub use run::{End, Method, Outcome, Plan, Progress, simulate};
 pub use state::PACK;
-pub use trouble::{Kind, Trouble};
+pub use trouble::{Trouble, TroubleKind};
 pub use width::{NoWidth, Width};

@@ -8,7 +8,7 @@ use std::fmt;
 /// Numerical trouble: when, at which cart, and where on the track.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trouble {
-    pub kind: Kind,
+    pub kind: TroubleKind,
     /// Since the start, s.
     pub time: f64,
     /// Number of the cart, from 1.
@@ -22,7 +22,7 @@ pub struct Trouble {
 
 /// What went wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum TroubleKind {
     /// A front joint is further from the centre line than any clearance allows.
     OffRail,
     /// A joint is stretched or compressed beyond what any chain survives.
@@ -39,9 +39,9 @@ impl Trouble {
         let found = (0..model.carts).find_map(|i| chain.forces.troubled(model, i).map(|fault| (i, fault)));
         let (cart, fault) = found.unwrap_or((0, Fault::NotANumber));
         let kind = match fault {
-            Fault::OffRail => Kind::OffRail,
-            Fault::Broken => Kind::Broken,
-            Fault::NotANumber => Kind::NotANumber,
+            Fault::OffRail => TroubleKind::OffRail,
+            Fault::Broken => TroubleKind::Broken,
+            Fault::NotANumber => TroubleKind::NotANumber,
         };
         Trouble::at(chain, cart, kind, step)
     }
@@ -53,10 +53,10 @@ impl Trouble {
             loads.joint[0][i % super::PACK].abs()
         };
         let worst = (0..chain.model.carts).max_by(|a, b| force(a).total_cmp(&force(b))).unwrap_or(0);
-        Trouble::at(chain, worst, Kind::TooFine(too_fine.step), too_fine.step)
+        Trouble::at(chain, worst, TroubleKind::TooFine(too_fine.step), too_fine.step)
     }
 
-    fn at(chain: &Chain, cart: usize, kind: Kind, step: f64) -> Trouble {
+    fn at(chain: &Chain, cart: usize, kind: TroubleKind, step: f64) -> Trouble {
         let s = chain.forces.station[cart];
         Trouble {
             kind,
@@ -90,10 +90,10 @@ impl fmt::Display for Trouble {
             write!(f, " at s = {s:.3} m")?;
         }
         match self.kind {
-            Kind::OffRail => write!(f, " has left the rail"),
-            Kind::Broken => write!(f, " has broken from its follower"),
-            Kind::NotANumber => write!(f, " moves beyond all numbers"),
-            Kind::TooFine(step) => write!(f, " needs steps below {step:.1e} s"),
+            TroubleKind::OffRail => write!(f, " has left the rail"),
+            TroubleKind::Broken => write!(f, " has broken from its follower"),
+            TroubleKind::NotANumber => write!(f, " moves beyond all numbers"),
+            TroubleKind::TooFine(step) => write!(f, " needs steps below {step:.1e} s"),
         }
     }
 }

@@ -10,10 +10,10 @@ const NAMES: [&str; 4] = ["scalar", "avx2", "avx512", "neon"];
 
 /// Vector instructions.
 #[derive(Clone, Copy, Debug)]
-pub struct Width(Kind);
+pub struct Width(WidthKind);
 
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum WidthKind {
     Scalar,
     /// One number at a time, too, with the processor's fused multiply-add.
     #[cfg(target_arch = "x86_64")]
@@ -60,51 +60,51 @@ impl Width {
 
     /// The widest that this processor has.
     pub fn widest() -> Self {
-        Width::all().pop().unwrap_or(Width(Kind::Scalar))
+        Width::all().pop().unwrap_or(Width(WidthKind::Scalar))
     }
 
     /// Every one that this processor has, from one number at a time to the widest.
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Width(Kind::Scalar)];
+        let mut all = vec![Width(WidthKind::Scalar)];
         #[cfg(target_arch = "x86_64")]
         {
             if let Some(v) = pulp::x86::V3::try_new() {
-                all = vec![Width(Kind::ScalarFma(v)), Width(Kind::Avx2(v))];
+                all = vec![Width(WidthKind::ScalarFma(v)), Width(WidthKind::Avx2(v))];
             }
-            all.extend(pulp::x86::V4::try_new().map(|v| Width(Kind::Avx512(v))));
+            all.extend(pulp::x86::V4::try_new().map(|v| Width(WidthKind::Avx512(v))));
         }
         #[cfg(target_arch = "aarch64")]
-        all.extend(pulp::aarch64::Neon::try_new().map(|v| Width(Kind::Neon(v))));
+        all.extend(pulp::aarch64::Neon::try_new().map(|v| Width(WidthKind::Neon(v))));
         all
     }
 
     /// `scalar`, `avx2`, `avx512` or `neon`.
     pub fn name(self) -> &'static str {
         match self.0 {
-            Kind::Scalar => "scalar",
+            WidthKind::Scalar => "scalar",
             #[cfg(target_arch = "x86_64")]
-            Kind::ScalarFma(_) => "scalar",
+            WidthKind::ScalarFma(_) => "scalar",
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2(_) => "avx2",
+            WidthKind::Avx2(_) => "avx2",
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512(_) => "avx512",
+            WidthKind::Avx512(_) => "avx512",
             #[cfg(target_arch = "aarch64")]
-            Kind::Neon(_) => "neon",
+            WidthKind::Neon(_) => "neon",
         }
     }
 
     /// Runs an operation with these instructions.
     pub fn run<Op: WithSimd>(self, operation: Op) -> Op::Output {
         match self.0 {
-            Kind::Scalar => Simd::vectorize(Scalar::new(), operation),
+            WidthKind::Scalar => Simd::vectorize(Scalar::new(), operation),
             #[cfg(target_arch = "x86_64")]
-            Kind::ScalarFma(simd) => Simd::vectorize(simd, OneByOne(operation)),
+            WidthKind::ScalarFma(simd) => Simd::vectorize(simd, OneByOne(operation)),
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2(simd) => Simd::vectorize(simd, operation),
+            WidthKind::Avx2(simd) => Simd::vectorize(simd, operation),
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512(simd) => Simd::vectorize(simd, operation),
+            WidthKind::Avx512(simd) => Simd::vectorize(simd, operation),
             #[cfg(target_arch = "aarch64")]
-            Kind::Neon(simd) => Simd::vectorize(simd, operation),
+            WidthKind::Neon(simd) => Simd::vectorize(simd, operation),
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Signature: joint_eta and joint_zeta fluctuate less and their resonance falls.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::dynamics::law::tangent;
@@ -12,7 +12,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::CART_BENDING,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 2e-7, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 2e-7, as_built: 0.0 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Tension,
     act: Act::Chain(act),

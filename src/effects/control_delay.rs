@@ -4,7 +4,7 @@
 //! Signature: slow swings of the chain's speed and of joint_xi everywhere, at any phase.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, RandomEffect, Sites, Start, Strengths};
+use super::{Act, Effect, Experiment, RandomEffect, Sites, Start, StrengthSearch, Strengths};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -12,7 +12,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::CONTROL_DELAY,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.0 }],
     sites: Sites::Listed(with_gains),
     separated_by: Experiment::Motors,
     random: Some((RandomEffect::ByLap, |_| true)),

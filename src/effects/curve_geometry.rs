@@ -9,7 +9,7 @@
 //! Signature: steering forces of one curve; with another heading those of the next one, too; and, as the way between
 //! curves is another, joint_xi as carts pass.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Start, Strengths, add_profile, rebuilt, sites};
+use super::{Act, Effect, Experiment, Sites, Start, StrengthSearch, Strengths, add_profile, rebuilt, sites};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::{Piece, Simulation};
@@ -20,10 +20,10 @@ pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::CURVE_GEOMETRY,
     discrepancy: super::ASSUMED,
     fitted: &[
-        Fitted { trial: 1e-3, as_built: 0.0 },
-        Fitted { trial: 0.02, as_built: 1e-3 },
-        Fitted { trial: 2e-3, as_built: 1.5e-4 },
-        Fitted { trial: 0.3, as_built: 0.0 },
+        StrengthSearch { trial: 1e-3, as_built: 0.0 },
+        StrengthSearch { trial: 0.02, as_built: 1e-3 },
+        StrengthSearch { trial: 2e-3, as_built: 1.5e-4 },
+        StrengthSearch { trial: 0.3, as_built: 0.0 },
     ],
     sites: Sites::Listed(sites::each_curve),
     separated_by: Experiment::Runs,

@@ -3,7 +3,7 @@
 //!
 //! Signature: steering forces and joint_eta shift where curves begin and end, with opposite signs.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::FORK_SWIVEL,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 2.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 2.0, as_built: 0.0 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     act: Act::Chain(act),

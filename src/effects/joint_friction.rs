@@ -3,7 +3,7 @@
 //!
 //! Signature: joint_eta and steering forces shift where curves begin and end.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::JOINT_FRICTION,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 1.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 1.0, as_built: 0.0 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Tension,
     act: Act::Chain(act),

@@ -6,7 +6,7 @@
 //! Signature: joint_xi along the track and, in curves, steering forces; with `on_sensor` the running wheels' forces.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, RandomEffect, Sites, Strengths, spread};
+use super::{Act, Effect, Experiment, RandomEffect, Sites, StrengthSearch, Strengths, spread};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions::{self, PlaceDefinition};
@@ -14,7 +14,7 @@ use crate::model::effect_definitions::{self, PlaceDefinition};
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::LOAD_DISTRIBUTION,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 3.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 3.0, as_built: 0.0 }],
     sites: Sites::Listed(loads),
     separated_by: Experiment::Runs,
     random: Some((RandomEffect::ByCart, |site| site.of("on_sensor") == Some(0.0))),

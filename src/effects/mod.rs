@@ -84,7 +84,7 @@ pub struct Effect {
     /// one, as a standard deviation.
     pub discrepancy: f64,
     /// Of each strength, in the order of the definition.
-    pub fitted: &'static [Fitted],
+    pub fitted: &'static [StrengthSearch],
     pub sites: Sites,
     /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The
     /// number is how well the site is known, m.
@@ -99,7 +99,7 @@ pub struct Effect {
 }
 
 /// How a strength is looked for.
-pub struct Fitted {
+pub struct StrengthSearch {
     /// A small one, of which the signature is taken.
     pub trial: f64,
     /// As-built tolerance: what every built chain has of it, as a deviation. That much is no gap.
@@ -279,7 +279,7 @@ impl Effect {
     }
 
     /// Its strengths, each with how it is looked for.
-    pub fn strengths(&self) -> impl Iterator<Item = (&'static StrengthDefinition, &'static Fitted)> {
+    pub fn strengths(&self) -> impl Iterator<Item = (&'static StrengthDefinition, &'static StrengthSearch)> {
         self.definition.strengths.iter().zip(self.fitted)
     }
 

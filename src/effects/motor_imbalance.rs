@@ -3,7 +3,7 @@
 //!
 //! Signature: joint_xi along the track, a slope less between motors and a step missing at one.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::MOTOR_IMBALANCE,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 0.3, as_built: 0.01 }],
+    fitted: &[StrengthSearch { trial: 0.3, as_built: 0.01 }],
     sites: Sites::Listed(sites::motors),
     separated_by: Experiment::Motors,
     act: Act::Chain(act),

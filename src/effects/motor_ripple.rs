@@ -4,7 +4,7 @@
 //! Signature: joint_xi and the chain's speed at v/λ.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths};
 use crate::chain_input::Simulation;
 use crate::chain_input::{Deviations, Ripple};
 use crate::model::effect_definitions;
@@ -12,7 +12,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::MOTOR_RIPPLE,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.0 }],
     sites: Sites::Listed(wavelengths),
     separated_by: Experiment::Speed,
     alternatives: |site, _| alternatives(site),

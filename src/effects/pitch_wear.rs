@@ -3,7 +3,7 @@
 //!
 //! Signature: fluctuation of joint_xi and steering forces at less than the carts' passing.
 
-use super::{Act, Effect, Experiment, Fitted, RandomEffect, Sites, Strengths, sites, spread};
+use super::{Act, Effect, Experiment, RandomEffect, Sites, StrengthSearch, Strengths, sites, spread};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::PITCH_WEAR,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 5e-5, as_built: 1e-5 }],
+    fitted: &[StrengthSearch { trial: 5e-5, as_built: 1e-5 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     random: Some((RandomEffect::ByCart, |_| true)),

@@ -6,7 +6,7 @@
 //! Signature: an impact at one place of the track, in the channels of one side.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, SPACING, Sites, Strengths, add_profile};
+use super::{Act, Effect, Experiment, SPACING, Sites, StrengthSearch, Strengths, add_profile};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::RAIL_STEP,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 1e-4, as_built: 3e-5 }],
+    fitted: &[StrengthSearch { trial: 1e-4, as_built: 3e-5 }],
     sites: Sites::Suspected,
     separated_by: Experiment::Runs,
     alternatives,

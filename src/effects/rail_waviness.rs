@@ -4,7 +4,7 @@
 //!
 //! Signature: a little of everything, everywhere.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, add_profile, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, add_profile, sites};
 use crate::base::random::uniform;
 use crate::base::trig;
 use crate::chain_input::Deviations;
@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::RAIL_WAVINESS,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 1e-5, as_built: 1.2e-5 }],
+    fitted: &[StrengthSearch { trial: 1e-5, as_built: 1.2e-5 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     act: Act::Chain(act),

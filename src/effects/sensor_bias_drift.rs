@@ -2,13 +2,13 @@
 //!
 //! Signature: the channel's means, everywhere alike or growing along the run.
 
-use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sensed, Sites, StrengthSearch, Strengths, sites};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_BIAS_DRIFT,
     discrepancy: super::EXACT,
-    fitted: &[Fitted { trial: 10.0, as_built: 0.0 }, Fitted { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 10.0, as_built: 0.0 }, StrengthSearch { trial: 0.1, as_built: 0.0 }],
     sites: Sites::Listed(sites::channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

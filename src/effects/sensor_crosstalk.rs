@@ -2,13 +2,13 @@
 //!
 //! Signature: the first channel's pattern along the track in the second.
 
-use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sensed, Sites, StrengthSearch, Strengths, sites};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_CROSSTALK,
     discrepancy: super::EXACT,
-    fitted: &[Fitted { trial: 0.03, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 0.03, as_built: 0.0 }],
     sites: Sites::Listed(sites::ordered_pairs),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

@@ -2,13 +2,13 @@
 //!
 //! Signature: the channel's means and fluctuation in proportion, no other channel.
 
-use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sensed, Sites, StrengthSearch, Strengths, sites};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_GAIN,
     discrepancy: super::EXACT,
-    fitted: &[Fitted { trial: 0.05, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 0.05, as_built: 0.0 }],
     sites: Sites::Listed(sites::channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

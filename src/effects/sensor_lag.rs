@@ -6,7 +6,7 @@
 //! channel's.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sensed, Sites, StrengthSearch, Strengths, sites};
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_LAG,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 0.02, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 0.02, as_built: 0.0 }],
     sites: Sites::Listed(channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

@@ -2,13 +2,13 @@
 //!
 //! Signature: each channel has the other's pattern along the track.
 
-use super::{Act, Effect, Experiment, Fitted, Sensed, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sensed, Sites, StrengthSearch, Strengths, sites};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_SWAPPED,
     discrepancy: super::EXACT,
-    fitted: &[Fitted { trial: 1.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 1.0, as_built: 0.0 }],
     sites: Sites::Listed(sites::unordered_pairs),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

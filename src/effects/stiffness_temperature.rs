@@ -3,7 +3,7 @@
 //!
 //! Signature: fluctuation at the carts' passing, less in stiff channels than in soft ones.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 use crate::model::effect_definitions;
@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::STIFFNESS_TEMPERATURE,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 0.1, as_built: 0.01 }],
+    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.01 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Tension,
     act: Act::Chain(act),

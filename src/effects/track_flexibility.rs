@@ -5,7 +5,7 @@
 //! Signature: run_left and run_right vary together with the spacing of supports, with `shape` 1 also at its multiples.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, add_profile};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, add_profile};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::TRACK_FLEXIBILITY,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 3e-7, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 3e-7, as_built: 0.0 }],
     sites: Sites::Listed(shapes),
     separated_by: Experiment::Runs,
     act: Act::Chain(act),

@@ -5,7 +5,7 @@
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
 
 use super::sites::Site;
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths};
 use crate::base::trig;
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::WHEEL_OUT_OF_ROUND,
     discrepancy: super::ASSUMED,
-    fitted: &[Fitted { trial: 3e-5, as_built: 5e-6 }],
+    fitted: &[StrengthSearch { trial: 3e-5, as_built: 5e-6 }],
     sites: Sites::Listed(wheels),
     separated_by: Experiment::Speed,
     act: Act::Chain(act),

@@ -3,7 +3,7 @@
 //!
 //! Signature: sideways motion of the carts is damped; steering forces peak less where curves begin.
 
-use super::{Act, Effect, Experiment, Fitted, Sites, Strengths, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
 use crate::chain_input::Deviations;
 use crate::chain_input::Simulation;
 
@@ -15,7 +15,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::WHEEL_SLIDING,
     discrepancy: CREEP,
-    fitted: &[Fitted { trial: 0.05, as_built: 0.0 }],
+    fitted: &[StrengthSearch { trial: 0.05, as_built: 0.0 }],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     act: Act::Chain(act),

@@ -127,7 +127,7 @@ impl Chance<'_> {
                 let Some(laps) = answers.next().flatten() else { continue };
                 let mean = self.mean(&tried.hypothesis, run, *size);
                 let misfits = SPAN.map(|share| self.misfit(tried, run, &laps, share, mean.as_deref()));
-                tried.points.push(Point { size: *size, misfits });
+                tried.points.push(ScatterPoint { size: *size, misfits });
             }
             tried.points.sort_by(|a, b| a.size.total_cmp(&b.size));
         }
@@ -225,11 +225,11 @@ struct Tried<'a> {
     beside: Option<&'a Fitted>,
     /// How laps scatter without what differs by chance; as the nominal chain's where nothing else is said.
     without: Option<Laps>,
-    points: Vec<Point>,
+    points: Vec<ScatterPoint>,
 }
 
 /// How far laps are from scattering as much as the run is off, at each share of a strength in [`SPAN`].
-struct Point {
+struct ScatterPoint {
     size: f64,
     misfits: [f64; SPAN.len()],
 }
@@ -263,7 +263,7 @@ impl Tried<'_> {
     }
 }
 
-impl Point {
+impl ScatterPoint {
     /// At the strength itself.
     fn misfit(&self) -> f64 {
         SPAN.iter().zip(self.misfits).find(|(share, _)| **share == 1.0).map_or(f64::INFINITY, |(_, misfit)| misfit)
@@ -286,7 +286,7 @@ mod tests {
     fn tried(sizes: &[f64], fits: f64) -> Tried<'static> {
         let point = |size: &f64| {
             let misfit = |share: f64| trig::ln(share * size / fits) * trig::ln(share * size / fits);
-            Point { size: *size, misfits: SPAN.map(misfit) }
+            ScatterPoint { size: *size, misfits: SPAN.map(misfit) }
         };
         let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
         Tried { hypothesis, beside: None, without: None, points: sizes.iter().map(point).collect() }
@@ -303,7 +303,7 @@ mod tests {
         let there = tried(&[1.0, 3.0, 9.0], 3.1);
         assert_eq!(there.size(9.0), Some(3.0));
         // What does nothing is too little, whichever share is least by a hair.
-        let flat = Point { size: 0.1, misfits: SPAN.map(|share| 9.0 + 1e-3 * (share - 1.0).abs()) };
+        let flat = ScatterPoint { size: 0.1, misfits: SPAN.map(|share| 9.0 + 1e-3 * (share - 1.0).abs()) };
         let mut beside = tried(&[9.0], 3.0);
         beside.points.insert(0, flat);
         assert!((beside.further().unwrap() - 0.9_f64.sqrt()).abs() < 1e-9);

@@ -27,14 +27,14 @@ struct Search {
     /// The last strengths that were simulated, and what they changed, projected.
     at: Vec<f64>,
     found: Vec<DVector<f64>>,
-    best: Option<Point>,
+    best: Option<RefitPoint>,
     /// Of each run, whether nuisances are moved along.
     moved: Vec<bool>,
     settled: bool,
 }
 
 /// What was simulated with least left.
-struct Point {
+struct RefitPoint {
     square: f64,
     strengths: Vec<f64>,
     residuals: Vec<DVector<f64>>,
@@ -144,7 +144,7 @@ pub fn refit(
             if search.best.as_ref().is_none_or(|best| square < best.square) {
                 let features = answers.into_iter().cloned().collect();
                 let strengths = one.strengths.clone();
-                search.best = Some(Point { square, strengths, residuals, changes, features });
+                search.best = Some(RefitPoint { square, strengths, residuals, changes, features });
             }
             if let Some(best) = &search.best {
                 one.tune_sensors(&tuner, &best.strengths);
@@ -217,7 +217,7 @@ impl Fitted {
     }
 
     /// To where it fits best from the best that was simulated; whether that is hardly another place.
-    fn step(&mut self, best: &Point, candidates: &[Candidate], signatures: &[Signature]) -> bool {
+    fn step(&mut self, best: &RefitPoint, candidates: &[Candidate], signatures: &[Signature]) -> bool {
         let within = self.hypothesis.bounds(candidates, signatures);
         let bounds: Vec<(f64, f64)> =
             within.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();

@@ -336,13 +336,13 @@ fn block_weight(weighing: Weighing, force: usize, station: &[f32]) -> Weight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::places::{Kind, Zone};
+    use crate::identify::places::{PlaceKind, Zone};
     use std::sync::Arc;
 
     /// A lap of 40 m in 8 cells, the second half a left curve.
     fn spec() -> FeatureSpec {
         let zone = |from, to, kind| Zone { from, to, kind };
-        let places = Places::of(40.0, 8, vec![zone(0.0, 20.0, Kind::Straight), zone(20.0, 40.0, Kind::Left)]);
+        let places = Places::of(40.0, 8, vec![zone(0.0, 20.0, PlaceKind::Straight), zone(20.0, 40.0, PlaceKind::Left)]);
         FeatureSpec::new(Arc::new(places), 500.0, 1.6, 100.0)
     }
 

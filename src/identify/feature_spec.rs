@@ -1,7 +1,7 @@
 //! How samples become features: places, thresholds, and the lines of a spectrum.
 
 use super::coverage::{Coverage, Weighing, hop};
-use super::places::{Kind, Places};
+use super::places::{PlaceKind, Places};
 use crate::base::trig;
 use crate::signal::FORCES;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -142,9 +142,9 @@ impl FeatureSpec {
                 continue;
             }
             let kind = match places.zones[first].kind {
-                Kind::Straight | Kind::Vertical => 0,
-                Kind::Left => 1,
-                Kind::Right => 2,
+                PlaceKind::Straight | PlaceKind::Vertical => 0,
+                PlaceKind::Left => 1,
+                PlaceKind::Right => 2,
             };
             for (force, values) in samples.forces.iter().enumerate() {
                 if let Some(values) = values.get(begin..end) {

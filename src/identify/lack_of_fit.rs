@@ -2,7 +2,7 @@
 
 use super::goodness::Stretch;
 use super::parameter::Parameter;
-use super::study::Fitted;
+use super::study::RunFit;
 use super::words::list;
 use crate::base::number::{fixed, trimmed};
 use serde::Serialize;
@@ -29,7 +29,7 @@ const DIAGNOSE: &str =
     "`lss gap diagnose` asks which effect the model lacks; until then the fitted values are not those of the machine";
 
 /// What is wrong with a fit; `None` where the model fits and no value is at a bound.
-pub fn warning(fit: &Fitted) -> Option<Warning> {
+pub fn warning(fit: &RunFit) -> Option<Warning> {
     let bounds = at_bounds(fit);
     let held = (!bounds.is_empty()).then(|| {
         let at = if bounds.len() == 1 { "is at its bound" } else { "are at their bounds" };
@@ -60,14 +60,14 @@ pub fn warning(fit: &Fitted) -> Option<Warning> {
     })
 }
 
-/// Fitted parameters at a bound.
-pub fn at_bounds(fit: &Fitted) -> Vec<&'static str> {
+/// RunFit parameters at a bound.
+pub fn at_bounds(fit: &RunFit) -> Vec<&'static str> {
     let held = |p: &Parameter| fit.parameters.get(p.name()).is_some_and(|e| e.at_bound && e.fitted);
     Parameter::ALL.into_iter().filter(held).map(Parameter::name).collect()
 }
 
 /// Kinds of features that are off, the worst first.
-fn what(fit: &Fitted) -> Option<String> {
+fn what(fit: &RunFit) -> Option<String> {
     let mut all: Vec<(&String, &f64)> = fit.misfits.iter().collect();
     all.sort_by(|a, b| b.1.total_cmp(a.1));
     let named: Vec<String> = all
@@ -113,7 +113,7 @@ mod tests {
     use crate::identify::study::Estimate;
     use std::collections::BTreeMap;
 
-    fn fit(objective: f64, held: &[&str]) -> Fitted {
+    fn fit(objective: f64, held: &[&str]) -> RunFit {
         let estimate = |p: Parameter| {
             let at_bound = held.contains(&p.name());
             (p.name().to_owned(), Estimate { value: 0.5, low: 0.4, high: 0.6, at_bound, fitted: true })
@@ -122,7 +122,7 @@ mod tests {
         let stretch =
             Stretch { channel: "joint_xi".into(), feature: "mean".into(), from_m: 12.5, to_m: 17.5, deviations: 23.0 };
         let none = BTreeMap::new;
-        Fitted {
+        RunFit {
             run: "run-01".into(),
             law: ContactLaw::default(),
             key: String::new(),

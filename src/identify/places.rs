@@ -5,7 +5,7 @@ use crate::geometry::{CentreLine, Form};
 
 /// What the track does at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PlaceKind {
     Straight,
     Left,
     Right,
@@ -19,7 +19,7 @@ pub struct Zone {
     /// Arc length, m.
     pub from: f64,
     pub to: f64,
-    pub kind: Kind,
+    pub kind: PlaceKind,
 }
 
 /// The places of a track.
@@ -75,10 +75,10 @@ fn zones(line: &CentreLine, least: f64) -> Vec<Zone> {
     let mut zones: Vec<Zone> = Vec::new();
     for piece in &line.stretches {
         let kind = match piece.form {
-            Form::Straight { .. } => Kind::Straight,
-            Form::Vertical { .. } => Kind::Vertical,
-            Form::Arc { turn, .. } | Form::Spiral { turn, .. } if turn > 0.0 => Kind::Left,
-            Form::Arc { .. } | Form::Spiral { .. } => Kind::Right,
+            Form::Straight { .. } => PlaceKind::Straight,
+            Form::Vertical { .. } => PlaceKind::Vertical,
+            Form::Arc { turn, .. } | Form::Spiral { turn, .. } if turn > 0.0 => PlaceKind::Left,
+            Form::Arc { .. } | Form::Spiral { .. } => PlaceKind::Right,
         };
         let to = piece.s + piece.length;
         match zones.last_mut() {

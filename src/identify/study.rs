@@ -51,7 +51,7 @@ pub struct Estimate {
 
 /// A run's fit in one law, as files keep it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Fitted {
+pub struct RunFit {
     pub run: String,
     pub law: ContactLaw,
     /// Of everything that the fit depends on.
@@ -89,7 +89,7 @@ pub struct Fitted {
     pub pull: Vec<f64>,
 }
 
-impl Fitted {
+impl RunFit {
     /// The fit as a combination of runs needs it.
     pub fn fit(&self) -> Fit {
         let square = |x: &[f64]| DMatrix::from_row_slice(COUNT, COUNT, x);
@@ -176,7 +176,7 @@ pub fn fit_run(
     settings: &Settings,
     width: Width,
     key: String,
-) -> Result<Fitted, String> {
+) -> Result<RunFit, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let mut model = Model::new(&subject.simulation, law, &measured, width);
@@ -187,7 +187,7 @@ pub fn fit_run(
 
 /// Carries a fit over to another law of the same model. `None` where a restitution would be beyond its bounds, or to or
 /// from Kelvin and Voigt's.
-pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Settings, width: Width) -> Option<Fitted> {
+pub fn carry(subject: &Subject, from: &RunFit, law: ContactLaw, settings: &Settings, width: Width) -> Option<RunFit> {
     let same = |law: ContactLaw| law != ContactLaw::KelvinVoigt;
     if !same(law) || !same(from.law) {
         return None;
@@ -217,7 +217,7 @@ pub fn carry(subject: &Subject, from: &Fitted, law: ContactLaw, settings: &Setti
 /// reaches: the best parameters there, from its information. `None` where that is too far, or for another model.
 pub fn within(
     subject: &Subject,
-    from: &Fitted,
+    from: &RunFit,
     law: ContactLaw,
     settings: &Settings,
     width: Width,
@@ -318,7 +318,7 @@ fn fitted(
     found: &Fit,
     settings: &Settings,
     key: String,
-) -> Result<Fitted, String> {
+) -> Result<RunFit, String> {
     let goodness = found.goodness.clone().ok_or("the fit has no residuals")?;
     let (parameters, damping, achieved) = estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
     let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
@@ -328,7 +328,7 @@ fn fitted(
     };
     let rows = |m: &DMatrix<f64>| m.transpose().as_slice().iter().map(|x| tidy(*x)).collect::<Vec<f64>>();
     let misfits = found.blocks.iter().filter(|(_, x)| is_wrong(**x)).map(|(block, x)| (block_name(*block), tidy(*x)));
-    let mut out = Fitted {
+    let mut out = RunFit {
         run: subject.name.clone(),
         law: model.law,
         key,
@@ -361,7 +361,7 @@ fn fitted(
 type Deviations = BTreeMap<String, f64>;
 
 /// How far a simulated lap with a fit's parameters is from the run: of samples, and of means over two carts.
-fn deviations(subject: &Subject, fit: &Fitted, lap: f64, width: Width) -> (Deviations, Deviations) {
+fn deviations(subject: &Subject, fit: &RunFit, lap: f64, width: Width) -> (Deviations, Deviations) {
     let (mut samples, mut two_carts) = (Deviations::new(), Deviations::new());
     let scale = Scale { lap: Some(lap), pitch: Some(lap / subject.simulation.chain.carts as f64), exponent: 3.0 };
     let input = fit.input(subject);
@@ -379,7 +379,7 @@ fn deviations(subject: &Subject, fit: &Fitted, lap: f64, width: Width) -> (Devia
 
 /// Whether a lap simulated anew is as far from the run as a kept fit says. That costs one lap, where the fit costs
 /// hundreds.
-pub fn is_confirmed(subject: &Subject, kept: &Fitted, width: Width) -> bool {
+pub fn is_confirmed(subject: &Subject, kept: &RunFit, width: Width) -> bool {
     let lap = subject.simulation.track.centre_line().length;
     let same = |a: &Deviations, b: &Deviations| {
         a.len() == b.len() && a.iter().zip(b).all(|((m, x), (n, y))| m == n && x.to_bits() == y.to_bits())

@@ -22,7 +22,7 @@ mod unsupported;
 mod violations;
 
 pub use certificate::{Certificate, Counted};
-pub use conflict::{Assumed, Conflict, Decides, Kind, Member, Proof, Relaxed, Within, implied};
+pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Proof, Relaxed, Within, implied};
 pub use exact::{discretise, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use goals::{solve, solve_with};

@@ -3,7 +3,7 @@
 use crate::base::json::to_json;
 use crate::benchmark::answering::{Before, Step, answer, child, facts, judged};
 use crate::benchmark::generate::{Order, generate};
-use crate::benchmark::{Kind, table};
+use crate::benchmark::{CaseKind, table};
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::source::disk::Files;
 use crate::source::{one_line, shown};
@@ -86,11 +86,11 @@ impl Challenge {
 impl New {
     fn run(&self) -> Outcome {
         let only = self.only.map(|only| match only {
-            Only::One => Kind::One,
-            Only::Pair => Kind::Pair,
-            Only::None => Kind::None,
-            Only::Unknown => Kind::Unknown,
-            Only::Sensor => Kind::Sensor,
+            Only::One => CaseKind::One,
+            Only::Pair => CaseKind::Pair,
+            Only::None => CaseKind::None,
+            Only::Unknown => CaseKind::Unknown,
+            Only::Sensor => CaseKind::Sensor,
         });
         let threads = limits::threads();
         let layout = match self.layout.as_ref().map(|file| read::simulation(file, None, MessageFormat::Text)) {

@@ -12,7 +12,7 @@ use crate::dynamics::Width;
 use crate::emit::Files;
 use crate::identify::groups::{Group, SetPoint};
 use crate::identify::share::{Shared, combine};
-use crate::identify::study::{self, Fitted, carry, fit_run};
+use crate::identify::study::{self, RunFit, carry, fit_run};
 use crate::identify::{Measured, Model, Parameter, Settings};
 use crate::report::identification;
 use crate::source::{SIZE_LIMIT, one_line, root, shown};
@@ -96,7 +96,7 @@ impl Campaign {
             report::warning("a fit that was kept here comes out otherwise now: all fits are made anew");
         }
         let bar = progress(cases.len() * self.law.0.len());
-        let mut done: Vec<(ContactLaw, Vec<Fitted>, Vec<Shared>)> = Vec::new();
+        let mut done: Vec<(ContactLaw, Vec<RunFit>, Vec<Shared>)> = Vec::new();
         let mut failed = broken;
         for &law in &self.law.0 {
             let first = done.first().map(|(_, fits, _)| fits.clone());
@@ -135,7 +135,7 @@ impl Campaign {
             files.push(format!("{}.json", law.law), json::to_json(law));
         }
         files.push("identification.json", json::to_json(&study));
-        let pages: Vec<(ContactLaw, &[Fitted])> = done.iter().map(|(law, fits, _)| (*law, fits.as_slice())).collect();
+        let pages: Vec<(ContactLaw, &[RunFit])> = done.iter().map(|(law, fits, _)| (*law, fits.as_slice())).collect();
         files.push("identification.html", identification::page(&pages, &self.share, &groups));
         if let Some((_, fits, _)) = done.first() {
             match fitted::files(&cases, &groups, fits, output) {
@@ -186,7 +186,7 @@ struct Work<'a> {
     law: ContactLaw,
     settings: Settings,
     /// Those of the first law.
-    first: Option<&'a [Fitted]>,
+    first: Option<&'a [RunFit]>,
     bar: Option<&'a ProgressBar>,
     /// Whether fits that were kept may be used.
     trusted: bool,
@@ -197,7 +197,7 @@ const ASKED_AGAIN: usize = 2;
 
 impl Work<'_> {
     /// A run's fit: from the disk when it is there and nothing has changed, else made and kept.
-    fn fit(&self, case: &Case) -> Result<Fitted, String> {
+    fn fit(&self, case: &Case) -> Result<RunFit, String> {
         let subject = &case.subject;
         let start = self.first.and_then(|fits| fits.iter().find(|f| f.run == subject.name));
         let carried = start.and_then(|from| carry(subject, from, self.law, &self.settings, Width::used()));
@@ -238,9 +238,9 @@ impl Work<'_> {
     }
 
     /// A fit on the disk, if it came from the same.
-    fn known(&self, name: &str, key: &str) -> Option<Fitted> {
+    fn known(&self, name: &str, key: &str) -> Option<RunFit> {
         let bytes = root::read_given(&self.folder().join(format!("{name}.json")), SIZE_LIMIT).ok()?;
-        let known: Fitted = serde_json::from_slice(&bytes).ok()?;
+        let known: RunFit = serde_json::from_slice(&bytes).ok()?;
         (known.key == key && known.is_whole()).then_some(known)
     }
 
@@ -253,7 +253,7 @@ impl Work<'_> {
         known.take(ASKED_AGAIN).all(|(case, fit)| study::is_confirmed(&case.subject, &fit, Width::used()))
     }
 
-    fn kept(&self, name: &str, key: &str, make: impl FnOnce() -> Result<Fitted, String>) -> Result<Fitted, String> {
+    fn kept(&self, name: &str, key: &str, make: impl FnOnce() -> Result<RunFit, String>) -> Result<RunFit, String> {
         let folder = self.folder();
         root::below(self.output, &folder).map_err(|why| format!("{}: {why}", shown(&folder)))?;
         if let Some(known) = self.known(name, key).filter(|_| self.trusted) {
@@ -272,14 +272,14 @@ impl Work<'_> {
     fn share(
         &self,
         cases: &[Case],
-        fits: &mut Vec<Fitted>,
+        fits: &mut Vec<RunFit>,
         names: &[Parameter],
         threads: usize,
     ) -> Result<Option<Shared>, String> {
         if names.is_empty() || fits.is_empty() {
             return Ok(None);
         }
-        let case_of = |fit: &Fitted| cases.iter().find(|c| c.subject.name == fit.run);
+        let case_of = |fit: &RunFit| cases.iter().find(|c| c.subject.name == fit.run);
         let mut models = Vec::new();
         for fit in fits.iter() {
             let Some(case) = case_of(fit) else { continue };

@@ -8,7 +8,7 @@ use crate::cli::layouts;
 use crate::cli::{MessageFormat, Outcome, read};
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::at_bounds;
-use crate::identify::study::Fitted;
+use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping, restitution};
 use crate::model::Layout;
 use crate::source::SIZE_LIMIT;
@@ -22,14 +22,14 @@ use std::path::{Component, Path};
 pub fn files(
     cases: &[Case],
     groups: &[Group],
-    fits: &[Fitted],
+    fits: &[RunFit],
     output: &Path,
 ) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
     let mut out: Vec<(String, Vec<u8>)> = Vec::new();
     let names = layouts::names(cases.iter().map(|c| c.layout.as_path()), "-fitted");
     for group in groups {
-        let own: Vec<&Fitted> = fits.iter().filter(|fit| group.has(&fit.run)).collect();
-        let of_first = |first: &&Fitted| cases.iter().find(|case| case.subject.name == first.run);
+        let own: Vec<&RunFit> = fits.iter().filter(|fit| group.has(&fit.run)).collect();
+        let of_first = |first: &&RunFit| cases.iter().find(|case| case.subject.name == first.run);
         let Some((first, case)) = own.first().and_then(|first| Some((first, of_first(first)?))) else { continue };
         let mut simulation = first.input(&case.subject);
         for p in Parameter::ALL {
@@ -63,7 +63,7 @@ fn name(layout: &str, group: &Group, groups: &[Group]) -> String {
 }
 
 /// What the file is, and whether its values may be believed.
-fn head(layout: &Layout, group: &Group, fits: &[&Fitted]) -> String {
+fn head(layout: &Layout, group: &Group, fits: &[&RunFit]) -> String {
     let runs = fits.len();
     let mut out = format!(
         "// `{}` at {} with the parameters that {runs} measured {} for, by `lss identify`.\n",
@@ -97,8 +97,8 @@ fn head(layout: &Layout, group: &Group, fits: &[&Fitted]) -> String {
 fn law_note(law: ContactLaw) -> String {
     match law {
         ContactLaw::HerbertMcwhannell => String::new(),
-        ContactLaw::KelvinVoigt => "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
-        _ => "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
+        ContactLaw::KelvinVoigt => "// RunFit with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
+        _ => "// RunFit with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::chain_input::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::{Warning, at_bounds, warning};
 use crate::identify::share::Shared;
-use crate::identify::study::{CONFIDENCE, Estimate, Fitted};
+use crate::identify::study::{CONFIDENCE, Estimate, RunFit};
 use crate::identify::{Parameter, interval};
 use clap::ValueEnum;
 use serde::Serialize;
@@ -18,11 +18,11 @@ pub struct LawReport<'a> {
     /// Root mean square over runs.
     pub objective: f64,
     pub shared: BTreeMap<String, Estimate>,
-    pub runs: BTreeMap<&'a str, &'a Fitted>,
+    pub runs: BTreeMap<&'a str, &'a RunFit>,
 }
 
 impl<'a> LawReport<'a> {
-    pub fn new(law: ContactLaw, fits: &'a [Fitted], shared: &[Shared]) -> LawReport<'a> {
+    pub fn new(law: ContactLaw, fits: &'a [RunFit], shared: &[Shared]) -> LawReport<'a> {
         let squares: f64 = fits.iter().map(|f| f.objective * f.objective).sum();
         let mut estimates = BTreeMap::new();
         for shared in shared {
@@ -50,7 +50,7 @@ impl<'a> LawReport<'a> {
     }
 
     /// The fits of a group's runs.
-    pub fn of<'b>(&'b self, group: &'b Group) -> impl Iterator<Item = &'a Fitted> + 'b {
+    pub fn of<'b>(&'b self, group: &'b Group) -> impl Iterator<Item = &'a RunFit> + 'b {
         self.runs.values().copied().filter(|fit| group.has(&fit.run))
     }
 }

@@ -4,7 +4,7 @@ use super::reports::LawReport;
 use crate::base::number::fixed;
 use crate::identify::Parameter;
 use crate::identify::groups::{Group, quartiles};
-use crate::identify::study::Fitted;
+use crate::identify::study::RunFit;
 use crate::report::identification::digits;
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ pub fn text(laws: &[LawReport], groups: &[Group]) -> String {
     out
 }
 
-fn run(fit: &Fitted) -> String {
+fn run(fit: &RunFit) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -78,7 +78,7 @@ fn run(fit: &Fitted) -> String {
 
 /// Median, quartiles and bounds met over the runs of a group.
 fn summary(law: &LawReport, group: &Group) -> String {
-    let fits: Vec<&Fitted> = law.of(group).collect();
+    let fits: Vec<&RunFit> = law.of(group).collect();
     if fits.is_empty() {
         return String::new();
     }
@@ -108,7 +108,7 @@ fn summary(law: &LawReport, group: &Group) -> String {
 }
 
 /// What a run can tell, before it is fitted.
-pub fn identifiability(fit: &Fitted) -> String {
+pub fn identifiability(fit: &RunFit) -> String {
     let mut out = format!("{}: {} laps\n", fit.run, fixed(fit.laps, 2));
     for p in Parameter::ALL {
         let Some(e) = fit.parameters.get(p.name()).filter(|e| e.fitted) else { continue };

@@ -7,7 +7,7 @@
 //! grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean squares, which are blind to a few of a
 //! thousand features: it speaks against what strikes the other way round.
 
-use super::Fitted;
+use super::FittedRun;
 use super::impacts::{self, RAILS, Suspect};
 use crate::base::trig;
 use crate::gap::simulator::{Band, Frame, Label};
@@ -124,12 +124,12 @@ impl Line {
 
 impl Impact {
     /// Blows at suspects' places as a fitted run has them.
-    pub fn all(suspects: &[Suspect], run: &Fitted) -> Vec<Impact> {
+    pub fn all(suspects: &[Suspect], run: &FittedRun) -> Vec<Impact> {
         let places = suspects.iter().filter(|s| s.struck).flat_map(|s| RAILS[s.rail].iter().map(move |f| (s.at, *f)));
         places.map(|(at, force)| Impact::new(run, at, force)).collect()
     }
 
-    fn new(run: &Fitted, at: f64, force: usize) -> Impact {
+    fn new(run: &FittedRun, at: f64, force: usize) -> Impact {
         let lap = run.model.spec.places.lap;
         let parts = impacts::parts(lap);
         let part = (impacts::part_of(at, lap, parts).0 + parts - 1) % parts;
@@ -172,7 +172,7 @@ pub struct ForceSlopes<'a> {
 }
 
 impl<'a> ForceSlopes<'a> {
-    pub fn new(run: &'a Fitted) -> ForceSlopes<'a> {
+    pub fn new(run: &'a FittedRun) -> ForceSlopes<'a> {
         let lap = run.model.spec.places.lap;
         ForceSlopes { impacts: &run.impacts, lap, sums: vec![empty(lap); FORCES] }
     }
@@ -194,7 +194,7 @@ impl<'a> ForceSlopes<'a> {
 }
 
 /// Adds impacts to a run as the diagnosis sees it, behind its other features.
-pub fn extend(frame: &mut Frame, run: &Fitted) {
+pub fn extend(frame: &mut Frame, run: &FittedRun) {
     let (lap, count) = (run.model.spec.places.lap, run.impacts.len());
     let length = lap / impacts::parts(lap) as f64;
     let mm = |x: f64| (1e3 * x.min(lap)).round() as i64;

@@ -1,7 +1,7 @@
 //! A fitted run as the diagnosis sees it: what its features are about, the repeatability, discrepancies, and slopes by
 //! the nuisances.
 
-use super::Fitted;
+use super::FittedRun;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
 use crate::identify::Parameter;
 use crate::identify::accumulator::Block;
@@ -18,7 +18,7 @@ const FLOOR_DEVIATION: f64 = 1.0;
 const LEAST: f64 = 1e-9;
 
 /// The run as the diagnosis sees it, but for impacts; the chain's speed is the last feature.
-pub fn frame(name: &str, run: &Fitted) -> Frame {
+pub fn frame(name: &str, run: &FittedRun) -> Frame {
     let landing = &run.landing;
     let mut labels = labels(run);
     labels.push(Label { channel: "speed".into(), band: Band::Drift, index: 0, from: 0, to: lap_mm(run) });
@@ -52,7 +52,7 @@ pub fn frame(name: &str, run: &Fitted) -> Frame {
 }
 
 /// Deviations of single laps as those of as many passes as each feature is a mean over.
-pub fn scatter(run: &Fitted, single: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub fn scatter(run: &FittedRun, single: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let roots: Vec<f64> = run.landing.passes.iter().map(|passes| passes.sqrt()).collect();
     let each = |lap: &Vec<f64>| lap.iter().zip(&roots).map(|(x, root)| x / root).chain([0.0]).collect();
     single.iter().map(each).collect()
@@ -65,7 +65,7 @@ fn telling(variance: f64) -> f64 {
 }
 
 /// Of a nuisance's step from where the fit ended.
-fn prior(run: &Fitted, j: usize) -> (f64, f64) {
+fn prior(run: &FittedRun, j: usize) -> (f64, f64) {
     let Some(p) = Parameter::ALL.get(j) else {
         return (0.0, FLOOR_DEVIATION / crate::identify::FLOOR_SCALE);
     };
@@ -74,18 +74,18 @@ fn prior(run: &Fitted, j: usize) -> (f64, f64) {
 }
 
 /// Of a nuisance's step: within its range, and no farther than slopes were taken.
-fn bounds(run: &Fitted, j: usize) -> (f64, f64) {
+fn bounds(run: &FittedRun, j: usize) -> (f64, f64) {
     let Some(p) = Parameter::ALL.get(j) else { return (-1.0, 1.0) };
     let (low, high) = run.model.range(*p);
     let share = |x: f64| ((x - run.landing.at[j]) / p.reach()).clamp(-1.0, 1.0);
     (share(low), share(high))
 }
 
-fn lap_mm(run: &Fitted) -> i64 {
+fn lap_mm(run: &FittedRun) -> i64 {
     (1e3 * run.model.spec.places.lap).round() as i64
 }
 
-fn labels(run: &Fitted) -> Vec<Label> {
+fn labels(run: &FittedRun) -> Vec<Label> {
     let places = &run.model.spec.places;
     let mut counted: BTreeMap<Block, usize> = BTreeMap::new();
     let lap = lap_mm(run);

@@ -1,6 +1,6 @@
 //! Where something strikes a rail: the places at which a step is looked for.
 
-use super::Fitted;
+use super::FittedRun;
 use crate::base::trig;
 use crate::effects::rail_step;
 use crate::effects::sites::Site;
@@ -90,7 +90,7 @@ impl Suspect {
 
 /// Where steps of the rails may be: where each rail is struck hardest, which is seen beside whatever else is wrong with
 /// its channels, and in the cells in which these are worst.
-pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
+pub fn suspects(frames: &[Frame], runs: &[FittedRun]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
     let places = &first.model.spec.places;
     let cell = places.lap / places.cells as f64;
@@ -112,7 +112,7 @@ pub fn suspects(frames: &[Frame], runs: &[Fitted]) -> Vec<Suspect> {
 }
 
 /// Where cells begin, those in which channels are worst first, m.
-fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
+fn worst(frames: &[Frame], runs: &[FittedRun], forces: &[usize]) -> Vec<f64> {
     let mut cells: BTreeMap<i64, f64> = BTreeMap::new();
     for (frame, run) in frames.iter().zip(runs) {
         let residual = frame.residual(&frame.nominal);
@@ -131,7 +131,7 @@ fn worst(frames: &[Frame], runs: &[Fitted], forces: &[usize]) -> Vec<f64> {
 }
 
 /// Where an impact begins that is strongest in a cell in all runs, m; none where nothing strikes.
-fn struck(runs: &[Fitted], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
+fn struck(runs: &[FittedRun], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
     let parts = runs.first()?.high_frequency_power.first()?.len();
     let length = runs.first()?.model.spec.places.lap / parts as f64;
     let of = |part: usize, force: usize| {

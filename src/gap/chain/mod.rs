@@ -14,7 +14,7 @@ use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::{CartRecord, Ensemble, Width};
 use crate::effects::sites::Site;
-use crate::effects::{AS_BUILT, Effect, Fitted as Looked, LIBRARY, Sensed, Sites, Start, deviations_of, named, sense};
+use crate::effects::{AS_BUILT, Effect, LIBRARY, Sensed, Sites, Start, StrengthSearch, deviations_of, named, sense};
 use crate::identify::accumulator::FeatureAccumulator;
 use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
@@ -48,14 +48,14 @@ const SENSOR_CARTS: usize = 14;
 
 /// A campaign's runs on chains.
 pub struct Chains {
-    runs: Vec<Fitted>,
+    runs: Vec<FittedRun>,
     frames: Vec<Frame>,
     candidates: Vec<Candidate>,
     threads: usize,
 }
 
 /// A run, fitted.
-struct Fitted {
+struct FittedRun {
     model: Model,
     landing: Landing,
     /// Laps, and where along the lap the run begins, m.
@@ -96,7 +96,7 @@ impl Chains {
             tell(&subject.name);
             found
         });
-        let mut runs = fitted.into_iter().collect::<Result<Vec<Fitted>, _>>()?;
+        let mut runs = fitted.into_iter().collect::<Result<Vec<FittedRun>, _>>()?;
         set_tops(&mut runs);
         let mut frames: Vec<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
         let suspects = impacts::suspects(&frames, &runs);
@@ -148,7 +148,7 @@ impl Chains {
     }
 
     fn offer(&mut self, effect: &'static Effect, site: Site, beside: Option<usize>) {
-        let strength = |(s, fitted): (&StrengthDefinition, &Looked)| Strength {
+        let strength = |(s, fitted): (&StrengthDefinition, &StrengthSearch)| Strength {
             name: s.name.to_owned(),
             unit: s.unit.to_owned(),
             trial: fitted.trial,
@@ -326,7 +326,7 @@ impl Simulator for Chains {
     }
 }
 
-impl Fitted {
+impl FittedRun {
     /// The model with effects.
     fn with(&self, effects: Vec<input::Effect>) -> Model {
         let mut model = self.model.clone();

@@ -1,6 +1,6 @@
 //! The nominal chain fitted to a run, and what its sensors reach.
 
-use super::Fitted;
+use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::high_frequency_power;
 use crate::base::trig;
@@ -19,7 +19,7 @@ pub const STEPS: usize = 3;
 const FEW: usize = 5;
 
 /// Fits the nominal model to a run.
-pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fitted, String> {
+pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<FittedRun, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let mut simulation = subject.simulation.clone();
@@ -32,7 +32,7 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
     let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
-    Ok(Fitted {
+    Ok(FittedRun {
         laps: measured.laps,
         begin,
         tops: [0.0; FORCES],
@@ -64,7 +64,7 @@ fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
 
 /// The largest forces of channels that do not clip, so that at the loss which the runs have on average each ends where
 /// it was measured to: an amplifier's end is one force, whatever a run's largest.
-pub fn set_tops(runs: &mut [Fitted]) {
+pub fn set_tops(runs: &mut [FittedRun]) {
     for k in 0..FORCES {
         let known: Vec<(f64, f64)> = runs.iter().map(|r| r.highs[k]).filter(|(m, s)| *m > 0.0 && *s > 0.0).collect();
         let mean = known.iter().map(|(m, s)| 1.0 - m / s).sum::<f64>() / known.len().max(1) as f64;

@@ -34,7 +34,7 @@ pub(super) type Rows = Vec<Vec<f64>>;
 pub(super) type Simulate<'a> = &'a dyn Fn(&[Vec<f64>]) -> Vec<Result<Rows, Error>>;
 
 /// A part with its nuisances fitted.
-pub(super) struct Fitted {
+pub(super) struct FittedPart {
     /// The nuisances, from 0 at their lower bounds to 1 at their upper ones.
     pub at: Vec<f64>,
     pub windows: Windows,
@@ -65,7 +65,7 @@ pub(super) struct Fitter<'a> {
 }
 
 /// The state of a fit.
-struct Point {
+struct TrialPoint {
     at: Vec<f64>,
     rows: Rows,
 }
@@ -76,9 +76,9 @@ impl Fitter<'_> {
     /// # Errors
     ///
     /// What the model says against being simulated at its nominal nuisances, and [`Error::Nothing`].
-    pub fn fit(&self, again: &dyn Fn(&[f64]) -> Result<Rows, Error>) -> Result<Fitted, Error> {
+    pub fn fit(&self, again: &dyn Fn(&[f64]) -> Result<Rows, Error>) -> Result<FittedPart, Error> {
         let start: Vec<f64> = self.nuisances.iter().map(|n| share(n, n.nominal)).collect();
-        let mut point = Point { rows: self.one(&start)?, at: start.clone() };
+        let mut point = TrialPoint { rows: self.one(&start)?, at: start.clone() };
         let mut slopes = self.slopes(&point);
         let mut windows = Windows::new(self.part, FIRST_WINDOWS);
         let mut repeatability = self.repeatability(&windows, &point, None);
@@ -126,7 +126,7 @@ impl Fitter<'_> {
             true => DMatrix::zeros(measured.len(), 0),
             false => DMatrix::from_columns(&columns),
         };
-        Ok(Fitted { at: point.at, windows, measured, nominal, repeatability, slopes: matrix })
+        Ok(FittedPart { at: point.at, windows, measured, nominal, repeatability, slopes: matrix })
     }
 
     fn one(&self, at: &[f64]) -> Result<Rows, Error> {
@@ -135,14 +135,14 @@ impl Fitter<'_> {
     }
 
     /// Measured less simulated.
-    fn left(&self, point: &Point) -> Rows {
+    fn left(&self, point: &TrialPoint) -> Rows {
         let less = |(m, s): (&Vec<f64>, &Vec<f64>)| m.iter().zip(s).map(|(m, s)| m - s).collect();
         self.part.channels.iter().zip(&point.rows).map(less).collect()
     }
 
     /// Of each nuisance the change of samples with it. What cannot be simulated on one side is taken from the other; on
     /// neither, it counts as none.
-    fn slopes(&self, point: &Point) -> Vec<Rows> {
+    fn slopes(&self, point: &TrialPoint) -> Vec<Rows> {
         let moved = |k: usize, by: f64| {
             let mut at = point.at.clone();
             at[k] = (at[k] + by).clamp(0.0, 1.0);
@@ -166,7 +166,7 @@ impl Fitter<'_> {
         all
     }
 
-    fn repeatability(&self, windows: &Windows, point: &Point, repeated: Option<&[f64]>) -> Repeatability {
+    fn repeatability(&self, windows: &Windows, point: &TrialPoint, repeated: Option<&[f64]>) -> Repeatability {
         let (measured, count) = (windows.means(&self.part.channels), windows.count());
         let nominal = windows.means(&point.rows);
         let random_effect = |c: usize| {
@@ -199,7 +199,7 @@ impl Fitter<'_> {
         (DVector::from_fn(weights.len(), |i, _| of(i)), weights)
     }
 
-    fn cost(&self, windows: &Windows, repeatability: &Repeatability, point: &Point, start: &[f64]) -> f64 {
+    fn cost(&self, windows: &Windows, repeatability: &Repeatability, point: &TrialPoint, start: &[f64]) -> f64 {
         let off = point.at.iter().zip(start).map(|(a, b)| (a - b) * (a - b) / (PRIOR * PRIOR)).sum::<f64>();
         self.residuals(windows, repeatability, &point.rows).0.norm_squared() + off
     }
@@ -210,7 +210,7 @@ impl Fitter<'_> {
         &self,
         w: &Windows,
         repeatability: &Repeatability,
-        point: &Point,
+        point: &TrialPoint,
         slopes: &[Rows],
         start: &[f64],
     ) -> DVector<f64> {
@@ -252,16 +252,16 @@ impl Fitter<'_> {
         &self,
         w: &Windows,
         repeatability: &Repeatability,
-        from: &Point,
+        from: &TrialPoint,
         step: &DVector<f64>,
         start: &[f64],
-    ) -> Option<Point> {
+    ) -> Option<TrialPoint> {
         let before = self.cost(w, repeatability, from, start);
         let mut share = 1.0;
         for _ in 0..8 {
             let at: Vec<f64> = from.at.iter().zip(step.iter()).map(|(a, s)| (a + share * s).clamp(0.0, 1.0)).collect();
             if let Ok(rows) = self.one(&at) {
-                let next = Point { at, rows };
+                let next = TrialPoint { at, rows };
                 if self.cost(w, repeatability, &next, start) < before {
                     return Some(next);
                 }

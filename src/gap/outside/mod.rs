@@ -18,7 +18,7 @@ pub use error::Error;
 
 use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator};
 use data::RunPart;
-use fit::{Fitted, Fitter, Rows};
+use fit::{FittedPart, Fitter, Rows};
 use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
 use std::collections::BTreeMap;
@@ -167,7 +167,7 @@ impl Outside {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn fit(&self, part: &RunPart) -> Result<Fitted, Error> {
+    fn fit(&self, part: &RunPart) -> Result<FittedPart, Error> {
         let simulate = |points: &[Vec<f64>]| in_parallel(points, self.pool.most(), |at| self.ask(part, at, &[]));
         let accuracy: Vec<f64> =
             self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
@@ -179,9 +179,9 @@ impl Outside {
     }
 
     /// A fitted part becomes a run of the diagnosis.
-    fn keep(&mut self, part: RunPart, fitted: Fitted) {
+    fn keep(&mut self, part: RunPart, fitted: FittedPart) {
         let nuisances = &self.description.nuisances;
-        let Fitted { at, windows, measured, nominal, repeatability, slopes } = fitted;
+        let FittedPart { at, windows, measured, nominal, repeatability, slopes } = fitted;
         let lost = measured.iter().filter(|x| !x.is_finite()).count();
         if lost > 0 {
             let all = measured.len();

@@ -3,7 +3,7 @@
 use super::words::{band, percent, stretch};
 use crate::base::number::{fixed, ticks, trimmed};
 use crate::gap::{Axis, Diagnosis, Place};
-use crate::report::lap::lap_track::{Kind, LapTrack};
+use crate::report::lap::lap_track::{LapTrack, PartKind};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
 
@@ -181,7 +181,7 @@ fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -
             figcaption { b { "Channel by channel" } ", share of the gap over " (if axis == Axis::Track { "arc length, m" } else { "time, s" })
                 @if track.is_some() { "; shaded above: curves, ramps and spirals" } }
             svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
-                @for part in track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != Kind::Straight) {
+                @for part in track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != PartKind::Straight) {
                     rect class=(part.kind.class()) x=(fixed(x(part.from), 1)) y="0" width=(fixed(x(part.to) - x(part.from), 1)) height="8" {}
                 }
                 @for (k, ((channel, share), values)) in rows.iter().zip(&columns).enumerate() {

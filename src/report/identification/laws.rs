@@ -4,11 +4,11 @@ use super::name;
 use crate::base::number::fixed;
 use crate::chain_input::ContactLaw;
 use crate::identify::groups::{Group, quartiles};
-use crate::identify::study::Fitted;
+use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping};
 use maud::{Markup, html};
 
-pub fn comparison(laws: &[(ContactLaw, &[Fitted])], groups: &[Group]) -> Markup {
+pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[Group]) -> Markup {
     html! {
         h2 { "Laws" }
         p { "At equal stiffness, exponent and approach speed all laws but Kelvin and Voigt's are one law in other coordinates: what χ one finds, "
@@ -22,7 +22,7 @@ pub fn comparison(laws: &[(ContactLaw, &[Fitted])], groups: &[Group]) -> Markup 
     }
 }
 
-fn table(laws: &[(ContactLaw, &[Fitted])], group: &Group) -> Markup {
+fn table(laws: &[(ContactLaw, &[RunFit])], group: &Group) -> Markup {
     html! {
         div.scroll { table {
             thead { tr {
@@ -35,7 +35,7 @@ fn table(laws: &[(ContactLaw, &[Fitted])], group: &Group) -> Markup {
     }
 }
 
-fn row(law: ContactLaw, fits: &[&Fitted]) -> Markup {
+fn row(law: ContactLaw, fits: &[&RunFit]) -> Markup {
     let of = |p: Parameter| fits.iter().filter_map(move |fit| fit.parameters.get(p.name())).filter(|e| e.fitted);
     let quarters = |p: Parameter| quartiles(of(p).map(|e| e.value));
     let held = Parameter::RESTITUTIONS.into_iter().flat_map(of).filter(|e| e.at_bound).count();

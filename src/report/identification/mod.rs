@@ -9,7 +9,7 @@ use crate::chain_input::ContactLaw;
 use crate::identify::Parameter;
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::{Warning, warning};
-use crate::identify::study::{Estimate, Fitted};
+use crate::identify::study::{Estimate, RunFit};
 use crate::report::style::document;
 use clap::ValueEnum;
 use intervals::{Band, Row, intervals};
@@ -19,10 +19,10 @@ use maud::{Markup, html};
 const OPEN: usize = 3;
 
 /// The page of a study: laws in the order they were fitted, each with its runs; `groups` are the runs by set point.
-pub fn page(laws: &[(ContactLaw, &[Fitted])], shared: &[Parameter], groups: &[Group]) -> String {
+pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Group]) -> String {
     let Some((law, fits)) = laws.first() else { return document("Identification", "", &html! {}) };
-    let of = |group: &Group| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&Fitted>>();
-    let bands: Vec<(&Group, Vec<&Fitted>)> =
+    let of = |group: &Group| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&RunFit>>();
+    let bands: Vec<(&Group, Vec<&RunFit>)> =
         groups.iter().map(|group| (group, of(group))).filter(|(_, fits)| !fits.is_empty()).collect();
     let limits: Vec<f64> = fits.iter().map(|fit| fit.goodness.limit.objective).collect();
     let limit = limits.iter().copied().fold(f64::INFINITY, f64::min);
@@ -76,13 +76,13 @@ fn bounds(p: Parameter) -> Vec<f64> {
 }
 
 /// A heading for a set point, where there are several.
-fn heading(groups: &[(&Group, Vec<&Fitted>)], group: &Group) -> String {
+fn heading(groups: &[(&Group, Vec<&RunFit>)], group: &Group) -> String {
     let others = groups.iter().map(|(other, _)| *other);
     if groups.len() > 1 { format!("{}, {}", group.short(others), group.set_point()) } else { String::new() }
 }
 
-fn objectives(groups: &[(&Group, Vec<&Fitted>)]) -> Vec<Band> {
-    let row = |fit: &&Fitted| Row {
+fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
+    let row = |fit: &&RunFit| Row {
         name: fit.run.clone(),
         value: fit.objective,
         interval: None,
@@ -90,7 +90,7 @@ fn objectives(groups: &[(&Group, Vec<&Fitted>)]) -> Vec<Band> {
         hollow: false,
         warned: !fit.fits(),
     };
-    let band = |(group, fits): &(&Group, Vec<&Fitted>)| Band {
+    let band = |(group, fits): &(&Group, Vec<&RunFit>)| Band {
         name: heading(groups, group),
         quartiles: quartiles(fits.iter().map(|fit| fit.objective)),
         rows: fits.iter().map(row).collect(),
@@ -98,8 +98,8 @@ fn objectives(groups: &[(&Group, Vec<&Fitted>)]) -> Vec<Band> {
     groups.iter().map(band).collect()
 }
 
-fn estimates(groups: &[(&Group, Vec<&Fitted>)], p: Parameter) -> Vec<Band> {
-    let row = |fit: &&Fitted| {
+fn estimates(groups: &[(&Group, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
+    let row = |fit: &&RunFit| {
         let e = fit.parameters.get(p.name())?;
         let held = e.at_bound && e.fitted;
         Some(Row {
@@ -111,14 +111,14 @@ fn estimates(groups: &[(&Group, Vec<&Fitted>)], p: Parameter) -> Vec<Band> {
             warned: held,
         })
     };
-    let band = |(group, fits): &(&Group, Vec<&Fitted>)| {
+    let band = |(group, fits): &(&Group, Vec<&RunFit>)| {
         let values = fits.iter().filter_map(|fit| fit.parameters.get(p.name())).map(|e| e.value);
         Band { name: heading(groups, group), quartiles: quartiles(values), rows: fits.iter().filter_map(row).collect() }
     };
     groups.iter().map(band).collect()
 }
 
-fn lead(law: ContactLaw, fits: &[Fitted]) -> String {
+fn lead(law: ContactLaw, fits: &[RunFit]) -> String {
     let runs = fits.len();
     let bad = fits.iter().filter(|fit| !fit.fits()).count();
     let held: usize = fits.iter().map(|fit| crate::identify::lack_of_fit::at_bounds(fit).len()).sum();
@@ -149,7 +149,7 @@ fn told(warning: &Warning) -> Markup {
 }
 
 /// Means along the track of all channels.
-fn pictures(fit: &Fitted, runs: usize) -> Markup {
+fn pictures(fit: &RunFit, runs: usize) -> Markup {
     html! {
         details open[runs <= OPEN || !fit.fits()] {
             summary { b { (fit.run) } ", objective " (fixed(fit.objective, 2)) }
@@ -158,7 +158,7 @@ fn pictures(fit: &Fitted, runs: usize) -> Markup {
     }
 }
 
-fn run(fit: &Fitted) -> Markup {
+fn run(fit: &RunFit) -> Markup {
     let correlations = fit.correlations();
     let worst = |p: Parameter| {
         let others = Parameter::ALL.into_iter().filter(|q| *q != p);

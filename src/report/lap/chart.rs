@@ -1,6 +1,6 @@
 //! Line charts in SVG: a channel along the track, a spectrum, the supports.
 
-use super::lap_track::{Kind, LapTrack};
+use super::lap_track::{LapTrack, PartKind};
 use crate::base::number::{fixed, ticks, trimmed};
 use crate::base::trig;
 use crate::signal::SupportLoad;
@@ -60,7 +60,7 @@ pub fn frame(scale: &Scale, unit: &str) -> Markup {
 /// Curves, climbs, spirals and motors behind a chart.
 pub fn shades(track: &LapTrack, scale: &Scale) -> Markup {
     html! {
-        @for part in track.parts.iter().filter(|part| part.kind != Kind::Straight) {
+        @for part in track.parts.iter().filter(|part| part.kind != PartKind::Straight) {
             rect class=(part.kind.class()) x=(fixed(scale.x(part.from), 1)) y=(TOP)
                 width=(fixed(scale.x(part.to) - scale.x(part.from), 1)) height=(HEIGHT - TOP - BELOW) {}
         }

@@ -6,7 +6,7 @@ use crate::geometry::CentreLine;
 
 /// Kinds of stretches that are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PartKind {
     Straight,
     Curve,
     /// A vertical curve or an inclined straight.
@@ -14,14 +14,14 @@ pub enum Kind {
     Spiral,
 }
 
-impl Kind {
+impl PartKind {
     /// Its class in the style sheet.
     pub fn class(self) -> &'static str {
         match self {
-            Kind::Straight => "",
-            Kind::Curve => "curve",
-            Kind::Climb => "climb",
-            Kind::Spiral => "spiral",
+            PartKind::Straight => "",
+            PartKind::Curve => "curve",
+            PartKind::Climb => "climb",
+            PartKind::Spiral => "spiral",
         }
     }
 }
@@ -29,7 +29,7 @@ impl Kind {
 /// A stretch of the track with the name that hotspots use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackPart {
-    pub kind: Kind,
+    pub kind: PartKind,
     /// Arc length where it begins and ends, m.
     pub from: f64,
     pub to: f64,
@@ -64,28 +64,28 @@ impl LapTrack {
             let (kind, name) = match *piece {
                 Piece::Straight { slope, .. } if slope != 0.0 => {
                     let way = if slope > 0.0 { "up" } else { "down" };
-                    (Kind::Climb, format!("the slope {way} ({} %)", trimmed(slope.abs() * 100.0, 1)))
+                    (PartKind::Climb, format!("the slope {way} ({} %)", trimmed(slope.abs() * 100.0, 1)))
                 }
                 Piece::Straight { .. } => {
                     let name = match &last_curve {
                         Some(curve) => format!("the straight behind {curve}"),
                         None => "the straight at the start".to_owned(),
                     };
-                    (Kind::Straight, name)
+                    (PartKind::Straight, name)
                 }
                 Piece::Arc { radius, turn_deg } => {
                     curves += 1;
                     last_curve = Some(format!("curve {curves}"));
-                    (Kind::Curve, format!("curve {curves} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
+                    (PartKind::Curve, format!("curve {curves} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
                 }
                 Piece::Spiral { radius, turn_deg, .. } => {
                     spirals += 1;
                     last_curve = Some(format!("spiral {spirals}"));
-                    (Kind::Spiral, format!("spiral {spirals} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
+                    (PartKind::Spiral, format!("spiral {spirals} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
                 }
                 Piece::Vertical { radius, .. } => {
                     verticals += 1;
-                    (Kind::Climb, format!("vertical curve {verticals} ({} m)", trimmed(radius, 3)))
+                    (PartKind::Climb, format!("vertical curve {verticals} ({} m)", trimmed(radius, 3)))
                 }
             };
             parts.push(TrackPart { kind, from: s, to, name });

@@ -166,7 +166,7 @@ fn pitch(simulation: &Simulation) -> f64 {
 /// Curves, climbs and spirals with the forces on them.
 fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
     let parts: Vec<&lap_track::TrackPart> =
-        track.parts.iter().filter(|part| part.kind != lap_track::Kind::Straight).collect();
+        track.parts.iter().filter(|part| part.kind != lap_track::PartKind::Straight).collect();
     let bounds: Vec<Section> = parts.iter().map(|p| Section { name: p.name.clone(), from: p.from, to: p.to }).collect();
     let columns: Vec<(Channel, Vec<Option<Statistics>>)> =
         [Channel::SteerLeft, Channel::SteerRight, Channel::RunLeft, Channel::RunRight, Channel::JointXi]

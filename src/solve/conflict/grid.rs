@@ -3,7 +3,7 @@
 //! A line is left out of the layout itself, and stage 3 begins again from the continuous optimum, which meets all
 //! lines.
 
-use super::lines::{Kind, Lines, Role};
+use super::lines::{LineKind, Lines, Role};
 use super::search::{Search, Set, meets};
 use super::{Conflict, Examiner, Member, Proof, Relaxed, Within, decided, unit, words};
 use crate::geometry::Track;
@@ -82,9 +82,9 @@ impl GridStage<'_> {
         let line = &self.lines.list[line];
         let measured = |formula: &Formula| distance_to_obstacle(formula);
         match line.kind {
-            Kind::Room => false,
+            LineKind::Room => false,
             // Formulas count obstacles.
-            Kind::Obstacle => !self.layout.constraints.iter().any(|c| match &c.kind {
+            LineKind::Obstacle => !self.layout.constraints.iter().any(|c| match &c.kind {
                 ConstraintKind::Require { formula, .. } => measured(formula),
                 _ => false,
             }),
@@ -100,18 +100,18 @@ impl GridStage<'_> {
                 continue;
             }
             match line.kind {
-                Kind::Turns => layout.turns.value = layout.catalog.curve.turns,
-                Kind::Radii => {
+                LineKind::Turns => layout.turns.value = layout.catalog.curve.turns,
+                LineKind::Radii => {
                     let all = &layout.catalog.curve.radii;
                     let ends = (all.first().copied(), all.last().copied());
                     if let (Some(low), Some(high)) = ends {
                         layout.radii.value = Interval { low, high };
                     }
                 }
-                Kind::Building => layout.building = None,
-                Kind::Obstacle => layout.obstacles.retain(|o| o.span != line.span),
-                Kind::Room => {}
-                Kind::Fix | Kind::Require => layout.constraints.retain(|c| c.span != line.span),
+                LineKind::Building => layout.building = None,
+                LineKind::Obstacle => layout.obstacles.retain(|o| o.span != line.span),
+                LineKind::Room => {}
+                LineKind::Fix | LineKind::Require => layout.constraints.retain(|c| c.span != line.span),
             }
         }
         layout
@@ -153,7 +153,7 @@ impl GridStage<'_> {
     /// How far a line must give way for the others to hold, with the turns and radii of a layout without it.
     fn relaxed(&self, examiner: &Examiner, line: usize, others: &Set, near: &[f64]) -> Option<Relaxed> {
         let stated = &self.lines.list[line];
-        if matches!(stated.kind, Kind::Turns | Kind::Radii) {
+        if matches!(stated.kind, LineKind::Turns | LineKind::Radii) {
             return None;
         }
         let role = |i: usize| match others.contains(&i) {

@@ -6,7 +6,7 @@
 //! Where a problem is not convex a search that gets stuck proves little, so a line is reported only where it and all
 //! that resists are equations, whose gradients are then dependent, or linear, which makes the answer exact.
 
-use super::lines::{Kind, Lines, Role};
+use super::lines::{LineKind, Lines, Role};
 use super::search::Search;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
@@ -34,7 +34,7 @@ pub fn implied(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
     let mut gone = BTreeSet::new();
     let mut said = Vec::new();
     // Of two lines that say the same, the later one is reported; it is then no reason for the other.
-    let user = |i: &usize| matches!(lines.list[*i].kind, Kind::Fix | Kind::Require);
+    let user = |i: &usize| matches!(lines.list[*i].kind, LineKind::Fix | LineKind::Require);
     let mut order: Vec<usize> = (0..lines.list.len()).filter(user).collect();
     order.sort_by_key(|&i| std::cmp::Reverse((lines.list[i].span.file.0, lines.list[i].span.start)));
     for i in order {

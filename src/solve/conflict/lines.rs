@@ -9,7 +9,7 @@ use crate::source::Span;
 
 /// What kind of statement a line is, which decides how a message speaks of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum LineKind {
     /// Limits of turns or radii that the layout narrows.
     Turns,
     Radii,
@@ -24,7 +24,7 @@ pub enum Kind {
 /// A statement, with the limits it sets.
 #[derive(Clone, Debug)]
 pub struct Line {
-    pub kind: Kind,
+    pub kind: LineKind,
     pub span: Span,
     pub rows: Vec<usize>,
     pub keepouts: Vec<usize>,
@@ -61,10 +61,10 @@ impl Lines {
                     let mut any = problem.rows[i].clone();
                     (any.low, any.high) = (offered.turns.low, offered.turns.high);
                     lines.problem.rows.push(any);
-                    (Kind::Turns, layout.turns.span)
+                    (LineKind::Turns, layout.turns.span)
                 }
                 _ if i < 2 * n => continue,
-                _ => (Kind::Room, problem.rows[i].span),
+                _ => (LineKind::Room, problem.rows[i].span),
             };
             lines.limit(kind, span, i);
         }
@@ -78,11 +78,11 @@ impl Lines {
             if bound.low < bound.high && (bound.low > low || bound.high < high) {
                 let label = format!("radius at {}", problem.vertices[i]);
                 let row = lines.variable(radius(i), bound.low, bound.high, label, layout.radii.span);
-                lines.limit(Kind::Radii, layout.radii.span, row);
+                lines.limit(LineKind::Radii, layout.radii.span, row);
             }
         }
         for (k, keepout) in problem.keepouts.iter().enumerate() {
-            let kind = if keepout.region.outside { Kind::Building } else { Kind::Obstacle };
+            let kind = if keepout.region.outside { LineKind::Building } else { LineKind::Obstacle };
             lines.line(kind, keepout.span).keepouts.push(k);
         }
         let slack = Interval { low: 0.0, high: f64::INFINITY };
@@ -108,7 +108,7 @@ impl Lines {
                 let value = problem.start[k];
                 let label = format!("fix {}", problem.variable_name(k));
                 let row = self.variable(k, value, value, label, constraint.span);
-                self.limit(Kind::Fix, constraint.span, row);
+                self.limit(LineKind::Fix, constraint.span, row);
                 let bound = &mut self.problem.bounds[k];
                 (bound.low, bound.high) = (f64::NEG_INFINITY, f64::INFINITY);
             }
@@ -121,7 +121,7 @@ impl Lines {
         self.problem.rows.len() - 1
     }
 
-    fn line(&mut self, kind: Kind, span: Span) -> &mut Line {
+    fn line(&mut self, kind: LineKind, span: Span) -> &mut Line {
         let at = match self.list.iter().position(|l| l.span == span && l.kind == kind) {
             Some(at) => at,
             None => {
@@ -133,7 +133,7 @@ impl Lines {
     }
 
     /// Gives a row to its line; one with two limits is split.
-    fn limit(&mut self, kind: Kind, span: Span, row: usize) {
+    fn limit(&mut self, kind: LineKind, span: Span, row: usize) {
         let (low, high) = (self.problem.rows[row].low, self.problem.rows[row].high);
         self.line(kind, span).rows.push(row);
         if low.is_finite() && high.is_finite() {
@@ -266,9 +266,9 @@ fn headings(layout: &Layout) -> Vec<(Span, usize)> {
     layout.constraints.iter().filter_map(held).collect()
 }
 
-fn kind_of(constraint: &ConstraintKind) -> Kind {
+fn kind_of(constraint: &ConstraintKind) -> LineKind {
     match constraint {
-        ConstraintKind::Require { .. } => Kind::Require,
-        _ => Kind::Fix,
+        ConstraintKind::Require { .. } => LineKind::Require,
+        _ => LineKind::Fix,
     }
 }

@@ -14,7 +14,7 @@ mod words;
 
 pub use grid::conflicts as grid;
 pub use implied::implied;
-pub use lines::Kind;
+pub use lines::LineKind;
 pub use words::diagnostic as said;
 
 use crate::geometry::clearance::lateral_offset;
@@ -62,7 +62,7 @@ pub enum Proof {
 /// A line of a conflict.
 #[derive(Clone, Debug)]
 pub struct Member {
-    pub kind: Kind,
+    pub kind: LineKind,
     pub span: Span,
     /// The side that an obstacle is taken to lie on.
     pub assumed: Option<Assumed>,
@@ -122,7 +122,7 @@ pub fn conflicts(layout: &Layout, failed: &Stage) -> Vec<Conflict> {
     let search = Search::thorough(layout, &problem, &lines, &to_variables(&failed.corners));
     let all: Set = (0..lines.list.len()).collect();
     // Stage 1 knows no obstacles, so it fails without any.
-    let obstacle = |i: &usize| lines.list[*i].kind == Kind::Obstacle;
+    let obstacle = |i: &usize| lines.list[*i].kind == LineKind::Obstacle;
     let first: Set = all.iter().copied().filter(|i| failed.name != "stage1" || !obstacle(i)).collect();
     let mut cores: Vec<(Core, Vec<Member>)> = Vec::new();
     let mut next = vec![first];
@@ -237,7 +237,7 @@ impl Examiner<'_> {
     }
 
     fn assumed(&self, line: &Line) -> Option<Assumed> {
-        let obstacle = self.layout.obstacles.iter().find(|o| line.kind == Kind::Obstacle && o.span == line.span)?;
+        let obstacle = self.layout.obstacles.iter().find(|o| line.kind == LineKind::Obstacle && o.span == line.span)?;
         let by = match obstacle.pass {
             _ if self.open.contains(&obstacle.span) => Decides::Neither,
             Some(_) => Decides::Pass,
@@ -261,8 +261,8 @@ fn confirm(search: &Search, unit: Unit, amount: f64, near: &[f64], role: &impl F
 fn unit(layout: &Layout, line: &Line) -> Unit {
     let written = layout.constraints.iter().find(|c| c.span == line.span).map(|c| &c.kind);
     match (line.kind, written) {
-        (Kind::Turns, _) => Unit::Radian,
-        (Kind::Require, Some(ConstraintKind::Require { unit, .. })) => *unit,
+        (LineKind::Turns, _) => Unit::Radian,
+        (LineKind::Require, Some(ConstraintKind::Require { unit, .. })) => *unit,
         _ => Unit::Metre,
     }
 }

@@ -1,6 +1,6 @@
 //! What a conflict is called, and what its lines would have to give way by, in words.
 
-use super::lines::Kind;
+use super::lines::LineKind;
 use super::{Assumed, Conflict, Decides, Member, Proof, Within};
 use crate::base::number::trimmed;
 use crate::base::trig::PI;
@@ -79,7 +79,7 @@ fn label(member: &Member) -> String {
         return assumed
             + match (&member.without, member.within) {
                 (None, _) => "no layout was found without this line",
-                (Some(_), _) if member.kind == Kind::Obstacle => {
+                (Some(_), _) if member.kind == LineKind::Obstacle => {
                     "no smaller clearance was found that would do: it has to be smaller, or elsewhere"
                 }
                 (Some(_), Within::Layout) => "no change of this line alone was found that would do",
@@ -90,13 +90,13 @@ fn label(member: &Member) -> String {
     };
     let by = &relaxed.text;
     let would_do = match member.kind {
-        Kind::Turns => format!("turns {by} beyond these limits"),
-        Kind::Radii => format!("radii {by} beyond these limits"),
-        Kind::Building => format!("walls {by} further out"),
-        Kind::Obstacle => format!("{by} closer"),
-        Kind::Room => format!("{by} less room"),
-        Kind::Fix => format!("{by} off its written place"),
-        Kind::Require => match member.lower {
+        LineKind::Turns => format!("turns {by} beyond these limits"),
+        LineKind::Radii => format!("radii {by} beyond these limits"),
+        LineKind::Building => format!("walls {by} further out"),
+        LineKind::Obstacle => format!("{by} closer"),
+        LineKind::Room => format!("{by} less room"),
+        LineKind::Fix => format!("{by} off its written place"),
+        LineKind::Require => match member.lower {
             Some(true) => format!("{by} less"),
             Some(false) => format!("{by} more"),
             None => format!("{by} off"),
