@@ -24,7 +24,7 @@ mod tracks;
 
 pub use judge::{Judged, Rank};
 pub use key::{Answer, Case, CaseKind, Facts, GapPart, Interval, Key, Level, Named, Truth};
-pub use score::{Accuracy, Line, Row, Score, score};
+pub use score::{Accuracy, Line, Score, ScoreRow, score};
 pub use statistics::{Bin, Mean, Share};
 
 /// Public facts of a challenge.

@@ -16,11 +16,11 @@ pub struct Score {
     pub failed: usize,
     /// One effect, pairs and sensors that are medium or strong.
     pub headline: Accuracy,
-    pub by_kind: Vec<Row>,
+    pub by_kind: Vec<ScoreRow>,
     /// One effect, pairs and sensors by strength over the repeatability.
-    pub by_level: Vec<Row>,
+    pub by_level: Vec<ScoreRow>,
     /// Cases with an effect, by each effect that they have.
-    pub by_effect: Vec<Row>,
+    pub by_effect: Vec<ScoreRow>,
     /// Of the cases without a gap, those that were said to have one.
     pub false_alarms: Share,
     /// Probability of "unknown": how well it parts unknown effects from all else, and those of medium and strong level
@@ -57,7 +57,7 @@ pub struct Accuracy {
 
 /// Accuracy of some cases.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ScoreRow {
     pub name: String,
     pub accuracy: Accuracy,
 }
@@ -101,18 +101,18 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
         headline: some(&|c| c.kind.nameable() && clear(c)),
         by_kind: CaseKind::ALL
             .into_iter()
-            .map(|kind| Row { name: kind.name().to_owned(), accuracy: some(&|c| c.kind == kind) })
+            .map(|kind| ScoreRow { name: kind.name().to_owned(), accuracy: some(&|c| c.kind == kind) })
             .collect(),
         by_level: Level::ALL
             .into_iter()
-            .map(|level| Row {
+            .map(|level| ScoreRow {
                 name: level.name().to_owned(),
                 accuracy: some(&|c| c.kind.nameable() && c.level == Some(level)),
             })
             .collect(),
         by_effect: effects
             .into_iter()
-            .map(|effect| Row {
+            .map(|effect| ScoreRow {
                 name: effect.to_owned(),
                 accuracy: some(&|c| c.truth.iter().any(|t| t.effect == effect)),
             })

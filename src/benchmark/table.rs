@@ -1,7 +1,7 @@
 //! A score as text for the terminal and as Markdown for the documentation.
 
 use super::key::Level;
-use super::score::{Accuracy, Line, Row, Score};
+use super::score::{Accuracy, Line, Score, ScoreRow};
 use super::statistics::{Mean, Share};
 use crate::base::number::{fixed, trimmed};
 use crate::effects::LIBRARY;
@@ -32,7 +32,7 @@ fn row(name: &str, a: &Accuracy) -> Vec<String> {
     std::iter::once(name.to_owned()).chain(shares).chain([mean(a.probability)]).collect()
 }
 
-fn accuracies(first: &str, rows: &[Row]) -> Cells {
+fn accuracies(first: &str, rows: &[ScoreRow]) -> Cells {
     let head = [first, "top-1", "top-3", "top-1 by group", "top-3 by group", "probability on the truth"];
     let rows = rows.iter().filter(|r| r.accuracy.top_1.of > 0).map(|r| row(&r.name, &r.accuracy));
     std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect()

@@ -5,7 +5,7 @@ use super::forces::{Evaluation, Forces, Memory};
 use super::law::Damped;
 use super::model::Model;
 use super::start::start;
-use super::state::{Accelerations, PACK, Row, State};
+use super::state::{Accelerations, PACK, PackRow, State};
 use super::width::Width;
 use crate::chain_input::Deviations;
 use crate::chain_input::Unfit;
@@ -97,7 +97,7 @@ impl Chain {
         let ends = model.cart.ends();
         let (mut axial, mut across) = (0.0_f64, 0.0_f64);
         for (loads, approach) in self.forces.loads.iter().zip(&self.memory.approach).take(model.carts / PACK) {
-            let strongest = |load: &Row, approach: &Row| {
+            let strongest = |load: &PackRow, approach: &PackRow| {
                 let each = load.iter().zip(approach).map(|(force, memory)| (force * memory).abs());
                 each.fold(0.0, |a, b| if b > a { b } else { a })
             };

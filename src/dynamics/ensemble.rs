@@ -6,7 +6,7 @@ use super::clock::Clock;
 use super::forces::Memory;
 use super::model::Model;
 use super::run::Method;
-use super::state::{PACK, Row, State};
+use super::state::{PACK, PackRow, State};
 use super::trouble::Trouble;
 use super::width::Width;
 use crate::chain_input::{Deviations, Simulation, Unfit};
@@ -186,8 +186,8 @@ struct Filters {
 #[derive(Clone, Copy, Default)]
 struct Pack {
     /// Memory of the filter.
-    delay: [[Row; 2]; FORCES],
-    out: [Row; FORCES],
+    delay: [[PackRow; 2]; FORCES],
+    out: [PackRow; FORCES],
 }
 
 impl Filters {
@@ -215,7 +215,7 @@ impl Filters {
 
 /// Forces of a pack in the order of a record, those of the joint being of the one behind, on the follower.
 #[inline(always)]
-fn rows(loads: &super::state::Loads) -> [Row; FORCES] {
+fn rows(loads: &super::state::Loads) -> [PackRow; FORCES] {
     let positive = |x: f64| if x > 0.0 { x } else { 0.0 };
     let [xi, eta, zeta] = loads.joint.map(|row| row.map(|x| -x));
     let [left, right] = loads.running.map(|row| row.map(f64::abs));

@@ -5,7 +5,7 @@
 //! carts. Closures are missing, too: only functions that are always inlined are compiled for the chosen instructions.
 //! `min` and `max` are missing on purpose, because processors differ in the sign of zero; [`Lane::select`] does not.
 
-use super::state::Row;
+use super::state::PackRow;
 use pulp::Simd;
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -49,13 +49,13 @@ impl<S: Simd> Lane<S> {
 
     /// From a row of a pack: its part number `part`.
     #[inline(always)]
-    pub fn of(simd: S, row: &Row, part: usize) -> Self {
+    pub fn of(simd: S, row: &PackRow, part: usize) -> Self {
         Lane { simd, value: S::as_simd_f64s(row).0[part] }
     }
 
     /// Into a row of a pack.
     #[inline(always)]
-    pub fn put(self, row: &mut Row, part: usize) {
+    pub fn put(self, row: &mut PackRow, part: usize) {
         S::as_mut_simd_f64s(row).0[part] = self.value;
     }
 
@@ -210,7 +210,7 @@ impl<S: Simd> Lane3<S> {
 
     /// From three rows of a pack.
     #[inline(always)]
-    pub fn of(simd: S, rows: &[Row; 3], part: usize) -> Self {
+    pub fn of(simd: S, rows: &[PackRow; 3], part: usize) -> Self {
         Lane3 {
             x: Lane::of(simd, &rows[0], part),
             y: Lane::of(simd, &rows[1], part),
@@ -220,7 +220,7 @@ impl<S: Simd> Lane3<S> {
 
     /// Into three rows of a pack.
     #[inline(always)]
-    pub fn put(self, rows: &mut [Row; 3], part: usize) {
+    pub fn put(self, rows: &mut [PackRow; 3], part: usize) {
         self.x.put(&mut rows[0], part);
         self.y.put(&mut rows[1], part);
         self.z.put(&mut rows[2], part);

@@ -2,7 +2,7 @@
 
 use super::law::{self, Damped, tangent};
 use super::segments::Segments;
-use super::state::{PACK, Row};
+use super::state::{PACK, PackRow};
 use crate::chain_input as input;
 use crate::chain_input::{ContactLaw, Deviations, Simulation, Unfit};
 use crate::kinematics::closing;
@@ -48,7 +48,7 @@ pub struct Model {
     /// Whether all motors' thrust is even and alike.
     pub even: bool,
     /// What each cart is longer by, in packs, m; empty when they are alike.
-    pub longer: Vec<Row>,
+    pub longer: Vec<PackRow>,
     /// What the way between rails that are off is longer by, [`Deviations::longer`].
     pub way_longer: Vec<f64>,
 }
@@ -242,7 +242,7 @@ impl Ends {
 }
 
 /// One number a cart, in packs; what all have in common, which the take-up takes, is left out. Empty of an empty list.
-fn rows(list: &[f64], carts: usize) -> Vec<Row> {
+fn rows(list: &[f64], carts: usize) -> Vec<PackRow> {
     if list.is_empty() {
         return Vec::new();
     }

@@ -7,20 +7,20 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 pub const PACK: usize = 8;
 
 /// One number for each cart of a pack.
-pub type Row = [f64; PACK];
+pub type PackRow = [f64; PACK];
 
 /// Position, orientation and velocities of the carts.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bodies {
     /// Of the centre of mass in the world, m.
-    pub position: [Row; 3],
+    pub position: [PackRow; 3],
     /// Unit quaternion (w, x, y, z), cart to world.
-    pub attitude: [Row; 4],
+    pub attitude: [PackRow; 4],
     /// Of the centre of mass in the world, m/s.
-    pub velocity: [Row; 3],
+    pub velocity: [PackRow; 3],
     /// Angular velocity in the cart's axes, rad/s.
-    pub spin: [Row; 3],
+    pub spin: [PackRow; 3],
 }
 
 /// Their rates of change that forces decide.
@@ -28,9 +28,9 @@ pub struct Bodies {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accelerations {
     /// In the world, m/s².
-    pub linear: [Row; 3],
+    pub linear: [PackRow; 3],
     /// In the cart's axes, rad/s².
-    pub angular: [Row; 3],
+    pub angular: [PackRow; 3],
 }
 
 /// What contacts remember: one over the approach speed v₀ when they last closed, s/m; 0 where open. At a joint the sign
@@ -38,11 +38,11 @@ pub struct Accelerations {
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Approach {
-    pub steering: Row,
+    pub steering: PackRow,
     /// Left, right.
-    pub running: [Row; 2],
+    pub running: [PackRow; 2],
     /// Along ξ, η and ζ of the leader, at the cart's rear joint.
-    pub joint: [Row; 3],
+    pub joint: [PackRow; 3],
 }
 
 /// Forces in the contacts of a cart, N.
@@ -50,11 +50,11 @@ pub struct Approach {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loads {
     /// Of the left steering wheel, or less that of the right one.
-    pub steering: Row,
+    pub steering: PackRow,
     /// Left and right, on the lower surface, or less that on the upper one.
-    pub running: [Row; 2],
+    pub running: [PackRow; 2],
     /// Of this cart on its follower's front joint, along ξ, η and ζ of this cart.
-    pub joint: [Row; 3],
+    pub joint: [PackRow; 3],
 }
 
 /// A chain's packs and how many carts are in them.

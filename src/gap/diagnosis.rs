@@ -20,7 +20,7 @@ pub struct Diagnosis {
     pub effects: Vec<Finding>,
     /// Where the gap lies, the largest share first.
     #[serde(rename = "where")]
-    pub places: Vec<Place>,
+    pub places: Vec<GapPlace>,
     /// Probability that an effect outside the library is present.
     pub unknown_probability: f64,
     /// Probability that there is no gap.
@@ -105,7 +105,8 @@ pub enum Bound {
 
 /// A part of the gap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Place {
+#[schemars(rename = "Place")]
+pub struct GapPlace {
     pub channel: String,
     #[serde(flatten)]
     pub extent: Extent,
@@ -301,7 +302,7 @@ impl Diagnosis {
 }
 
 /// Shares of the gap by channel, the largest first.
-pub fn ranked(places: &[Place]) -> Vec<(String, f64)> {
+pub fn ranked(places: &[GapPlace]) -> Vec<(String, f64)> {
     let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
     let known = places.iter().filter(|p| p.share > 0.0);
     known.for_each(|p| *shares.entry(&p.channel).or_default() += p.share);

@@ -32,7 +32,7 @@ mod untested;
 mod words;
 
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
-pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Overlay, Place, RunGap, Verdict};
+pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Verdict};
 pub use remembered::{Left, Remembered};
 pub use scored::{Explanation, Terms};
 pub use simulator::{Applied, Axis, Band, Candidate, Frame, Label, Laps, Request, Simulator, Strength};

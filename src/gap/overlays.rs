@@ -2,7 +2,7 @@
 //! is off most.
 
 use super::comparison::Comparison;
-use super::diagnosis::{Overlay, Place, ranked};
+use super::diagnosis::{GapPlace, Overlay, ranked};
 use super::scored::Scored;
 use super::simulator::{Band, Frame};
 use super::words;
@@ -14,12 +14,12 @@ use std::collections::BTreeMap;
 const DRAWN: usize = 4;
 
 /// The first channels of where the gap lies.
-pub fn overlays(comparison: &Comparison, shown: Option<&Scored>, places: &[Place]) -> Vec<Overlay> {
+pub fn overlays(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace]) -> Vec<Overlay> {
     let channels = ranked(places).into_iter();
     channels.filter_map(|(channel, _)| overlay(comparison, shown, places, &channel)).take(DRAWN).collect()
 }
 
-fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[Place], channel: &str) -> Option<Overlay> {
+fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace], channel: &str) -> Option<Overlay> {
     let frames = comparison.simulator.frames();
     let band = band(frames, places, channel)?;
     let run = worst(comparison, channel, band)?;
@@ -50,7 +50,7 @@ fn placed(band: Band) -> bool {
 }
 
 /// The kind of deviation with most of a channel's share, of those that can be drawn as a curve.
-fn band(frames: &[Frame], places: &[Place], channel: &str) -> Option<Band> {
+fn band(frames: &[Frame], places: &[GapPlace], channel: &str) -> Option<Band> {
     let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
     let own = places.iter().filter(|p| p.channel == channel);
     own.for_each(|p| *shares.entry(&p.band).or_default() += p.share);

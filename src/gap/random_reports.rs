@@ -1,6 +1,6 @@
 //! Reports whose numbers are random, also such as no diagnosis makes, and what their sentences must agree with.
 
-use super::diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, Group, Lost, Overlay, Place, RunGap, Verdict};
+use super::diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Verdict};
 use super::simulator::Axis;
 use super::words;
 use crate::base::random::uniform;
@@ -66,10 +66,10 @@ impl Random {
         }
     }
 
-    fn place(&mut self, axis: Axis, channel: &str) -> Place {
+    fn place(&mut self, axis: Axis, channel: &str) -> GapPlace {
         let from = 50.0 * self.one();
         let extent = Extent::new(axis, from, from + 10.0 * self.one());
-        Place { channel: channel.into(), extent, band: "track".into(), share: 0.4 * self.one() }
+        GapPlace { channel: channel.into(), extent, band: "track".into(), share: 0.4 * self.one() }
     }
 
     fn overlay(&mut self, channel: &str) -> Overlay {
@@ -97,7 +97,7 @@ pub fn report(seed: u64) -> Diagnosis {
     let effects: Vec<Finding> = EFFECTS.iter().map(|name| random.finding(name)).collect();
     let first = random.below(EFFECTS.len() - 1);
     let shown = &EFFECTS[first..=first + usize::from(verdict == Verdict::Pair)];
-    let places: Vec<Place> = ["a", "b", "a"].map(|channel| random.place(axis, channel)).into();
+    let places: Vec<GapPlace> = ["a", "b", "a"].map(|channel| random.place(axis, channel)).into();
     let lost = |f: &Finding| Lost {
         effect: f.name.clone(),
         strength: [("size".to_owned(), 2.0)].into(),

@@ -2,7 +2,7 @@
 
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
-use super::diagnosis::{Amount, Diagnosis, Extent, Finding, Group, Lost, Place, RunGap, Verdict};
+use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
 use super::evidence::Evidence;
 use super::likelihood;
 use super::looks::UNSETTLED;
@@ -349,7 +349,7 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
 /// over the repeatability.
 ///
 /// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
-fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Place> {
+fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<GapPlace> {
     let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in comparison.simulator.frames().iter().enumerate() {
@@ -365,11 +365,11 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Pl
             *mean_square.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
         }
     }
-    let mut found: Vec<Place> = Vec::new();
+    let mut found: Vec<GapPlace> = Vec::new();
     let mut last: Option<(String, Band)> = None;
     let mean = total / mean_square.len().max(1) as f64;
     for ((channel, band, from, to), over) in mean_square {
-        let place = Place {
+        let place = GapPlace {
             extent: Extent::new(axis, tidy(from as f64 / 1e3), tidy(to as f64 / 1e3)),
             band: band.name().to_owned(),
             share: over / total.max(1e-12),

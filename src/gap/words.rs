@@ -1,6 +1,6 @@
 //! A diagnosis in words.
 
-use super::diagnosis::{Amount, Bound, Diagnosis, Finding, Place, RunGap, Verdict};
+use super::diagnosis::{Amount, Bound, Diagnosis, Finding, GapPlace, RunGap, Verdict};
 use super::simulator::Axis;
 use crate::base::number::{fixed, significant, trimmed};
 use crate::effects::{self, Experiment, RandomEffect};
@@ -225,7 +225,7 @@ pub fn next_experiment(found: &Diagnosis) -> String {
 }
 
 /// Where to look at the machine.
-fn look(place: &Place, axis: Axis) -> String {
+fn look(place: &GapPlace, axis: Axis) -> String {
     let (from, to) = place.extent.ends();
     let ends = format!("{} between {} and {} {}", place.channel, fixed(from, 1), fixed(to, 1), axis.unit());
     match axis {

@@ -1,6 +1,6 @@
 //! Static tests of a joint as CSV: `direction,deformation,force`, in metres and newtons.
 
-use crate::signal::Place;
+use crate::signal::DataPlace;
 use crate::signal::csv::line;
 use crate::source::one_line;
 use crate::syntax::nearest;
@@ -38,7 +38,7 @@ pub struct Points {
 /// Why a file is no static test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mistake {
-    pub place: Place,
+    pub place: DataPlace,
     pub what: String,
     pub help: String,
 }
@@ -57,7 +57,7 @@ const COLUMNS: [&str; 3] = ["direction", "deformation", "force"];
 pub fn read(bytes: &[u8], file: &Path, given: Option<Direction>) -> Result<BTreeMap<Direction, Points>, Mistake> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let at = |row: usize, column: Option<&str>, what: &str, help: &str| Mistake {
-        place: Place { file: file.to_owned(), row: Some(row), column: column.map(str::to_owned) },
+        place: DataPlace { file: file.to_owned(), row: Some(row), column: column.map(str::to_owned) },
         what: what.to_owned(),
         help: help.to_owned(),
     };

@@ -47,7 +47,7 @@ pub fn headings(curve: &Curve) -> (f64, f64) {
 }
 
 /// A chain as it was walked.
-struct Chain {
+struct Walk {
     /// Pieces and whether they are driven as drawn.
     steps: Vec<(usize, bool)>,
     /// Jumps wider than the tolerance: pieces (the last one back to the first) and width, m.
@@ -56,8 +56,8 @@ struct Chain {
 }
 
 /// Follows the pieces from `first` on, each to the piece that goes on best. With `jump`, wider gaps are jumped.
-fn follow(pieces: &[Drawn], used: &mut [bool], first: usize, tolerance: f64, jump: bool) -> Chain {
-    let mut chain = Chain { steps: vec![(first, true)], jumps: Vec::new(), closed: false };
+fn follow(pieces: &[Drawn], used: &mut [bool], first: usize, tolerance: f64, jump: bool) -> Walk {
+    let mut chain = Walk { steps: vec![(first, true)], jumps: Vec::new(), closed: false };
     used[first] = true;
     let origin = pieces[first].curve.begin();
     let out = headings(&pieces[first].curve).0;

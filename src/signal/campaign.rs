@@ -10,7 +10,7 @@
 //! ```
 
 use super::keys::{self, Reader, Table, Text};
-use super::{Place, Problem, Run, RunError, Sidecar, read, sidecar_path};
+use super::{DataPlace, Problem, Run, RunError, Sidecar, read, sidecar_path};
 use crate::source::{InputError, Root, SIZE_LIMIT, one_line, root, steers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -79,7 +79,7 @@ struct Listed {
     tension: Option<f64>,
     settings: BTreeMap<String, f64>,
     /// Where it is listed.
-    place: Place,
+    place: DataPlace,
 }
 
 impl Campaign {
@@ -196,7 +196,7 @@ impl Campaign {
     /// One `[[run]]`, which begins on the line `begin`.
     fn entry(&self, mut keys: Reader, list: &Path, begin: usize, layout: Option<&Path>) -> Result<Listed, RunError> {
         let line = keys.line("file").unwrap_or(begin);
-        let place = Place { file: list.to_owned(), row: Some(line), column: Some("file".to_owned()) };
+        let place = DataPlace { file: list.to_owned(), row: Some(line), column: Some("file".to_owned()) };
         let told = |error: RunError| if error.place.row.is_some() { error } else { error.row(begin) };
         let mut listed = Listed {
             file: self.folder.join(keys.take("file", "a path", keys::text).map_err(told)?),
@@ -224,7 +224,7 @@ impl Campaign {
 impl Listed {
     /// A run that no `campaign.toml` lists.
     fn found(file: PathBuf) -> Self {
-        let place = Place { file: file.clone(), ..Place::default() };
+        let place = DataPlace { file: file.clone(), ..DataPlace::default() };
         Listed { file, layout: None, speed: None, tension: None, settings: BTreeMap::new(), place }
     }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A place in a run's files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct DataPlace {
     pub file: PathBuf,
     /// In text, the line of the file, with the header as row 1; in Parquet and MDF4, the number of the sample from 1.
     pub row: Option<usize>,
@@ -19,7 +19,7 @@ pub struct Place {
 /// Why a run cannot be read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunError {
-    pub place: Place,
+    pub place: DataPlace,
     pub problem: Problem,
 }
 
@@ -128,7 +128,7 @@ impl Problem {
 
 impl RunError {
     pub(super) fn new(file: &Path, problem: Problem) -> Self {
-        RunError { place: Place { file: file.to_owned(), row: None, column: None }, problem }
+        RunError { place: DataPlace { file: file.to_owned(), row: None, column: None }, problem }
     }
 
     /// That a file cannot be opened.
@@ -238,7 +238,7 @@ impl From<InputError> for Problem {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for DataPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", shown(&self.file))?;
         if let Some(row) = self.row {

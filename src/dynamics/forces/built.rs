@@ -6,7 +6,7 @@ use crate::base::trig;
 use crate::chain_input::closed;
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::Home;
-use crate::dynamics::state::{Bodies, PACK, Row};
+use crate::dynamics::state::{Bodies, PACK, PackRow};
 use crate::dynamics::state::{attitude, vector};
 use nalgebra::Vector3;
 
@@ -14,13 +14,13 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Built {
     /// Of the rails and wheels: to the left; upwards on the left and on the right, m.
-    pub offset: [Row; 3],
+    pub offset: [PackRow; 3],
     /// Their rates, m/s.
-    pub rate: [Row; 3],
+    pub rate: [PackRow; 3],
     /// Force at the front joint, in the world, N.
-    pub push: [Row; 3],
+    pub push: [PackRow; 3],
     /// Nominal over real mass.
-    pub lightness: Row,
+    pub lightness: PackRow,
 }
 
 impl Default for Built {

@@ -14,7 +14,7 @@ use super::lanes::{Axes, Lane, Lane3};
 use super::model::Model;
 use super::motors;
 use super::segments::Home;
-use super::state::{Accelerations, Approach, Bodies, Loads, PACK, Row, packs};
+use super::state::{Accelerations, Approach, Bodies, Loads, PACK, PackRow, packs};
 use pulp::{Simd, WithSimd};
 
 /// Lateral or vertical offset of a front joint from the centre line beyond which the cart is off the rail, m.
@@ -45,9 +45,9 @@ pub struct Forces {
     /// with.
     pull: [Vec<f64>; 3],
     /// Torque of the joint behind about the centre of mass, in the cart's axes, N m.
-    joint_torque: Vec<[Row; 3]>,
+    joint_torque: Vec<[PackRow; 3]>,
     /// Offset of the front joints from the centre line: y and z, m.
-    pub offset: Vec<[Row; 2]>,
+    pub offset: Vec<[PackRow; 2]>,
     motor_cursor: Vec<usize>,
     /// What deviations do to each cart; empty without them.
     built: Vec<Built>,

@@ -10,7 +10,7 @@ mod handover;
 pub use handover::{Handover, Rehome};
 
 use super::lanes::{Lane, Lane3, Mask};
-use super::state::{PACK, Row};
+use super::state::{PACK, PackRow};
 use crate::geometry::{CentreLine, Form};
 use nalgebra::Vector3;
 use pulp::{Scalar, Simd};
@@ -62,14 +62,14 @@ impl Segment {
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Home {
-    origin: [Row; 3],
-    along: [Row; 3],
-    inward: [Row; 3],
-    curvature: Row,
-    reach: Row,
-    s: Row,
+    origin: [PackRow; 3],
+    along: [PackRow; 3],
+    inward: [PackRow; 3],
+    curvature: PackRow,
+    reach: PackRow,
+    s: PackRow,
     /// 1 where the plane of curvature is vertical, else 0.
-    vertical: Row,
+    vertical: PackRow,
     pub segment: [u32; PACK],
 }
 

@@ -71,14 +71,14 @@ pub(super) struct Nuisance {
 struct Described {
     #[serde(default)]
     nuisances: Vec<Nuisance>,
-    effects: Vec<Effect>,
+    effects: Vec<DescribedEffect>,
     #[serde(default)]
     accuracy: BTreeMap<String, f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Effect {
+struct DescribedEffect {
     name: String,
     #[serde(default)]
     place: String,
@@ -200,7 +200,7 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         low: s.low,
         high: s.high,
     };
-    let candidate = |e: Effect| Candidate {
+    let candidate = |e: DescribedEffect| Candidate {
         effect: e.name,
         place: e.place,
         fixed: Vec::new(),

@@ -17,7 +17,7 @@ pub struct Column {
 
 /// `low <= Σ k·column <= high`.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct LinearRow {
     pub name: String,
     pub terms: Sum,
     pub low: f64,
@@ -34,7 +34,7 @@ pub struct Milp {
     /// Lines for people at the head of the file.
     pub notes: Vec<String>,
     pub columns: Vec<Column>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<LinearRow>,
     pub objective: Sum,
 }
 
@@ -47,7 +47,7 @@ impl Milp {
     /// Coefficients that are rounding, such as the cosine of a right angle, are left out.
     pub fn row(&mut self, name: String, mut terms: Sum, low: f64, high: f64) {
         terms.retain(|_, coefficient| coefficient.abs() > ROUNDING);
-        self.rows.push(Row { name, terms, low, high });
+        self.rows.push(LinearRow { name, terms, low, high });
     }
 
     /// Free MPS: names without spaces, fields apart by spaces.
@@ -102,7 +102,7 @@ impl Milp {
     }
 }
 
-impl Row {
+impl LinearRow {
     fn kind(&self) -> char {
         match (self.low.is_finite(), self.high.is_finite()) {
             _ if self.low == self.high => 'E',

@@ -2,7 +2,7 @@
 
 use super::words::{band, percent, stretch};
 use crate::base::number::{fixed, ticks, trimmed};
-use crate::gap::{Axis, Diagnosis, Place};
+use crate::gap::{Axis, Diagnosis, GapPlace};
 use crate::report::lap::lap_track::{LapTrack, PartKind};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
@@ -23,8 +23,8 @@ fn extent(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> f64 {
 }
 
 /// Parts of the gap that belong to a place.
-fn local(diagnosis: &Diagnosis, extent: f64) -> Vec<&Place> {
-    let somewhere = |p: &&Place| {
+fn local(diagnosis: &Diagnosis, extent: f64) -> Vec<&GapPlace> {
+    let somewhere = |p: &&GapPlace| {
         let length = p.extent.length();
         p.share > 0.0 && length > 0.0 && length <= LOCAL * extent
     };
@@ -32,7 +32,7 @@ fn local(diagnosis: &Diagnosis, extent: f64) -> Vec<&Place> {
 }
 
 /// Share of the gap per metre (or second) in each piece of the axis.
-fn density(places: &[&Place], extent: f64, pieces: usize) -> Vec<f64> {
+fn density(places: &[&GapPlace], extent: f64, pieces: usize) -> Vec<f64> {
     let step = extent / pieces as f64;
     let mut found = vec![0.0; pieces];
     for place in places {
@@ -50,7 +50,7 @@ fn density(places: &[&Place], extent: f64, pieces: usize) -> Vec<f64> {
 pub fn section(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
     let extent = extent(diagnosis, track);
     let places = local(diagnosis, extent);
-    let all: Vec<&Place> = diagnosis.places.iter().filter(|p| p.share > 0.0).collect();
+    let all: Vec<&GapPlace> = diagnosis.places.iter().filter(|p| p.share > 0.0).collect();
     html! {
         @if !places.is_empty() {
             @if let Some(track) = track { (view(track, &places)) }
@@ -68,7 +68,7 @@ fn opacity(density: f64, largest: f64) -> String {
     fixed((density / largest).clamp(0.0, 1.0).sqrt(), 2)
 }
 
-fn view(track: &LapTrack, places: &[&Place]) -> Markup {
+fn view(track: &LapTrack, places: &[&GapPlace]) -> Markup {
     let lap = track.line.length;
     let values = density(places, lap, PIECES);
     let largest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -138,7 +138,7 @@ fn key(x: f64, y: f64, largest: f64, axis: Axis) -> Markup {
 }
 
 /// Middles of the places that the list below numbers, the first of those that are near to each other.
-fn spots(places: &[&Place], lap: f64) -> Vec<f64> {
+fn spots(places: &[&GapPlace], lap: f64) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     for place in places {
         let middle = place.extent.middle();
@@ -155,7 +155,7 @@ fn spots(places: &[&Place], lap: f64) -> Vec<f64> {
 }
 
 /// Channels over the axis, the one with most of the gap first.
-fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
+fn strip(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
     const LEFT: f64 = 150.0;
     const RIGHT: f64 = 70.0;
     const ROW: f64 = 22.0;
@@ -166,7 +166,7 @@ fn strip(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -
     let columns: Vec<Vec<f64>> = rows
         .iter()
         .map(|(channel, _)| {
-            let own: Vec<&Place> = places.iter().filter(|p| p.channel == *channel).copied().collect();
+            let own: Vec<&GapPlace> = places.iter().filter(|p| p.channel == *channel).copied().collect();
             density(&own, extent, PIECES)
         })
         .collect();
@@ -217,13 +217,14 @@ fn runs(values: &[f64]) -> Vec<(usize, usize, f64)> {
 }
 
 /// The largest parts, in words.
-fn worst(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
-    let whole = |p: &Place| p.extent.length() > LOCAL * extent;
+fn worst(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
+    let whole = |p: &GapPlace| p.extent.length() > LOCAL * extent;
     let spots = track.map_or_else(Vec::new, |t| {
         spots(&places.iter().filter(|p| !whole(p)).copied().collect::<Vec<_>>(), t.line.length)
     });
-    let number = |p: &Place| spots.iter().position(|s| !whole(p) && p.extent.ends().0 <= *s && *s <= p.extent.ends().1);
-    let part = |p: &Place| track.and_then(|t| t.part(p.extent.middle())).map(|part| part.name.clone());
+    let number =
+        |p: &GapPlace| spots.iter().position(|s| !whole(p) && p.extent.ends().0 <= *s && *s <= p.extent.ends().1);
+    let part = |p: &GapPlace| track.and_then(|t| t.part(p.extent.middle())).map(|part| part.name.clone());
     html! {
         h3 { "Largest parts" }
         div.scroll { table {
@@ -246,7 +247,7 @@ fn worst(places: &[&Place], extent: f64, track: Option<&LapTrack>, axis: Axis) -
 }
 
 /// Shares by channel and kind of deviation.
-fn table(places: &[&Place]) -> Markup {
+fn table(places: &[&GapPlace]) -> Markup {
     const ORDER: [&str; 7] = ["track", "fluctuation", "distribution", "cart", "wheel", "motor", "drift"];
     let mut shares: BTreeMap<(&str, &str), f64> = BTreeMap::new();
     places.iter().for_each(|p| *shares.entry((&p.channel, &p.band)).or_default() += p.share);
@@ -296,8 +297,8 @@ mod tests {
     use super::*;
     use crate::gap::Extent;
 
-    fn place(from_m: f64, to_m: f64, share: f64) -> Place {
-        Place { channel: "steer_left".into(), extent: Extent::Track { from_m, to_m }, band: "track".into(), share }
+    fn place(from_m: f64, to_m: f64, share: f64) -> GapPlace {
+        GapPlace { channel: "steer_left".into(), extent: Extent::Track { from_m, to_m }, band: "track".into(), share }
     }
 
     #[test]

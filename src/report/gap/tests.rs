@@ -2,7 +2,7 @@ use super::*;
 use crate::base::trig;
 use crate::chain_input::Piece;
 use crate::gap::random_reports::{hold, report};
-use crate::gap::{Amount, Extent, Group, Lost, Overlay, Place, RunGap};
+use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap};
 use std::collections::BTreeMap;
 
 fn oval() -> Track {
@@ -29,8 +29,8 @@ fn finding(name: &str, probability: f64) -> Finding {
     }
 }
 
-fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> Place {
-    Place { channel: channel.into(), extent: Extent::Track { from_m, to_m }, band: band.into(), share }
+fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> GapPlace {
+    GapPlace { channel: channel.into(), extent: Extent::Track { from_m, to_m }, band: band.into(), share }
 }
 
 fn run(run: &str, before: f64, after: f64) -> RunGap {
@@ -168,7 +168,7 @@ fn outside() -> Diagnosis {
         shown: vec!["coulomb".into()],
         effects: vec![coulomb, finding("stribeck", 0.2), finding("quadratic", 0.01)],
         places: [(2.0, 3.0, 0.5), (5.0, 6.5, 0.3)]
-            .map(|(from_s, to_s, share)| Place {
+            .map(|(from_s, to_s, share)| GapPlace {
                 extent: Extent::Time { from_s, to_s },
                 ..place("force", 0.0, 0.0, "track", share)
             })

@@ -5,7 +5,7 @@ use crate::base::number::{fixed, tick_labels, ticks};
 use maud::{Markup, html};
 
 /// A run's estimate.
-pub struct Row {
+pub struct IntervalRow {
     pub name: String,
     pub value: f64,
     /// The interval; none where there is none.
@@ -24,7 +24,7 @@ pub struct Band {
     pub name: String,
     /// Lower quartile, median and upper quartile.
     pub quartiles: [f64; 3],
-    pub rows: Vec<Row>,
+    pub rows: Vec<IntervalRow>,
 }
 
 const WIDTH: f64 = 1100.0;
@@ -42,7 +42,7 @@ pub const RULES: &str = "
 
 /// Least and largest of what is to be seen.
 fn range(bands: &[Band], marks: &[f64]) -> Option<(f64, f64)> {
-    let of = |row: &Row| [Some(row.value), row.interval.map(|i| i.0), row.interval.map(|i| i.1)];
+    let of = |row: &IntervalRow| [Some(row.value), row.interval.map(|i| i.0), row.interval.map(|i| i.1)];
     let rows = bands.iter().flat_map(|band| &band.rows).flat_map(of).flatten();
     let all = rows.chain(marks.iter().copied()).filter(|x| x.is_finite());
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -99,7 +99,7 @@ fn one(band: &Band, top: &mut f64, at: &impl Fn(f64) -> String) -> Markup {
     }
 }
 
-fn estimate(row: &Row, y: f64, at: &impl Fn(f64) -> String) -> Markup {
+fn estimate(row: &IntervalRow, y: f64, at: &impl Fn(f64) -> String) -> Markup {
     let level = |by: f64| fixed(y + by, 1);
     html! {
         g class=(if row.warned { "warned" } else { "" }) {

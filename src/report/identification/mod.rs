@@ -12,7 +12,7 @@ use crate::identify::lack_of_fit::{Warning, warning};
 use crate::identify::study::{Estimate, RunFit};
 use crate::report::style::document;
 use clap::ValueEnum;
-use intervals::{Band, Row, intervals};
+use intervals::{Band, IntervalRow, intervals};
 use maud::{Markup, html};
 
 /// Runs up to this many have their pictures open; of more, those that the model does not fit.
@@ -82,7 +82,7 @@ fn heading(groups: &[(&Group, Vec<&RunFit>)], group: &Group) -> String {
 }
 
 fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
-    let row = |fit: &&RunFit| Row {
+    let row = |fit: &&RunFit| IntervalRow {
         name: fit.run.clone(),
         value: fit.objective,
         interval: None,
@@ -102,7 +102,7 @@ fn estimates(groups: &[(&Group, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
     let row = |fit: &&RunFit| {
         let e = fit.parameters.get(p.name())?;
         let held = e.at_bound && e.fitted;
-        Some(Row {
+        Some(IntervalRow {
             name: fit.run.clone(),
             value: e.value,
             interval: e.fitted.then_some((e.low, e.high)),

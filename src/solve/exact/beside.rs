@@ -9,7 +9,7 @@
 //! over the edge.
 
 use super::grid::Grid;
-use super::row::{Row, Touch};
+use super::row::{GridRow, Touch};
 use crate::geometry::clearance::{Feature, NearPiece, Region, offset};
 use crate::geometry::{Point, Track};
 use crate::problem::{Keepout, Problem, RowKey};
@@ -66,7 +66,7 @@ impl Decided {
 /// One alternative.
 #[derive(Clone, Debug)]
 pub struct Alternative {
-    pub rows: Vec<Row>,
+    pub rows: Vec<GridRow>,
     pub decided: Option<Decided>,
 }
 
@@ -198,14 +198,14 @@ impl Beside<'_> {
         let q = keepout.region.polygon.points()[corner];
         let u = Point::unit(grid.origin + heading * grid.step);
         let g = u.left() * -side;
-        let row = |row: Row| Alternative { rows: vec![row], decided: None };
+        let row = |row: GridRow| Alternative { rows: vec![row], decided: None };
         let touch = vec![Touch { from: stage, to: next, heading, normal: u.left(), pull: g }];
         let low = keepout.distance + g.dot(q);
-        let inside = row(Row { at: vec![(stage, g)], touch, low, ..Row::default() });
+        let inside = row(GridRow { at: vec![(stage, g)], touch, low, ..GridRow::default() });
         Some(Remedy::Split(vec![
             inside,
-            row(Row { at: vec![(stage, u)], into: vec![(stage, -u)], low: u.dot(q), ..Row::default() }),
-            row(Row { at: vec![(next, -u)], out: vec![(next, -u)], low: -u.dot(q), ..Row::default() }),
+            row(GridRow { at: vec![(stage, u)], into: vec![(stage, -u)], low: u.dot(q), ..GridRow::default() }),
+            row(GridRow { at: vec![(next, -u)], out: vec![(next, -u)], low: -u.dot(q), ..GridRow::default() }),
         ]))
     }
 
@@ -227,7 +227,10 @@ impl Beside<'_> {
         let first = f64::from(open.headings[0][0]);
         if (((heading - first) / circle).round() * circle + first - heading).abs() < 1e-9 {
             // The tangent is the section of known heading.
-            return Some(Alternative { rows: vec![Row { at: vec![(0, g)], low, ..Row::default() }], decided: None });
+            return Some(Alternative {
+                rows: vec![GridRow { at: vec![(0, g)], low, ..GridRow::default() }],
+                decided: None,
+            });
         }
         let mut found: Option<(usize, usize, f64)> = None;
         for k in (1..=n).filter(|k| grid.signs[k % n] == sign) {
@@ -251,7 +254,7 @@ impl Beside<'_> {
         let before = open.headings[from - 1].iter().all(|&h| side * (f64::from(h) - heading) <= 0.0);
         let behind = open.headings[to].iter().all(|&h| touch.passed(h, sign));
         (before && behind).then(|| Alternative {
-            rows: vec![Row { at: vec![(from % n, g)], touch: vec![touch], low, ..Row::default() }],
+            rows: vec![GridRow { at: vec![(from % n, g)], touch: vec![touch], low, ..GridRow::default() }],
             decided: None,
         })
     }
@@ -272,8 +275,9 @@ impl Beside<'_> {
         let u = self.grid.unit(choice.headings[stage]);
         let side = u.left() * keepout.region.lies;
         let at = |k: usize, g: Point| vec![(k, g)];
-        let row = |row: Row| Alternative { rows: vec![row], decided: None };
-        let mut out = vec![row(Row { at: at(stage, -side), low: keepout.distance - side.dot(q), ..Row::default() })];
+        let row = |row: GridRow| Alternative { rows: vec![row], decided: None };
+        let mut out =
+            vec![row(GridRow { at: at(stage, -side), low: keepout.distance - side.dot(q), ..GridRow::default() })];
         let sign = self.grid.signs[stage];
         let bent = self.grid.signs[next] == sign && keepout.region.lies == f64::from(sign);
         let must = || self.inside(keepout, corner, f64::from(choice.headings[stage]), open);
@@ -281,12 +285,12 @@ impl Beside<'_> {
             return vec![inside];
         }
         let rows = [
-            Row { at: at(stage, u), out: at(stage, u), low: u.dot(q), ..Row::default() },
-            Row { at: at(next, -u), into: at(next, u), low: -u.dot(q), ..Row::default() },
+            GridRow { at: at(stage, u), out: at(stage, u), low: u.dot(q), ..GridRow::default() },
+            GridRow { at: at(next, -u), into: at(next, u), low: -u.dot(q), ..GridRow::default() },
         ];
         out.extend(past(k, corner, [Joint::Begin(stage), Joint::End(stage)], rows, known));
         if self.known.iter().any(|t| beyond(t, 2 * i, q, &keepout.region, keepout.distance)) {
-            out.push(row(Row { at: at(stage, side), low: keepout.distance + side.dot(q), ..Row::default() }));
+            out.push(row(GridRow { at: at(stage, side), low: keepout.distance + side.dot(q), ..GridRow::default() }));
         }
         out
     }
@@ -356,7 +360,7 @@ fn past(
     keepout: usize,
     corner: usize,
     joints: [Joint; 2],
-    rows: [Row; 2],
+    rows: [GridRow; 2],
     known: &[Decided],
 ) -> impl Iterator<Item = Alternative> {
     let decided = |joint: Joint, before: bool| Decided { keepout, corner, what: What::Before(joint, before) };
@@ -404,19 +408,19 @@ impl Arc<'_> {
         crate::base::trig::wrap(heading - a) / (b - a)
     }
 
-    fn centre(&self, g: Point, radius: f64, low: f64) -> Row {
-        let mut row = Row { radius: vec![(self.stage, radius)], low, ..Row::default() };
+    fn centre(&self, g: Point, radius: f64, low: f64) -> GridRow {
+        let mut row = GridRow { radius: vec![(self.stage, radius)], low, ..GridRow::default() };
         row.centre(self.grid, self.stage, g);
         row
     }
 
     /// R − w·(q − c) >= D
-    fn inner(&self, w: Point, q: Point, distance: f64) -> Row {
+    fn inner(&self, w: Point, q: Point, distance: f64) -> GridRow {
         self.centre(w, 1.0, distance + w.dot(q))
     }
 
     /// The sector between two fractions, and w·(q − c) >= (R + D) cos δ in it.
-    fn outer(&self, a: f64, b: f64, q: Point, distance: f64) -> Vec<Row> {
+    fn outer(&self, a: f64, b: f64, q: Point, distance: f64) -> Vec<GridRow> {
         let (begin, end) = (self.heading(a), self.heading(b));
         let cosine = crate::base::trig::cos((end - begin) / 2.0);
         let w = self.outward((begin + end) / 2.0);
@@ -429,7 +433,7 @@ impl Arc<'_> {
     }
 
     /// The point lies before the arc or after it.
-    fn elsewhere(&self, q: Point) -> [Row; 2] {
+    fn elsewhere(&self, q: Point) -> [GridRow; 2] {
         let (begin, end) = self.turn();
         let (u, v) = (Point::unit(begin), Point::unit(end));
         [self.centre(u, 0.0, u.dot(q)), self.centre(-v, 0.0, -v.dot(q))]

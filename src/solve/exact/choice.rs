@@ -4,7 +4,7 @@ use super::grid::Grid;
 use super::open::Open;
 use super::tariff::{Tariff, on_hull};
 use crate::geometry::Point;
-use crate::solve::exact::row::Row;
+use crate::solve::exact::row::GridRow;
 use crate::solve::exact::row::Touch;
 use std::rc::Rc;
 
@@ -50,7 +50,7 @@ impl Choice {
     }
 
     /// The row's value.
-    pub fn value(&self, grid: &Grid, row: &Row, vertices: &[Point]) -> f64 {
+    pub fn value(&self, grid: &Grid, row: &GridRow, vertices: &[Point]) -> f64 {
         let n = grid.len();
         let scalars =
             |list: &[(usize, f64)], f: &dyn Fn(usize) -> f64| list.iter().map(|&(k, a)| a * f(k)).sum::<f64>();

@@ -8,7 +8,7 @@
 
 use super::grid::Grid;
 use super::network::{Dual, Limits, minimise};
-use super::row::Row;
+use super::row::GridRow;
 use super::tariff::Tariff;
 use crate::solve::exact::choice::Choice;
 use crate::solve::exact::open::Open;
@@ -24,14 +24,14 @@ pub struct Column {
 }
 
 impl Column {
-    pub fn new(grid: &Grid, tariff: &Tariff, open: &Open, choice: Rc<Choice>, rows: &[Row]) -> Self {
+    pub fn new(grid: &Grid, tariff: &Tariff, open: &Open, choice: Rc<Choice>, rows: &[GridRow]) -> Self {
         let vertices = choice.vertices(grid);
         let values = rows.iter().map(|row| choice.value(grid, row, &vertices)).collect();
         Column { cost: choice.cost(grid, tariff, open), choice, values }
     }
 
     /// Values of rows that were added since, and what it costs among what is open now.
-    pub fn complete(&mut self, grid: &Grid, tariff: &Tariff, open: &Open, rows: &[Row]) {
+    pub fn complete(&mut self, grid: &Grid, tariff: &Tariff, open: &Open, rows: &[GridRow]) {
         if !open.hulls.is_empty() {
             self.cost = self.choice.cost(grid, tariff, open);
         }
@@ -73,7 +73,7 @@ pub fn relax(
     grid: &Grid,
     limits: &Limits,
     open: &Open,
-    rows: &[Row],
+    rows: &[GridRow],
     pool: &mut Vec<Column>,
     cutoff: f64,
     dear: f64,
@@ -84,7 +84,7 @@ pub fn relax(
         pool.push(Column::new(grid, &limits.tariff, open, Rc::new(dual.choice), rows));
     }
     let miss = |c: &Column| -> f64 {
-        let off = |(row, v): (&Row, &f64)| if row.equal { (row.low - v).abs() } else { (row.low - v).max(0.0) };
+        let off = |(row, v): (&GridRow, &f64)| if row.equal { (row.low - v).abs() } else { (row.low - v).max(0.0) };
         c.cost + dear * rows.iter().zip(&c.values).map(off).sum::<f64>()
     };
     let start = (0..pool.len()).min_by(|&a, &b| miss(&pool[a]).total_cmp(&miss(&pool[b]))).unwrap_or(0);
@@ -177,7 +177,14 @@ fn column_of(v: Variable, pool: &[Column], m: usize) -> Vec<f64> {
 }
 
 /// The variable of least reduced cost, if that is negative.
-fn cheapest(rows: &[Row], pool: &[Column], basis: &[Variable], y: &[f64], share: f64, dear: f64) -> Option<Variable> {
+fn cheapest(
+    rows: &[GridRow],
+    pool: &[Column],
+    basis: &[Variable],
+    y: &[f64],
+    share: f64,
+    dear: f64,
+) -> Option<Variable> {
     let mut best = (-PRICED, None);
     let mut offer = |reduced: f64, v: Variable| {
         if reduced < best.0 && !basis.contains(&v) {

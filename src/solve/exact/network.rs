@@ -6,7 +6,7 @@
 //! at an end of their interval.
 
 use super::grid::Grid;
-use super::row::{Row, Touch};
+use super::row::{GridRow, Touch};
 use super::tariff::Tariff;
 use crate::geometry::Point;
 use crate::solve::exact::choice::Choice;
@@ -42,7 +42,7 @@ struct Prices {
 }
 
 impl Prices {
-    fn new(n: usize, rows: &[Row], y: &[f64]) -> Self {
+    fn new(n: usize, rows: &[GridRow], y: &[f64]) -> Self {
         let zero = vec![Point::default(); n];
         let mut p = Prices {
             section: zero.clone(),
@@ -95,7 +95,7 @@ pub struct Dual {
 }
 
 /// Minimises over all that is open. `None` when no headings fit together.
-pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[Row], y: &[f64]) -> Option<Dual> {
+pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[GridRow], y: &[f64]) -> Option<Dual> {
     let n = grid.len();
     let p = Prices::new(n, rows, y);
     let straight = |k: usize, h: i32| {

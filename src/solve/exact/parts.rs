@@ -5,7 +5,7 @@
 //! relaxed while a chain is searched, and checked of the whole; if they do not hold, the whole is searched.
 
 use super::grid::Grid;
-use super::row::{Row, Stated};
+use super::row::{GridRow, Stated};
 use super::search::{FEASIBLE, Found, Setting, search as whole};
 use crate::solve::exact::grid::track;
 use crate::solve::exact::open::place;
@@ -96,7 +96,7 @@ fn pins(grid: &Grid, stated: &Stated) -> Vec<usize> {
 }
 
 /// Whether a row speaks of one chain only.
-fn one_chain(row: &Row, pins: &[usize]) -> bool {
+fn one_chain(row: &GridRow, pins: &[usize]) -> bool {
     // The chain that begins behind the last pin before a section (or a vertex).
     let section = |k: usize| pins.iter().rposition(|&p| p < k).unwrap_or(pins.len() - 1);
     let mut chains: Vec<usize> = Vec::new();

@@ -9,7 +9,7 @@ use crate::problem::{Function, Problem};
 /// `value >= low`, or `value == low`. Every list is by stage. V is a vertex, u and n the unit vector along a section
 /// and its left normal, t = R tan(turn/2) the tangent length at a vertex, s the straight of a section.
 #[derive(Clone, Debug, Default)]
-pub struct Row {
+pub struct GridRow {
     /// g·V; stage n is the first vertex, after the way around.
     pub at: Vec<(usize, Point)>,
     /// a s
@@ -71,12 +71,12 @@ impl Touch {
     }
 }
 
-impl Row {
+impl GridRow {
     /// The same function with the opposite sign, `>= low`.
-    fn negated(&self, low: f64) -> Row {
+    fn negated(&self, low: f64) -> GridRow {
         let scalars = |list: &[(usize, f64)]| list.iter().map(|&(k, a)| (k, -a)).collect();
         let points = |list: &[(usize, Point)]| list.iter().map(|&(k, g)| (k, -g)).collect();
-        Row {
+        GridRow {
             at: points(&self.at),
             straight: scalars(&self.straight),
             length: scalars(&self.length),
@@ -90,7 +90,7 @@ impl Row {
         }
     }
 
-    fn add(&mut self, other: Row, factor: f64) {
+    fn add(&mut self, other: GridRow, factor: f64) {
         let scalars = |list: Vec<(usize, f64)>| list.into_iter().map(move |(k, a)| (k, a * factor));
         let points = |list: Vec<(usize, Point)>| list.into_iter().map(move |(k, g)| (k, g * factor));
         self.at.extend(points(other.at));
@@ -127,7 +127,7 @@ impl Row {
 
 /// What a problem says apart from its regions, in rows; what has no such form is left out, which only weakens a bound.
 pub struct Stated {
-    pub rows: Vec<Row>,
+    pub rows: Vec<GridRow>,
     /// Limits of each straight, m, by stage.
     pub straights: Vec<(f64, f64)>,
     /// Vertices whose position is known, by stage, ascending.
@@ -165,13 +165,13 @@ pub fn state(problem: &Problem, grid: &Grid) -> Stated {
                 *limits = (limits.0.max(row.low), limits.1.min(row.high));
                 None
             }
-            Function::Section(i) => Some((Row { length: vec![(grid.stage(*i), 1.0)], ..Row::default() }, 0.0)),
+            Function::Section(i) => Some((GridRow { length: vec![(grid.stage(*i), 1.0)], ..GridRow::default() }, 0.0)),
             Function::Linear(terms) => linear(terms, grid, problem).map(|row| (row, 0.0)),
             Function::StraightMiddle { section, direction } => {
                 let (k, half) = (grid.stage(*section), *direction * 0.5);
                 let next = (k + 1) % n;
                 let at = vec![(k, half), (next, half)];
-                Some((Row { at, out: vec![(k, half)], into: vec![(next, -half)], ..Row::default() }, 0.0))
+                Some((GridRow { at, out: vec![(k, half)], into: vec![(next, -half)], ..GridRow::default() }, 0.0))
             }
             Function::Formula(f) => {
                 let row = formula(f, grid);
@@ -184,14 +184,14 @@ pub fn state(problem: &Problem, grid: &Grid) -> Stated {
         let constant = constant + stated.anchor(&out.fixed);
         let (low, high) = (row.low - constant, row.high - constant);
         if low == high {
-            out.rows.push(Row { low, equal: true, ..stated });
+            out.rows.push(GridRow { low, equal: true, ..stated });
             continue;
         }
         if high.is_finite() {
             out.rows.push(stated.negated(-high));
         }
         if low.is_finite() {
-            out.rows.push(Row { low, ..stated });
+            out.rows.push(GridRow { low, ..stated });
         }
     }
     out
@@ -217,25 +217,30 @@ fn closing(grid: &Grid, out: &mut Stated) {
         };
         if known && to == from + 1 && grid.headings[from].len() == 1 {
             let along = grid.unit(grid.headings[from][0]);
-            out.rows.push(Row { length: vec![(from, 1.0)], low: along.dot(low), equal: true, ..Row::default() });
+            out.rows.push(GridRow {
+                length: vec![(from, 1.0)],
+                low: along.dot(low),
+                equal: true,
+                ..GridRow::default()
+            });
             continue;
         }
         for g in [Point::new(1.0, 0.0), Point::new(0.0, 1.0)] {
             let row = match (known, a, b) {
-                (true, ..) => Row { at: between(g), low: g.dot(low), ..Row::default() },
-                (false, None, Some(b)) => Row { at: vec![(to, g)], low: g.dot(b), ..Row::default() },
+                (true, ..) => GridRow { at: between(g), low: g.dot(low), ..GridRow::default() },
+                (false, None, Some(b)) => GridRow { at: vec![(to, g)], low: g.dot(b), ..GridRow::default() },
                 (false, Some(_), _) | (false, None, None) => {
-                    Row { at: vec![(n, g), (0, -g)], low: 0.0, ..Row::default() }
+                    GridRow { at: vec![(n, g), (0, -g)], low: 0.0, ..GridRow::default() }
                 }
             };
-            out.rows.push(Row { equal: true, ..row });
+            out.rows.push(GridRow { equal: true, ..row });
         }
     }
 }
 
-fn linear(terms: &[(usize, f64)], grid: &Grid, problem: &Problem) -> Option<Row> {
+fn linear(terms: &[(usize, f64)], grid: &Grid, problem: &Problem) -> Option<GridRow> {
     let n = grid.len();
-    let mut row = Row::default();
+    let mut row = GridRow::default();
     let mut pulls = vec![Point::default(); n];
     for &(variable, factor) in terms {
         let (v, k) = (variable / 3, grid.stage(variable / 3));
@@ -269,21 +274,21 @@ fn linear(terms: &[(usize, f64)], grid: &Grid, problem: &Problem) -> Option<Row>
 }
 
 /// A formula as a row and a constant, if it is linear once headings are chosen.
-fn formula(f: &Formula, grid: &Grid) -> Option<(Row, f64)> {
-    let at = |i: &usize, g| Row { at: vec![(grid.stage(*i), g)], ..Row::default() };
+fn formula(f: &Formula, grid: &Grid) -> Option<(GridRow, f64)> {
+    let at = |i: &usize, g| GridRow { at: vec![(grid.stage(*i), g)], ..GridRow::default() };
     let row = match f {
-        Formula::Constant(value) => return Some((Row::default(), *value)),
+        Formula::Constant(value) => return Some((GridRow::default(), *value)),
         Formula::X(i) => at(i, Point::new(1.0, 0.0)),
         Formula::Y(i) => at(i, Point::new(0.0, 1.0)),
-        Formula::Radius(i) => Row { radius: vec![(grid.stage(*i), 1.0)], ..Row::default() },
+        Formula::Radius(i) => GridRow { radius: vec![(grid.stage(*i), 1.0)], ..GridRow::default() },
         Formula::Length(Target { from, straight: false }) => {
-            Row { length: vec![(grid.stage(*from), 1.0)], ..Row::default() }
+            GridRow { length: vec![(grid.stage(*from), 1.0)], ..GridRow::default() }
         }
         Formula::Length(Target { from, straight: true }) => {
-            Row { straight: vec![(grid.stage(*from), 1.0)], ..Row::default() }
+            GridRow { straight: vec![(grid.stage(*from), 1.0)], ..GridRow::default() }
         }
         Formula::Sum(terms) => {
-            let mut sum = (Row::default(), 0.0);
+            let mut sum = (GridRow::default(), 0.0);
             for term in terms {
                 let (row, constant) = formula(term, grid)?;
                 sum.0.add(row, 1.0);
@@ -301,7 +306,7 @@ fn formula(f: &Formula, grid: &Grid) -> Option<(Row, f64)> {
             let mut others = terms.iter().filter(|t| constant(t).is_none());
             let (Some(other), None) = (others.next(), others.next()) else { return None };
             let (row, constant) = formula(other, grid)?;
-            let mut scaled = Row::default();
+            let mut scaled = GridRow::default();
             scaled.add(row, factor);
             return Some((scaled, constant * factor));
         }

@@ -5,7 +5,7 @@ use super::closes::Closes;
 use super::grid::Grid;
 use super::master::{Column, relax};
 use super::network::Limits;
-use super::row::Row;
+use super::row::GridRow;
 use super::tariff::{Tariff, on_hull};
 use crate::geometry::{Corner, Point};
 use crate::problem::measures::to_variables;
@@ -40,7 +40,7 @@ pub struct Setting<'a> {
     pub problem: &'a Problem,
     pub grid: &'a Grid,
     pub limits: Limits,
-    pub rows: Vec<Row>,
+    pub rows: Vec<GridRow>,
     pub beside: Beside<'a>,
     pub effort: Effort,
     /// When it ends early.
@@ -77,7 +77,7 @@ struct Node {
     /// Order of creation.
     id: usize,
     open: Open,
-    rows: Vec<Row>,
+    rows: Vec<GridRow>,
     decided: Vec<Decided>,
     pool: Vec<Column>,
 }
@@ -239,7 +239,7 @@ impl Search<'_> {
             at.rows.iter().map(|r| (r.key, r.violation())).filter(|v| v.1 > EARLY).collect();
         close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let value =
-            |row: &Row| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
+            |row: &GridRow| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
         for (key, violation) in close {
             let Some(Remedy::Split(alternatives)) = self.setting.beside.early(key, &node.open, &at.track) else {
                 continue;
@@ -423,7 +423,7 @@ impl Search<'_> {
         if let Some(lack) = lack.filter(|_| !counted) {
             let straight = (0..grid.len()).map(|k| (k, 1.0)).collect();
             let low = total() + lack - 0.1 * FEASIBLE;
-            self.push(&node, |c| c.rows.push(Row { straight, low, ..Row::default() }));
+            self.push(&node, |c| c.rows.push(GridRow { straight, low, ..GridRow::default() }));
             return;
         }
         self.undecided(&node);
@@ -444,7 +444,7 @@ impl Search<'_> {
     fn leads_on(&self, choice: &Choice, alternatives: &[Alternative]) -> bool {
         let grid = self.setting.grid;
         let vertices = choice.vertices(grid);
-        let excluded = |row: &Row| choice.value(grid, row, &vertices) < row.low - 0.1 * FEASIBLE;
+        let excluded = |row: &GridRow| choice.value(grid, row, &vertices) < row.low - 0.1 * FEASIBLE;
         alternatives.iter().all(|a| a.rows.iter().any(excluded))
     }
 }
