@@ -76,6 +76,12 @@ const ASSUMED: f64 = 0.15;
 /// Of a ratio or a level that a sensor is off by, which has no other equation.
 const EXACT: f64 = 0.0;
 
+/// From a site and how well it is known, m, to sites like it, each with those beside it.
+pub type Alternatives = fn(&Site, f64) -> Vec<(Site, Vec<Site>)>;
+
+/// Whether something holds at a site.
+pub type AtSite = fn(&Site) -> bool;
+
 /// An effect.
 pub struct Effect {
     /// Its name, strengths and places, as a layout may write them.
@@ -88,9 +94,9 @@ pub struct Effect {
     pub sites: Sites,
     /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The
     /// number is how well the site is known, m.
-    pub alternatives: fn(&Site, f64) -> Vec<(Site, Vec<Site>)>,
+    pub alternatives: Alternatives,
     /// By what the effect differs in a way that nobody knows, and at which sites it does.
-    pub random: Option<(RandomEffect, fn(&Site) -> bool)>,
+    pub random: Option<(RandomEffect, AtSite)>,
     /// How a chain with these strengths begins.
     pub start: fn(&BTreeMap<String, f64>) -> Start,
     /// What separates it from effects that look like it.

@@ -7,8 +7,6 @@ use crate::signal::FORCES;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
-/// Forces that a sensor cart measures, in the order of a record.
-
 /// Thresholds a force is held against in each kind of place.
 pub const THRESHOLDS: usize = 3;
 
