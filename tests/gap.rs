@@ -113,7 +113,7 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
         sensor,
         random_effect: None,
         discrepancy: 0.0,
-        beside: None,
+        alternative_to: None,
     };
     let mut candidates = vec![
         one("slope", "", false),

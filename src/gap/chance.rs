@@ -57,10 +57,10 @@ impl Chance<'_> {
     }
 
     /// The same of what was found alone beside another effect, which differs by nothing.
-    pub fn beside(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Repeatability>)> {
+    pub fn with_another(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Repeatability>)> {
         let run = self.run();
         let effects = other.hypothesis.applied(self.simulator.candidates(), self.signatures, &other.strengths);
-        let request = Request { run, step: other.moves[run].clone(), effects };
+        let request = Request { run, step: other.nuisance_offsets[run].clone(), effects };
         let without = self.simulator.laps_all(&[request]).pop().flatten();
         let both = |one: &&Fitted| {
             let hypothesis = other.hypothesis.with(&one.hypothesis);
@@ -160,8 +160,8 @@ impl Chance<'_> {
     /// A run with the hypothesis at a strength, nuisances where they are without it.
     fn request(&self, tried: &Tried, run: usize, size: f64) -> Request {
         let effects = tried.hypothesis.applied(self.simulator.candidates(), self.signatures, &tried.strengths(size));
-        let alone = || self.nominal[run].moves(&vec![0.0; self.simulator.frames()[run].nominal.len()]);
-        Request { run, step: tried.beside.map_or_else(alone, |other| other.moves[run].clone()), effects }
+        let alone = || self.nominal[run].nuisance_offsets(&vec![0.0; self.simulator.frames()[run].nominal.len()]);
+        Request { run, step: tried.beside.map_or_else(alone, |other| other.nuisance_offsets[run].clone()), effects }
     }
 
     /// The hypothesis at a strength, simulated.
@@ -191,7 +191,7 @@ impl Chance<'_> {
             None => asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect(),
         };
         one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
-        one.moves = asked.into_iter().map(|r| r.step).collect();
+        one.nuisance_offsets = asked.into_iter().map(|r| r.step).collect();
         one.features = Some(features);
         if tried.beside.is_some() {
             self.settle_other(&mut one, last);

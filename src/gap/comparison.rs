@@ -130,7 +130,7 @@ impl Comparison<'_> {
 
     /// The place of a candidate: one beside another is at that one's.
     pub fn place(&self, candidate: usize) -> usize {
-        let before = |c: &usize| self.candidates()[*c].beside;
+        let before = |c: &usize| self.candidates()[*c].alternative_to;
         std::iter::successors(Some(candidate), before).last().unwrap_or(candidate)
     }
 
@@ -177,7 +177,7 @@ impl Comparison<'_> {
             names.len().max(1) as f64
         };
         let members = &hypothesis.members;
-        let alike = |c: usize, o: &Candidate| o.beside.is_none() && o.effect == candidates[c].effect;
+        let alike = |c: usize, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
         let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
         trig::ln(if members.len() == 1 { likelihood::ONE } else { likelihood::PAIR }) - shared
@@ -245,14 +245,14 @@ impl Comparison<'_> {
             self.as_built(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
-        ScoreTest::new(&self.evidence, &self.residuals(), &direction).beside(own)
+        ScoreTest::new(&self.evidence, &self.residuals(), &direction).with_scatter(own)
     }
 
     /// How surely a signature is in what is off.
     fn signature_test(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        ScoreTest::new(&self.evidence, residuals, columns).beside([self.as_built(signature) * square])
+        ScoreTest::new(&self.evidence, residuals, columns).with_scatter([self.as_built(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
@@ -341,7 +341,7 @@ impl Comparison<'_> {
                 let along = columns.iter().zip(&fitted.residuals).map(|(c, r)| c.dot(r)).sum();
                 ScoreTest { along, ..*score }
             };
-            left.beside([missed * norm(columns)]).z().abs()
+            left.with_scatter([missed * norm(columns)]).z().abs()
         };
         scores.iter().map(rest).fold(0.0, f64::max)
     }
@@ -354,7 +354,7 @@ impl Comparison<'_> {
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
             let score = ScoreTest::new(&repeatability.evidence, &repeatability.residuals, &columns);
             let size = norm(&columns);
-            score.beside([self.as_built(k) * size * size, missed * size]).z().abs()
+            score.with_scatter([self.as_built(k) * size * size, missed * size]).z().abs()
         };
         (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
     }

@@ -100,8 +100,9 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
         scored.extend(comparison.before_floors(both, &as_built));
     }
     if unsettled(&scored) {
-        let both =
-            comparison.companion(&scored).map(|other| chance.beside(other, &comparison.by_chance(&scored, other)));
+        let both = comparison
+            .companion(&scored)
+            .map(|other| chance.with_another(other, &comparison.by_chance(&scored, other)));
         let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&comparison.signatures));
         let both: Vec<Scored> = there.map(|(fitted, repeatability)| comparison.score(fitted, repeatability)).collect();
         scored.extend(both);

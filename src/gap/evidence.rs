@@ -183,7 +183,7 @@ impl Evidence {
     }
 
     /// The same steps as far as they can be simulated.
-    pub fn moves(&self, change: &[f64]) -> Vec<f64> {
+    pub fn nuisance_offsets(&self, change: &[f64]) -> Vec<f64> {
         self.steps(change).iter().zip(&self.bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
     }
 

@@ -31,7 +31,7 @@ pub struct Fitted {
     /// What the effects change in each run's features, nuisances held.
     pub changes: Vec<Vec<f64>>,
     /// Steps of each run's nuisances at which it is simulated.
-    pub moves: Vec<Vec<f64>>,
+    pub nuisance_offsets: Vec<Vec<f64>>,
     /// Features of each run, nuisances at their best; of the nominal model where only the screen was asked.
     pub features: Option<Vec<Vec<f64>>>,
 }
@@ -77,8 +77,17 @@ impl Hypothesis {
             explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
         let columns = columns.iter().map(|c| c.to_vec()).collect();
         let changes: Vec<Vec<f64>> = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
-        let moves = evidence.iter().zip(&changes).map(|(e, change)| e.moves(change)).collect();
-        Fitted { hypothesis: self.clone(), strengths, covariance, residuals, columns, changes, moves, features: None }
+        let nuisance_offsets = evidence.iter().zip(&changes).map(|(e, change)| e.nuisance_offsets(change)).collect();
+        Fitted {
+            hypothesis: self.clone(),
+            strengths,
+            covariance,
+            residuals,
+            columns,
+            changes,
+            nuisance_offsets,
+            features: None,
+        }
     }
 
     /// What strengths change in a run's features, by the signatures.

@@ -93,7 +93,7 @@ impl Comparison<'_> {
         let alone = self.singles().into_iter().filter(|j| j.fitted.strengths.len() == 1);
         let looked_at = match leader {
             None => alone.collect(),
-            Some(leader) => self.beside(leader, alone),
+            Some(leader) => self.with_leader(leader, alone),
         };
         // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too
         // small.
@@ -118,7 +118,7 @@ impl Comparison<'_> {
             };
             if room {
                 trials.extend(again(signature, candidates, *size));
-                trials.extend(beside(signature, candidates, *size));
+                trials.extend(at_alternatives(signature, candidates, *size));
             }
         }
         let left = leader.map_or_else(|| self.residuals(), |j| j.fitted.residuals.clone());
@@ -160,7 +160,7 @@ impl Comparison<'_> {
     }
 
     /// Other effects beside one, the likeliest first.
-    fn beside(&self, leader: &Scored, others: impl Iterator<Item = Scored>) -> Vec<Scored> {
+    fn with_leader(&self, leader: &Scored, others: impl Iterator<Item = Scored>) -> Vec<Scored> {
         let effect = |j: &Scored| &self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect;
         let others = others.filter(|j| effect(j) != effect(leader));
         let mut both: Vec<Scored> =
@@ -174,8 +174,8 @@ impl Comparison<'_> {
     pub fn turned(mut self, chosen: &[Scored]) -> (Self, Vec<Fitted>) {
         let candidates = self.simulator.candidates();
         let strikes = |signature: &Signature| {
-            let places = candidates.iter().any(|c| c.beside == Some(signature.candidate));
-            let placed = places || candidates[signature.candidate].beside.is_some();
+            let places = candidates.iter().any(|c| c.alternative_to == Some(signature.candidate));
+            let placed = places || candidates[signature.candidate].alternative_to.is_some();
             placed && candidates[signature.candidate].strengths[signature.strength].low < 0.0
         };
         let mut pairs = 0;
@@ -227,10 +227,10 @@ fn again(signature: &Signature, candidates: &[Candidate], size: f64) -> Option<T
 }
 
 /// The same strength at the places beside, of either sign where it has one.
-fn beside(signature: &Signature, candidates: &[Candidate], size: f64) -> Vec<Trial> {
+fn at_alternatives(signature: &Signature, candidates: &[Candidate], size: f64) -> Vec<Trial> {
     let size = if size == 0.0 { signature.size } else { fitting(signature, candidates, size) };
     let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;
-    let places = (0..candidates.len()).filter(|c| candidates[*c].beside == Some(signature.candidate));
+    let places = (0..candidates.len()).filter(|c| candidates[*c].alternative_to == Some(signature.candidate));
     let at = |candidate: usize| {
         let trial = Trial { candidate, size, ..signature.trial() };
         [Some(trial), signed.then(|| trial.other())].into_iter().flatten()

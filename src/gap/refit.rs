@@ -118,7 +118,7 @@ pub fn refit(
         let mut requests = Vec::new();
         for one in going.iter().map(|k| &fitted[*k]) {
             let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-            let each = one.moves.iter().enumerate();
+            let each = one.nuisance_offsets.iter().enumerate();
             requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
         }
         let answers = simulator.simulate_all(&requests);
@@ -173,8 +173,8 @@ pub fn along(columns: &[Vec<DVector<f64>>], strengths: &[f64]) -> Vec<DVector<f6
 impl Fitted {
     /// Nuisances of some runs as they fit best with what the effects change.
     fn move_along(&mut self, evidence: &[Evidence], moved: &[bool]) {
-        for (run, step) in self.moves.iter_mut().enumerate() {
-            *step = evidence[run].moves(&self.changes[run]);
+        for (run, step) in self.nuisance_offsets.iter_mut().enumerate() {
+            *step = evidence[run].nuisance_offsets(&self.changes[run]);
             if !moved[run] {
                 step.fill(0.0);
             }

@@ -42,7 +42,7 @@ pub fn repeatabilities(
     let mut requests = Vec::new();
     for one in fitted {
         let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-        let each = one.moves.iter().enumerate();
+        let each = one.nuisance_offsets.iter().enumerate();
         requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
     }
     let answers = simulator.laps_all(&requests);

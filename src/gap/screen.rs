@@ -57,7 +57,7 @@ pub fn signatures(
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Signature> {
     let candidates = simulator.candidates();
-    let alone = (0..candidates.len()).filter(|c| candidates[*c].beside.is_none() && wanted(*c));
+    let alone = (0..candidates.len()).filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
     let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
             let strengths = candidates[candidate].strengths.iter().enumerate();
@@ -86,7 +86,7 @@ pub fn signatures(
     found.sort_by_key(|s| (s.candidate, s.strength));
     // An impact at a place has no sign as long as the place is not known.
     let signed = |s: &&Signature| {
-        let placed = candidates.iter().any(|c| c.beside == Some(s.candidate));
+        let placed = candidates.iter().any(|c| c.alternative_to == Some(s.candidate));
         gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
     };
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
@@ -158,7 +158,7 @@ fn sized(
 /// Whether an effect has few places.
 fn few(candidates: &[Candidate], trial: Trial) -> bool {
     let own = &candidates[trial.candidate];
-    let alike = candidates.iter().filter(|c| c.beside.is_none() && c.effect == own.effect);
+    let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
     !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= FEW
 }
 

@@ -47,8 +47,9 @@ impl Comparison<'_> {
             change.iter().zip(more).map(|(c, m)| c + m).collect()
         };
         let changes: Vec<Vec<f64>> = first.changes.iter().enumerate().map(moved).collect();
-        let moves = self.evidence.iter().zip(&changes).map(|(e, change)| e.moves(change)).collect();
+        let nuisance_offsets =
+            self.evidence.iter().zip(&changes).map(|(e, change)| e.nuisance_offsets(change)).collect();
         let (covariance, residuals) = (step.covariance, step.residuals);
-        Fitted { hypothesis, strengths, covariance, residuals, columns, changes, moves, features: None }
+        Fitted { hypothesis, strengths, covariance, residuals, columns, changes, nuisance_offsets, features: None }
     }
 }

@@ -63,7 +63,7 @@ impl ScoreTest {
     }
 
     /// With more that scatters along it.
-    pub fn beside(self, others: impl IntoIterator<Item = f64>) -> ScoreTest {
+    pub fn with_scatter(self, others: impl IntoIterator<Item = f64>) -> ScoreTest {
         let variance = others.into_iter().map(|x| x * x).sum::<f64>() + self.deviation * self.deviation;
         ScoreTest { deviation: variance.sqrt(), ..self }
     }

@@ -108,8 +108,8 @@ pub struct Candidate {
     /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard
     /// deviation.
     pub discrepancy: f64,
-    /// The candidate beside which it stands: it is looked at only where that one explains something.
-    pub beside: Option<usize>,
+    /// The candidate whose alternative site this is: it is screened only where that one explains something.
+    pub alternative_to: Option<usize>,
 }
 
 /// A strength of an effect.

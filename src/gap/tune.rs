@@ -191,7 +191,7 @@ mod tests {
             sensor: true,
             random_effect: None,
             discrepancy: 0.0,
-            beside: None,
+            alternative_to: None,
         };
         let label = |k: usize| {
             let band = if k < HALF { Band::Track } else { Band::Distribution };

@@ -31,8 +31,8 @@ impl Compared<'_> {
             let strengths = 0..self.comparison.candidates()[c].strengths.len();
             strengths.filter(|s| !known.get(&c).is_some_and(|own| own.contains(s))).count()
         };
-        let alone =
-            (0..self.comparison.candidates().len()).filter(|c| self.comparison.candidates()[*c].beside.is_none());
+        let alone = (0..self.comparison.candidates().len())
+            .filter(|c| self.comparison.candidates()[*c].alternative_to.is_none());
         let lacking: Vec<(usize, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
         if lacking.is_empty() {
             return Vec::new();

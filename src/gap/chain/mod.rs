@@ -147,7 +147,7 @@ impl Chains {
         self.runs.first().map_or(1.0, |run| run.model.spec.places.lap / run.model.spec.places.cells as f64)
     }
 
-    fn offer(&mut self, effect: &'static Effect, site: Site, beside: Option<usize>) {
+    fn offer(&mut self, effect: &'static Effect, site: Site, alternative_to: Option<usize>) {
         let strength = |(s, fitted): (&StrengthDefinition, &StrengthSearch)| Strength {
             name: s.name.to_owned(),
             unit: s.unit.to_owned(),
@@ -165,7 +165,7 @@ impl Chains {
             sensor: effect.is_sensor(),
             random_effect,
             discrepancy: effect.discrepancy,
-            beside,
+            alternative_to,
         });
     }
 

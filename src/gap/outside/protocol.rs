@@ -208,7 +208,7 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         sensor: e.sensor,
         random_effect: None,
         discrepancy: 0.0,
-        beside: None,
+        alternative_to: None,
     };
     Ok(Description { nuisances, effects: effects.into_iter().map(candidate).collect(), accuracy })
 }
