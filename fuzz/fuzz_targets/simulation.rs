@@ -2,8 +2,9 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use lss::dynamics::{Model, parameters};
 use lss::chain_input::Simulation;
+use lss::dynamics::parameters;
+use lss::effects;
 
 fuzz_target!(|bytes: &[u8]| {
     match Simulation::read(bytes) {
@@ -11,7 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(simulation.track.centre_line().length.is_finite());
             parameters::parameters(&simulation);
             if simulation.chain.carts < 1_000 && simulation.track.elements.len() < 100 {
-                let _ = Model::new(&simulation).map_err(|why| why.to_string());
+                let _ = effects::model(&simulation).map_err(|why| why.to_string());
             }
             simulation.derive();
             assert!(simulation.chain.left_over_m.is_finite());
