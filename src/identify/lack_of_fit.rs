@@ -60,7 +60,7 @@ pub fn warning(fit: &RunFit) -> Option<Warning> {
     })
 }
 
-/// RunFit parameters at a bound.
+/// Fitted parameters at a bound.
 pub fn at_bounds(fit: &RunFit) -> Vec<&'static str> {
     let held = |p: &Parameter| fit.parameters.get(p.name()).is_some_and(|e| e.at_bound && e.fitted);
     Parameter::ALL.into_iter().filter(held).map(Parameter::name).collect()

@@ -97,8 +97,8 @@ fn head(layout: &Layout, group: &Group, fits: &[&RunFit]) -> String {
 fn law_note(law: ContactLaw) -> String {
     match law {
         ContactLaw::HerbertMcwhannell => String::new(),
-        ContactLaw::KelvinVoigt => "// RunFit with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
-        _ => "// RunFit with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
+        ContactLaw::KelvinVoigt => "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
+        _ => "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
     }
 }
 

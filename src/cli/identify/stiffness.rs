@@ -180,7 +180,7 @@ impl Report {
     /// The joint as a layout declares it.
     fn declaration(&self) -> String {
         let mut out =
-            "// RunFit to a static test; restitution and approach floor are those of ball_joint.\n".to_owned();
+            "// Fitted to a static test; restitution and approach floor are those of ball_joint.\n".to_owned();
         out += &format!("use std.joints.ball_joint\n\njoint {} from ball_joint {{\n", self.joint);
         for (direction, fit) in &self.directions {
             let Declared { stiffness, exponent, .. } = fit.declared;

@@ -33,7 +33,7 @@ const DEVIATION: f64 = 0.6;
 #[derive(Clone, Debug)]
 pub struct Impact {
     force: usize,
-    /// SlopeSums of the lap in which the line begins.
+    /// Part of the lap in which the line begins.
     part: usize,
     /// ForceSlope of the nominal chain, N, and the scale, N.
     nominal: f64,

@@ -169,10 +169,6 @@ mod tests {
         assert_eq!(begins(&high_power, |part| (45..55).contains(&part)), Some(50));
         assert_eq!(begins(&high_power, |part| (20..40).contains(&part)), None);
         high_power[97] = 1.2;
-        assert_eq!(
-            begins(&high_power, |part| part < 10),
-            Some(98),
-            "what is a thirtieth as high_power is another impact"
-        );
+        assert_eq!(begins(&high_power, |part| part < 10), Some(98), "what is a thirtieth as strong is another impact");
     }
 }
