@@ -5,9 +5,8 @@ use super::reality::{Changes, Reality, distances, measured};
 use super::sources::{MACHINE, SENSORS, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
 use super::{CHALLENGE, KEY, seal};
-use crate::base::parallel;
 use crate::base::random::mix;
-use crate::base::trig;
+use crate::base::{parallel, trig};
 use crate::benchmark::draw::{draw_log, pick, shuffle};
 use crate::benchmark::source::Source;
 use crate::chain_input::Simulation;
@@ -78,6 +77,12 @@ struct Wish {
 pub fn generate(order: &Order, folder: &Path, watch: &(dyn Fn(usize) + Sync)) -> Result<Facts, String> {
     let written = |path: &Path, bytes: &[u8]| replace(path, bytes).map_err(|error| said(path, &error.reason));
     root::given_output(folder).map_err(|why| format!("{}: {why}", shown(folder)))?;
+    if let Some(effect) = order.layout.as_ref().and_then(|layout| layout.effects.first()) {
+        return Err(format!(
+            "the layout has an effect, `{}`: leave it out, as a challenge puts in effects of its own",
+            effect.name
+        ));
+    }
     if folder.join(CHALLENGE).exists() {
         return Err(format!("{} has a challenge already", shown(folder)));
     }

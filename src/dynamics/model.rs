@@ -114,6 +114,10 @@ impl Model {
     ///
     /// [`Unfit`] for an input that no chain can have, or one with effects that were not turned into deviations.
     pub fn new(simulation: &Simulation, deviations: Deviations) -> Result<Model, Unfit> {
+        if !simulation.effects.is_empty() {
+            let why = "effects are turned into deviations first, by `effects::model` or `effects::simulate`".to_owned();
+            return Err(Unfit { place: "effects".to_owned(), why });
+        }
         check(simulation)?;
         let line = simulation.track.centre_line();
         let (gap, angle) = line.closure;

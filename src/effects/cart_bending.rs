@@ -4,8 +4,7 @@
 //! Signature: joint_eta and joint_zeta fluctuate less and their resonance falls.
 
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::dynamics::law::tangent;
 use crate::model::effect_definitions;
 

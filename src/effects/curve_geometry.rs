@@ -11,8 +11,7 @@
 
 use super::{Act, Effect, Experiment, Sites, Start, StrengthSearch, Strengths, add_profile, rebuilt, sites};
 use crate::base::trig;
-use crate::chain_input::Deviations;
-use crate::chain_input::{Piece, Simulation};
+use crate::chain_input::{Deviations, Piece, Simulation};
 use crate::model::effect_definitions;
 use std::collections::BTreeMap;
 

@@ -7,8 +7,7 @@
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, RandomEffect, Sites, StrengthSearch, Strengths, spread};
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::model::effect_definitions::{self, PlaceDefinition};
 
 pub const EFFECT: Effect = Effect {

@@ -5,8 +5,8 @@
 //! of, so that `effect joint_clearance(gap: 0.05 mm)` in a layout runs in `lss simulate` as it does in a diagnosis.
 
 mod cart_bending;
-pub mod control_delay;
-pub mod curve_geometry;
+mod control_delay;
+mod curve_geometry;
 mod fork_swivel;
 mod joint_clearance;
 mod joint_friction;

@@ -5,8 +5,7 @@
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths};
-use crate::chain_input::Simulation;
-use crate::chain_input::{Deviations, Ripple};
+use crate::chain_input::{Deviations, Ripple, Simulation};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {

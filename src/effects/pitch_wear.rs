@@ -4,8 +4,7 @@
 //! Signature: fluctuation of joint_xi and steering forces at less than the carts' passing.
 
 use super::{Act, Effect, Experiment, RandomEffect, Sites, StrengthSearch, Strengths, sites, spread};
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {

@@ -4,8 +4,7 @@
 //! Signature: joint_xi falls from motor to motor, more at higher speed.
 
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {

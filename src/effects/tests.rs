@@ -223,6 +223,14 @@ fn names_are_unique_and_sites_are_known() {
 }
 
 #[test]
+fn a_chain_is_not_made_of_an_input_whose_effects_are_forgotten() {
+    let input = with("joint_clearance", &[("gap", 1e-4)]);
+    let refused = crate::dynamics::Model::new(&input, Deviations::default()).err().expect("refused");
+    assert_eq!(refused.place, "effects");
+    assert!(model(&input).is_ok());
+}
+
+#[test]
 fn every_effect_that_a_layout_may_name_stands_in_the_library() {
     let of = |effects: &[&Effect]| effects.iter().map(|e| e.name()).collect::<Vec<_>>();
     let defined = |effects: &[&EffectDefinition]| effects.iter().map(|e| e.name).collect::<Vec<_>>();

@@ -7,8 +7,7 @@
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, add_profile};
 use crate::base::trig;
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {

@@ -4,8 +4,7 @@
 //! Signature: sideways motion of the carts is damped; steering forces peak less where curves begin.
 
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, sites};
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 
 /// Wheels that creep slower than v_s tell only μ/v_s, and what v_s is of a tyre on its rail is known to a factor of
 /// about two.
