@@ -35,6 +35,19 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{}e{power}", trimmed(scaled, digits - 1))
 }
 
+/// With so many significant digits as a person reads them: never in powers of ten, no more than nine decimals, and `unknown` for what is
+/// no number.
+pub fn decimal(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return "unknown".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = digits - 1 - trig::log10(value.abs()).floor() as i32;
+    trimmed(value, decimals.clamp(0, 9) as usize)
+}
+
 /// Rounds a computed quantity to 1e-12, which clears away the last bits' noise (12.000000000000002 m) and keeps far
 /// more than any use needs. Large numbers, whose own resolution is coarser, stay as they are.
 pub fn tidy(value: f64) -> f64 {
@@ -73,6 +86,11 @@ pub fn tick_labels(ticks: &[f64]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_person_reads_no_powers_of_ten() {
+        assert_eq!([decimal(1234.5, 3), decimal(0.012_34, 2), decimal(-0.0, 3)], ["1234", "0.012", "0"]);
+    }
 
     #[test]
     fn ticks_differ_from_one_another_in_words_too() {

@@ -5,8 +5,8 @@ use super::comparison::Comparison;
 use super::diagnosis::{GapPlace, Overlay, ranked};
 use super::scored::Scored;
 use super::simulator::{Band, Frame};
-use super::words;
 use crate::base::number::tidy;
+use crate::signal::Channel;
 use nalgebra::DVector;
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace],
     Some(Overlay {
         run: frame.run.clone(),
         band: band.name().to_owned(),
-        unit: words::unit(channel).to_owned(),
+        unit: Channel::unit_of(channel).to_owned(),
         at: if placed(band) { pick(&middle) } else { numbers() },
         measured: pick(&|k| frame.measured[k]),
         before: pick(&|k| frame.nominal[k] + shift[k]),

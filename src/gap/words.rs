@@ -259,11 +259,6 @@ pub fn separate(members: &[String]) -> String {
     format!("These runs cannot separate {list}; {how}, would.")
 }
 
-/// Unit of a channel of the chain; empty for another machine's.
-pub fn unit(channel: &str) -> &'static str {
-    crate::signal::Channel::FORCES.iter().find(|c| c.name() == channel).map_or("", |c| c.unit())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

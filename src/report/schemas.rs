@@ -6,8 +6,7 @@ use crate::emit::bom::Bom;
 use crate::emit::layout::LayoutFile;
 use crate::emit::pareto::Pareto;
 use crate::gap::Diagnosis;
-use crate::report::polygon::Report;
-use crate::report::polygon::Verification;
+use crate::report::polygon::{Report, Verification};
 
 /// Names and contents of `docs/schemas/`.
 pub fn schemas() -> [(&'static str, Vec<u8>); 7] {

@@ -28,6 +28,11 @@ pub enum Channel {
 pub const FORCES: usize = Channel::FORCES.len();
 
 impl Channel {
+    /// SI unit of a channel of this name; empty where the chain has none, as of another machine's.
+    pub fn unit_of(name: &str) -> &'static str {
+        Channel::from_name(name).map_or("", Channel::unit)
+    }
+
     pub const ALL: [Channel; 15] = [
         Channel::SteerLeft,
         Channel::SteerRight,

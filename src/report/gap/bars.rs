@@ -1,7 +1,7 @@
 //! Bars and levels: probabilities, how much of the gap is closed, the gap of each run.
 
-use super::words::{heading, percent, significant};
-use crate::base::number::fixed;
+use super::words::{heading, percent};
+use crate::base::number::{decimal, fixed};
 use crate::base::trig;
 use crate::gap::{Diagnosis, Finding, RunGap};
 use maud::{Markup, html};
@@ -123,7 +123,7 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
         svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
             @for mark in &marks {
                 line.axis x1=(at(*mark)) x2=(at(*mark)) y1="0" y2=(fixed(height - 20.0, 1)) {}
-                text.tick x=(at(*mark)) y=(fixed(height - 5.0, 1)) text-anchor="middle" { (significant(*mark, 2)) }
+                text.tick x=(at(*mark)) y=(fixed(height - 5.0, 1)) text-anchor="middle" { (decimal(*mark, 2)) }
             }
             @for (k, run) in runs.iter().enumerate() {
                 @let y = ROW * k as f64 + 12.0;
@@ -135,7 +135,7 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
                 circle.before cx=(at(run.before)) cy=(fixed(y, 1)) r="5" {}
                 @if changed { circle.after cx=(at(run.after)) cy=(fixed(y, 1)) r="5" {} }
                 text.value x=(WIDTH - RIGHT + 12.0) y=(fixed(y + 4.0, 1)) {
-                    (significant(run.before, 3)) @if changed { " → " (significant(run.after, 3)) }
+                    (decimal(run.before, 3)) @if changed { " → " (decimal(run.after, 3)) }
                 }
             }
         }

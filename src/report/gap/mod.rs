@@ -10,12 +10,13 @@ mod tests;
 mod words;
 
 use super::lap::lap_track::LapTrack;
-use crate::base::number::trimmed;
+use crate::base::number::{decimal, trimmed};
 use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
 use crate::report::style::document;
+use crate::signal::Channel;
 use maud::{Markup, html};
-use words::{amount, heading, list, percent, plain, significant};
+use words::{amount, heading, list, percent, plain};
 
 /// Findings at least this probable are present, as the verdict has it.
 const PRESENT: f64 = 0.5;
@@ -179,7 +180,7 @@ fn groups(diagnosis: &Diagnosis) -> Markup {
 fn repeatability(diagnosis: &Diagnosis) -> Markup {
     let unit = |channel: &str| {
         let of_overlay = diagnosis.overlays.iter().find(|o| o.channel == channel).map(|o| o.unit.as_str());
-        of_overlay.unwrap_or_else(|| words::unit(channel)).to_owned()
+        of_overlay.unwrap_or_else(|| Channel::unit_of(channel)).to_owned()
     };
     html! {
         @if !diagnosis.repeatability.is_empty() {
@@ -190,7 +191,7 @@ fn repeatability(diagnosis: &Diagnosis) -> Markup {
                     "The same measured again would be this far apart (root mean square of the means over windows). "
                 } "It counts as no gap: "
                 @for (k, (channel, x)) in diagnosis.repeatability.iter().enumerate() {
-                    @if k > 0 { ", " } (channel) " " (significant(*x, 3)) " " (unit(channel))
+                    @if k > 0 { ", " } (channel) " " (decimal(*x, 3)) " " (unit(channel))
                 } "." }
         }
         @if !diagnosis.runs.is_empty() {

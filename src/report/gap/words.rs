@@ -4,7 +4,6 @@ use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
 pub use crate::gap::percent;
 use crate::gap::{Amount, Axis};
-use crate::signal::Channel;
 
 /// `joint_clearance` as `joint clearance`.
 pub fn plain(name: &str) -> String {
@@ -25,18 +24,6 @@ pub fn list(words: &[String]) -> String {
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
-}
-
-/// So many significant digits, without an exponent.
-pub fn significant(value: f64, digits: i32) -> String {
-    if !value.is_finite() {
-        return "unknown".to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let decimals = digits - 1 - trig::log10(value.abs()).floor() as i32;
-    trimmed(value, decimals.clamp(0, 9) as usize)
 }
 
 /// A metre, second or compliance in the multiple that needs no zeros: factor and unit.
@@ -92,11 +79,6 @@ pub fn scale_of(band: &str, unit: &str) -> String {
     }
 }
 
-/// The unit of a channel of the chain; empty for those of other machines.
-pub fn unit(channel: &str) -> &'static str {
-    Channel::from_name(channel).map_or("", Channel::unit)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +104,5 @@ mod tests {
         let words = ["a", "b", "c"].map(str::to_owned);
         assert_eq!([list(&[]), list(&words[..1]), list(&words[..2]), list(&words)], ["", "a", "a and b", "a, b and c"]);
         assert_eq!(heading("joint_clearance"), "Joint clearance");
-        assert_eq!([significant(1234.5, 3), significant(0.012_34, 2), significant(-0.0, 3)], ["1234", "0.012", "0"]);
     }
 }

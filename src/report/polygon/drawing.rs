@@ -4,12 +4,10 @@
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
 use crate::emit::svg::sheet::{Area, Extent, Sheet, path, path_line, rectangle};
-use crate::emit::svg::strip;
 use crate::emit::svg::strip::field;
-use crate::emit::svg::text;
 use crate::emit::svg::text::Height;
 use crate::emit::svg::xml::{Element, number};
-use crate::emit::svg::{Theme, root, symbol};
+use crate::emit::svg::{Theme, root, strip, symbol, text};
 use crate::geometry::{CentreLine, Point, bounds};
 use crate::kinematics::polygon::{Course, CurvePhasor, Phasor, curve_phasor, superposed};
 use crate::report::polygon::Report;
