@@ -253,7 +253,7 @@ pub fn facts(folder: &Path) -> Result<Facts, Trouble> {
 /// # Errors
 ///
 /// [`Trouble`] when the key is not the one that was published.
-pub fn judged(folder: &Path) -> Result<Score, Trouble> {
+pub fn score_folder(folder: &Path) -> Result<Score, Trouble> {
     let facts = facts(folder)?;
     let mut answers = BTreeMap::new();
     for case in &facts.cases {
@@ -357,7 +357,7 @@ mod tests {
         assert_eq!(first, again);
         // The one that is kept is asked again where others are asked for the first time.
         assert_eq!(*seen.borrow(), ["case-1", "case-1", "case-2", "case-3", "case-1", "case-3"]);
-        let score = judged(folder.path()).unwrap();
+        let score = score_folder(folder.path()).unwrap();
         assert_eq!((score.cases, score.failed), (3, 1));
         assert_eq!((score.headline.top_1.hits, score.headline.top_1.of), (2, 3));
         // An interval without a lower end holds nothing.
@@ -404,7 +404,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         challenge(folder.path());
         fs::write(folder.path().join(KEY), seal::seal(b"{}", 3).bytes).unwrap();
-        let said = judged(folder.path()).unwrap_err().to_string();
+        let said = score_folder(folder.path()).unwrap_err().to_string();
         assert!(said.contains("not the one that was published"), "{said}");
     }
 

@@ -3,8 +3,7 @@
 use crate::base::trig;
 use crate::benchmark::draw::{add, pick};
 use crate::benchmark::source::{Source, chain, sign};
-use crate::chain_input::Deviations;
-use crate::chain_input::{Piece, Simulation, Track};
+use crate::chain_input::{Deviations, Piece, Simulation, Track};
 use crate::effects::sites::curves;
 
 /// An arc between two level straights.

@@ -1,7 +1,6 @@
 //! Draws by chance, and what they draw on.
 
-use crate::base::random::mix;
-use crate::base::random::uniform;
+use crate::base::random::{mix, uniform};
 use crate::base::trig;
 use crate::chain_input::Simulation;
 

@@ -118,7 +118,7 @@ pub struct Facts {
     pub mix: String,
 }
 
-/// What of a `gap.json` is judged. What another program left out counts as not said.
+/// What of a `gap.json` is scored. What another program left out counts as not said.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Answer {

@@ -3,16 +3,16 @@
 //!
 //! A challenge is a folder: `case-001/` and so on, each a campaign of three runs with its layout; `challenge.json` with
 //! what everybody may know, the salted SHA-256 of the key among it; and `key.sealed`. [`answering::answer`] fills
-//! `answers/`, and only [`answering::judged`] opens the key.
+//! `answers/`, and only [`answering::score_folder`] opens the key.
 
 pub mod answering;
 mod curves;
 mod draw;
 pub mod generate;
-mod judge;
 mod key;
 mod reality;
 mod score;
+mod scored_case;
 pub mod seal;
 mod source;
 mod sources;
@@ -22,9 +22,9 @@ pub mod table;
 mod tests;
 mod tracks;
 
-pub use judge::{Judged, Rank};
 pub use key::{Answer, Case, CaseKind, Facts, GapPart, Interval, Key, Level, Named, Truth};
 pub use score::{Accuracy, Line, Score, ScoreRow, score};
+pub use scored_case::{Rank, ScoredCase};
 pub use statistics::{Bin, Mean, Share};
 
 /// Public facts of a challenge.

@@ -4,15 +4,9 @@
 
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
-use crate::benchmark::draw::add;
-use crate::benchmark::draw::draw;
-use crate::benchmark::draw::draw_log;
-use crate::benchmark::draw::lap;
-use crate::benchmark::draw::pick;
-use crate::benchmark::draw::shuffle;
+use crate::benchmark::draw::{add, draw, draw_log, lap, pick, shuffle};
 use crate::benchmark::source::Change;
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::dynamics;
 use crate::dynamics::{End, Method, Plan, Progress, Width};
 use crate::identify::{COUNT, Parameter};

@@ -1,7 +1,7 @@
 //! The table of a challenge: what answers are worth, from key and answers alone.
 
-use super::judge::{Judged, judge};
 use super::key::{Answer, Case, CaseKind, Level};
+use super::scored_case::{ScoredCase, score_case};
 use super::statistics::{Bin, Mean, Share, area, brier, calibration, mean};
 use crate::effects::LIBRARY;
 use crate::gap::Verdict;
@@ -72,19 +72,19 @@ pub struct Line {
     pub level: Option<Level>,
     pub answered: bool,
     #[serde(flatten)]
-    pub judged: Judged,
+    pub scored: ScoredCase,
 }
 
 /// Scores answers by the name of their case; a case without one is a failure.
 pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
     let nothing = Answer::default();
     let answer = |case: &Case| answers.get(&case.name).unwrap_or(&nothing);
-    let all: Vec<(&Case, Judged)> = cases.iter().map(|case| (case, judge(case, answer(case)))).collect();
+    let all: Vec<(&Case, ScoredCase)> = cases.iter().map(|case| (case, score_case(case, answer(case)))).collect();
     let some = |keep: &dyn Fn(&Case) -> bool| -> Accuracy {
         accuracy(&all.iter().filter(|(c, _)| keep(c)).map(|(_, j)| j).collect::<Vec<_>>())
     };
     let clear = |c: &Case| matches!(c.level, Some(Level::Medium | Level::Strong));
-    let values = |of: &dyn Fn(&Case, &Judged) -> Option<f64>| {
+    let values = |of: &dyn Fn(&Case, &ScoredCase) -> Option<f64>| {
         mean(&all.iter().filter_map(|(c, j)| of(c, j)).collect::<Vec<_>>())
     };
     let unknown = |keep: &dyn Fn(&Case) -> bool| -> Vec<f64> {
@@ -135,21 +135,21 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
         closed_black_box: values(&|c, j| j.closed_black_box.filter(|_| c.kind.nameable() && j.closed.is_some())),
         each: all
             .iter()
-            .map(|(case, judged)| Line {
+            .map(|(case, scored)| Line {
                 name: case.name.clone(),
                 kind: case.kind,
                 truth: case.truth.iter().map(|t| t.effect.clone()).collect(),
                 strength_over_floor: case.strength_over_floor,
                 level: case.level,
                 answered: answers.contains_key(&case.name),
-                judged: judged.clone(),
+                scored: scored.clone(),
             })
             .collect(),
     }
 }
 
-fn accuracy(all: &[&Judged]) -> Accuracy {
-    let within = |of: fn(&Judged) -> usize, most: usize| Share::of_all(all.iter().map(|j| of(j) <= most));
+fn accuracy(all: &[&ScoredCase]) -> Accuracy {
+    let within = |of: fn(&ScoredCase) -> usize, most: usize| Share::of_all(all.iter().map(|j| of(j) <= most));
     Accuracy {
         top_1: within(|j| j.rank.exact, 1),
         top_3: within(|j| j.rank.exact, 3),

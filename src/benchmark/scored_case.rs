@@ -24,7 +24,7 @@ pub struct Rank {
 
 /// What an answer is worth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Judged {
+pub struct ScoredCase {
     /// The worst of the truth's effects, each ranked without the others.
     pub rank: Rank,
     /// What stands first and second, with probabilities.
@@ -85,7 +85,7 @@ fn rank(all: &[(&str, &str, f64)], name: &str, others: &[&str]) -> Rank {
 }
 
 /// Judges an answer; none at all is one that says nothing.
-pub fn judge(case: &Case, answer: &Answer) -> Judged {
+pub fn score_case(case: &Case, answer: &Answer) -> ScoredCase {
     let all = ranking(answer);
     let right = right(case);
     let ranks: Vec<Rank> = right.iter().map(|name| rank(&all, name, &right)).collect();
@@ -101,7 +101,7 @@ pub fn judge(case: &Case, answer: &Answer) -> Judged {
         Vec::new()
     };
     let named: Vec<&Named> = answer.effects.iter().filter(|e| e.chance() >= CLAIMED).collect();
-    Judged {
+    ScoredCase {
         rank: Rank { exact: worst(|r| r.exact), group: worst(|r| r.group) },
         first: all.iter().take(2).map(|(name, _, p)| ((*name).to_owned(), *p)).collect(),
         probability: right.iter().map(chance).sum::<f64>() / right.len().max(1) as f64,

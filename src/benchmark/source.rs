@@ -2,8 +2,7 @@
 
 use crate::base::random::uniform;
 use crate::benchmark::key::Truth;
-use crate::chain_input::Deviations;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::signal::Run;
 use std::collections::BTreeMap;
 

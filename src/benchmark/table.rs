@@ -75,7 +75,7 @@ fn cases(score: &Score) -> Cells {
     let head = ["case", "kind", "truth", "over the repeatability", "first", "second", "on the truth", "rank"]
         .map(str::to_owned)
         .to_vec();
-    let said = |line: &Line, k: usize| match line.judged.first.get(k) {
+    let said = |line: &Line, k: usize| match line.scored.first.get(k) {
         Some((name, p)) if line.answered => format!("{name} {}", fixed(*p, 2)),
         _ => "–".to_owned(),
     };
@@ -90,8 +90,8 @@ fn cases(score: &Score) -> Cells {
             },
             said(line, 0),
             said(line, 1),
-            fixed(line.judged.probability, 2),
-            if line.judged.rank.exact > RANKS { "–".to_owned() } else { line.judged.rank.exact.to_string() },
+            fixed(line.scored.probability, 2),
+            if line.scored.rank.exact > RANKS { "–".to_owned() } else { line.scored.rank.exact.to_string() },
         ]
     };
     std::iter::once(head).chain(score.each.iter().map(each)).collect()

@@ -94,8 +94,8 @@ fn a_score_is_what_one_counts_by_hand() {
     assert_eq!((score.coverage.hits, score.coverage.of), (3, 4));
     // Of 0.8 that is local, 4.5 of 5 m of the 0.6 lie within 7.5 to 14.5 m, which is 7 of 100 m.
     let overlap = 0.6 * 4.5 / 5.0 / 0.8;
-    assert!((score.each[0].judged.overlap.unwrap().0 - overlap).abs() < 1e-12);
-    assert!((score.each[0].judged.overlap.unwrap().1 - 0.07).abs() < 1e-12);
+    assert!((score.each[0].scored.overlap.unwrap().0 - overlap).abs() < 1e-12);
+    assert!((score.each[0].scored.overlap.unwrap().1 - 0.07).abs() < 1e-12);
     assert!((score.closed.unwrap().value - 0.8).abs() < 1e-12);
     assert!((score.closed_oracle.unwrap().value - 0.9).abs() < 1e-12);
     // 22 effects, of each case their square errors.
@@ -113,7 +113,7 @@ fn silence_is_wrong() {
     let score = score(&cases, &answers);
     assert_eq!((score.failed, score.headline.top_3.hits), (5, 0));
     assert_eq!(score.false_alarms.hits, 1);
-    assert!(score.each.iter().all(|line| line.judged.rank.exact > 24));
+    assert!(score.each.iter().all(|line| line.scored.rank.exact > 24));
 }
 
 #[test]

@@ -2,8 +2,7 @@
 
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
-use crate::source::disk;
-use crate::source::{Root, SourceMap, root, shown};
+use crate::source::{Root, SourceMap, disk, root, shown};
 use crate::syntax;
 use similar::TextDiff;
 use std::io::Read;

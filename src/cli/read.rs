@@ -9,10 +9,8 @@ use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::model::Layout;
 use crate::semantics::analyse;
-use crate::solve::unsupported;
-use crate::solve::{self, Options};
-use crate::source::root;
-use crate::source::{SourceMap, input, shown};
+use crate::solve::{self, Options, unsupported};
+use crate::source::{SourceMap, input, root, shown};
 use std::path::Path;
 
 /// A checked layout, its sources, and what was said of it so far.

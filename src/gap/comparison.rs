@@ -15,7 +15,7 @@ use nalgebra::DVector;
 use std::collections::BTreeSet;
 
 /// Hypotheses that are held against what is seen beyond them.
-const SETTLED: usize = 40;
+const COMPARED: usize = 40;
 
 /// What hypotheses are compared by: the runs, and the signatures of effects that were screened.
 pub struct Comparison<'a> {
@@ -315,7 +315,7 @@ impl Comparison<'_> {
             (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
         let with = |(rank, scored): (usize, Scored)| {
             let counts = likelihood::quiet(scored.mean_square);
-            if rank >= SETTLED || counts <= 0.0 {
+            if rank >= COMPARED || counts <= 0.0 {
                 return scored;
             }
             let rest = match &scored.repeatability {

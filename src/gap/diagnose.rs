@@ -26,7 +26,7 @@ const PAIRED: usize = 12;
 const BY_CHANCE: usize = 2;
 
 /// Hypotheses that are held against a repeatability of their own at most, and what share of the gap they must explain.
-const FLOORS: usize = 5;
+const OWN_REPEATABILITIES: usize = 5;
 const SOME: f64 = 0.05;
 
 /// A score from which on there is something to look at though the mean square is at the repeatability.
@@ -91,13 +91,13 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
     let chance =
         Chance { simulator, nominal: &comparison.evidence, as_built: &as_built, signatures: &comparison.signatures };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
-    let mut scored = comparison.before_floors(fitted, &as_built);
+    let mut scored = comparison.with_own_repeatability(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > UNSETTLED);
     if gap && unsettled(&scored) {
         let both =
             refit(simulator, &comparison.evidence, &comparison.signatures, comparison.seconds(&scored), &mut |_, _| {});
-        scored.extend(comparison.before_floors(both, &as_built));
+        scored.extend(comparison.with_own_repeatability(both, &as_built));
     }
     if unsettled(&scored) {
         let both = comparison
@@ -167,8 +167,8 @@ impl Comparison<'_> {
 
     /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other
     /// one alone.
-    fn before_floors(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
-        let asked = self.worth_a_floor(&fitted);
+    fn with_own_repeatability(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
+        let asked = self.worth_own_repeatability(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
         let mut own = repeatabilities(self.simulator, &self.evidence, as_built, &self.signatures, &some).into_iter();
         let with = fitted.into_iter().zip(asked);
@@ -179,14 +179,14 @@ impl Comparison<'_> {
 
     /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that
     /// explain something.
-    fn worth_a_floor(&self, fitted: &[Fitted]) -> Vec<bool> {
+    fn worth_own_repeatability(&self, fitted: &[Fitted]) -> Vec<bool> {
         let mean_square: Vec<f64> = fitted.iter().map(|f| overall_mean_square(&self.evidence, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();
         order.sort_by(|a, b| mean_square[*a].total_cmp(&mean_square[*b]));
         let worth = |k: &usize| {
             fitted[*k].simulated() && self.mean_square - mean_square[*k] > SOME * (self.mean_square - 1.0).max(0.0)
         };
-        let best: BTreeSet<usize> = order.into_iter().filter(worth).take(FLOORS).collect();
+        let best: BTreeSet<usize> = order.into_iter().filter(worth).take(OWN_REPEATABILITIES).collect();
         (0..fitted.len()).map(|k| best.contains(&k)).collect()
     }
 

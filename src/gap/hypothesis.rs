@@ -1,11 +1,8 @@
 //! What may explain a gap: effects at places, with strengths that fit.
 
 use crate::gap::evidence::Evidence;
-use crate::gap::screen::Explained;
-use crate::gap::screen::Signature;
-use crate::gap::screen::explain;
-use crate::gap::simulator::Applied;
-use crate::gap::simulator::Candidate;
+use crate::gap::screen::{Explained, Signature, explain};
+use crate::gap::simulator::{Applied, Candidate};
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 

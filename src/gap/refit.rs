@@ -4,9 +4,7 @@ use super::evidence::Evidence;
 use super::screen::{Signature, explain};
 use super::simulator::{Candidate, Request, Simulator};
 use super::tune::{Tuned, Tuner};
-use crate::gap::hypothesis::Fitted;
-use crate::gap::hypothesis::Hypothesis;
-use crate::gap::hypothesis::norm_squared;
+use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
 use nalgebra::DVector;
 
 /// Simulations of each run at most, and the share of the squares that another one is worth.

@@ -1,7 +1,7 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
 use crate::base::json::to_json;
-use crate::benchmark::answering::{Before, Step, answer, child, facts, judged};
+use crate::benchmark::answering::{Before, Step, answer, child, facts, score_folder};
 use crate::benchmark::generate::{Order, generate};
 use crate::benchmark::{CaseKind, table};
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
@@ -157,7 +157,7 @@ impl Score {
             Ok(hash) => report::note(&format!("answers SHA-256 {hash}")),
             Err(why) => return could_not("answer the challenge", &self.folder, why),
         }
-        let score = match judged(&self.folder) {
+        let score = match score_folder(&self.folder) {
             Ok(score) => score,
             Err(why) => return could_not("score the challenge", &self.folder, why),
         };

@@ -2,8 +2,7 @@
 
 use super::reports::{LawReport, Study};
 use super::{fitted, table};
-use crate::base::json;
-use crate::base::parallel;
+use crate::base::{json, parallel};
 use crate::chain_input::ContactLaw;
 use crate::cli::cases::{Case, cases};
 use crate::cli::identify::reports::law_name;

@@ -4,16 +4,14 @@ use crate::base::json;
 use crate::base::number::{fixed, shortest};
 use crate::chain_input::{Contact, ContactLaw, Simulation, Wheel};
 use crate::cli::cases::Case;
-use crate::cli::layouts;
-use crate::cli::{MessageFormat, Outcome, read};
+use crate::cli::{MessageFormat, Outcome, layouts, read};
 use crate::identify::groups::{Group, quartiles};
 use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping, restitution};
 use crate::model::Layout;
-use crate::source::SIZE_LIMIT;
-use crate::source::root;
 use crate::source::root::is_marked;
+use crate::source::{SIZE_LIMIT, root};
 use std::fmt::Write;
 use std::path::{Component, Path};
 

@@ -13,8 +13,7 @@ use crate::kinematics::polygon::Objective;
 use crate::model::{Goal, Layout};
 use crate::report::polygon::{Case, Names, Report, Values, Verification, case_name, page, verify_text};
 use crate::solve::polygon::{Smooth, solve};
-use crate::solve::unsupported;
-use crate::solve::{Options, Stage, Status, diagnose, discretise};
+use crate::solve::{Options, Stage, Status, diagnose, discretise, unsupported};
 
 /// Budget of length where the layout asks for the shortest track.
 const BUDGET: f64 = 0.005;

@@ -13,8 +13,7 @@ use crate::base::trig;
 use crate::gap::simulator::{Band, Frame, Label};
 use crate::identify::feature_spec::Samples;
 use crate::identify::model::samples;
-use crate::signal::Channel;
-use crate::signal::FORCES;
+use crate::signal::{Channel, FORCES};
 
 /// Over how many parts of the lap, of which the impact begins in the second.
 const PARTS: usize = 5;

@@ -6,8 +6,7 @@ use crate::gap::simulator::{Band, Frame, Label, Laps};
 use crate::identify::Parameter;
 use crate::identify::accumulator::Block;
 use crate::identify::local::WITH_FLOOR;
-use crate::signal::Channel;
-use crate::signal::FORCES;
+use crate::signal::{Channel, FORCES};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,6 @@
 //! Laps of a run with effects: each cart of a simulation that is like the one with the sensors is one.
 
-use super::Chains;
-use super::frame;
+use super::{Chains, frame};
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::Ensemble;
