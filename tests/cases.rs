@@ -8,8 +8,7 @@ use lss::emit;
 use lss::model::{self, Layout};
 use lss::problem::{self, Problem, Scope};
 use lss::semantics::analyse;
-use lss::solve::unsupported;
-use lss::solve::{self, Options, Stage};
+use lss::solve::{self, Options, Stage, unsupported};
 use lss::source::{Loader, SourceMap};
 use std::path::Path;
 

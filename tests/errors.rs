@@ -8,13 +8,11 @@ use std::path::{Path, PathBuf};
 
 use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic, text};
-use lss::elements;
 use lss::geometry::Track;
-use lss::import;
 use lss::semantics::analyse;
-use lss::solve;
 use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
+use lss::{elements, import, solve};
 
 fn folder(code: Code) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())

@@ -9,8 +9,7 @@ use lss::elements::{Part, pieces};
 use lss::geometry::Track;
 use lss::model::Layout;
 use lss::semantics::analyse;
-use lss::solve::unsupported;
-use lss::solve::{self, Effort, Options, Status};
+use lss::solve::{self, Effort, Options, Status, unsupported};
 use lss::source::{Loader, SourceMap};
 
 fn check(text: &str) -> (Option<Layout>, Vec<Diagnostic>) {

@@ -7,8 +7,7 @@ use super::model::Model;
 use super::start::start;
 use super::state::{Accelerations, PACK, PackRow, State};
 use super::width::Width;
-use crate::chain_input::Deviations;
-use crate::chain_input::Unfit;
+use crate::chain_input::{Deviations, Unfit};
 use std::sync::Arc;
 
 /// A chain at one moment.

@@ -2,8 +2,7 @@
 
 use super::chain::Chain;
 use super::state::PACK;
-use crate::dynamics::state::attitude;
-use crate::dynamics::state::vector;
+use crate::dynamics::state::{attitude, vector};
 use nalgebra::Vector3;
 
 /// Where a cart's points are in relation to the track and to its follower.

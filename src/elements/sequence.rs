@@ -2,8 +2,7 @@
 
 use super::course::{Course, Run, SNAP};
 use super::{Cover, Element, Sequence, Shape, cover};
-use crate::base::number;
-use crate::base::trig;
+use crate::base::{number, trig};
 use crate::geometry::Track;
 use crate::model::{Catalog, Layout};
 

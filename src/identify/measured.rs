@@ -3,11 +3,10 @@
 use super::coverage::Coverage;
 use crate::chain_input::Simulation;
 use crate::identify::accumulator::Samples;
-use crate::signal::FORCES;
 use crate::signal::gaps::bridge;
 use crate::signal::measures::statistics;
 use crate::signal::position::position;
-use crate::signal::{Channel, Run};
+use crate::signal::{Channel, FORCES, Run};
 use std::sync::Arc;
 
 /// How well the wheels tell the speed, as a share of it: their radii are known to no better.

@@ -1,7 +1,6 @@
 //! Declarations to components: parameters, `from`, and fields checked against their table.
 
-use crate::semantics::component::Component;
-use crate::semantics::component::Filled;
+use crate::semantics::component::{Component, Filled};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 

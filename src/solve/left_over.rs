@@ -2,11 +2,9 @@
 
 use crate::base::number::trimmed;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::Point;
-use crate::geometry::{CentreLine, Track};
+use crate::geometry::{CentreLine, Point, Track};
 use crate::kinematics::{Fit, better_length};
-use crate::model::{ConstraintKind, FixKind};
-use crate::model::{Goal, Layout};
+use crate::model::{ConstraintKind, FixKind, Goal, Layout};
 
 /// The warning that the chain does not fit, with what would make it fit.
 pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Option<Fit>) -> Option<Diagnostic> {

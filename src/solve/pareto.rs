@@ -4,8 +4,7 @@
 //! both alike; what is best then lies below the line between them, or there is nothing (Aneja and Nair 1979). Layouts
 //! that are best for no price of a metre are not found this way.
 
-use super::{Certificate, Stage, Status, worth};
-use super::{Options, Progress, solve};
+use super::{Certificate, Options, Progress, Stage, Status, solve, worth};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout, Objective};
 

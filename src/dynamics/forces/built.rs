@@ -6,8 +6,7 @@ use crate::base::trig;
 use crate::chain_input::closed;
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::Home;
-use crate::dynamics::state::{Bodies, PACK, PackRow};
-use crate::dynamics::state::{attitude, vector};
+use crate::dynamics::state::{Bodies, PACK, PackRow, attitude, vector};
 use nalgebra::Vector3;
 
 /// Of a pack.

@@ -4,11 +4,9 @@ mod document;
 
 pub use document::*;
 
-use crate::base::json;
 use crate::base::number::{normal, tidy};
-use crate::base::trig;
-use crate::compiled::Compiled;
-use crate::compiled::Station;
+use crate::base::{json, trig};
+use crate::compiled::{Compiled, Station};
 use crate::elements::Shape;
 use crate::geometry::{Form, Frame, PieceKind, Point, Stretch};
 use crate::problem::{Problem, RowKey, Scope, measures, relation};

@@ -1,8 +1,7 @@
 //! The written layout and the stages' results over each other, as the figures of thesis §3.3 show them.
 
 use crate::compiled::Compiled;
-use crate::emit::DrawError;
-use crate::emit::plan;
+use crate::emit::{DrawError, plan};
 use crate::geometry::{Corner, Point, Track};
 use crate::solve::Status;
 

@@ -4,8 +4,7 @@ use super::grid::Grid;
 use super::open::Open;
 use super::tariff::{Tariff, on_hull};
 use crate::geometry::Point;
-use crate::solve::exact::row::GridRow;
-use crate::solve::exact::row::Touch;
+use crate::solve::exact::row::{GridRow, Touch};
 use std::rc::Rc;
 
 /// A choice of everything.

@@ -8,8 +8,7 @@
 use super::search::Found;
 use crate::model::Interval as Bounds;
 use crate::problem::{Function, Problem, Row};
-use crate::solve::Effort;
-use crate::solve::Stop;
+use crate::solve::{Effort, Stop};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 

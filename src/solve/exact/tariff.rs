@@ -5,8 +5,7 @@
 //! multipliers lies at a vertex of the step function's lower convex hull, which is what a bound needs of it. A search
 //! that finds a straight above its hull branches on its *cells*: break points, and the open intervals between them.
 
-use super::grid::Grid;
-use super::grid::track;
+use super::grid::{Grid, track};
 use super::open::{Open, place};
 use crate::elements::{self, Part, Piece, Space, Step, Steps};
 use crate::geometry::Track;

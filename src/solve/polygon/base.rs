@@ -6,11 +6,10 @@ use crate::geometry::Track;
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Objective, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
-use crate::solve::discrete;
 use crate::solve::sqp::{self, Settings};
 use crate::solve::stages::solve_in_stages;
 use crate::solve::violations::{as_written, off_grid, stage};
-use crate::solve::{Discretise, Options, Progress, Stage, Status};
+use crate::solve::{Discretise, Options, Progress, Stage, Status, discrete};
 use crate::source::Span;
 use std::time::Instant;
 

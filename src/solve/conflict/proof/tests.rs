@@ -3,8 +3,7 @@ use crate::geometry::Track;
 use crate::model::instances::{horseshoe, thesis10};
 use crate::model::{Layout, Target};
 use crate::problem::measures::to_variables;
-use crate::problem::perturbed;
-use crate::problem::{Row, Scope};
+use crate::problem::{Row, Scope, perturbed};
 use crate::solve::{Discretise, Options, solve_with};
 
 /// A problem with every linear measure of a layout held where it is, and the walls as near as they are.
