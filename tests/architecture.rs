@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
-use syn::{Attribute, ImplItem, Item, ItemImpl, ItemMod, ItemUse, Macro, Type, UseTree, Visibility};
+use syn::{Attribute, ImplItem, Item, ItemImpl, ItemUse, Macro, Type, UseTree, Visibility};
 
 /// From the top: a room may use those before it.
 const ROOMS: [&str; 23] = [
@@ -154,11 +154,6 @@ impl<'ast> Visit<'ast> for Reader<'_> {
         }
         self.module.defined.extend(name.map(ToString::to_string));
         visit::visit_item(self, item);
-    }
-
-    fn visit_item_mod(&mut self, item: &'ast ItemMod) {
-        // What stands in the same file is read with it.
-        visit::visit_item_mod(self, item);
     }
 
     fn visit_item_use(&mut self, item: &'ast ItemUse) {
