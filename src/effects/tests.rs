@@ -225,7 +225,7 @@ fn names_are_unique_and_sites_are_known() {
 #[test]
 fn a_chain_is_not_made_of_an_input_whose_effects_are_forgotten() {
     let input = with("joint_clearance", &[("gap", 1e-4)]);
-    let refused = crate::dynamics::Model::new(&input, Deviations::default()).err().expect("refused");
+    let Err(refused) = crate::dynamics::Model::new(&input, Deviations::default()) else { panic!("not refused") };
     assert_eq!(refused.place, "effects");
     assert!(model(&input).is_ok());
 }
