@@ -337,7 +337,7 @@ fn thrust_is_rolling_resistance() {
 #[test]
 fn a_lap_is_recorded_with_its_reactions() {
     let simulation = with(&input("smallest"), &[("supports_every_m", 2.5), ("chain.tension_n", 300.0)]);
-    let plan = Plan { settle: 2.0, ..Plan::default() };
+    let plan = Plan { settle: 2.0, supports: true, ..Plan::default() };
     let outcome = simulate(&simulation, &plan, Width::widest(), &mut |_| true).expect("fit");
     assert_eq!(outcome.end, End::Complete);
     let trigger = &outcome.run.channels[&lss::signal::Channel::Trigger];

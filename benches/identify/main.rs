@@ -63,7 +63,8 @@ fn measure(nominal: &Simulation, truth: &[f64; COUNT], case: u64, state: &mut u6
     let mut real = nominal.clone();
     Parameter::ALL.iter().for_each(|p| p.set(&mut real, truth[p.index()]));
     let method = if case % 5 == 4 { Method::CashKarp } else { Method::Verlet };
-    let mut plan = Plan { laps: 1, settle: 30.0, step: Some(2.5e-4), method, front: 1.25 * uniform(state) };
+    let mut plan =
+        Plan { laps: 1, settle: 30.0, step: Some(2.5e-4), method, front: 1.25 * uniform(state), supports: false };
     let mut run = loop {
         let outcome = simulate(&real, &plan, Width::widest(), &mut |_| true).expect("a chain");
         if outcome.end == End::Complete {

@@ -1,7 +1,7 @@
 //! A chain that moves: state, memory of its contacts, controller and clock.
 
 use super::control::{Control, Late};
-use super::forces::{Evaluation, Forces, Memory};
+use super::forces::{CommandChange, Evaluation, Forces, Memory};
 use super::law::Damped;
 use super::model::Model;
 use super::start::start;
@@ -24,7 +24,7 @@ pub struct Chain {
     pub width: Width,
     /// Pitch at which this phase closes, m.
     pub closing_pitch: f64,
-    /// Evaluations of all forces so far; where only the command changed, they are not counted.
+    /// Evaluations of all forces so far.
     pub evaluations: u64,
 }
 
@@ -53,20 +53,25 @@ impl Chain {
 
     /// Forces and accelerations of the present state.
     pub fn evaluate(&mut self, commit: bool) {
-        self.evaluations += 1;
-        self.run(commit, false);
+        self.run(commit, None);
     }
 
-    fn run(&mut self, commit: bool, again: bool) {
+    /// A step of velocity Verlet, s.
+    pub(super) fn step(&mut self, h: f64) {
+        self.run(true, Some(h));
+    }
+
+    fn run(&mut self, commit: bool, step: Option<f64>) {
+        self.evaluations += 1;
         self.width.run(Evaluation {
             model: &self.model,
-            bodies: &self.state.bodies,
+            bodies: &mut self.state.bodies,
             memory: &mut self.memory,
             forces: &mut self.forces,
-            out: &mut self.accelerations,
+            accelerations: &mut self.accelerations,
             command: self.control.command,
             commit,
-            again,
+            step,
         });
     }
 
@@ -83,8 +88,16 @@ impl Chain {
         } else {
             self.control.sample(&model.controller, model.motors.force, model.speed, speed);
         }
-        if self.control.command != before {
-            self.run(true, true);
+        let change = self.control.command - before;
+        if change != 0.0 {
+            self.width.run(CommandChange {
+                model: &self.model,
+                bodies: &self.state.bodies,
+                memory: &mut self.memory,
+                forces: &self.forces,
+                accelerations: &mut self.accelerations,
+                change,
+            });
         }
     }
 

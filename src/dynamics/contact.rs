@@ -5,113 +5,141 @@
 
 use super::lanes::{Lane, Mask};
 use super::law::Damped;
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
-/// A wheel and its surface: indentation, m, and its rate, m/s.
-pub struct Side<S: Simd> {
-    pub depth: Lane<S>,
-    pub rate: Lane<S>,
+/// A wheel between two surfaces, which it meets at most one of.
+pub struct Between<S: Simd> {
+    /// From the middle between the surfaces, m.
+    offset: Lane<S>,
+    /// Indentation of the surface that is nearer, m; less than 0 where the wheel is clear.
+    depth: Lane<S>,
+    /// Of the indentation, m/s.
+    rate: Lane<S>,
+    touches: Mask<S>,
 }
 
-/// Whether a wheel that was clear touches now.
-#[inline(always)]
-pub fn fresh_contact<S: Simd>(side: &Side<S>, memory: Lane<S>) -> Mask<S> {
-    memory.constant(0.0).less(side.depth).and(memory.less(memory.constant(f64::MIN_POSITIVE)))
+impl<S: Simd> Between<S> {
+    /// At an offset, m, from the middle of surfaces that are `half` to either side, m; and its rate, m/s.
+    #[inline(always)]
+    pub fn new(offset: Lane<S>, rate: Lane<S>, half: f64) -> Self {
+        let depth = offset.abs() - offset.constant(half);
+        let touches = depth.constant(0.0).less(depth);
+        Between { offset, depth, rate: rate.times_sign_of(offset), touches }
+    }
+
+    /// Approach speed, m/s.
+    #[inline(always)]
+    pub fn rate(&self) -> Lane<S> {
+        self.rate
+    }
+
+    /// Whether a wheel that was clear touches now.
+    #[inline(always)]
+    pub fn fresh(&self, memory: Lane<S>) -> Mask<S> {
+        self.touches.and(memory.less(memory.constant(f64::MIN_POSITIVE)))
+    }
+
+    /// The memory, 0 where the wheel is clear.
+    #[inline(always)]
+    pub fn opened(&self, memory: Lane<S>) -> Lane<S> {
+        memory.select(self.touches, memory.constant(0.0))
+    }
+
+    /// Indentation, m, 0 where the wheel is clear.
+    #[inline(always)]
+    pub fn indentation(&self) -> Lane<S> {
+        self.depth.select(self.touches, self.depth.constant(0.0))
+    }
+
+    /// Force of the surface, N, at least 0; from δⁿ.
+    #[inline(always)]
+    pub fn force(&self, law: &Damped, power: Lane<S>, memory: Lane<S>) -> Lane<S> {
+        let zero = memory.constant(0.0);
+        let force = damped(law, power, self.rate, memory);
+        force.select(zero.less(force).and(self.touches), zero)
+    }
+
+    /// What pushes the wheel back to the middle: less than 0 where it is on the side of positive offsets.
+    #[inline(always)]
+    pub fn back(&self, force: Lane<S>) -> Lane<S> {
+        (-force).times_sign_of(self.offset)
+    }
 }
 
-/// The memory, 0 where the wheel is clear.
+/// δ^1.5: Hertz' exponent, which needs a root only.
 #[inline(always)]
-pub fn opened<S: Simd>(side: &Side<S>, memory: Lane<S>) -> Lane<S> {
-    let zero = memory.constant(0.0);
-    memory.select(zero.less(side.depth), zero)
-}
-
-/// δ^1.5, 0 where the wheel is clear: Hertz' exponent, which needs a root only.
-#[inline(always)]
-pub fn hertz<S: Simd>(side: &Side<S>) -> Lane<S> {
-    let depth = clamped(side.depth);
+pub fn hertz<S: Simd>(depth: Lane<S>) -> Lane<S> {
     depth * depth.sqrt()
 }
 
-/// δⁿ, 0 where the wheel is clear.
-#[inline(always)]
-pub fn power<S: Simd>(side: &Side<S>, exponent: f64) -> Lane<S> {
-    raised(clamped(side.depth), exponent)
-}
+/// δⁿ of three, with any exponents: for laws that are rare.
+pub struct Powers<S: Simd>(pub [Lane<S>; 3], pub [f64; 3]);
 
-/// Force of a surface on a wheel, N, at least 0; from δⁿ.
-#[inline(always)]
-pub fn contact<S: Simd>(law: &Damped, side: &Side<S>, power: Lane<S>, memory: Lane<S>) -> Lane<S> {
-    let zero = memory.constant(0.0);
-    let force = damped(law, power, side.rate, memory);
-    force.select(zero.less(force).and(zero.less(side.depth)), zero)
-}
+impl<S: Simd> WithSimd for Powers<S> {
+    type Output = [Lane<S>; 3];
 
-#[inline(always)]
-fn clamped<S: Simd>(depth: Lane<S>) -> Lane<S> {
-    let zero = depth.constant(0.0);
-    depth.select(zero.less(depth), zero)
-}
-
-/// A joint along one axis, which pulls and pushes without a clamp.
-pub struct Joint<S: Simd> {
-    /// Whether it is compressed: e > 0.
-    pushes: Mask<S>,
-    /// |e|, m
-    size: Lane<S>,
-    /// d|e|/dt, m/s
-    growth: Lane<S>,
-    /// Positive while the sign of e is the one remembered.
-    pub memory: Lane<S>,
-}
-
-impl<S: Simd> Joint<S> {
     #[inline(always)]
-    pub fn new(e: Lane<S>, rate: Lane<S>, memory: Lane<S>) -> Self {
-        let pushes = e.constant(0.0).less(e);
-        Joint { pushes, size: e.abs(), growth: rate.select(pushes, -rate), memory: memory.select(pushes, -memory) }
-    }
-
-    /// Takes half a play from the elongation.
-    #[inline(always)]
-    pub fn ease(&mut self, half: Lane<S>) {
-        self.size = clamped(self.size - half);
-    }
-
-    /// With the sign of e.
-    #[inline(always)]
-    pub fn signed(&self, x: Lane<S>) -> Lane<S> {
-        x.select(self.pushes, -x)
+    fn with_simd<T: Simd>(self, _: T) -> Self::Output {
+        let Powers([a, b, c], exponents) = self;
+        [raised(a, exponents[0]), raised(b, exponents[1]), raised(c, exponents[2])]
     }
 }
 
-/// Whether e has changed its sign.
-#[inline(always)]
-pub fn fresh_joint<S: Simd>(joint: &Joint<S>) -> Mask<S> {
-    joint.memory.less(joint.memory.constant(f64::MIN_POSITIVE))
+/// Elongations of a joint, eased by half a play and raised to their exponents, each with its sign: for laws that are
+/// rare.
+pub struct Stretched<S: Simd> {
+    /// m
+    pub e: [Lane<S>; 3],
+    /// m
+    pub half_play: f64,
+    pub exponents: [f64; 3],
 }
 
-/// Force of a joint on its leader, N.
-#[inline(always)]
-pub fn joint<S: Simd>(law: &Damped, joint: &Joint<S>, memory: Lane<S>) -> Lane<S> {
-    let power = if law.exponent == 1.0 { joint.size } else { raised(joint.size, law.exponent) };
-    joint.signed(damped(law, power, joint.growth, memory))
+impl<S: Simd> WithSimd for Stretched<S> {
+    type Output = [Lane<S>; 3];
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _: T) -> Self::Output {
+        let mut out = self.e;
+        for (e, exponent) in out.iter_mut().zip(self.exponents) {
+            let zero = e.constant(0.0);
+            let size = e.abs() - e.constant(self.half_play);
+            *e = raised(size.select(zero.less(size), zero), exponent).times_sign_of(*e);
+        }
+        out
+    }
 }
 
-/// One over the approach speed, floored, where a contact is fresh.
+/// Whether an elongation, m, has changed its sign since it was remembered.
 #[inline(always)]
-pub fn refreshed<S: Simd>(fresh: Mask<S>, floor: f64, rate: Lane<S>, memory: Lane<S>) -> Lane<S> {
-    let floor = rate.constant(floor);
-    let approach = rate.select(floor.less(rate), floor);
-    rate.constant(1.0).over(approach).select(fresh, memory)
+pub fn turned_over<S: Simd>(e: Lane<S>, memory: Lane<S>) -> Mask<S> {
+    (e * memory).less(e.constant(f64::MIN_POSITIVE))
 }
 
-/// K δⁿ (1 + χ δ̇/v₀) + c δ̇
+/// One over three approach speeds, each floored, s/m: all with one division.
 #[inline(always)]
-fn damped<S: Simd>(law: &Damped, power: Lane<S>, rate: Lane<S>, memory: Lane<S>) -> Lane<S> {
+pub fn one_over<S: Simd>(floor: f64, rates: [Lane<S>; 3]) -> [Lane<S>; 3] {
+    let floor = rates[0].constant(floor);
+    let a = rates[0].select(floor.less(rates[0]), floor);
+    let b = rates[1].select(floor.less(rates[1]), floor);
+    let c = rates[2].select(floor.less(rates[2]), floor);
+    let bc = b * c;
+    let inverse = a.constant(1.0).over(a * bc);
+    let of_a = inverse * a;
+    [inverse * bc, of_a * c, of_a * b]
+}
+
+/// K δⁿ (1 + χ δ̇/v₀) + c δ̇, N. At a joint, which pulls and pushes without a clamp, δⁿ and the memory have the
+/// elongation's sign, and so has the force.
+#[inline(always)]
+pub fn damped<S: Simd>(law: &Damped, power: Lane<S>, rate: Lane<S>, memory: Lane<S>) -> Lane<S> {
     let c = power.splat_like();
-    let damping = (memory * c.of(law.factor)).mul_add(rate, c.of(1.0));
-    (power * c.of(law.stiffness)).mul_add(damping, c.of(law.viscosity) * rate)
+    let elastic = power * c.of(law.stiffness);
+    let mut force = (memory * c.of(law.factor) * rate).mul_add(elastic, elastic);
+    if law.viscosity != 0.0 {
+        force = rate.mul_add(c.of(law.viscosity), force);
+    }
+    force
 }
 
 #[inline(always)]

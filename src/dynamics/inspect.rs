@@ -34,7 +34,7 @@ impl Chain {
         let follower = (i + 1) % model.carts;
         let apart = self.point(follower, [0.0; 3]) - self.point(i, [-model.cart.length, 0.0, 0.0]);
         let elongation = attitude(&self.state.bodies[pack], lane).inverse() * apart;
-        let segment = self.memory.home[pack].segment[lane] as usize;
+        let segment = self.memory.home[pack].front.segment[lane] as usize;
         let front = model.segments.footing(self.point(i, [0.0; 3]).into(), segment);
         let wheel = &model.running;
         let height = |side: f64| {

@@ -64,6 +64,11 @@ impl<S: Simd> Lane<S> {
         S::as_mut_simd_f64s(&mut to[..S::F64_LANES]).0[0] = self.value;
     }
 
+    #[inline(always)]
+    pub fn simd(self) -> S {
+        self.simd
+    }
+
     /// Constants beside this one.
     #[inline(always)]
     pub fn splat_like(self) -> Splat<S> {
@@ -101,6 +106,13 @@ impl<S: Simd> Lane<S> {
     #[inline(always)]
     pub fn abs(self) -> Self {
         Lane { simd: self.simd, value: self.simd.abs_f64s(self.value) }
+    }
+
+    /// Less where the other is less than zero: times the sign of the other.
+    #[inline(always)]
+    pub fn times_sign_of(self, other: Self) -> Self {
+        let sign = self.simd.and_f64s(other.value, self.simd.splat_f64s(-0.0));
+        Lane { simd: self.simd, value: self.simd.xor_f64s(self.value, sign) }
     }
 
     #[inline(always)]
@@ -190,7 +202,7 @@ impl<S: Simd> Neg for Lane<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.constant(0.0) - self
+        Lane { simd: self.simd, value: self.simd.neg_f64s(self.value) }
     }
 }
 
@@ -252,6 +264,12 @@ impl<S: Simd> Lane3<S> {
         Lane3 { x: self.x.mul_add(factor, c.x), y: self.y.mul_add(factor, c.y), z: self.z.mul_add(factor, c.z) }
     }
 
+    /// Component by component.
+    #[inline(always)]
+    pub fn times(self, b: Self) -> Self {
+        Lane3 { x: self.x * b.x, y: self.y * b.y, z: self.z * b.z }
+    }
+
     #[inline(always)]
     pub fn scale(self, factor: Lane<S>) -> Self {
         Lane3 { x: self.x * factor, y: self.y * factor, z: self.z * factor }
@@ -297,12 +315,41 @@ impl<S: Simd> Axes<S> {
         let one = w.constant(1.0);
         let (x2, y2, z2) = (x + x, y + y, z + z);
         let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
         let (wx, wy, wz) = (w * x2, w * y2, w * z2);
         Axes {
-            xi: Lane3::new(one - (yy + zz), x.mul_add(y2, wz), x.mul_add(z2, -wy)),
-            eta: Lane3::new(x.mul_add(y2, -wz), one - (xx + zz), y.mul_add(z2, wx)),
-            zeta: Lane3::new(x.mul_add(z2, wy), y.mul_add(z2, -wx), one - (xx + yy)),
+            xi: Lane3::new(one - (yy + zz), xy + wz, xz - wy),
+            eta: Lane3::new(xy - wz, one - (xx + zz), yz + wx),
+            zeta: Lane3::new(xz + wy, yz - wx, one - (xx + yy)),
         }
+    }
+
+    /// Of quaternions in four rows of a pack.
+    #[inline(always)]
+    pub fn of_attitude(simd: S, rows: &[PackRow; 4], part: usize) -> Self {
+        Axes::of(
+            Lane::of(simd, &rows[0], part),
+            Lane::of(simd, &rows[1], part),
+            Lane::of(simd, &rows[2], part),
+            Lane::of(simd, &rows[3], part),
+        )
+    }
+
+    /// From nine rows of a pack, column by column.
+    #[inline(always)]
+    pub fn of_rows(simd: S, rows: &[[PackRow; 3]; 3], part: usize) -> Self {
+        Axes {
+            xi: Lane3::of(simd, &rows[0], part),
+            eta: Lane3::of(simd, &rows[1], part),
+            zeta: Lane3::of(simd, &rows[2], part),
+        }
+    }
+
+    #[inline(always)]
+    pub fn put(&self, rows: &mut [[PackRow; 3]; 3], part: usize) {
+        self.xi.put(&mut rows[0], part);
+        self.eta.put(&mut rows[1], part);
+        self.zeta.put(&mut rows[2], part);
     }
 
     /// Cart to world.

@@ -1,5 +1,6 @@
 //! The chain model's constants, worked out once from a simulation input (design: chain model).
 
+use super::coverage::Coverage;
 use super::law::{self, Damped, tangent};
 use super::segments::Segments;
 use super::state::{PACK, PackRow};
@@ -13,6 +14,9 @@ const PHASES: usize = 16;
 
 /// Elongation of a joint beyond which the chain is broken, m.
 const BROKEN: f64 = 0.02;
+
+/// Lateral or vertical offset of a front joint from the centre line beyond which the cart is off the rail, m.
+pub const OFF_RAIL: f64 = 0.05;
 
 /// A contact load at which Kelvin-Voigt is linearised at a steering wheel, N.
 const STEERING_LOAD: f64 = 100.0;
@@ -34,6 +38,7 @@ pub struct Model {
     /// v_min, m/s
     pub floor: f64,
     pub motors: Motors,
+    pub coverage: Coverage,
     pub controller: Controller,
     pub speed: f64,
     /// T₀, N
@@ -158,8 +163,15 @@ impl Model {
             motor_height: simulation.cart.motor_height_m,
         };
         let weight = mass * simulation.gravity_m_s2;
+        let widest = simulation.running_wheel.half_spacing_m.max(simulation.running_wheel.height_m.abs());
+        let widest = widest.max(simulation.cart.motor_height_m.abs()) + OFF_RAIL;
         let (running, radial) = (&simulation.running_wheel, damped(&simulation.joint.radial, tension));
         let wheels = 2.0 * tangent_of(&running.contact, weight / 2.0);
+        let motors = Motors {
+            s: simulation.motors.s_m.iter().map(|s| s.rem_euclid(line.length)).collect(),
+            length: simulation.motors.length_m,
+            force: simulation.motors.force_n,
+        };
         Ok(Model {
             carts,
             gravity: simulation.gravity_m_s2,
@@ -171,11 +183,8 @@ impl Model {
             radial,
             stiffness_rate: cart.ends().rate(tangent_of(&simulation.joint.radial, weight / 2.0), wheels),
             floor: simulation.joint.approach_floor_m_s,
-            motors: Motors {
-                s: simulation.motors.s_m.iter().map(|s| s.rem_euclid(line.length)).collect(),
-                length: simulation.motors.length_m,
-                force: simulation.motors.force_n,
-            },
+            coverage: Coverage::new(&motors.s, motors.length, line.length),
+            motors,
             controller: Controller {
                 proportional: simulation.controller.proportional_n_s_per_m,
                 integral: simulation.controller.integral_n_per_m,
@@ -189,13 +198,18 @@ impl Model {
             longer: rows(&deviations.pitch, carts),
             way_longer,
             deviations: Box::new(deviations),
-            segments: Segments::new(line),
+            segments: Segments::new(line, widest),
         })
     }
 
     /// Whether every wheel has Hertz' exponent, 1.5.
     pub fn hertzian(&self) -> bool {
         self.steering.contact.exponent == 1.5 && self.running.contact.exponent == 1.5
+    }
+
+    /// Whether joints follow linear laws without play.
+    pub fn linear_joints(&self) -> bool {
+        self.axial.exponent == 1.0 && self.radial.exponent == 1.0 && self.deviations.clearance == 0.0
     }
 
     /// Largest step that the joints' stiffness leaves accurate, s: 0.7/ω of the chain's highest axial mode, ω² = 4K/m,

@@ -12,6 +12,8 @@ type Load = [f64; 3];
 #[derive(Clone, Debug)]
 pub struct Reactions {
     every: f64,
+    /// One over that, 1/m.
+    a_metre: f64,
     lap: f64,
     now: Vec<Load>,
     envelope: Vec<Option<(Load, Load)>>,
@@ -21,7 +23,7 @@ impl Reactions {
     /// Supports every so many metres from arc length 0; the last span is what remains.
     pub fn new(every: f64, lap: f64) -> Self {
         let count = ((lap / every) - 1e-9).ceil().max(1.0) as usize;
-        Reactions { every, lap, now: vec![[0.0; 3]; count], envelope: vec![None; count] }
+        Reactions { every, a_metre: 1.0 / every, lap, now: vec![[0.0; 3]; count], envelope: vec![None; count] }
     }
 
     /// Takes in the present loads.
@@ -52,9 +54,16 @@ impl Reactions {
 
     /// Shares a load at arc length `s` between the supports before and behind it.
     fn put(&mut self, s: f64, load: Load) {
-        let s = s.rem_euclid(self.lap);
+        // Loads lie on the lap or just beside its ends.
+        let s = if s < 0.0 {
+            s + self.lap
+        } else if s >= self.lap {
+            s - self.lap
+        } else {
+            s
+        };
         let count = self.now.len();
-        let before = ((s / self.every) as usize).min(count - 1);
+        let before = ((s * self.a_metre) as usize).min(count - 1);
         let begin = before as f64 * self.every;
         let span = if before + 1 == count { self.lap - begin } else { self.every };
         let share = ((s - begin) / span).clamp(0.0, 1.0);

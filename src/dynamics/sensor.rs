@@ -69,7 +69,7 @@ impl SensorCart {
         let (turn, spin) = (attitude(bodies, lane), vector(&bodies.spin, lane));
         let velocity = vector(&bodies.velocity, lane);
         let [xi, zeta] = model.cart.centre;
-        let segment = chain.memory.home[pack].segment[lane] as usize;
+        let segment = chain.memory.home[pack].front.segment[lane] as usize;
         let speed = |y: f64, z: f64, radius: f64| {
             let arm = Vector3::new(-xi, y, z - zeta);
             let point = chain.point(self.cart, [0.0, y, z]);

@@ -1,9 +1,10 @@
 //! The kinematic initial state: joints one closing pitch apart on the centre line, or between the rails where these are
 //! off it; no roll, both joints of every cart moving along the track (design: chain model, start).
 
+use super::coverage::OverMotors;
 use super::forces::Memory;
 use super::model::Model;
-use super::segments::Home;
+use super::segments::Homes;
 use super::state::{Approach, PACK, State, packs};
 use crate::base::trig;
 use crate::chain_input::Unfit;
@@ -20,7 +21,8 @@ pub fn start(model: &Model, front: f64, speed: f64) -> Result<(State, Memory, Cl
     let mut state = State::new(model.carts);
     let packs = packs(model.carts);
     let memory = Memory {
-        home: vec![Home::default(); packs],
+        home: vec![Homes::default(); packs],
+        motors: vec![OverMotors::default(); packs],
         approach: vec![
             Approach {
                 // Stretched by the tension.

@@ -55,6 +55,9 @@ pub struct Simulate {
     /// Number of the cart that carries the sensors.
     #[arg(long, value_name = "K")]
     sensor_cart: Option<usize>,
+    /// Add what each of the track's supports carries to lap.html.
+    #[arg(long)]
+    supports: bool,
     /// Set any number of the model, in SI units: --set cart.mass_kg=45. May be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     sets: Vec<(String, String)>,
@@ -96,6 +99,7 @@ impl Simulate {
             settle: self.settle,
             step: self.step,
             method: self.integrator,
+            supports: self.supports,
             ..Plan::default()
         };
         let watch = progress::Watch::new();

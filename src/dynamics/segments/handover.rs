@@ -1,18 +1,41 @@
-//! What is rare: feet on another segment than their cart's, and carts that go on to the next one.
+//! What is rare: points that have left their segment, and points on a spiral, which takes iteration.
 
 use super::{Foot, Home, Local, Segments, foot};
 use crate::dynamics::lanes::{Lane, Lane3, Mask};
 use crate::dynamics::state::PACK;
 use pulp::{Simd, WithSimd};
 
-/// Feet that lie beyond their segment's ends or on a spiral, each on the segment of its own.
+/// The feet of points that each home knows the segment of, and their arc lengths, m.
+#[inline(always)]
+pub fn feet<S: Simd, const LEVEL: bool>(
+    simd: S,
+    segments: &Segments,
+    home: &mut Home,
+    part: usize,
+    point: Lane3<S>,
+) -> (Foot<S>, Lane<S>) {
+    let local = Local::load(simd, home, part, segments.sharp);
+    let here = foot::<S, LEVEL>(&local, point);
+    let outside = here.outside(&local);
+    let (mut tangent, mut normal, mut up) = (here.tangent, here.normal, here.up);
+    let (mut y, mut z, mut station) = (here.y, here.z, here.station(&local));
+    // Number by number, as what a call returns whole would be kept in memory in every case.
+    if outside.any() {
+        let (there, s) = simd.vectorize(Handover::<S, LEVEL> { simd, segments, home, part, point, outside });
+        (tangent, normal, up) = (there.tangent, there.normal, there.up);
+        (y, z, station) = (there.y, there.z, s);
+    }
+    (Foot { tangent, normal, up, y, z, ..here }, station)
+}
+
+/// Sends points that lie beyond their segment's ends to the segment where they are now, and takes their feet there.
 pub struct Handover<'a, S: Simd, const LEVEL: bool> {
     pub simd: S,
     pub segments: &'a Segments,
-    pub home: &'a Home,
+    pub home: &'a mut Home,
     pub part: usize,
     pub point: Lane3<S>,
-    /// Where it is to be sought; the others are on their home segment.
+    /// Which points; the others stay on their segment.
     pub outside: Mask<S>,
 }
 
@@ -23,7 +46,7 @@ impl<S: Simd, const LEVEL: bool> WithSimd for Handover<'_, S, LEVEL> {
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) -> Self::Output {
         let simd = self.simd;
-        let local = Local::load(simd, self.home, self.part);
+        let local = Local::load(simd, self.home, self.part, self.segments.sharp);
         let foot = foot::<S, LEVEL>(&local, self.point);
         let zero = [0.0; PACK];
         let (mut points, mut tangent, mut normal, mut up) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
@@ -39,8 +62,12 @@ impl<S: Simd, const LEVEL: bool> WithSimd for Handover<'_, S, LEVEL> {
         Lane::splat(simd, 1.0).select(self.outside, Lane::splat(simd, 0.0)).put(&mut outside, 0);
         for lane in 0..S::F64_LANES {
             if outside[lane] != 0.0 {
-                let point = [points[0][lane], points[1][lane], points[2][lane]];
-                let own = self.segments.footing(point, self.home.segment[self.part * S::F64_LANES + lane] as usize);
+                let place = self.part * S::F64_LANES + lane;
+                let from = self.home.segment[place] as usize;
+                let own = self.segments.footing([points[0][lane], points[1][lane], points[2][lane]], from);
+                if own.segment != from {
+                    self.home.set(place, own.segment, &self.segments.list[own.segment]);
+                }
                 for k in 0..3 {
                     tangent[k][lane] = own.tangent[k];
                     normal[k][lane] = own.normal[k];
@@ -58,39 +85,5 @@ impl<S: Simd, const LEVEL: bool> WithSimd for Handover<'_, S, LEVEL> {
             ..foot
         };
         (handed_over, Lane::of(simd, &s, 0))
-    }
-}
-
-/// Sends the carts whose front joint has left its segment to the one where it is now.
-pub struct Rehome<'a, S: Simd, const LEVEL: bool> {
-    pub simd: S,
-    pub segments: &'a Segments,
-    pub home: &'a mut Home,
-    pub part: usize,
-    pub point: Lane3<S>,
-}
-
-impl<S: Simd, const LEVEL: bool> WithSimd for Rehome<'_, S, LEVEL> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<T: Simd>(self, _: T) {
-        let local = Local::load(self.simd, self.home, self.part);
-        let foot = foot::<S, LEVEL>(&local, self.point);
-        let zero = [0.0; PACK];
-        let (mut points, mut sigma) = ([zero; 3], zero);
-        self.point.put(&mut points, 0);
-        foot.sigma.store(&mut sigma);
-        for lane in 0..S::F64_LANES {
-            let place = self.part * S::F64_LANES + lane;
-            if sigma[lane].abs() > self.home.reach[place] {
-                let from = self.home.segment[place] as usize;
-                let point = [points[0][lane], points[1][lane], points[2][lane]];
-                let own = self.segments.footing(point, from);
-                if own.segment != from {
-                    self.home.set(place, own.segment, &self.segments.list[own.segment]);
-                }
-            }
-        }
     }
 }

@@ -5,15 +5,19 @@
 //! and w = √(1 − κq): the offset towards the curvature is q/(1 + w), the tangent has turned by ψ with sin ψ = κa/w and
 //! cos ψ = (1 − κb)/w. For κ = 0 this is the straight line.
 
+mod foot;
 mod handover;
 
-pub use handover::{Handover, Rehome};
+pub use foot::{Foot, Local, foot};
+pub use handover::{Handover, feet};
 
-use super::lanes::{Lane, Lane3, Mask};
+use super::lanes::{Lane, Lane3};
+use super::series::NEAR;
 use super::state::{PACK, PackRow};
 use crate::geometry::{CentreLine, Form};
+use foot::scalar;
 use nalgebra::Vector3;
-use pulp::{Scalar, Simd};
+use pulp::Scalar;
 
 /// Largest turn of a segment, rad.
 const LARGEST: f64 = 1.05;
@@ -58,7 +62,27 @@ impl Segment {
     }
 }
 
-/// The segment of each cart's front joint, by pack.
+/// Where the points of a pack's carts that look at the centre line are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Homes {
+    pub front: Home,
+    /// Running wheels: left, right.
+    pub running: [Home; 2],
+    /// Where motors act; kept for carts over motors only.
+    pub motor: Home,
+}
+
+impl Homes {
+    /// Sends all points of a cart to a segment.
+    pub fn set(&mut self, lane: usize, index: usize, segment: &Segment) {
+        let [left, right] = &mut self.running;
+        for home in [&mut self.front, left, right, &mut self.motor] {
+            home.set(lane, index, segment);
+        }
+    }
+}
+
+/// The segment of a point of each cart, by pack.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Home {
@@ -74,8 +98,8 @@ pub struct Home {
 }
 
 impl Home {
-    /// Sends a cart to a segment.
-    pub fn set(&mut self, lane: usize, index: usize, segment: &Segment) {
+    /// Sends a cart's point to a segment.
+    fn set(&mut self, lane: usize, index: usize, segment: &Segment) {
         for k in 0..3 {
             self.origin[k][lane] = segment.origin[k];
             self.along[k][lane] = segment.along[k];
@@ -87,141 +111,6 @@ impl Home {
         self.vertical[lane] = f64::from(u8::from(segment.vertical));
         self.segment[lane] = index as u32;
     }
-}
-
-/// Segments of several carts.
-#[derive(Clone, Copy)]
-pub struct Local<S: Simd> {
-    origin: Lane3<S>,
-    along: Lane3<S>,
-    inward: Lane3<S>,
-    curvature: Lane<S>,
-    reach: Lane<S>,
-    s: Lane<S>,
-    vertical: Lane<S>,
-}
-
-impl<S: Simd> Local<S> {
-    #[inline(always)]
-    pub fn load(simd: S, home: &Home, part: usize) -> Self {
-        Local {
-            origin: Lane3::of(simd, &home.origin, part),
-            along: Lane3::of(simd, &home.along, part),
-            inward: Lane3::of(simd, &home.inward, part),
-            curvature: Lane::of(simd, &home.curvature, part),
-            reach: Lane::of(simd, &home.reach, part),
-            s: Lane::of(simd, &home.s, part),
-            vertical: Lane::of(simd, &home.vertical, part),
-        }
-    }
-}
-
-impl Local<Scalar> {
-    /// One segment.
-    #[inline(always)]
-    fn of(segment: &Segment) -> Self {
-        let lane = Lane::<Scalar>::one;
-        Local {
-            origin: scalar(segment.origin.into()),
-            along: scalar(segment.along.into()),
-            inward: scalar(segment.inward.into()),
-            curvature: lane(segment.curvature),
-            reach: lane(segment.reach),
-            s: lane(segment.s),
-            vertical: lane(f64::from(u8::from(segment.vertical))),
-        }
-    }
-}
-
-#[inline(always)]
-fn scalar([x, y, z]: [f64; 3]) -> Lane3<Scalar> {
-    Lane3::new(Lane::one(x), Lane::one(y), Lane::one(z))
-}
-
-/// The foot of a point on the centre line: its frame there, and its offsets.
-#[derive(Clone, Copy)]
-pub struct Foot<S: Simd> {
-    pub tangent: Lane3<S>,
-    pub normal: Lane3<S>,
-    pub up: Lane3<S>,
-    /// Along the normal, m.
-    pub y: Lane<S>,
-    /// Along up, m.
-    pub z: Lane<S>,
-    /// sin ψ / κ, m.
-    sigma: Lane<S>,
-    cos: Lane<S>,
-}
-
-/// `LEVEL` says that the whole centre line is horizontal.
-#[inline(always)]
-pub fn foot<S: Simd, const LEVEL: bool>(local: &Local<S>, point: Lane3<S>) -> Foot<S> {
-    let r = point - local.origin;
-    let (t, i, k) = (local.along, local.inward, local.curvature);
-    let one = r.x.constant(1.0);
-    if LEVEL {
-        let a = r.x.mul_add(t.x, r.y * t.y);
-        let b = r.x.mul_add(i.x, r.y * i.y);
-        let (sine, cos, sigma, offset) = bent(a, b, k);
-        let zero = r.x.constant(0.0);
-        let tangent = Lane3::new(t.x.mul_add(cos, i.x * sine), t.y.mul_add(cos, i.y * sine), zero);
-        let normal = Lane3::new(-tangent.y, tangent.x, zero);
-        Foot { tangent, normal, up: Lane3::new(zero, zero, one), y: offset, z: r.z, sigma, cos }
-    } else {
-        let (a, b, across) = (r.dot(t), r.dot(i), t.cross(i));
-        let c = r.dot(across);
-        let (sine, cos, sigma, offset) = bent(a, b, k);
-        let tangent = t.scale_add(cos, i.scale(sine));
-        let inward = i.scale_add(cos, t.scale(-sine));
-        let steep = one.constant(0.5).less(local.vertical);
-        let normal = (-across).select(steep, inward);
-        let up = inward.select(steep, across);
-        Foot { tangent, normal, up, y: (-c).select(steep, offset), z: offset.select(steep, c), sigma, cos }
-    }
-}
-
-/// Sine and cosine of the turn ψ, sin ψ / κ, and the offset towards the curvature.
-#[inline(always)]
-fn bent<S: Simd>(a: Lane<S>, b: Lane<S>, k: Lane<S>) -> (Lane<S>, Lane<S>, Lane<S>, Lane<S>) {
-    let one = a.constant(1.0);
-    let q = k.neg_mul_add(a.mul_add(a, b * b), b + b);
-    let root = k.neg_mul_add(q, one).sqrt();
-    let inverse = one.over(root);
-    let sigma = a * inverse;
-    (k * sigma, k.neg_mul_add(b, one) * inverse, sigma, q.over(one + root))
-}
-
-impl<S: Simd> Foot<S> {
-    /// Where the point lies beyond its segment's ends.
-    #[inline(always)]
-    pub fn outside(&self, local: &Local<S>) -> Mask<S> {
-        local.reach.less(self.sigma.abs())
-    }
-
-    /// Arc length of the foot, m: (2/κ) atan(tan(ψ/2)) from the middle.
-    #[inline(always)]
-    pub fn station(&self, local: &Local<S>) -> Lane<S> {
-        let half = self.sigma.over(self.cos + self.cos.constant(1.0));
-        let tan = local.curvature * half;
-        (half + half).mul_add(atan_over(tan * tan), local.s)
-    }
-}
-
-/// atan(x)/x for x² ≤ 0.43, to the last digits: Moshier's rational approximation (Cephes, 1984).
-#[inline(always)]
-fn atan_over<S: Simd>(square: Lane<S>) -> Lane<S> {
-    let c = square.splat_like();
-    let p = square
-        .mul_add(c.of(-0.875_060_860_003_190_4), c.of(-16.157_537_187_333_652))
-        .mul_add(square, c.of(-75.008_557_923_147_05))
-        .mul_add(square, c.of(-122.886_668_449_013_61))
-        .mul_add(square, c.of(-64.850_219_049_420_25));
-    let q = (square + c.of(24.858_464_901_423_062))
-        .mul_add(square, c.of(165.027_009_831_698_85))
-        .mul_add(square, c.of(432.881_060_491_290_27))
-        .mul_add(square, c.of(485.390_399_635_913_7))
-        .mul_add(square, c.of(194.550_657_148_261_4));
-    (square * p).over(q) + c.of(1.0)
 }
 
 /// A foot in plain numbers.
@@ -243,10 +132,13 @@ pub struct Segments {
     pub list: Vec<Segment>,
     pub line: CentreLine,
     pub level: bool,
+    /// Whether points can be so far from a curve's centre line that roots must be taken exactly.
+    pub sharp: bool,
 }
 
 impl Segments {
-    pub fn new(line: CentreLine) -> Self {
+    /// For points up to `widest` from the centre line, m.
+    pub fn new(line: CentreLine, widest: f64) -> Self {
         let mut list = Vec::new();
         for (index, stretch) in line.stretches.iter().enumerate() {
             let (turn, curvature, vertical) = match stretch.form {
@@ -280,7 +172,8 @@ impl Segments {
                 });
             }
         }
-        Segments { level: line.is_level(), list, line }
+        let sharp = list.iter().any(|segment| segment.curvature.abs() * widest > NEAR);
+        Segments { level: line.is_level(), list, line, sharp }
     }
 
     /// The segment that holds arc length `s`, taken modulo the length.
@@ -392,19 +285,11 @@ mod tests {
         )
     }
 
-    #[test]
-    fn the_arc_tangent_is_exact_to_the_last_digits() {
-        for k in 1..=1000 {
-            let x = 0.65 * k as f64 / 1000.0;
-            assert!((atan_over(Lane::one(x * x)).number() - libm::atan(x) / x).abs() < 4e-16, "{x}");
-        }
-    }
-
     proptest! {
         /// Against the centre line's own projection, which knows nothing of segments.
         #[test]
         fn feet_are_the_nearest_points(share in 0.01..0.99f64, y in -0.3..0.3f64, z in -0.3..0.3f64) {
-            let segments = Segments::new(line());
+            let segments = Segments::new(line(), 0.5);
             let s = share * segments.line.length;
             let frame = segments.line.at(s);
             let point = frame.position + frame.normal * y + frame.up * z;

@@ -95,6 +95,8 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
             figure { figcaption { b { "lateral" } ", N over m" } (chart::supports(&track, supports, |s| s.lateral)) }
             figure { figcaption { b { "longitudinal" } ", N over m" } (chart::supports(&track, supports, |s| s.longitudinal)) }
             (worst(supports))
+        } @else if simulation.supports_every_m.is_some() {
+            p { "What the supports carry is added by " code { "lss simulate --supports" } "." }
         }
     };
     document(&format!("{}: a lap", simulation.name), "", &body)
