@@ -22,7 +22,7 @@ pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<S
     let fitted = &told.fitted;
     // A gap that is left makes every strength less sure.
     let scale =
-        told.mean_square.max(1.0).sqrt() * comparison.evidence.first().map_or(1.0, |e| e.replicate.max(0.3)).sqrt();
+        told.mean_square.max(1.0).sqrt() * comparison.observations.first().map_or(1.0, |o| o.replicate.max(0.3)).sqrt();
     // What the effect's equation misses of its own pattern may be as much of its strength.
     let missed = MISSED * ((told.mean_square - 1.0) / (comparison.mean_square - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
     let mut out = BTreeMap::new();
@@ -90,5 +90,5 @@ fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
 /// How far a strength is off by what scatters along its signature.
 fn scattered(comparison: &Comparison, column: &[DVector<f64>]) -> f64 {
     let square: f64 = column.iter().map(DVector::norm_squared).sum();
-    ScoreTest::new(&comparison.evidence, &comparison.residuals(), column).deviation / square.max(1e-300)
+    ScoreTest::new(&comparison.observations, &comparison.residuals(), column).deviation / square.max(1e-300)
 }

@@ -3,7 +3,7 @@
 //! signature is less a change of the mean lap than how far laps scatter, and their strength is where the scatter fits:
 //! at the least of ln s + ln(det C/det C₀)/n (see [`super::repeatability`]) over the strength.
 
-use super::evidence::{Evidence, most_off};
+use super::observation::{Observation, most_off};
 use super::repeatability::{Repeatability, repeatabilities};
 use super::screen::{Signature, explain};
 use super::simulator::{Laps, Request, Simulator, Strength};
@@ -34,7 +34,7 @@ pub const SURE: f64 = 0.3;
 pub struct Chance<'a> {
     pub simulator: &'a dyn Simulator,
     /// Before the nominal chain's repeatability.
-    pub nominal: &'a [Evidence],
+    pub nominal: &'a [Observation],
     /// What every machine deviates by, of each run.
     pub as_built: &'a [Vec<Vec<f64>>],
     pub signatures: &'a [Signature],
@@ -73,7 +73,7 @@ impl Chance<'_> {
 
     /// The run whose laps are held against what it measured.
     fn run(&self) -> usize {
-        most_off(self.nominal, self.nominal.iter().map(|e| &e.residual))
+        most_off(self.nominal, self.nominal.iter().map(|o| &o.residual))
     }
 
     /// Hypotheses at the strengths that fit, looked for from some on.
@@ -146,7 +146,7 @@ impl Chance<'_> {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
         let variance = self.without(tried, run).variance.iter().zip(&laps.variance).map(added).collect();
-        let own = Evidence::with(frame, &self.as_built[run], &laps.scaled(variance));
+        let own = Observation::with(frame, &self.as_built[run], &laps.scaled(variance));
         let mut left = own.residual.clone();
         if let Some(other) = tried.beside {
             left -= own.column(&other.changes[run]);
@@ -190,7 +190,7 @@ impl Chance<'_> {
             Some(other) => other.changes.clone(),
             None => asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect(),
         };
-        one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
+        one.residuals = self.nominal.iter().zip(&one.changes).map(|(o, c)| &o.residual - o.column(c)).collect();
         one.nuisance_offsets = asked.into_iter().map(|r| r.step).collect();
         one.features = Some(features);
         if tried.beside.is_some() {

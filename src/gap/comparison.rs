@@ -1,7 +1,7 @@
 //! Comparison of hypotheses: the log posterior of each, and of something unknown beside them.
 
-use super::evidence::{self, Evidence};
 use super::likelihood;
+use super::observation::{self, Observation};
 use super::refit::along;
 use super::repeatability::Repeatability;
 use super::scored::{self, Explanation, Scored, Terms};
@@ -20,7 +20,7 @@ const COMPARED: usize = 40;
 /// What hypotheses are compared by: the runs, and the signatures of effects that were screened.
 pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
-    pub evidence: Vec<Evidence>,
+    pub observations: Vec<Observation>,
     pub signatures: Vec<Signature>,
     pub degrees_of_freedom: f64,
     /// Normalised mean-square residual of the nominal model.
@@ -36,11 +36,11 @@ pub struct Compared<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    pub fn new(simulator: &'a dyn Simulator, evidence: Vec<Evidence>, signatures: Vec<Signature>) -> Self {
-        let degrees_of_freedom = evidence.iter().map(|e| e.degrees_of_freedom).sum::<f64>();
+    pub fn new(simulator: &'a dyn Simulator, observations: Vec<Observation>, signatures: Vec<Signature>) -> Self {
+        let degrees_of_freedom = observations.iter().map(|o| o.degrees_of_freedom).sum::<f64>();
         let degrees_of_freedom = degrees_of_freedom.min(likelihood::MOST_DEGREES_OF_FREEDOM);
-        let mean_square = overall_mean_square(&evidence, evidence.iter().map(|e| &e.residual));
-        Comparison { simulator, evidence, signatures, degrees_of_freedom, mean_square }
+        let mean_square = overall_mean_square(&observations, observations.iter().map(|o| &o.residual));
+        Comparison { simulator, observations, signatures, degrees_of_freedom, mean_square }
     }
 
     /// What hypotheses that were fitted and scored come to, once all are there: what each costs beside, and something
@@ -90,11 +90,16 @@ impl Compared<'_> {
 }
 
 /// Mean square residual over that of replicate laps, over all runs, each for what it can tell.
-pub fn overall_mean_square<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
+pub fn overall_mean_square<'a>(
+    observations: &[Observation],
+    residuals: impl IntoIterator<Item = &'a DVector<f64>>,
+) -> f64 {
     let mut sum = (0.0, 0.0);
-    for (evidence, residual) in evidence.iter().zip(residuals) {
-        sum =
-            (sum.0 + evidence.degrees_of_freedom * evidence.mean_square(residual), sum.1 + evidence.degrees_of_freedom);
+    for (observation, residual) in observations.iter().zip(residuals) {
+        sum = (
+            sum.0 + observation.degrees_of_freedom * observation.mean_square(residual),
+            sum.1 + observation.degrees_of_freedom,
+        );
     }
     sum.0 / sum.1.max(1e-9)
 }
@@ -139,15 +144,16 @@ impl Comparison<'_> {
     }
 
     pub fn screened(&self, hypothesis: Hypothesis) -> Scored {
-        self.score(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
+        self.score(hypothesis.screened(&self.observations, &self.signatures, self.candidates()), None)
     }
 
     pub fn score(&self, fitted: Fitted, repeatability: Option<Repeatability>) -> Scored {
         let mean_square = match &repeatability {
             Some(repeatability) => {
-                trig::exp(repeatability.raised) * overall_mean_square(&repeatability.evidence, &repeatability.residuals)
+                trig::exp(repeatability.raised)
+                    * overall_mean_square(&repeatability.observations, &repeatability.residuals)
             }
-            None => overall_mean_square(&self.evidence, &fitted.residuals),
+            None => overall_mean_square(&self.observations, &fitted.residuals),
         };
         let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
@@ -224,18 +230,18 @@ impl Comparison<'_> {
         }
         let expected =
             if random_effect.iter().all(|d| *d == RandomEffect::ByCart) { repeatability.common } else { 0.0 };
-        likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.degrees_of_freedom)
+        likelihood::in_common(self.seen_in_common(fitted), expected, self.observations.len(), self.degrees_of_freedom)
     }
 
     /// How much runs have in common of what a hypothesis leaves.
     fn seen_in_common(&self, fitted: &Fitted) -> f64 {
         let left = std::slice::from_ref(&fitted.residuals);
-        evidence::in_common(self.simulator.frames(), &self.evidence, left)
+        observation::in_common(self.simulator.frames(), &self.observations, left)
     }
 
     /// What the nominal model leaves of each run.
     pub fn residuals(&self) -> Vec<DVector<f64>> {
-        self.evidence.iter().map(|e| e.residual.clone()).collect()
+        self.observations.iter().map(|o| o.residual.clone()).collect()
     }
 
     /// How surely what a hypothesis changes is in what is off.
@@ -245,14 +251,14 @@ impl Comparison<'_> {
             self.as_built(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
-        ScoreTest::new(&self.evidence, &self.residuals(), &direction).with_scatter(own)
+        ScoreTest::new(&self.observations, &self.residuals(), &direction).with_scatter(own)
     }
 
     /// How surely a signature is in what is off.
     fn signature_test(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        ScoreTest::new(&self.evidence, residuals, columns).with_scatter([self.as_built(signature) * square])
+        ScoreTest::new(&self.observations, residuals, columns).with_scatter([self.as_built(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
@@ -284,9 +290,11 @@ impl Comparison<'_> {
         let (own, others): (Vec<usize>, Vec<usize>) =
             hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
         let alone = Hypothesis { members: vec![candidate], signatures: own };
-        let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
-        let told =
-            likelihood::log_likelihood(overall_mean_square(&self.evidence, &left.residuals), self.degrees_of_freedom);
+        let left = alone.screened(&self.observations, &self.signatures, self.candidates());
+        let told = likelihood::log_likelihood(
+            overall_mean_square(&self.observations, &left.residuals),
+            self.degrees_of_freedom,
+        );
         let scores: Vec<(usize, ScoreTest)> =
             others.iter().map(|k| (*k, self.signature_test(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
@@ -350,9 +358,9 @@ impl Comparison<'_> {
     fn seen_before(&self, repeatability: &Repeatability, fitted: &Fitted) -> f64 {
         let missed = self.missed(fitted, &repeatability.columns);
         let rest = |k: usize| {
-            let own = repeatability.evidence.iter().zip(&self.signatures[k].change);
+            let own = repeatability.observations.iter().zip(&self.signatures[k].change);
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
-            let score = ScoreTest::new(&repeatability.evidence, &repeatability.residuals, &columns);
+            let score = ScoreTest::new(&repeatability.observations, &repeatability.residuals, &columns);
             let size = norm(&columns);
             score.with_scatter([self.as_built(k) * size * size, missed * size]).z().abs()
         };
@@ -387,7 +395,8 @@ impl Comparison<'_> {
             .repeatability
             .as_ref()
             .filter(|_| self.random_effect(fitted).len() >= fitted.hypothesis.members.len())?;
-        let patterns = overall_mean_square(&repeatability.evidence, repeatability.evidence.iter().map(|e| &e.residual));
+        let patterns =
+            overall_mean_square(&repeatability.observations, repeatability.observations.iter().map(|o| &o.residual));
         let by_patterns =
             likelihood::log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
         let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
@@ -396,7 +405,7 @@ impl Comparison<'_> {
             - own;
         let seen = self.seen_in_common(fitted);
         let placed =
-            likelihood::in_common(seen, seen.max(likelihood::PLACED), self.evidence.len(), self.degrees_of_freedom);
+            likelihood::in_common(seen, seen.max(likelihood::PLACED), self.observations.len(), self.degrees_of_freedom);
         Some(
             trig::ln(likelihood::PATTERNED) + said
                 - placed

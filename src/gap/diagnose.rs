@@ -4,9 +4,9 @@ use super::chance::Chance;
 use super::checked::Checked;
 use super::comparison::{Comparison, overall_mean_square};
 use super::diagnosis::Diagnosis;
-use super::evidence::Evidence;
-use super::looks::UNSETTLED;
+use super::observation::Observation;
 use super::refit::refit;
+use super::relinearisation::UNSETTLED;
 use super::repeatability::repeatabilities;
 use super::report::report;
 use super::scored::{self, Explanation, Scored};
@@ -49,11 +49,11 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
     let checked = Checked::new(simulator);
     let simulator: &dyn Simulator = &checked;
     let frames = simulator.frames();
-    let evidence: Vec<Evidence> = frames.iter().map(|f| Evidence::new(f, &[])).collect();
+    let observations: Vec<Observation> = frames.iter().map(|f| Observation::new(f, &[])).collect();
     let candidates = simulator.candidates();
-    let left: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
+    let left: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
     let mut told = |done, of| tell(Stage::Screening { done, of });
-    let mut signatures = screen::signatures(simulator, &evidence, &left, |_| true, &mut told);
+    let mut signatures = screen::signatures(simulator, &observations, &left, |_| true, &mut told);
     // What every built machine has of the effects is no gap, once their signatures are known.
     let as_built = |run: usize| -> Vec<Vec<f64>> {
         let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].as_built;
@@ -61,19 +61,19 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
         some.map(|s| s.change[run].iter().map(|x| x * strength(s)).collect()).collect()
     };
     let as_built: Vec<Vec<Vec<f64>>> = (0..frames.len()).map(as_built).collect();
-    let evidence: Vec<Evidence> =
-        frames.iter().zip(&as_built).map(|(f, as_built)| Evidence::new(f, as_built)).collect();
+    let observations: Vec<Observation> =
+        frames.iter().zip(&as_built).map(|(f, as_built)| Observation::new(f, as_built)).collect();
     for signature in &mut signatures {
-        signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
+        signature.columns = observations.iter().zip(&signature.change).map(|(o, c)| o.column(c)).collect();
     }
-    let screened = Comparison::new(simulator, evidence, signatures);
+    let screened = Comparison::new(simulator, observations, signatures);
 
-    // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be
+    // Where there is no gap there is nothing to relinearise; one that only scores tell of is too small to be
     // fitted by simulation.
     let gap = screened.mean_square > 1.0;
     let significant = gap || screened.singles().iter().any(|j| screened.score_test(&j.fitted).z() > SIGNIFICANT);
     let comparison = if significant {
-        screened.looked_closer(gap, &mut |done, of| tell(Stage::Screening { done, of }))
+        screened.relinearised(gap, &mut |done, of| tell(Stage::Screening { done, of }))
     } else {
         screened
     };
@@ -85,18 +85,27 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
     }
     let (comparison, turned) = comparison.turned(&chosen);
     let chosen = chosen.into_iter().map(|j| j.fitted).chain(turned).collect();
-    let fitted = refit(simulator, &comparison.evidence, &comparison.signatures, chosen, &mut |done, of| {
+    let fitted = refit(simulator, &comparison.observations, &comparison.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let chance =
-        Chance { simulator, nominal: &comparison.evidence, as_built: &as_built, signatures: &comparison.signatures };
+    let chance = Chance {
+        simulator,
+        nominal: &comparison.observations,
+        as_built: &as_built,
+        signatures: &comparison.signatures,
+    };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
     let mut scored = comparison.with_own_repeatability(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > UNSETTLED);
     if gap && unsettled(&scored) {
-        let both =
-            refit(simulator, &comparison.evidence, &comparison.signatures, comparison.seconds(&scored), &mut |_, _| {});
+        let both = refit(
+            simulator,
+            &comparison.observations,
+            &comparison.signatures,
+            comparison.seconds(&scored),
+            &mut |_, _| {},
+        );
         scored.extend(comparison.with_own_repeatability(both, &as_built));
     }
     if unsettled(&scored) {
@@ -170,7 +179,8 @@ impl Comparison<'_> {
     fn with_own_repeatability(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
         let asked = self.worth_own_repeatability(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
-        let mut own = repeatabilities(self.simulator, &self.evidence, as_built, &self.signatures, &some).into_iter();
+        let mut own =
+            repeatabilities(self.simulator, &self.observations, as_built, &self.signatures, &some).into_iter();
         let with = fitted.into_iter().zip(asked);
         let with: Vec<_> = with.map(|(f, asked)| (f, if asked { own.next().flatten() } else { None })).collect();
         let there = with.into_iter().filter(|(fitted, _)| fitted.all_there(&self.signatures));
@@ -180,7 +190,8 @@ impl Comparison<'_> {
     /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that
     /// explain something.
     fn worth_own_repeatability(&self, fitted: &[Fitted]) -> Vec<bool> {
-        let mean_square: Vec<f64> = fitted.iter().map(|f| overall_mean_square(&self.evidence, &f.residuals)).collect();
+        let mean_square: Vec<f64> =
+            fitted.iter().map(|f| overall_mean_square(&self.observations, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();
         order.sort_by(|a, b| mean_square[*a].total_cmp(&mean_square[*b]));
         let worth = |k: &usize| {

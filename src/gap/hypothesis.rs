@@ -1,6 +1,6 @@
 //! What may explain a gap: effects at places, with strengths that fit.
 
-use crate::gap::evidence::Evidence;
+use crate::gap::observation::Observation;
 use crate::gap::screen::{Explained, Signature, explain};
 use crate::gap::simulator::{Applied, Candidate};
 use nalgebra::DMatrix;
@@ -67,14 +67,16 @@ impl Hypothesis {
     }
 
     /// By the signatures alone.
-    pub fn screened(&self, evidence: &[Evidence], signatures: &[Signature], candidates: &[Candidate]) -> Fitted {
-        let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
+    pub fn screened(&self, observations: &[Observation], signatures: &[Signature], candidates: &[Candidate]) -> Fitted {
+        let residuals: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
         let columns: Vec<&[DVector<f64>]> = self.signatures.iter().map(|k| &signatures[*k].columns[..]).collect();
         let Explained { strengths, covariance, residuals } =
             explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
         let columns = columns.iter().map(|c| c.to_vec()).collect();
-        let changes: Vec<Vec<f64>> = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
-        let nuisance_offsets = evidence.iter().zip(&changes).map(|(e, change)| e.nuisance_offsets(change)).collect();
+        let changes: Vec<Vec<f64>> =
+            (0..observations.len()).map(|run| self.change(signatures, &strengths, run)).collect();
+        let nuisance_offsets =
+            observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
         Fitted {
             hypothesis: self.clone(),
             strengths,

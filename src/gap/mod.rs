@@ -10,15 +10,15 @@ mod checked;
 mod comparison;
 mod diagnose;
 mod diagnosis;
-mod evidence;
 mod hypothesis;
 mod likelihood;
-mod looks;
+mod observation;
 pub mod outside;
 mod overlays;
 #[cfg(test)]
 pub(crate) mod random_reports;
 mod refit;
+mod relinearisation;
 mod remembered;
 mod repeatability;
 mod report;

@@ -25,7 +25,7 @@ fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace],
     let run = worst(comparison, channel, band)?;
     let frame = &frames[run];
     let rows = rows(frame, channel, band);
-    let steps = DVector::from_vec(comparison.evidence[run].steps(&vec![0.0; frame.nominal.len()]));
+    let steps = DVector::from_vec(comparison.observations[run].steps(&vec![0.0; frame.nominal.len()]));
     let shift = &frame.slopes * steps;
     let after = shown.and_then(|j| j.fitted.features.as_ref()).map(|f| &f[run]);
     let pick = |x: &dyn Fn(usize) -> f64| rows.iter().map(|k| tidy(x(*k))).collect::<Vec<f64>>();
@@ -62,11 +62,11 @@ fn band(frames: &[Frame], places: &[GapPlace], channel: &str) -> Option<Band> {
 /// The run in which it is off most.
 fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<usize> {
     let off = |run: usize| {
-        let (evidence, labels) = (&comparison.evidence[run], &comparison.simulator.frames()[run].labels);
+        let (observation, labels) = (&comparison.observations[run], &comparison.simulator.frames()[run].labels);
         let own = |k: usize| labels[k].channel == channel && labels[k].band == band;
-        evidence.each(&evidence.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
+        observation.each(&observation.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
     };
-    (0..comparison.evidence.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
+    (0..comparison.observations.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
 }
 
 /// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the

@@ -1,6 +1,6 @@
 //! Real re-fits of what the screen left: simulations with the effect, nuisances moved along.
 
-use super::evidence::Evidence;
+use super::observation::Observation;
 use super::screen::{Signature, explain};
 use super::simulator::{Candidate, Request, Simulator};
 use super::tune::{Tuned, Tuner};
@@ -41,9 +41,9 @@ struct RefitPoint {
 }
 
 impl Search {
-    fn new(strengths: usize, evidence: &[Evidence]) -> Search {
-        let found = evidence.iter().map(|e| DVector::zeros(e.residual.len())).collect();
-        Search { at: vec![0.0; strengths], found, best: None, moved: vec![true; evidence.len()], settled: false }
+    fn new(strengths: usize, observations: &[Observation]) -> Search {
+        let found = observations.iter().map(|o| DVector::zeros(o.residual.len())).collect();
+        Search { at: vec![0.0; strengths], found, best: None, moved: vec![true; observations.len()], settled: false }
     }
 
     /// Begins where strengths were tuned.
@@ -56,11 +56,11 @@ impl Search {
     /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was
     /// foretold. What the effects do is then simulated where the nominal model is, and nuisances are thought of by
     /// their slopes.
-    fn astray(&mut self, evidence: &[Evidence], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
+    fn astray(&mut self, observations: &[Observation], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
         let mut astray = false;
         for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
-            let expected = evidence[run].mean_square(foretold).max(1.0);
-            if self.moved[run] && evidence[run].mean_square(left) > ASTRAY * expected {
+            let expected = observations[run].mean_square(foretold).max(1.0);
+            if self.moved[run] && observations[run].mean_square(left) > ASTRAY * expected {
                 (self.moved[run], astray) = (false, true);
             }
         }
@@ -94,20 +94,20 @@ impl Search {
 /// Fits hypotheses by simulation. All requests of a round are made at once.
 pub fn refit(
     simulator: &dyn Simulator,
-    evidence: &[Evidence],
+    observations: &[Observation],
     signatures: &[Signature],
     screened: Vec<Fitted>,
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Fitted> {
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let mut fitted = screened;
-    let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), evidence)).collect();
-    let runs = evidence.len();
-    let tuner = Tuner { simulator, evidence, signatures };
+    let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), observations)).collect();
+    let runs = observations.len();
+    let tuner = Tuner { simulator, observations, signatures };
     for (one, search) in fitted.iter_mut().zip(&mut searches) {
         if let Some(tuned) = tuner.tuned(&one.hypothesis, &one.strengths) {
             search.begin(one, tuned);
-            one.move_along(evidence, &search.moved);
+            one.move_along(observations, &search.moved);
         }
     }
     for round in 0..ROUNDS {
@@ -131,10 +131,10 @@ pub fn refit(
             };
             let change = |run: usize| frames[run].moved(answers[run], &requests[rows.start + run].step);
             let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
-            let found: Vec<DVector<f64>> = evidence.iter().zip(&changes).map(|(e, c)| e.column(c)).collect();
-            let residuals: Vec<DVector<f64>> = evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect();
-            if search.astray(evidence, &one.residuals, &residuals) {
-                one.move_along(evidence, &search.moved);
+            let found: Vec<DVector<f64>> = observations.iter().zip(&changes).map(|(o, c)| o.column(c)).collect();
+            let residuals: Vec<DVector<f64>> = observations.iter().zip(&found).map(|(o, c)| &o.residual - c).collect();
+            if search.astray(observations, &one.residuals, &residuals) {
+                one.move_along(observations, &search.moved);
                 continue;
             }
             search.learn(&mut one.columns, &one.strengths, found);
@@ -147,7 +147,7 @@ pub fn refit(
             if let Some(best) = &search.best {
                 one.tune_sensors(&tuner, &best.strengths);
                 search.settled = one.step(best, candidates, signatures);
-                one.move_along(evidence, &search.moved);
+                one.move_along(observations, &search.moved);
             }
         }
         // What leaves several times as much as another one will not come up with it.
@@ -170,9 +170,9 @@ pub fn along(columns: &[Vec<DVector<f64>>], strengths: &[f64]) -> Vec<DVector<f6
 
 impl Fitted {
     /// Nuisances of some runs as they fit best with what the effects change.
-    fn move_along(&mut self, evidence: &[Evidence], moved: &[bool]) {
+    fn move_along(&mut self, observations: &[Observation], moved: &[bool]) {
         for (run, step) in self.nuisance_offsets.iter_mut().enumerate() {
-            *step = evidence[run].nuisance_offsets(&self.changes[run]);
+            *step = observations[run].nuisance_offsets(&self.changes[run]);
             if !moved[run] {
                 step.fill(0.0);
             }

@@ -6,7 +6,7 @@
 //! −f/2 (ln s + ln(det C/det C₀)/n) is the log likelihood of a mean square s in units of C (the normal distribution
 //! with unknown scale, Seber and Wild 2003): a repeatability that is raised for nothing costs.
 
-use super::evidence::{self, Evidence};
+use super::observation::{self, Observation};
 use super::screen::{Signature, explain};
 use super::simulator::{Candidate, Laps, Request, Simulator};
 use crate::gap::hypothesis::Fitted;
@@ -17,7 +17,7 @@ const CARTS: usize = 16;
 
 /// A hypothesis before the repeatability that it makes itself.
 pub struct Repeatability {
-    pub evidence: Vec<Evidence>,
+    pub observations: Vec<Observation>,
     /// What is left of each run, projected.
     pub residuals: Vec<DVector<f64>>,
     /// What one more of each strength changes.
@@ -33,7 +33,7 @@ pub struct Repeatability {
 /// deviates by, of each run.
 pub fn repeatabilities(
     simulator: &dyn Simulator,
-    nominal: &[Evidence],
+    nominal: &[Observation],
     as_built: &[Vec<Vec<f64>>],
     signatures: &[Signature],
     fitted: &[&Fitted],
@@ -48,11 +48,11 @@ pub fn repeatabilities(
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
         let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let own = laps.iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &as_built[run], laps));
+        let own = laps.iter().enumerate().map(|(run, laps)| Observation::with(&frames[run], &as_built[run], laps));
         let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
-        let cart = |k: usize| nominal.iter().zip(&laps).map(|(e, laps)| e.column(&laps.scatter[k])).collect();
+        let cart = |k: usize| nominal.iter().zip(&laps).map(|(o, laps)| o.column(&laps.scatter[k])).collect();
         let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();
-        let common = evidence::in_common(frames, nominal, &some);
+        let common = observation::in_common(frames, nominal, &some);
         Some(Repeatability { common, ..Repeatability::new(one, nominal, own.collect(), candidates, signatures) })
     };
     fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()
@@ -61,27 +61,28 @@ pub fn repeatabilities(
 impl Repeatability {
     fn new(
         fitted: &Fitted,
-        nominal: &[Evidence],
-        evidence: Vec<Evidence>,
+        nominal: &[Observation],
+        observations: Vec<Observation>,
         candidates: &[Candidate],
         signatures: &[Signature],
     ) -> Repeatability {
-        let left = |(evidence, change): (&Evidence, &Vec<f64>)| &evidence.residual - evidence.column(change);
-        let residuals: Vec<DVector<f64>> = evidence.iter().zip(&fitted.changes).map(left).collect();
+        let left =
+            |(observation, change): (&Observation, &Vec<f64>)| &observation.residual - observation.column(change);
+        let residuals: Vec<DVector<f64>> = observations.iter().zip(&fitted.changes).map(left).collect();
         let carried = |column: &Vec<DVector<f64>>| {
-            let each = evidence.iter().zip(nominal).zip(column);
+            let each = observations.iter().zip(nominal).zip(column);
             each.map(|((own, nominal), c)| own.carried(nominal, c)).collect::<Vec<_>>()
         };
         let columns: Vec<Vec<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
         let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
         let covariance = explain(&residuals, &by, &fitted.hypothesis.bounds(candidates, signatures), None).covariance;
         let (mut raised, mut degrees_of_freedom) = (0.0, 0.0);
-        for (own, nominal) in evidence.iter().zip(nominal) {
+        for (own, nominal) in observations.iter().zip(nominal) {
             raised += nominal.degrees_of_freedom * own.raised(nominal);
             degrees_of_freedom += nominal.degrees_of_freedom;
         }
         Repeatability {
-            evidence,
+            observations,
             residuals,
             columns,
             covariance,

@@ -3,9 +3,9 @@
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
-use super::evidence::Evidence;
-use super::looks::UNSETTLED;
+use super::observation::Observation;
 use super::overlays::overlays;
+use super::relinearisation::UNSETTLED;
 use super::scored::Scored;
 use super::screen::explain;
 use super::simulator::{Axis, Band, Frame};
@@ -197,7 +197,7 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    let gap = (0..compared.comparison.evidence.len()).any(|run| over(&compared.comparison, run));
+    let gap = (0..compared.comparison.observations.len()).any(|run| over(&compared.comparison, run));
     if gap && scored.fitted.features.is_some() {
         out.gap_closed = closed(&compared.comparison, scored, false).map(tidy);
         out.gap_closed_placebo = closed(&compared.comparison, scored, true).map(tidy);
@@ -249,13 +249,13 @@ fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
 /// moved along by half.
 fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64> {
     let after = left_out(comparison, scored, placebo)?;
-    share(&comparison.evidence, |run| scored.mean_square_of(&comparison.evidence, run, &after[run]))
+    share(&comparison.observations, |run| scored.mean_square_of(&comparison.observations, run, &after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
 fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<Vec<DVector<f64>>> {
-    let evidence = scored.evidence(&comparison.evidence);
-    let runs = evidence.len();
+    let observations = scored.observations(&comparison.observations);
+    let runs = observations.len();
     if runs < 2 {
         return None;
     }
@@ -271,10 +271,10 @@ fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<V
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
                 let change = &comparison.signatures[*k].change;
                 let moved =
-                    |run: usize| evidence[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
+                    |run: usize| observations[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
                 (0..runs).map(moved).collect()
             });
-            let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
+            let residuals: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
             (residuals, columns.collect::<Vec<Vec<DVector<f64>>>>(), bounds)
         }
     };
@@ -283,13 +283,13 @@ fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<V
 }
 
 /// 1 − (after − repeatability)/(before − repeatability), over all runs.
-fn share(evidence: &[Evidence], after: impl Fn(usize) -> f64) -> Option<f64> {
+fn share(observations: &[Observation], after: impl Fn(usize) -> f64) -> Option<f64> {
     let (mut before_sum, mut after_sum) = (0.0, 0.0);
-    for (run, evidence) in evidence.iter().enumerate() {
-        before_sum += evidence.mean_square(&evidence.residual) - 1.0;
+    for (run, observation) in observations.iter().enumerate() {
+        before_sum += observation.mean_square(&observation.residual) - 1.0;
         after_sum += after(run) - 1.0;
     }
-    (before_sum > 0.05 * evidence.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
+    (before_sum > 0.05 * observations.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
 }
 
 /// A change with each channel's and band's part moved along by half of it.
@@ -323,10 +323,10 @@ fn black_box(comparison: &Comparison) -> Option<f64> {
                 known.iter().sum::<f64>() / known.len().max(1) as f64
             })
             .collect();
-        let evidence = &comparison.evidence[run];
-        evidence.mean_square(&(&evidence.residual - evidence.column(&mean)))
+        let observation = &comparison.observations[run];
+        observation.mean_square(&(&observation.residual - observation.column(&mean)))
     };
-    share(&comparison.evidence, after)
+    share(&comparison.observations, after)
 }
 
 /// Excess of each channel before, and what the hypothesis closes of it on runs left out.
@@ -334,10 +334,10 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
     let Some(after) = left_out(comparison, scored, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
     for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let evidence = &scored.evidence(&comparison.evidence)[run];
-        for ((k, x), (_, y)) in evidence.each(&evidence.residual).zip(evidence.each(&after[run])) {
+        let observation = &scored.observations(&comparison.observations)[run];
+        for ((k, x), (_, y)) in observation.each(&observation.residual).zip(observation.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
-            *sum = [sum[0] + x * x / evidence.replicate, sum[1] + y * y / evidence.replicate, sum[2] + 1.0];
+            *sum = [sum[0] + x * x / observation.replicate, sum[1] + y * y / observation.replicate, sum[2] + 1.0];
         }
     }
     let clear = sums.into_iter().filter(|(_, [before, _, n])| *before > 1.2 * n);
@@ -352,14 +352,15 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Ga
     let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
     for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let evidence = &shown.map_or(&comparison.evidence[..], |j| j.evidence(&comparison.evidence))[run];
+        let observation =
+            &shown.map_or(&comparison.observations[..], |j| j.observations(&comparison.observations))[run];
         let residual = match shown {
-            Some(j) => &j.residuals()[run] + evidence.long(&j.fitted.changes[run]),
-            None => evidence.residual.clone(),
+            Some(j) => &j.residuals()[run] + observation.long(&j.fitted.changes[run]),
+            None => observation.residual.clone(),
         };
-        for (k, x) in evidence.each(&residual) {
+        for (k, x) in observation.each(&residual) {
             let label = &frame.labels[k];
-            let over = (x * x / evidence.replicate - 1.0).max(0.0);
+            let over = (x * x / observation.replicate - 1.0).max(0.0);
             total += over;
             *mean_square.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
         }
@@ -411,20 +412,20 @@ fn repeatability(frames: &[Frame]) -> BTreeMap<String, f64> {
 
 /// Whether a run is farther off than 95 % of repeated measurements.
 fn over(comparison: &Comparison, run: usize) -> bool {
-    let evidence = &comparison.evidence[run];
-    evidence.mean_square(&evidence.residual) > evidence.replicate_high / evidence.replicate
+    let observation = &comparison.observations[run];
+    observation.mean_square(&observation.residual) > observation.replicate_high / observation.replicate
 }
 
 fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
     let gap = |(run, frame): (usize, &Frame)| {
-        let evidence = &comparison.evidence[run];
-        let before = evidence.mean_square(&evidence.residual);
+        let observation = &comparison.observations[run];
+        let before = observation.mean_square(&observation.residual);
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| j.mean_square_of(&comparison.evidence, run, &j.residuals()[run]))),
+            after: tidy(shown.map_or(before, |j| j.mean_square_of(&comparison.observations, run, &j.residuals()[run]))),
             replicate: 1.0,
-            replicate_high: tidy(evidence.replicate_high / evidence.replicate),
+            replicate_high: tidy(observation.replicate_high / observation.replicate),
         }
     };
     comparison.simulator.frames().iter().enumerate().map(gap).collect()

@@ -1,7 +1,7 @@
 //! A hypothesis with its score, term by term.
 
-use super::evidence::Evidence;
 use super::hypothesis::Fitted;
+use super::observation::Observation;
 use super::repeatability::Repeatability;
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
@@ -47,14 +47,14 @@ impl Scored {
     }
 
     /// What it is scored by: the nominal chain's, or that of the repeatability that it makes itself.
-    pub fn evidence<'a>(&'a self, nominal: &'a [Evidence]) -> &'a [Evidence] {
-        self.repeatability.as_ref().map_or(nominal, |f| &f.evidence)
+    pub fn observations<'a>(&'a self, nominal: &'a [Observation]) -> &'a [Observation] {
+        self.repeatability.as_ref().map_or(nominal, |f| &f.observations)
     }
 
     /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises
     /// counts as left.
-    pub fn mean_square_of(&self, nominal: &[Evidence], run: usize, residual: &DVector<f64>) -> f64 {
-        let (own, nominal) = (&self.evidence(nominal)[run], &nominal[run]);
+    pub fn mean_square_of(&self, nominal: &[Observation], run: usize, residual: &DVector<f64>) -> f64 {
+        let (own, nominal) = (&self.observations(nominal)[run], &nominal[run]);
         let raised = if self.repeatability.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
         raised * own.mean_square(residual)
     }

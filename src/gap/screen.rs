@@ -1,6 +1,6 @@
 //! The fast screen: what each effect's signature explains, alone and in pairs, with the nuisances projected out.
 
-use super::evidence::{Evidence, most_off};
+use super::observation::{Observation, most_off};
 use super::simulator::{Applied, Candidate, Request, Simulator};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
@@ -51,7 +51,7 @@ pub struct Trial {
 /// and do as much as is left of the runs.
 pub fn signatures(
     simulator: &dyn Simulator,
-    evidence: &[Evidence],
+    observations: &[Observation],
     left: &[DVector<f64>],
     wanted: impl Fn(usize) -> bool,
     tell: &mut dyn FnMut(usize, usize),
@@ -64,15 +64,15 @@ pub fn signatures(
             strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
         })
         .collect();
-    let gap = evidence.iter().zip(left).any(|(e, left)| e.mean_square(left) > 1.0);
+    let gap = observations.iter().zip(left).any(|(o, left)| o.mean_square(left) > 1.0);
     let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
     let trials = match gap {
-        true => sized(simulator, evidence, left, &firsts, &mut |done| tell(done, all)),
+        true => sized(simulator, observations, left, &firsts, &mut |done| tell(done, all)),
         false => firsts.clone(),
     };
     let mut found = Vec::with_capacity(trials.len());
     let mut small = Vec::new();
-    let taken = take(simulator, evidence, &trials, Runs::All, &mut |done| tell(before + done, all));
+    let taken = take(simulator, observations, &trials, Runs::All, &mut |done| tell(before + done, all));
     for ((signature, whole), first) in taken.into_iter().zip(firsts) {
         if whole {
             found.push(signature);
@@ -81,7 +81,7 @@ pub fn signatures(
         }
     }
     // What cannot be simulated in every run has no signature: it was not tested.
-    let again = take(simulator, evidence, &small, Runs::All, &mut |_| tell(all, all));
+    let again = take(simulator, observations, &small, Runs::All, &mut |_| tell(all, all));
     found.extend(again.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature));
     found.sort_by_key(|s| (s.candidate, s.strength));
     // An impact at a place has no sign as long as the place is not known.
@@ -90,7 +90,7 @@ pub fn signatures(
         gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
     };
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
-    for (signature, whole) in take(simulator, evidence, &others, Runs::All, &mut |_| tell(all, all)) {
+    for (signature, whole) in take(simulator, observations, &others, Runs::All, &mut |_| tell(all, all)) {
         if whole {
             keep(&mut found, signature, left);
         }
@@ -101,25 +101,25 @@ pub fn signatures(
 /// Trials at the sizes that what is left asks for, found with the run of which most is.
 fn sized(
     simulator: &dyn Simulator,
-    evidence: &[Evidence],
+    observations: &[Observation],
     left: &[DVector<f64>],
     firsts: &[Trial],
     tell: &mut dyn FnMut(usize),
 ) -> Vec<Trial> {
     let candidates = simulator.candidates();
-    let run = most_off(evidence, left);
+    let run = most_off(observations, left);
     let mut trials = firsts.to_vec();
     let mut open: Vec<usize> = (0..trials.len()).collect();
     for _ in 0..SIZES {
         let now: Vec<Trial> = open.iter().map(|k| trials[*k]).collect();
         let before = trials.len() - open.len();
-        let taken = take(simulator, evidence, &now, Runs::One(run), &mut |done| tell(before + done));
+        let taken = take(simulator, observations, &now, Runs::One(run), &mut |done| tell(before + done));
         let mut again = Vec::new();
         for (k, (signature, whole)) in open.into_iter().zip(taken) {
             let trial = &mut trials[k];
             let strength = &candidates[trial.candidate].strengths[trial.strength];
             if whole {
-                let size = asked(&signature, &evidence[run], run, &left[run], (strength.low, strength.high));
+                let size = asked(&signature, &observations[run], run, &left[run], (strength.low, strength.high));
                 if !strength.whole() && !(0.5..2.0).contains(&(size / trial.size)) {
                     trial.size = size;
                     again.push(k);
@@ -139,7 +139,7 @@ fn sized(
     let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k])).collect();
     for rung in 0..RUNGS {
         let tried: Vec<Trial> = open.iter().map(|k| firsts[*k].rung(candidates, rung)).collect();
-        let taken = take(simulator, evidence, &tried, Runs::One(run), &mut |_| tell(trials.len()));
+        let taken = take(simulator, observations, &tried, Runs::One(run), &mut |_| tell(trials.len()));
         let mut again = Vec::new();
         for ((k, trial), (signature, whole)) in open.into_iter().zip(tried).zip(taken) {
             let left = (residual - &signature.columns[run] * trial.size).norm_squared();
@@ -220,10 +220,16 @@ impl Trial {
 
 /// The strength at which an effect does as much in a run as is left to explain, and is clear: few effects are linear,
 /// and power grows with the square at first.
-fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<f64>, (low, high): (f64, f64)) -> f64 {
+fn asked(
+    signature: &Signature,
+    observation: &Observation,
+    run: usize,
+    left: &DVector<f64>,
+    (low, high): (f64, f64),
+) -> f64 {
     let column = &signature.columns[run];
     let own = column.norm_squared().max(1e-300);
-    let gap = left.norm_squared() - evidence.replicate * evidence.features() as f64;
+    let gap = left.norm_squared() - observation.replicate * observation.features() as f64;
     let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
     let now = signature.size.abs();
     let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
@@ -243,14 +249,14 @@ pub enum Runs {
 /// every run could be simulated with it.
 pub fn take(
     simulator: &dyn Simulator,
-    evidence: &[Evidence],
+    observations: &[Observation],
     trials: &[Trial],
     runs: Runs,
     tell: &mut dyn FnMut(usize),
 ) -> Vec<(Signature, bool)> {
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let runs: Vec<usize> = match runs {
-        Runs::All => (0..evidence.len()).collect(),
+        Runs::All => (0..observations.len()).collect(),
         Runs::One(run) => vec![run],
     };
     let trials: Vec<Trial> = trials.iter().map(|trial| trial.bounded(candidates)).collect();
@@ -274,7 +280,7 @@ pub fn take(
                 let rows = answer.iter().flatten().zip(&frames[*run].nominal);
                 change[*run].iter_mut().zip(rows).for_each(|(x, (a, b))| *x = (a - b) / trial.size);
             }
-            let mut columns: Vec<DVector<f64>> = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
+            let mut columns: Vec<DVector<f64>> = observations.iter().zip(&change).map(|(o, c)| o.column(c)).collect();
             if columns.iter().all(|column| column.amax() * trial.size.abs() < NOTHING) {
                 change.iter_mut().for_each(|c| c.fill(0.0));
                 columns.iter_mut().for_each(|c| c.fill(0.0));

@@ -48,7 +48,7 @@ impl Comparison<'_> {
         };
         let changes: Vec<Vec<f64>> = first.changes.iter().enumerate().map(moved).collect();
         let nuisance_offsets =
-            self.evidence.iter().zip(&changes).map(|(e, change)| e.nuisance_offsets(change)).collect();
+            self.observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
         let (covariance, residuals) = (step.covariance, step.residuals);
         Fitted { hypothesis, strengths, covariance, residuals, columns, changes, nuisance_offsets, features: None }
     }

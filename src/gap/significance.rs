@@ -6,7 +6,7 @@
 //! and of chains as they are built, drawn rather than derived (White 1982), so that whatever correlation they have is
 //! in it.
 
-use super::evidence::Evidence;
+use super::observation::Observation;
 use crate::base::trig;
 use nalgebra::DVector;
 
@@ -36,13 +36,13 @@ pub struct ScoreTest {
 }
 
 impl ScoreTest {
-    pub fn new(evidence: &[Evidence], residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> ScoreTest {
+    pub fn new(observations: &[Observation], residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> ScoreTest {
         let (mut along, mut variance) = (0.0, 0.0);
         // A chain is built once for all runs.
         let mut built: [Vec<f64>; 2] = Default::default();
         let mut runs = Vec::new();
-        for ((evidence, residual), direction) in evidence.iter().zip(residuals).zip(direction) {
-            let [laps, own @ ..] = evidence.along(direction);
+        for ((observation, residual), direction) in observations.iter().zip(residuals).zip(direction) {
+            let [laps, own @ ..] = observation.along(direction);
             let independent = direction.norm_squared();
             let scatter = squares(&laps) / laps.len().max(1) as f64;
             let run = Run {
@@ -145,10 +145,10 @@ mod tests {
     }
 
     fn score_of(size: f64, seed: u64, as_built: &[Vec<f64>]) -> f64 {
-        let evidence = [Evidence::new(&frame(size, seed), as_built)];
-        let residual = [evidence[0].residual.clone()];
-        let direction = [evidence[0].column(&ramp())];
-        ScoreTest::new(&evidence, &residual, &direction).z()
+        let observations = [Observation::new(&frame(size, seed), as_built)];
+        let residual = [observations[0].residual.clone()];
+        let direction = [observations[0].column(&ramp())];
+        ScoreTest::new(&observations, &residual, &direction).z()
     }
 
     #[test]
@@ -175,10 +175,11 @@ mod tests {
     fn what_is_seen_in_one_run_only_counts_less() {
         let score = |sizes: [f64; 3]| {
             let runs = sizes.iter().zip(5000..);
-            let evidence: Vec<Evidence> = runs.map(|(size, seed)| Evidence::new(&frame(*size, seed), &[])).collect();
-            let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
-            let direction: Vec<DVector<f64>> = evidence.iter().map(|e| e.column(&ramp())).collect();
-            ScoreTest::new(&evidence, &residuals, &direction).z()
+            let observations: Vec<Observation> =
+                runs.map(|(size, seed)| Observation::new(&frame(*size, seed), &[])).collect();
+            let residuals: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+            let direction: Vec<DVector<f64>> = observations.iter().map(|o| o.column(&ramp())).collect();
+            ScoreTest::new(&observations, &residuals, &direction).z()
         };
         let (agreed, alone) = (score([1.0; 3]), score([3.0, 0.0, 0.0]));
         assert!(agreed > 15.0 && alone < 0.3 * agreed, "{agreed} and {alone}");

@@ -2,7 +2,7 @@
 //! distribution is in proportion to nothing, and a strength that is a little off leaves more than another sensor's
 //! effect does.
 
-use super::evidence::Evidence;
+use super::observation::Observation;
 use super::screen::{Signature, explain};
 use super::simulator::{Band, Request, Simulator};
 use crate::gap::hypothesis::{Hypothesis, norm_squared};
@@ -31,7 +31,7 @@ pub struct Tuned {
 /// What is asked, and before what.
 pub struct Tuner<'a> {
     pub simulator: &'a dyn Simulator,
-    pub evidence: &'a [Evidence],
+    pub observations: &'a [Observation],
     pub signatures: &'a [Signature],
 }
 
@@ -98,7 +98,8 @@ impl Tuner<'_> {
 
     /// What strengths leave, and what a little more of each changes.
     pub fn differences(&self, hypothesis: &Hypothesis, at: &[f64]) -> Option<Tuned> {
-        let (candidates, frames, runs) = (self.simulator.candidates(), self.simulator.frames(), self.evidence.len());
+        let (candidates, frames, runs) =
+            (self.simulator.candidates(), self.simulator.frames(), self.observations.len());
         let bounds = hypothesis.bounds(candidates, self.signatures);
         let apart = hypothesis.signatures.iter().zip(at).zip(&bounds).map(|((k, x), (_, high))| {
             let Signature { candidate, strength, .. } = self.signatures[*k];
@@ -123,7 +124,7 @@ impl Tuner<'_> {
             answers.map(|(answer, frame)| answer.iter().zip(&frame.nominal).map(|(a, n)| a - n).collect()).collect()
         };
         let projected = |changes: &[Vec<f64>]| -> Vec<DVector<f64>> {
-            self.evidence.iter().zip(changes).map(|(e, c)| e.column(c)).collect()
+            self.observations.iter().zip(changes).map(|(o, c)| o.column(c)).collect()
         };
         let changes = change(0);
         let found = projected(&changes);
@@ -133,7 +134,7 @@ impl Tuner<'_> {
         });
         Some(Tuned {
             strengths: at.to_vec(),
-            residuals: self.evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect(),
+            residuals: self.observations.iter().zip(&found).map(|(o, c)| &o.residual - c).collect(),
             columns: columns.collect(),
             changes,
             found,
@@ -211,16 +212,16 @@ mod tests {
             bounds: vec![(-1.0, 1.0)],
             nuisances: vec!["level".into()],
         };
-        let evidence = vec![Evidence::new(&frame, &[])];
+        let observations = vec![Observation::new(&frame, &[])];
         let simulator = Shifted { candidates: vec![candidate], frames: vec![frame] };
         // Taken where the distribution does not saturate yet: the linear fit asks for far too little.
         let change = vec![simulator.simulate(0, &[], &[Applied { candidate: 0, strengths: vec![1.0] }]).unwrap()];
-        let columns = vec![evidence[0].column(&change[0])];
+        let columns = vec![observations[0].column(&change[0])];
         let signatures = [Signature { candidate: 0, strength: 0, size: 1.0, change, columns }];
         let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
-        let screened = hypothesis.screened(&evidence, &signatures, &simulator.candidates);
+        let screened = hypothesis.screened(&observations, &signatures, &simulator.candidates);
         assert!(screened.strengths[0] < 0.7 * truth || screened.strengths[0] > 1.5 * truth, "{:?}", screened.strengths);
-        let tuner = Tuner { simulator: &simulator, evidence: &evidence, signatures: &signatures };
+        let tuner = Tuner { simulator: &simulator, observations: &observations, signatures: &signatures };
         let found = tuner.tuned(&hypothesis, &screened.strengths).expect("a fit");
         assert!((found.strengths[0] - truth).abs() < 0.1, "{:?}", found.strengths);
     }

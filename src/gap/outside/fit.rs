@@ -4,7 +4,7 @@
 use super::Error;
 use super::data::RunPart;
 use super::protocol::Nuisance;
-use super::repeatability::{Evidence, Repeatability};
+use super::repeatability::{Inputs, Repeatability};
 use super::windows::Windows;
 use nalgebra::{DMatrix, DVector};
 
@@ -176,7 +176,7 @@ impl Fitter<'_> {
         };
         let repeat: Vec<f64> = (0..self.part.channels.len()).map(random_effect).collect();
         let left = self.left(point);
-        Repeatability::new(&Evidence {
+        Repeatability::new(&Inputs {
             windows,
             left: &left,
             measured: &measured,

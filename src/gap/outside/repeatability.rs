@@ -35,7 +35,7 @@ pub(super) struct Repeatability {
 }
 
 /// What the repeatability of a run is found from.
-pub(super) struct Evidence<'a> {
+pub(super) struct Inputs<'a> {
     pub windows: &'a Windows,
     /// Measured less simulated, a row a channel.
     pub left: &'a [Vec<f64>],
@@ -58,16 +58,16 @@ struct Noise {
 }
 
 impl Repeatability {
-    pub fn new(evidence: &Evidence) -> Repeatability {
-        let count = evidence.windows.count();
-        let means = evidence.windows.means(evidence.left);
-        let halves = evidence.windows.halves(evidence.left);
-        let channels: Vec<Noise> = (0..evidence.left.len())
+    pub fn new(from: &Inputs) -> Repeatability {
+        let count = from.windows.count();
+        let means = from.windows.means(from.left);
+        let halves = from.windows.halves(from.left);
+        let channels: Vec<Noise> = (0..from.left.len())
             .map(|c| {
                 let of = |x: &'_ [f64]| x[c * count..(c + 1) * count].to_vec();
-                let agreed = MEANS_AGREE * range(&of(evidence.measured));
+                let agreed = MEANS_AGREE * range(&of(from.measured));
                 let draws = draws(&of(&means), &of(&halves[0]), &of(&halves[1]));
-                let slow = trig::hypot(evidence.accuracy[c].max(agreed), evidence.repeat[c].sqrt());
+                let slow = trig::hypot(from.accuracy[c].max(agreed), from.repeat[c].sqrt());
                 Noise::new(&draws, slow)
             })
             .collect();

@@ -1,5 +1,6 @@
-//! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion
-//! to their strengths.
+//! Relinearisation: a signature is a linearisation at one strength, and few effects are in proportion to theirs. Where
+//! an effect explains something, its signature is taken again at the strength that fits, as the steps of Gauss and
+//! Newton's method take slopes anew (Bell and Cathey 1993).
 
 use super::comparison::Comparison;
 use super::scored::{self, Scored};
@@ -9,7 +10,7 @@ use super::tune::Tuner;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How often a closer look is taken, at how many effects, and what share of the gap they must explain.
+/// How often signatures are taken again, of how many effects, and what share of the gap they must explain.
 const LOOKS: usize = 3;
 const LOOKED_AT: usize = 4;
 const WORTH: f64 = 0.02;
@@ -32,26 +33,26 @@ const NEAR: std::ops::Range<f64> = 0.6..1.6;
 const NEAR_SENSOR: std::ops::Range<f64> = 0.9..1.1;
 
 impl Comparison<'_> {
-    /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at
-    /// what is beside it.
+    /// With the signatures of what explains something taken again, and where there is a gap that one effect does not
+    /// explain alone, of what is beside it.
     #[must_use]
-    pub fn looked_closer(mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) -> Self {
+    pub fn relinearised(mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) -> Self {
         self.tune();
         for _ in 0..LOOKS {
-            self.look_closer(None, tell);
+            self.relinearise(None, tell);
         }
-        for look in 0..if gap { LOOKS } else { 0 } {
+        for round in 0..if gap { LOOKS } else { 0 } {
             let Some(leader) = self.leader() else { break };
-            if look == 0 {
+            if round == 0 {
                 self.screen_beside(&leader, tell);
             }
-            self.look_closer(Some(&leader), tell);
+            self.relinearise(Some(&leader), tell);
         }
         self
     }
 
     fn tuner(&self) -> Tuner<'_> {
-        Tuner { simulator: self.simulator, evidence: &self.evidence, signatures: &self.signatures }
+        Tuner { simulator: self.simulator, observations: &self.observations, signatures: &self.signatures }
     }
 
     /// Takes signatures of what costs no simulation at the strengths that fit best.
@@ -82,7 +83,7 @@ impl Comparison<'_> {
 
     /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and
     /// at the places beside. Where another hypothesis leads, in what that one leaves.
-    fn look_closer(&mut self, leader: Option<&Scored>, tell: &mut dyn FnMut(usize, usize)) {
+    fn relinearise(&mut self, leader: Option<&Scored>, tell: &mut dyn FnMut(usize, usize)) {
         let mut trials: Vec<Trial> = Vec::new();
         // Each strength of an effect where it fits best.
         let mut seen: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
@@ -91,14 +92,14 @@ impl Comparison<'_> {
         let before = leader.map_or(self.mean_square, |j| j.mean_square);
         let worth = WORTH * (before - 1.0).max(0.0);
         let alone = self.singles().into_iter().filter(|j| j.fitted.strengths.len() == 1);
-        let looked_at = match leader {
+        let explaining = match leader {
             None => alone.collect(),
             Some(leader) => self.with_leader(leader, alone),
         };
         // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too
         // small.
         let rivals = leader.map(|_| self.leading()).unwrap_or_default();
-        for scored in looked_at.iter().filter(|j| before - j.mean_square > worth) {
+        for scored in explaining.iter().filter(|j| before - j.mean_square > worth) {
             let Fitted { hypothesis, strengths, .. } = &scored.fitted;
             let (Some(own), Some(size)) = (hypothesis.signatures.last(), strengths.last()) else { continue };
             let signature = &self.signatures[*own];
@@ -123,7 +124,7 @@ impl Comparison<'_> {
         }
         let left = leader.map_or_else(|| self.residuals(), |j| j.fitted.residuals.clone());
         let of = trials.len();
-        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |done| tell(done, of));
+        let taken = screen::take(self.simulator, &self.observations, &trials, Runs::All, &mut |done| tell(done, of));
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
             screen::keep(&mut self.signatures, signature, &left);
         }
@@ -151,7 +152,7 @@ impl Comparison<'_> {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
         let lead = self.leading();
         let others = |c: usize| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
-        for signature in screen::signatures(self.simulator, &self.evidence, left, others, tell) {
+        for signature in screen::signatures(self.simulator, &self.observations, left, others, tell) {
             // What could not be simulated tells nothing.
             if signature.change.iter().all(|run| run.iter().any(|x| *x != 0.0)) {
                 screen::keep(&mut self.signatures, signature, left);
@@ -192,13 +193,13 @@ impl Comparison<'_> {
             }
         }
         let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
-        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |_| {});
+        let taken = screen::take(self.simulator, &self.observations, &trials, Runs::All, &mut |_| {});
         let mut turned = Vec::new();
         for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
             let mut hypothesis = (*hypothesis).clone();
             hypothesis.signatures[*k] = self.signatures.len();
             self.signatures.push(signature);
-            turned.push(hypothesis.screened(&self.evidence, &self.signatures, candidates));
+            turned.push(hypothesis.screened(&self.observations, &self.signatures, candidates));
         }
         (self, turned)
     }

@@ -24,7 +24,7 @@ const STRONG: f64 = 3.0;
 const TURNS: usize = 3;
 
 /// A run made ready.
-pub struct Evidence {
+pub struct Observation {
     /// Features that are used.
     rows: Vec<usize>,
     weights: Vec<f64>,
@@ -56,14 +56,14 @@ pub struct Evidence {
     pub degrees_of_freedom: f64,
 }
 
-impl Evidence {
+impl Observation {
     /// From a frame and what every built machine deviates by, each of unit variance.
-    pub fn new(frame: &Frame, as_built: &[Vec<f64>]) -> Evidence {
-        Evidence::with(frame, as_built, &frame.laps)
+    pub fn new(frame: &Frame, as_built: &[Vec<f64>]) -> Observation {
+        Observation::with(frame, as_built, &frame.laps)
     }
 
     /// Before other laps than the frame's.
-    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps) -> Evidence {
+    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps) -> Observation {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> =
             (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Impact).collect();
@@ -102,7 +102,7 @@ impl Evidence {
         for j in 0..p {
             raw[n + j] = frame.prior[j].0 / frame.prior[j].1;
         }
-        let mut out = Evidence {
+        let mut out = Observation {
             rows,
             weights,
             residual: &raw - &reach * (reach.transpose() * &raw),
@@ -193,7 +193,7 @@ impl Evidence {
     }
 
     /// A projected column of the same run and features with other weights and modes, in these.
-    pub fn carried(&self, from: &Evidence, column: &DVector<f64>) -> DVector<f64> {
+    pub fn carried(&self, from: &Observation, column: &DVector<f64>) -> DVector<f64> {
         let mut long = DVector::zeros(self.raw.len());
         let features = self.rows.len();
         for (k, (own, other)) in self.weights.iter().zip(&from.weights).enumerate() {
@@ -209,7 +209,7 @@ impl Evidence {
     }
 
     /// Logarithm of the determinant of the residual's covariance over that of another, for each feature.
-    pub fn raised(&self, from: &Evidence) -> f64 {
+    pub fn raised(&self, from: &Observation) -> f64 {
         let each = self.weights.iter().zip(&from.weights).map(|(own, other)| 2.0 * trig::ln(other / own));
         (each.sum::<f64>() + self.log_determinant - from.log_determinant) / self.weights.len().max(1) as f64
     }
@@ -226,18 +226,20 @@ impl Evidence {
 }
 
 /// The run of which most is left, for what it can tell.
-pub fn most_off<'a>(evidence: &[Evidence], left: impl IntoIterator<Item = &'a DVector<f64>>) -> usize {
-    let off =
-        evidence.iter().zip(left).map(|(evidence, left)| evidence.degrees_of_freedom * evidence.mean_square(left));
+pub fn most_off<'a>(observations: &[Observation], left: impl IntoIterator<Item = &'a DVector<f64>>) -> usize {
+    let off = observations
+        .iter()
+        .zip(left)
+        .map(|(observation, left)| observation.degrees_of_freedom * observation.mean_square(left));
     off.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(run, _)| run)
 }
 
 /// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0
 /// where features are not the same.
-pub fn in_common(frames: &[Frame], evidence: &[Evidence], laps: &[Vec<DVector<f64>>]) -> f64 {
+pub fn in_common(frames: &[Frame], observations: &[Observation], laps: &[Vec<DVector<f64>>]) -> f64 {
     let (mut along, mut size) = (0.0, 0.0);
     for lap in laps {
-        let each: Vec<BTreeMap<usize, f64>> = evidence.iter().zip(lap).map(|(e, r)| e.each(r).collect()).collect();
+        let each: Vec<BTreeMap<usize, f64>> = observations.iter().zip(lap).map(|(o, r)| o.each(r).collect()).collect();
         for b in 1..each.len() {
             for a in (0..b).filter(|a| frames[*a].labels == frames[b].labels) {
                 let both = || each[a].iter().filter_map(|(k, x)| Some((*x, *each[b].get(k)?)));
@@ -392,7 +394,7 @@ mod tests {
         let own = shares.iter().map(|share| share * share).sum::<f64>() / laps as f64;
         let scatter = frame.laps.scatter.iter().zip(shares).map(|(one, share)| lap(one, share)).collect();
         let with = Laps { variance: (0..features).map(|k| 1.0 + own * way(k) * way(k)).collect(), scatter };
-        let own = Evidence::with(&frame, &[], &with);
+        let own = Observation::with(&frame, &[], &with);
         let along: Vec<f64> = (0..features).map(way).collect();
         let across: Vec<f64> = (0..features).map(|k| if k % 2 == 0 { way(k) } else { -way(k) }).collect();
         let seen = own.column(&across).norm_squared() / 100.0;
@@ -404,7 +406,7 @@ mod tests {
         assert!((1.0..6.0).contains(&seen), "{seen}");
         // ln det of what noise has with one direction of a variance of 100; 36 more, were each feature's variance its
         // own.
-        let more = own.raised(&Evidence::new(&frame, &[])) * features as f64 - trig::ln(101.0);
+        let more = own.raised(&Observation::new(&frame, &[])) * features as f64 - trig::ln(101.0);
         assert!((-1.0..4.0).contains(&more), "{more}");
     }
 
@@ -425,7 +427,7 @@ mod tests {
         let spread = |k: usize| 1.0 + patterns[..ways].iter().map(|p| p[k] * p[k]).sum::<f64>();
         let with = Laps { variance: (0..features).map(spread).collect(), scatter };
         let frame = bare(lap(&[]), replicate);
-        let own = Evidence::with(&frame, &[], &with);
+        let own = Observation::with(&frame, &[], &with);
         let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
         let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));
         let stranger: Vec<f64> = another.iter().zip(&patterns[ways]).map(|(x, p)| x + 5.0 * p).collect();
