@@ -14,7 +14,7 @@ use lss::chain_input::{Effect, Simulation};
 use lss::dynamics::{End, Plan, Width};
 use lss::effects::simulate;
 use lss::gap::chain::Chains;
-use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Simulator, diagnose};
+use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Settings, Simulator, diagnose};
 use lss::identify::Parameter;
 use lss::identify::study::Subject;
 use lss::signal::Run;
@@ -36,11 +36,12 @@ fn main() {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
 
     let clock = Instant::now();
-    let chains = Chains::new(&subjects, 1, threads, Width::widest(), &|_| {}).expect("runs that can be fitted");
+    let chains = Chains::new(&subjects, &Settings::default(), 1, threads, Width::widest(), &|_| {})
+        .expect("runs that can be fitted");
     let fits = clock.elapsed().as_secs_f64();
     let counted = Counted { chains, refits: Mutex::default(), simulated: Mutex::default() };
     let clock = Instant::now();
-    let found: Diagnosis = diagnose(&counted, &mut |_| {});
+    let found: Diagnosis = diagnose(&counted, &Settings::default(), &mut |_| {});
     let rest = clock.elapsed().as_secs_f64();
 
     let (refits, seconds) = *counted.refits.lock().expect("a count");

@@ -7,7 +7,8 @@ use lss::base::random::normal;
 use lss::base::trig;
 use lss::effects::RandomEffect;
 use lss::gap::{
-    Applied, Band, Bound, Candidate, Diagnosis, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose,
+    Applied, Band, Bound, Candidate, Diagnosis, Frame, Label, Laps, Request, Settings, Simulator, Strength, Verdict,
+    diagnose,
 };
 use nalgebra::DMatrix;
 use std::sync::Mutex;
@@ -213,7 +214,7 @@ impl Simulator for Made {
 }
 
 fn found(truth: &[(usize, f64)], strange: f64, seed: u64) -> Diagnosis {
-    diagnose(&made(truth, strange, seed), &mut |_| {})
+    diagnose(&made(truth, strange, seed), &Settings::default(), &mut |_| {})
 }
 
 #[test]
@@ -307,7 +308,7 @@ fn the_gap_lies_where_it_was_put() {
 #[test]
 fn what_chance_does_is_found_by_how_laps_scatter() {
     let mut made = made(&[(ROUGH, 4.0)], 0.0, 10);
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let first = &found.effects[0];
     assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "rough"), "{}", found.summary);
     let amount = &first.strength["size"];
@@ -316,7 +317,7 @@ fn what_chance_does_is_found_by_how_laps_scatter() {
     assert!((first.gap_closed.expect("runs left out") - 0.59).abs() < 0.15, "{first:?}");
     // Whoever does not know how laps scatter cannot name it.
     made.tells = false;
-    assert_eq!(diagnose(&made, &mut |_| {}).verdict, Verdict::Unknown);
+    assert_eq!(diagnose(&made, &Settings::default(), &mut |_| {}).verdict, Verdict::Unknown);
 }
 
 #[test]
@@ -328,7 +329,7 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
             let mut state = if same { 77 } else { 77 + run as u64 };
             frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
         }
-        let found = diagnose(&made, &mut |_| {});
+        let found = diagnose(&made, &Settings::default(), &mut |_| {});
         let named = found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability);
         (named, found.unknown_probability)
     };
@@ -348,7 +349,7 @@ fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
         let mut state = 78;
         frame.laps.scatter = (0..40).map(|_| (0..FEATURES).map(|_| normal(&mut state)).collect()).collect();
     }
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let rough = found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability);
     assert!(rough > 0.2 && found.unknown_probability > 0.2, "{rough} and {}", found.unknown_probability);
 }
@@ -357,7 +358,7 @@ fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
 fn a_nuisance_that_is_not_linear_does_not_bend_strengths() {
     let mut made = made(&[(1, 4.0)], 0.0, 12);
     made.bent = 60.0;
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let first = &found.effects[0];
     let amount = &first.strength["size"];
     assert!(["wave", "twin"].contains(&first.name.as_str()) && first.probability > 0.4, "{}", found.summary);
@@ -377,7 +378,7 @@ fn no_strength_beyond_its_bounds_is_ever_asked_for() {
             for strength in made.candidates.iter_mut().flat_map(|c| &mut c.strengths) {
                 (strength.low, strength.high, strength.trial) = (low, high, trial);
             }
-            let found = diagnose(&made, &mut |_| {});
+            let found = diagnose(&made, &Settings::default(), &mut |_| {});
             for (candidate, x) in made.asked.lock().unwrap().iter() {
                 assert!((low..=high).contains(x), "candidate {candidate} at {x} of {low} to {high}");
             }
@@ -393,7 +394,7 @@ fn no_strength_beyond_its_bounds_is_ever_asked_for() {
 fn a_strength_at_its_bound_says_so() {
     let mut made = made(&[(0, 30.0)], 0.0, 21);
     made.candidates[0].strengths[0].high = 25.0;
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let first = &found.effects[0];
     assert_eq!((first.name.as_str(), first.strength["size"].value), ("slope", 25.0), "{}", found.summary);
     assert_eq!(first.strength["size"].at_bound, Some(Bound::Upper));
@@ -410,7 +411,7 @@ fn what_cannot_be_simulated_is_not_ruled_out() {
     for how in [Failure::NoAnswer, Failure::NotFinite, Failure::InOneRun] {
         let mut made = made(&[(1, 4.0)], 0.0, 8);
         made.fails = Some((1, how));
-        let found = diagnose(&made, &mut |_| {});
+        let found = diagnose(&made, &Settings::default(), &mut |_| {});
         let wave = found.effects.iter().find(|f| f.name == "wave").expect("an effect");
         assert!(wave.untested() && wave.strength.is_empty(), "{wave:?}");
         // Both have one place and one strength: the untested one has as much as the best.
@@ -433,7 +434,7 @@ fn a_member_that_may_be_absent_is_not_named() {
     let pair = |discrepancy: f64| {
         let mut made = made(&[(0, 8.0), (6, 3.0)], 0.0, 6);
         made.candidates[6].discrepancy = discrepancy;
-        diagnose(&made, &mut |_| {})
+        diagnose(&made, &Settings::default(), &mut |_| {})
     };
     assert_eq!(pair(0.0).verdict, Verdict::Pair);
     let found = pair(2.0);

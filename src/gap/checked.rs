@@ -1,6 +1,7 @@
 //! The one door to a model: what is asked keeps to the declared bounds, and what had no answer is known afterwards.
 
 use super::diagnosis::Lost;
+use super::settings::Checks;
 use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -9,6 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// can be compared.
 pub struct Checked<'a> {
     simulator: &'a dyn Simulator,
+    settings: &'a Checks,
     failures: Mutex<Vec<Failure>>,
 }
 
@@ -20,8 +22,8 @@ struct Failure {
 }
 
 impl<'a> Checked<'a> {
-    pub fn new(simulator: &'a dyn Simulator) -> Checked<'a> {
-        Checked { simulator, failures: Mutex::default() }
+    pub fn new(simulator: &'a dyn Simulator, settings: &'a Checks) -> Checked<'a> {
+        Checked { simulator, settings, failures: Mutex::default() }
     }
 
     fn failures(&self) -> MutexGuard<'_, Vec<Failure>> {
@@ -96,7 +98,8 @@ impl Simulator for Checked<'_> {
         let asked: Vec<Request> = requests.iter().map(|r| r.bounded(self.candidates())).collect();
         let mut answers = self.simulator.simulate_all(&asked);
         for (request, answer) in asked.into_iter().zip(&mut answers) {
-            let lacking = answer.as_ref().zip(self.frames().get(request.run)).map_or(0, |(a, f)| f.lacking(a));
+            let lacking = answer.as_ref().zip(self.frames().get(request.run));
+            let lacking = lacking.map_or(0, |(a, f)| f.lacking(a, self.settings.may_lack));
             let why = match answer {
                 None => self.reason(&request).unwrap_or_else(|| "it cannot be simulated".to_owned()),
                 Some(_) if lacking > 0 => format!("{lacking} of its features are no finite numbers"),

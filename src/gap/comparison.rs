@@ -6,20 +6,19 @@ use super::refit::along;
 use super::repeatability::Repeatability;
 use super::scored::{self, Explanation, Scored, Terms};
 use super::screen::Signature;
-use super::significance::{self, ScoreTest};
-use super::simulator::{Band, Candidate, Simulator};
+use super::settings::{Likelihood, Settings};
+use super::significance::ScoreTest;
+use super::simulator::{Band, Candidate, Context, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
-/// Hypotheses that are held against what is seen beyond them.
-const COMPARED: usize = 40;
-
 /// What hypotheses are compared by: the runs, and the signatures of effects that were screened.
 pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
+    pub settings: &'a Settings,
     pub observations: Vec<Observation>,
     pub signatures: Vec<Signature>,
     pub degrees_of_freedom: f64,
@@ -36,11 +35,12 @@ pub struct Compared<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    pub fn new(simulator: &'a dyn Simulator, observations: Vec<Observation>, signatures: Vec<Signature>) -> Self {
+    pub fn new(context: Context<'a>, observations: Vec<Observation>, signatures: Vec<Signature>) -> Self {
         let degrees_of_freedom = observations.iter().map(|o| o.degrees_of_freedom).sum::<f64>();
-        let degrees_of_freedom = degrees_of_freedom.min(likelihood::MOST_DEGREES_OF_FREEDOM);
+        let degrees_of_freedom = degrees_of_freedom.min(context.settings.likelihood.degrees_of_freedom);
         let mean_square = overall_mean_square(&observations, observations.iter().map(|o| &o.residual));
-        Comparison { simulator, observations, signatures, degrees_of_freedom, mean_square }
+        let Context { simulator, settings } = context;
+        Comparison { simulator, settings, observations, signatures, degrees_of_freedom, mean_square }
     }
 
     /// What hypotheses that were fitted and scored come to, once all are there: what each costs beside, and something
@@ -52,20 +52,18 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Hypotheses whose scores are explained.
-const EXPLAINED: usize = 12;
-
 impl Compared<'_> {
     /// How no gap, something unknown and the likeliest hypotheses came to their scores.
     pub fn explained(&self) -> Vec<Explanation> {
         let comparison = &self.comparison;
-        let (mean_square, prior) = (comparison.mean_square, trig::ln(likelihood::NONE));
+        let settings = comparison.likelihood();
+        let (mean_square, prior) = (comparison.mean_square, trig::ln(settings.prior_none));
         let none = Terms {
-            likelihood: likelihood::log_likelihood(mean_square, comparison.degrees_of_freedom),
+            likelihood: settings.log_likelihood(mean_square, comparison.degrees_of_freedom),
             prior,
             ..Terms::default()
         };
-        let prior = trig::ln(likelihood::UNKNOWN);
+        let prior = trig::ln(settings.prior_unknown);
         let unknown = Terms { likelihood: self.unknown - prior, prior, ..Terms::default() };
         let without = |terms| Explanation { effects: Vec::new(), simulated: true, mean_square, terms };
         let name = |c: &usize| {
@@ -73,7 +71,7 @@ impl Compared<'_> {
             let place = if candidate.place.is_empty() { String::new() } else { format!(" ({})", candidate.place) };
             format!("{}{place}", candidate.effect)
         };
-        let each = self.scored.iter().take(EXPLAINED).map(|scored| Explanation {
+        let each = self.scored.iter().take(comparison.settings.reporting.explained).map(|scored| Explanation {
             effects: scored.fitted.hypothesis.members.iter().map(name).collect(),
             simulated: scored.fitted.simulated(),
             mean_square: scored.mean_square,
@@ -157,10 +155,10 @@ impl Comparison<'_> {
         };
         let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
-        let counts = likelihood::quiet(mean_square);
+        let counts = self.likelihood().counts(mean_square);
         let by_signature = if counts > 0.0 { self.along_signature(&fitted, counts) } else { f64::NEG_INFINITY };
         let common = repeatability.as_ref().map_or(0.0, |repeatability| self.in_common(&fitted, repeatability));
-        let whole = likelihood::log_likelihood(mean_square, self.degrees_of_freedom);
+        let whole = self.likelihood().log_likelihood(mean_square, self.degrees_of_freedom);
         let likelihood = (whole - common).max(by_signature);
         let lost = whole.max(by_signature) - likelihood;
         let terms = Terms {
@@ -186,7 +184,8 @@ impl Comparison<'_> {
         let alike = |c: usize, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
         let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
-        trig::ln(if members.len() == 1 { likelihood::ONE } else { likelihood::PAIR }) - shared
+        let settings = self.likelihood();
+        trig::ln(if members.len() == 1 { settings.prior_one } else { settings.prior_pair }) - shared
     }
 
     /// The hypotheses with what it costs that their impacts go the other way round than measured, by what was simulated
@@ -211,9 +210,9 @@ impl Comparison<'_> {
             };
             let impacts = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Impact);
             let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
-            cost += impacts.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
+            cost += impacts.map(|k| self.likelihood().wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
         }
-        cost.min(likelihood::WRONG_WAYS)
+        cost.min(self.likelihood().wrong_impacts)
     }
 
     /// In what the members of a hypothesis differ by chance.
@@ -230,7 +229,12 @@ impl Comparison<'_> {
         }
         let expected =
             if random_effect.iter().all(|d| *d == RandomEffect::ByCart) { repeatability.common } else { 0.0 };
-        likelihood::in_common(self.seen_in_common(fitted), expected, self.observations.len(), self.degrees_of_freedom)
+        self.likelihood().in_common(
+            self.seen_in_common(fitted),
+            expected,
+            self.observations.len(),
+            self.degrees_of_freedom,
+        )
     }
 
     /// How much runs have in common of what a hypothesis leaves.
@@ -244,6 +248,20 @@ impl Comparison<'_> {
         self.observations.iter().map(|o| o.residual.clone()).collect()
     }
 
+    pub fn context(&self) -> Context<'_> {
+        Context { simulator: self.simulator, settings: self.settings }
+    }
+
+    /// Constants of likelihoods.
+    pub fn likelihood(&self) -> &Likelihood {
+        &self.settings.likelihood
+    }
+
+    /// How surely a direction is in residuals of all runs.
+    pub fn tested(&self, residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> ScoreTest {
+        ScoreTest::new(&self.settings.significance, &self.observations, residuals, direction)
+    }
+
     /// How surely what a hypothesis changes is in what is off.
     pub fn score_test(&self, fitted: &Fitted) -> ScoreTest {
         let direction = fitted.direction();
@@ -251,14 +269,14 @@ impl Comparison<'_> {
             self.as_built(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
-        ScoreTest::new(&self.observations, &self.residuals(), &direction).with_scatter(own)
+        self.tested(&self.residuals(), &direction).with_scatter(own)
     }
 
     /// How surely a signature is in what is off.
     fn signature_test(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        ScoreTest::new(&self.observations, residuals, columns).with_scatter([self.as_built(signature) * square])
+        self.tested(residuals, columns).with_scatter([self.as_built(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
@@ -267,7 +285,7 @@ impl Comparison<'_> {
         let candidate = &self.candidates()[candidate];
         let strength = &candidate.strengths[strength];
         let ratio = candidate.sensor && strength.unit.is_empty();
-        strength.as_built.max(if ratio { significance::ACCURATE } else { 0.0 })
+        strength.as_built.max(if ratio { self.settings.significance.accuracy } else { 0.0 })
     }
 
     /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever
@@ -275,9 +293,10 @@ impl Comparison<'_> {
     fn along_signature(&self, fitted: &Fitted, counts: f64) -> f64 {
         let hypothesis = &fitted.hypothesis;
         let z = self.score_test(fitted).z().max(0.0);
-        let nothing = likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom);
-        let supported =
-            |z: f64, strengths: usize| counts * significance::support(z) - likelihood::SCORED * strengths as f64;
+        let nothing = self.likelihood().log_likelihood(self.mean_square, self.degrees_of_freedom);
+        let supported = |z: f64, strengths: usize| {
+            counts * self.settings.significance.support(z) - self.likelihood().score_cost * strengths as f64
+        };
         if hypothesis.members.len() < 2 {
             return nothing + supported(z, hypothesis.signatures.len());
         }
@@ -291,10 +310,9 @@ impl Comparison<'_> {
             hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
         let alone = Hypothesis { members: vec![candidate], signatures: own };
         let left = alone.screened(&self.observations, &self.signatures, self.candidates());
-        let told = likelihood::log_likelihood(
-            overall_mean_square(&self.observations, &left.residuals),
-            self.degrees_of_freedom,
-        );
+        let told = self
+            .likelihood()
+            .log_likelihood(overall_mean_square(&self.observations, &left.residuals), self.degrees_of_freedom);
         let scores: Vec<(usize, ScoreTest)> =
             others.iter().map(|k| (*k, self.signature_test(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
@@ -303,7 +321,7 @@ impl Comparison<'_> {
         // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to
         // be supported.
         let together = nothing + supported(trig::hypot(first, second), hypothesis.signatures.len());
-        both.min(together.max(likelihood::log_likelihood(0.0, self.degrees_of_freedom)))
+        both.min(together.max(self.likelihood().log_likelihood(0.0, self.degrees_of_freedom)))
     }
 
     /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of
@@ -312,7 +330,7 @@ impl Comparison<'_> {
         let sensor = |k: &usize| self.candidates()[self.signatures[*k].candidate].sensor;
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.strengths);
         let inexact: Vec<f64> = own.map(|(k, x)| if sensor(k) { 0.0 } else { *x }).collect();
-        significance::MISSED * norm(&along(columns, &inexact))
+        self.settings.significance.missed * norm(&along(columns, &inexact))
     }
 
     /// The hypotheses with what is seen of signatures beyond each, which speaks against it. The likeliest first.
@@ -322,8 +340,8 @@ impl Comparison<'_> {
         let scores: Vec<(usize, ScoreTest)> =
             (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
         let with = |(rank, scored): (usize, Scored)| {
-            let counts = likelihood::quiet(scored.mean_square);
-            if rank >= COMPARED || counts <= 0.0 {
+            let counts = self.likelihood().counts(scored.mean_square);
+            if rank >= self.settings.selection.compared || counts <= 0.0 {
                 return scored;
             }
             let rest = match &scored.repeatability {
@@ -360,7 +378,12 @@ impl Comparison<'_> {
         let rest = |k: usize| {
             let own = repeatability.observations.iter().zip(&self.signatures[k].change);
             let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
-            let score = ScoreTest::new(&repeatability.observations, &repeatability.residuals, &columns);
+            let score = ScoreTest::new(
+                &self.settings.significance,
+                &repeatability.observations,
+                &repeatability.residuals,
+                &columns,
+            );
             let size = norm(&columns);
             score.with_scatter([self.as_built(k) * size * size, missed * size]).z().abs()
         };
@@ -369,21 +392,22 @@ impl Comparison<'_> {
 
     /// What a score says that is the largest of as many as there are signatures.
     fn beyond(&self, z: f64) -> f64 {
-        (significance::support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
+        (self.settings.significance.support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
     }
 
     /// Log posterior of something unknown: it explains what the best effect of the library does.
     fn unknown(&self, scored: &[Scored]) -> f64 {
         let best = scored.first();
-        let known = likelihood::unknown(self.mean_square, self.degrees_of_freedom);
-        let counts = likelihood::quiet(self.mean_square);
+        let known = self.likelihood().unknown(self.mean_square, self.degrees_of_freedom);
+        let counts = self.likelihood().counts(self.mean_square);
         let by_signature = best.filter(|_| counts > 0.0).map(|best| {
             let gain = counts * self.beyond(self.score_test(&best.fitted).z());
-            likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom) + gain
-                - likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.degrees_of_freedom)
+            self.likelihood().log_likelihood(self.mean_square, self.degrees_of_freedom) + gain
+                - likelihood::cost(self.likelihood().unknown_strengths, self.degrees_of_freedom)
         });
         let alike = scored.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
-        trig::ln(likelihood::UNKNOWN) + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
+        trig::ln(self.likelihood().prior_unknown)
+            + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
     }
 
     /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at
@@ -398,18 +422,23 @@ impl Comparison<'_> {
         let patterns =
             overall_mean_square(&repeatability.observations, repeatability.observations.iter().map(|o| &o.residual));
         let by_patterns =
-            likelihood::log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
-        let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
+            self.likelihood().log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
+        let own =
+            (self.likelihood().log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
         let said = scored.log_posterior() - self.prior(&fitted.hypothesis)
             + (scored.terms.in_common + scored.terms.impacts)
             - own;
         let seen = self.seen_in_common(fitted);
-        let placed =
-            likelihood::in_common(seen, seen.max(likelihood::PLACED), self.observations.len(), self.degrees_of_freedom);
+        let placed = self.likelihood().in_common(
+            seen,
+            seen.max(self.likelihood().placed),
+            self.observations.len(),
+            self.degrees_of_freedom,
+        );
         Some(
-            trig::ln(likelihood::PATTERNED) + said
+            trig::ln(self.likelihood().patterned) + said
                 - placed
-                - likelihood::strange(self.mean_square, scored.mean_square, self.degrees_of_freedom),
+                - self.likelihood().strange(self.mean_square, scored.mean_square, self.degrees_of_freedom),
         )
     }
 }

@@ -6,22 +6,11 @@
 //! priors are put below the features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot
 //! reach leaves what effects must explain.
 
-use super::likelihood::MOST_DEGREES_OF_FREEDOM;
+use super::settings::{Observations, Settings};
 use super::simulator::{Band, Frame, Laps};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
-
-/// Common deviations of the nominal chain's laps that are told apart from each feature's own. Laps with an effect have
-/// as many as stand out: what differs from cart to cart does so in as many ways as there are carts, and explains
-/// nothing across them.
-const MODES: usize = 10;
-
-/// Their variance over a feature's own, at least.
-const STRONG: f64 = 3.0;
-
-/// How often what laps have in common and what each feature has of its own are found from each other.
-const TURNS: usize = 3;
 
 /// A run made ready.
 pub struct Observation {
@@ -58,21 +47,21 @@ pub struct Observation {
 
 impl Observation {
     /// From a frame and what every built machine deviates by, each of unit variance.
-    pub fn new(frame: &Frame, as_built: &[Vec<f64>]) -> Observation {
-        Observation::with(frame, as_built, &frame.laps)
+    pub fn new(frame: &Frame, as_built: &[Vec<f64>], settings: &Settings) -> Observation {
+        Observation::with(frame, as_built, &frame.laps, settings)
     }
 
     /// Before other laps than the frame's.
-    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps) -> Observation {
+    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps, settings: &Settings) -> Observation {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> =
             (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Impact).collect();
-        let (weights, replicate, common) = factors(frame, &rows, laps);
+        let (weights, replicate, common) = factors(frame, &rows, laps, &settings.observations);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
         // Mean squares score features as if there were few; what is within the as-built tolerance is known as it is, so
         // that it is not to be had for nothing.
-        let strict = (n as f64 / MOST_DEGREES_OF_FREEDOM).max(1.0).sqrt();
+        let strict = (n as f64 / settings.likelihood.degrees_of_freedom).max(1.0).sqrt();
         let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
             of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
         };
@@ -266,14 +255,19 @@ fn whitened(rows: &[usize], weights: &[f64], features: &[f64]) -> DVector<f64> {
 /// Weights of features by what laps scatter of their own, the laps with these weights, and what they have in common:
 /// modes and a variance of each feature that is none of theirs, in turns (principal factors, Harman 1976), and no less
 /// than the frame's. An effect by which laps scatter in a few ways only explains nothing in others.
-fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
+fn factors(
+    frame: &Frame,
+    rows: &[usize],
+    laps: &Laps,
+    settings: &Observations,
+) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
     let mut own: Vec<f64> = rows.iter().map(|&k| laps.variance[k]).collect();
     let raised = rows.iter().any(|&k| laps.variance[k] > frame.laps.variance[k]);
-    let mut turns = if raised { TURNS } else { 0 };
+    let mut turns = if raised { settings.factor_rounds } else { 0 };
     loop {
         let weights = tolerant(frame, rows, own.iter().map(|variance| 1.0 / variance.sqrt()).collect());
         let replicate: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
-        let common = modes(&replicate, if raised { replicate.len() } else { MODES });
+        let common = modes(&replicate, if raised { replicate.len() } else { settings.modes }, settings.mode_variance);
         if turns == 0 {
             return (weights, replicate, common);
         }
@@ -311,7 +305,8 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
 ///
 /// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of
 /// noise (Marchenko and Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
-fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
+/// None has less than `least` times the variance of a feature's own.
+fn modes(laps: &[DVector<f64>], most: usize, least: f64) -> Vec<DVector<f64>> {
     let count = laps.len();
     if count < 8 {
         return Vec::new();
@@ -330,7 +325,7 @@ fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
         rest -= seen;
         let own = (rest / features).max(1e-12);
         let variance = own * spike(seen / own, ratio);
-        if variance < STRONG {
+        if variance < least {
             break;
         }
         let mut mode = DVector::zeros(laps[0].len());
@@ -394,7 +389,7 @@ mod tests {
         let own = shares.iter().map(|share| share * share).sum::<f64>() / laps as f64;
         let scatter = frame.laps.scatter.iter().zip(shares).map(|(one, share)| lap(one, share)).collect();
         let with = Laps { variance: (0..features).map(|k| 1.0 + own * way(k) * way(k)).collect(), scatter };
-        let own = Observation::with(&frame, &[], &with);
+        let own = Observation::with(&frame, &[], &with, &Settings::default());
         let along: Vec<f64> = (0..features).map(way).collect();
         let across: Vec<f64> = (0..features).map(|k| if k % 2 == 0 { way(k) } else { -way(k) }).collect();
         let seen = own.column(&across).norm_squared() / 100.0;
@@ -406,7 +401,7 @@ mod tests {
         assert!((1.0..6.0).contains(&seen), "{seen}");
         // ln det of what noise has with one direction of a variance of 100; 36 more, were each feature's variance its
         // own.
-        let more = own.raised(&Observation::new(&frame, &[])) * features as f64 - trig::ln(101.0);
+        let more = own.raised(&Observation::new(&frame, &[], &Settings::default())) * features as f64 - trig::ln(101.0);
         assert!((-1.0..4.0).contains(&more), "{more}");
     }
 
@@ -427,7 +422,7 @@ mod tests {
         let spread = |k: usize| 1.0 + patterns[..ways].iter().map(|p| p[k] * p[k]).sum::<f64>();
         let with = Laps { variance: (0..features).map(spread).collect(), scatter };
         let frame = bare(lap(&[]), replicate);
-        let own = Observation::with(&frame, &[], &with);
+        let own = Observation::with(&frame, &[], &with, &Settings::default());
         let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
         let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));
         let stranger: Vec<f64> = another.iter().zip(&patterns[ways]).map(|(x, p)| x + 5.0 * p).collect();
@@ -440,12 +435,12 @@ mod tests {
         let mut state = 3;
         let mut random = |n: usize| DVector::from_iterator(n, (0..n).map(|_| normal(&mut state)));
         let noise: Vec<DVector<f64>> = (0..laps).map(|_| random(features)).collect();
-        assert!(modes(&noise, MODES).is_empty());
+        assert!(modes(&noise, 10, 3.0).is_empty());
         // One direction in which laps differ with a variance of 40.
         let common = random(features).normalize();
         let shares = random(laps);
         let with = noise.iter().zip(shares.iter()).map(|(lap, share)| lap + &common * (*share * 40.0_f64.sqrt()));
-        let found = modes(&with.collect::<Vec<_>>(), MODES);
+        let found = modes(&with.collect::<Vec<_>>(), 10, 3.0);
         assert_eq!(found.len(), 1);
         // The variance that these laps happen to have, of which chance would make a sixth too much.
         let expected = 40.0 * shares.norm_squared() / (laps - 1) as f64;

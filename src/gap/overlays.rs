@@ -10,13 +10,13 @@ use crate::signal::Channel;
 use nalgebra::DVector;
 use std::collections::BTreeMap;
 
-/// Channels that are drawn.
-const DRAWN: usize = 4;
-
 /// The first channels of where the gap lies.
 pub fn overlays(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace]) -> Vec<Overlay> {
     let channels = ranked(places).into_iter();
-    channels.filter_map(|(channel, _)| overlay(comparison, shown, places, &channel)).take(DRAWN).collect()
+    channels
+        .filter_map(|(channel, _)| overlay(comparison, shown, places, &channel))
+        .take(comparison.settings.reporting.drawn)
+        .collect()
 }
 
 fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace], channel: &str) -> Option<Overlay> {

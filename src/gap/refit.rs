@@ -2,23 +2,11 @@
 
 use super::observation::Observation;
 use super::screen::{Signature, explain};
-use super::simulator::{Candidate, Request, Simulator};
+use super::settings::Refitting;
+use super::simulator::{Candidate, Context, Request};
 use super::tune::{Tuned, Tuner};
 use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
 use nalgebra::DVector;
-
-/// Simulations of each run at most, and the share of the squares that another one is worth.
-const ROUNDS: usize = 4;
-const ENOUGH: f64 = 0.02;
-
-/// What leaves so many times the squares that another hypothesis does is not followed.
-const HOPELESS: f64 = 4.0;
-
-/// What leaves so many times the mean square that was foretold has nuisances that are not linear so far.
-const ASTRAY: f64 = 3.0;
-
-/// A step that changes less than this share of what the effects do tells nothing of their slopes.
-const SHORT: f64 = 0.1;
 
 /// Where a hypothesis' simulations are.
 struct Search {
@@ -54,13 +42,19 @@ impl Search {
     }
 
     /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was
-    /// foretold. What the effects do is then simulated where the nominal model is, and nuisances are thought of by
-    /// their slopes.
-    fn astray(&mut self, observations: &[Observation], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
+    /// foretold, by a factor. What the effects do is then simulated where the nominal model is, and nuisances are
+    /// thought of by their slopes.
+    fn astray(
+        &mut self,
+        observations: &[Observation],
+        foretold: &[DVector<f64>],
+        left: &[DVector<f64>],
+        factor: f64,
+    ) -> bool {
         let mut astray = false;
         for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
             let expected = observations[run].mean_square(foretold).max(1.0);
-            if self.moved[run] && observations[run].mean_square(left) > ASTRAY * expected {
+            if self.moved[run] && observations[run].mean_square(left) > factor * expected {
                 (self.moved[run], astray) = (false, true);
             }
         }
@@ -69,13 +63,13 @@ impl Search {
 
     /// Corrects what one more of each strength changes by what all of them together were found to since the last
     /// simulation: the least change of the columns that says so, each for its share (Broyden 1965). Chaos drowns what
-    /// short steps change.
-    fn learn(&mut self, columns: &mut [Vec<DVector<f64>>], strengths: &[f64], found: Vec<DVector<f64>>) {
+    /// short steps change, those of less than a share `short` of all.
+    fn learn(&mut self, columns: &mut [Vec<DVector<f64>>], strengths: &[f64], found: Vec<DVector<f64>>, short: f64) {
         let moved: Vec<f64> = strengths.iter().zip(&self.at).map(|(x, y)| x - y).collect();
         let squares = columns.iter().zip(&moved);
         let squares: Vec<f64> = squares.map(|(c, x)| x * x * norm_squared(c)).collect();
         let all: f64 = squares.iter().sum();
-        if all > SHORT * SHORT * norm_squared(&found) && all > 0.0 {
+        if all > short * short * norm_squared(&found) && all > 0.0 {
             for (run, found) in found.iter().enumerate() {
                 let mut missed = found - &self.found[run];
                 for (column, x) in columns.iter().zip(&moved) {
@@ -93,25 +87,27 @@ impl Search {
 
 /// Fits hypotheses by simulation. All requests of a round are made at once.
 pub fn refit(
-    simulator: &dyn Simulator,
+    context: Context,
     observations: &[Observation],
     signatures: &[Signature],
     screened: Vec<Fitted>,
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Fitted> {
+    let Context { simulator, settings } = context;
+    let Refitting { rounds, enough, hopeless, astray, short } = settings.refitting;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let mut fitted = screened;
     let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), observations)).collect();
     let runs = observations.len();
-    let tuner = Tuner { simulator, observations, signatures };
+    let tuner = Tuner { simulator, settings, observations, signatures };
     for (one, search) in fitted.iter_mut().zip(&mut searches) {
         if let Some(tuned) = tuner.tuned(&one.hypothesis, &one.strengths) {
             search.begin(one, tuned);
             one.move_along(observations, &search.moved);
         }
     }
-    for round in 0..ROUNDS {
-        tell(round, ROUNDS);
+    for round in 0..rounds {
+        tell(round, rounds);
         let going: Vec<usize> = (0..fitted.len()).filter(|k| !searches[*k].settled).collect();
         let mut requests = Vec::new();
         for one in going.iter().map(|k| &fitted[*k]) {
@@ -133,11 +129,11 @@ pub fn refit(
             let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
             let found: Vec<DVector<f64>> = observations.iter().zip(&changes).map(|(o, c)| o.column(c)).collect();
             let residuals: Vec<DVector<f64>> = observations.iter().zip(&found).map(|(o, c)| &o.residual - c).collect();
-            if search.astray(observations, &one.residuals, &residuals) {
+            if search.astray(observations, &one.residuals, &residuals, astray) {
                 one.move_along(observations, &search.moved);
                 continue;
             }
-            search.learn(&mut one.columns, &one.strengths, found);
+            search.learn(&mut one.columns, &one.strengths, found, short);
             let square = norm_squared(&residuals);
             if search.best.as_ref().is_none_or(|best| square < best.square) {
                 let features = answers.into_iter().cloned().collect();
@@ -146,14 +142,14 @@ pub fn refit(
             }
             if let Some(best) = &search.best {
                 one.tune_sensors(&tuner, &best.strengths);
-                search.settled = one.step(best, candidates, signatures);
+                search.settled = one.step(best, candidates, signatures, enough);
                 one.move_along(observations, &search.moved);
             }
         }
         // What leaves several times as much as another one will not come up with it.
         let least = searches.iter().filter_map(|s| s.best.as_ref()).map(|b| b.square).fold(f64::INFINITY, f64::min);
         for search in &mut searches {
-            search.settled |= search.best.as_ref().is_some_and(|best| best.square > HOPELESS * least);
+            search.settled |= search.best.as_ref().is_some_and(|best| best.square > hopeless * least);
         }
     }
     fitted
@@ -214,8 +210,8 @@ impl Fitted {
         members.len() < 2 || members.iter().all(does)
     }
 
-    /// To where it fits best from the best that was simulated; whether that is hardly another place.
-    fn step(&mut self, best: &RefitPoint, candidates: &[Candidate], signatures: &[Signature]) -> bool {
+    /// To where it fits best from the best that was simulated; whether that gains less than a share `enough`.
+    fn step(&mut self, best: &RefitPoint, candidates: &[Candidate], signatures: &[Signature], enough: f64) -> bool {
         let within = self.hypothesis.bounds(candidates, signatures);
         let bounds: Vec<(f64, f64)> =
             within.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
@@ -233,6 +229,6 @@ impl Fitted {
         };
         self.changes = (0..best.changes.len()).map(moved).collect();
         self.features = Some(best.features.clone());
-        gained < ENOUGH * best.square
+        gained < enough * best.square
     }
 }

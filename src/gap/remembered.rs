@@ -9,6 +9,7 @@
 //! are asked again before any is used. Where one differs, none is used. What could not be simulated is not kept: the
 //! reason may have been outside.
 
+use super::settings::Checks;
 use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::signal::read::DATA_LIMIT;
@@ -22,9 +23,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 const MARK: &str = "lss gap simulations 3";
-
-/// How many kept answers are asked again.
-const ASKED_AGAIN: usize = 4;
 
 /// What a file held that a diagnosis would go on from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,13 +58,13 @@ struct Book {
 impl<'a> Remembered<'a> {
     /// With what a file knows of the same origin: a hash of all that the simulator is made of, beside what it says of
     /// itself. The file and its folder are made if they are missing.
-    pub fn new(simulator: &'a dyn Simulator, path: &Path, origin: &str) -> Remembered<'a> {
+    pub fn new(simulator: &'a dyn Simulator, path: &Path, origin: &str, settings: &Checks) -> Remembered<'a> {
         let first = format!("{MARK} {}", fingerprint(simulator, origin));
         let (known, left) = match read(path, &first) {
             None => (Known::new(), Left::Nothing),
             Some(None) => (Known::new(), Left::OfOthers),
             Some(Some(known)) if known.is_empty() => (known, Left::Nothing),
-            Some(Some(known)) if is_confirmed(simulator, &known) => {
+            Some(Some(known)) if is_confirmed(simulator, &known, settings.asked_again) => {
                 let count = known.len();
                 (known, Left::Used(count))
             }
@@ -211,9 +209,9 @@ fn question(key: &str) -> Option<(char, Request)> {
     Some((what, Request { run, step, effects: parts.map(effect).collect::<Option<_>>()? }))
 }
 
-/// Asks a few of the kept answers again, spread over all.
-fn is_confirmed(simulator: &dyn Simulator, known: &Known) -> bool {
-    let stride = known.len().div_ceil(ASKED_AGAIN).max(1);
+/// Asks so many of the kept answers again, spread over all.
+fn is_confirmed(simulator: &dyn Simulator, known: &Known, count: usize) -> bool {
+    let stride = known.len().div_ceil(count).max(1);
     known.iter().step_by(stride).all(|(key, kept)| {
         let Some((what, request)) = question(key) else { return false };
         let fits = request.run < simulator.frames().len()
@@ -342,7 +340,7 @@ mod tests {
     fn a_failure_is_asked_again() {
         let folder = tempfile::tempdir().unwrap();
         let counting = Counting::default();
-        let known = Remembered::new(&counting, &folder.path().join("gap.partial"), "");
+        let known = Remembered::new(&counting, &folder.path().join("gap.partial"), "", &Checks::default());
         for _ in 0..2 {
             assert_eq!(known.simulate_all(&[of(9, 0.0)]), [None]);
         }
@@ -357,7 +355,7 @@ mod tests {
         fs::write(&secret, "mine").unwrap();
         std::os::unix::fs::symlink(&secret, &path).unwrap();
         let counting = Counting::default();
-        Remembered::new(&counting, &path, "").simulate_all(&[of(0, 0.5)]);
+        Remembered::new(&counting, &path, "", &Checks::default()).simulate_all(&[of(0, 0.5)]);
         assert_eq!(fs::read_to_string(&secret).unwrap(), "mine");
         assert!(fs::read_to_string(&path).unwrap().starts_with(MARK));
     }
@@ -371,7 +369,7 @@ mod tests {
             answers.iter().map(|a| a.as_ref().map(|x| x.iter().map(|y| y.to_bits()).collect())).collect()
         };
         let counting = Counting::default();
-        let first = Remembered::new(&counting, &path, "a");
+        let first = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!(first.left(), Left::Nothing);
         let whole = first.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2)]);
         assert_eq!(counting.asked(), 3);
@@ -379,7 +377,7 @@ mod tests {
         // The last line is cut, as when the power fails.
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, &text[..text.len() - 4]).unwrap();
-        let second = Remembered::new(&counting, &path, "a");
+        let second = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!((second.left(), counting.asked()), (Left::Used(1), 4), "the one that is kept was asked again");
         let again = second.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2), of(2, 0.2)]);
         assert_eq!(bits(&again[..3]), bits(&whole));
@@ -387,7 +385,7 @@ mod tests {
         assert_eq!(counting.asked(), 7);
         assert_eq!(second.simulate(9, &[0.0], &[]), None);
         assert_eq!(counting.asked(), 8, "a failure is never kept");
-        let third = Remembered::new(&counting, &path, "a");
+        let third = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!(third.left(), Left::Used(3));
         third.forget();
         assert!(!path.exists());
@@ -399,18 +397,18 @@ mod tests {
         let path = folder.path().join("gap.partial");
         let ask = [0.1, 0.2, 0.3, 0.4, 0.5].map(|step| Request { run: 0, step: vec![step], effects: Vec::new() });
         let counting = Counting::default();
-        Remembered::new(&counting, &path, "a").simulate_all(&ask);
+        Remembered::new(&counting, &path, "a", &Checks::default()).simulate_all(&ask);
         let text = fs::read_to_string(&path).unwrap();
         for (origin, text) in [("b", text.clone()), ("a", text.replacen(MARK, "lss gap simulations 2", 1))] {
             fs::write(&path, text).unwrap();
-            let other = Remembered::new(&counting, &path, origin);
+            let other = Remembered::new(&counting, &path, origin, &Checks::default());
             assert_eq!(other.left(), Left::OfOthers);
-            assert_eq!(Remembered::new(&counting, &path, origin).left(), Left::Nothing);
+            assert_eq!(Remembered::new(&counting, &path, origin, &Checks::default()).left(), Left::Nothing);
         }
         // The same by all that can be known before it is asked.
         fs::write(&path, &text).unwrap();
         let biased = Counting { bias: 1e-9, ..Counting::default() };
-        let other = Remembered::new(&biased, &path, "a");
+        let other = Remembered::new(&biased, &path, "a", &Checks::default());
         assert_eq!(other.left(), Left::Contradicted(5));
         assert_eq!(other.simulate_all(&ask)[4].as_ref().map(|x| x[1]), Some(0.5 + 1e-9));
     }

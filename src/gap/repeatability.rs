@@ -8,12 +8,9 @@
 
 use super::observation::{self, Observation};
 use super::screen::{Signature, explain};
-use super::simulator::{Candidate, Laps, Request, Simulator};
+use super::simulator::{Candidate, Context, Laps, Request};
 use crate::gap::hypothesis::Fitted;
 use nalgebra::{DMatrix, DVector};
-
-/// Carts whose laps are held beside each other over the runs.
-const CARTS: usize = 16;
 
 /// A hypothesis before the repeatability that it makes itself.
 pub struct Repeatability {
@@ -32,12 +29,13 @@ pub struct Repeatability {
 /// The repeatabilities of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine
 /// deviates by, of each run.
 pub fn repeatabilities(
-    simulator: &dyn Simulator,
+    context: Context,
     nominal: &[Observation],
     as_built: &[Vec<Vec<f64>>],
     signatures: &[Signature],
     fitted: &[&Fitted],
 ) -> Vec<Option<Repeatability>> {
+    let Context { simulator, settings } = context;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let mut requests = Vec::new();
     for one in fitted {
@@ -48,10 +46,12 @@ pub fn repeatabilities(
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
         let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let own = laps.iter().enumerate().map(|(run, laps)| Observation::with(&frames[run], &as_built[run], laps));
+        let own =
+            laps.iter().enumerate().map(|(run, laps)| Observation::with(&frames[run], &as_built[run], laps, settings));
         let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
         let cart = |k: usize| nominal.iter().zip(&laps).map(|(o, laps)| o.column(&laps.scatter[k])).collect();
-        let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();
+        let some: Vec<Vec<DVector<f64>>> =
+            (0..carts).step_by(carts.div_ceil(settings.random_effects.carts).max(1)).map(cart).collect();
         let common = observation::in_common(frames, nominal, &some);
         Some(Repeatability { common, ..Repeatability::new(one, nominal, own.collect(), candidates, signatures) })
     };

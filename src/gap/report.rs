@@ -5,7 +5,6 @@ use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
 use super::observation::Observation;
 use super::overlays::overlays;
-use super::relinearisation::UNSETTLED;
 use super::scored::Scored;
 use super::screen::explain;
 use super::simulator::{Axis, Band, Frame};
@@ -15,19 +14,6 @@ use crate::base::number::tidy;
 use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Effects whose signatures are so nearly parallel are not told apart, unless their log posteriors differ by this much
-/// (a factor of 20: strong evidence, Kass and Raftery 1995).
-const PARALLEL: f64 = 0.92;
-const APART: f64 = 3.0;
-
-/// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a
-/// place beside that was really fitted that it is told instead.
-const NOT_MUCH: f64 = 3.0;
-const HARDLY: f64 = 1.0;
-
-/// Places that are told.
-const PLACES: usize = 24;
 
 /// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is
 /// the other one alone.
@@ -56,9 +42,10 @@ struct Choice {
 }
 
 fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
+    let settings = compared.comparison.likelihood();
     let logs = [
-        trig::ln(likelihood::NONE)
-            + likelihood::log_likelihood(compared.comparison.mean_square, compared.comparison.degrees_of_freedom),
+        trig::ln(settings.prior_none)
+            + settings.log_likelihood(compared.comparison.mean_square, compared.comparison.degrees_of_freedom),
         compared.unknown,
     ];
     let log_posteriors: Vec<f64> =
@@ -209,7 +196,9 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
 /// they close.
 fn as_fitted(compared: &Compared, first: usize) -> usize {
     let scored = &compared.scored[first];
-    let likely = |(_, j): &(usize, &Scored)| scored.log_posterior() - j.log_posterior() < HARDLY;
+    let likely = |(_, j): &(usize, &Scored)| {
+        scored.log_posterior() - j.log_posterior() < compared.comparison.settings.reporting.fitted
+    };
     let mut fitted = compared.scored.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
     fitted
         .find(|(_, j)| sites(&compared.comparison, j) == sites(&compared.comparison, scored))
@@ -241,7 +230,7 @@ fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
         .scored
         .iter()
         .find(more)
-        .filter(|j| scored.log_posterior() - j.log_posterior() < NOT_MUCH)
+        .filter(|j| scored.log_posterior() - j.log_posterior() < compared.comparison.settings.reporting.whole)
         .unwrap_or(scored)
 }
 
@@ -391,7 +380,7 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Ga
         last = Some(key);
     }
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
-    found.truncate(PLACES);
+    found.truncate(comparison.settings.reporting.places);
     found.iter_mut().for_each(|p| p.share = tidy(p.share));
     found
 }
@@ -434,6 +423,7 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
 /// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave
 /// nothing to choose by.
 fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
+    let settings = compared.comparison.settings;
     let candidates = compared.comparison.candidates();
     let single = |name: &str| {
         compared.scored.iter().find(|j| {
@@ -453,12 +443,14 @@ fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
         let mut members = vec![effects[i].name.clone()];
         for other in effects.iter().skip(i + 1) {
             let Some(scored) = single(&other.name) else { continue };
-            let near = (own.log_posterior() - scored.log_posterior()).abs() < APART;
+            let near = (own.log_posterior() - scored.log_posterior()).abs() < settings.reporting.apart;
             if other.may_be_absent() {
                 continue;
             }
-            let settled = explains(scored) && own.mean_square.max(scored.mean_square) < UNSETTLED;
-            if near && (settled || alike(&own.fitted.direction(), &scored.fitted.direction()) > PARALLEL) {
+            let settled = explains(scored) && own.mean_square.max(scored.mean_square) < settings.selection.unsettled;
+            if near
+                && (settled || alike(&own.fitted.direction(), &scored.fitted.direction()) > settings.reporting.parallel)
+            {
                 members.push(other.name.clone());
             }
         }

@@ -1,30 +1,10 @@
 //! The fast screen: what each effect's signature explains, alone and in pairs, with the nuisances projected out.
 
 use super::observation::{Observation, most_off};
-use super::simulator::{Applied, Candidate, Request, Simulator};
+use super::settings::Screening;
+use super::simulator::{Applied, Candidate, Context, Request};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
-
-/// A signature is taken where it is at least so many times the repeatability in the feature that it changes most.
-const CLEAR: f64 = 10.0;
-
-/// What changes no feature by so much of its deviation changes nothing but for rounding.
-const NOTHING: f64 = 1e-3;
-
-/// How often another size is asked for at most, each at most so many times the one before, or as small a part of it.
-const SIZES: usize = 2;
-const MOST_MORE: f64 = 12.0;
-
-/// Places of an effect that is tried at several strengths, at most, and how many of them.
-const FEW: usize = 6;
-const RUNGS: usize = 6;
-
-/// Share of the squares that may be left where such a strength is taken, and where no larger one is tried.
-const WORTH: f64 = 0.98;
-const OVERSHOT: f64 = 3.0;
-
-/// Simulations that are asked for at once: progress is told between them.
-const PART: usize = 24;
 
 /// What a strength of a candidate changes, over all runs.
 #[derive(Clone)]
@@ -50,13 +30,13 @@ pub struct Trial {
 /// Signatures of all strengths of the wanted candidates that stand for themselves, at a size at which they are clear,
 /// and do as much as is left of the runs.
 pub fn signatures(
-    simulator: &dyn Simulator,
+    context: Context,
     observations: &[Observation],
     left: &[DVector<f64>],
     wanted: impl Fn(usize) -> bool,
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Signature> {
-    let candidates = simulator.candidates();
+    let candidates = context.simulator.candidates();
     let alone = (0..candidates.len()).filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
     let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
@@ -67,12 +47,12 @@ pub fn signatures(
     let gap = observations.iter().zip(left).any(|(o, left)| o.mean_square(left) > 1.0);
     let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
     let trials = match gap {
-        true => sized(simulator, observations, left, &firsts, &mut |done| tell(done, all)),
+        true => sized(context, observations, left, &firsts, &mut |done| tell(done, all)),
         false => firsts.clone(),
     };
     let mut found = Vec::with_capacity(trials.len());
     let mut small = Vec::new();
-    let taken = take(simulator, observations, &trials, Runs::All, &mut |done| tell(before + done, all));
+    let taken = take(context, observations, &trials, Runs::All, &mut |done| tell(before + done, all));
     for ((signature, whole), first) in taken.into_iter().zip(firsts) {
         if whole {
             found.push(signature);
@@ -81,7 +61,7 @@ pub fn signatures(
         }
     }
     // What cannot be simulated in every run has no signature: it was not tested.
-    let again = take(simulator, observations, &small, Runs::All, &mut |_| tell(all, all));
+    let again = take(context, observations, &small, Runs::All, &mut |_| tell(all, all));
     found.extend(again.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature));
     found.sort_by_key(|s| (s.candidate, s.strength));
     // An impact at a place has no sign as long as the place is not known.
@@ -90,7 +70,7 @@ pub fn signatures(
         gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
     };
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
-    for (signature, whole) in take(simulator, observations, &others, Runs::All, &mut |_| tell(all, all)) {
+    for (signature, whole) in take(context, observations, &others, Runs::All, &mut |_| tell(all, all)) {
         if whole {
             keep(&mut found, signature, left);
         }
@@ -100,26 +80,28 @@ pub fn signatures(
 
 /// Trials at the sizes that what is left asks for, found with the run of which most is.
 fn sized(
-    simulator: &dyn Simulator,
+    context: Context,
     observations: &[Observation],
     left: &[DVector<f64>],
     firsts: &[Trial],
     tell: &mut dyn FnMut(usize),
 ) -> Vec<Trial> {
-    let candidates = simulator.candidates();
+    let settings = &context.settings.screening;
+    let candidates = context.simulator.candidates();
     let run = most_off(observations, left);
     let mut trials = firsts.to_vec();
     let mut open: Vec<usize> = (0..trials.len()).collect();
-    for _ in 0..SIZES {
+    for _ in 0..settings.resizings {
         let now: Vec<Trial> = open.iter().map(|k| trials[*k]).collect();
         let before = trials.len() - open.len();
-        let taken = take(simulator, observations, &now, Runs::One(run), &mut |done| tell(before + done));
+        let taken = take(context, observations, &now, Runs::One(run), &mut |done| tell(before + done));
         let mut again = Vec::new();
         for (k, (signature, whole)) in open.into_iter().zip(taken) {
             let trial = &mut trials[k];
             let strength = &candidates[trial.candidate].strengths[trial.strength];
             if whole {
-                let size = asked(&signature, &observations[run], run, &left[run], (strength.low, strength.high));
+                let size =
+                    asked(&signature, &observations[run], run, &left[run], (strength.low, strength.high), settings);
                 if !strength.whole() && !(0.5..2.0).contains(&(size / trial.size)) {
                     trial.size = size;
                     again.push(k);
@@ -135,18 +117,19 @@ fn sized(
     // it does is seldom in proportion, and a fit that begins far off ends far off.
     let residual = &left[run];
     let gap = residual.norm_squared();
-    let mut least = vec![WORTH * gap; trials.len()];
-    let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k])).collect();
-    for rung in 0..RUNGS {
-        let tried: Vec<Trial> = open.iter().map(|k| firsts[*k].rung(candidates, rung)).collect();
-        let taken = take(simulator, observations, &tried, Runs::One(run), &mut |_| tell(trials.len()));
+    let mut least = vec![settings.rung_left * gap; trials.len()];
+    let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k], settings.few_places)).collect();
+    for rung in 0..settings.rungs {
+        let tried: Vec<Trial> =
+            open.iter().map(|k| firsts[*k].rung(candidates, rung as f64 / (settings.rungs - 1) as f64)).collect();
+        let taken = take(context, observations, &tried, Runs::One(run), &mut |_| tell(trials.len()));
         let mut again = Vec::new();
         for ((k, trial), (signature, whole)) in open.into_iter().zip(tried).zip(taken) {
             let left = (residual - &signature.columns[run] * trial.size).norm_squared();
             if whole && left < least[k] {
                 (least[k], trials[k]) = (left, trial);
             }
-            if whole && left < OVERSHOT * gap {
+            if whole && left < settings.overshot * gap {
                 again.push(k);
             }
         }
@@ -155,11 +138,11 @@ fn sized(
     trials
 }
 
-/// Whether an effect has few places.
-fn few(candidates: &[Candidate], trial: Trial) -> bool {
+/// Whether an effect has few places, `most` of them.
+fn few(candidates: &[Candidate], trial: Trial, most: usize) -> bool {
     let own = &candidates[trial.candidate];
     let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
-    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= FEW
+    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.
@@ -183,8 +166,8 @@ impl Signature {
     }
 
     /// The least strength at which it is clear.
-    pub fn clear(&self) -> f64 {
-        CLEAR / self.columns.iter().map(DVector::amax).fold(1e-300, f64::max)
+    pub fn clear(&self, settings: &Screening) -> f64 {
+        settings.clear / self.columns.iter().map(DVector::amax).fold(1e-300, f64::max)
     }
 
     /// How much of the squares of what is left it explains, with its own sign.
@@ -200,10 +183,9 @@ impl Signature {
 }
 
 impl Trial {
-    /// At one of the strengths between half its own and half of what may be.
-    fn rung(self, candidates: &[Candidate], rung: usize) -> Trial {
+    /// At a share of the way, by factors, from half its own strength to half of what may be.
+    fn rung(self, candidates: &[Candidate], share: f64) -> Trial {
         let (low, high) = (0.5 * self.size, 0.5 * candidates[self.candidate].strengths[self.strength].high);
-        let share = rung as f64 / (RUNGS - 1) as f64;
         Trial { size: low * trig::exp(share * trig::ln(high / low)), ..self }
     }
 
@@ -226,13 +208,14 @@ fn asked(
     run: usize,
     left: &DVector<f64>,
     (low, high): (f64, f64),
+    settings: &Screening,
 ) -> f64 {
     let column = &signature.columns[run];
     let own = column.norm_squared().max(1e-300);
     let gap = left.norm_squared() - observation.replicate * observation.features() as f64;
-    let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
+    let size = (gap.max(0.0) / own).sqrt().max(1.5 * settings.clear / column.amax().max(1e-300));
     let now = signature.size.abs();
-    let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
+    let size = size.clamp(now / settings.resize_factor, now * settings.resize_factor);
     // A strength that has one sign only keeps it.
     let negative = if high > 0.0 { low < 0.0 && column.dot(left) < 0.0 } else { true };
     if negative { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
@@ -248,12 +231,14 @@ pub enum Runs {
 /// The signature of each trial, at the nearest size that is declared: 0 in runs of which it is not taken, and whether
 /// every run could be simulated with it.
 pub fn take(
-    simulator: &dyn Simulator,
+    context: Context,
     observations: &[Observation],
     trials: &[Trial],
     runs: Runs,
     tell: &mut dyn FnMut(usize),
 ) -> Vec<(Signature, bool)> {
+    let Context { simulator, settings } = context;
+    let settings = &settings.screening;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let runs: Vec<usize> = match runs {
         Runs::All => (0..observations.len()).collect(),
@@ -261,7 +246,7 @@ pub fn take(
     };
     let trials: Vec<Trial> = trials.iter().map(|trial| trial.bounded(candidates)).collect();
     let mut found = Vec::with_capacity(trials.len());
-    for part in trials.chunks(PART.div_ceil(runs.len().max(1))) {
+    for part in trials.chunks(settings.batch.div_ceil(runs.len().max(1))) {
         tell(found.len() + part.len());
         let with = |trial: &Trial| {
             let effects = vec![applied(candidates, trial)];
@@ -281,7 +266,7 @@ pub fn take(
                 change[*run].iter_mut().zip(rows).for_each(|(x, (a, b))| *x = (a - b) / trial.size);
             }
             let mut columns: Vec<DVector<f64>> = observations.iter().zip(&change).map(|(o, c)| o.column(c)).collect();
-            if columns.iter().all(|column| column.amax() * trial.size.abs() < NOTHING) {
+            if columns.iter().all(|column| column.amax() * trial.size.abs() < settings.nothing) {
                 change.iter_mut().for_each(|c| c.fill(0.0));
                 columns.iter_mut().for_each(|c| c.fill(0.0));
             }

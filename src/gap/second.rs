@@ -7,9 +7,6 @@ use super::screen::explain;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::BTreeSet;
 
-/// So many are really fitted.
-const SECONDS: usize = 3;
-
 impl Comparison<'_> {
     /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it
     /// that no re-fit has there.
@@ -26,7 +23,7 @@ impl Comparison<'_> {
         let mut both: Vec<Scored> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
         scored::sort(&mut both);
         both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
-        both.into_iter().take(SECONDS).map(|j| j.fitted).collect()
+        both.into_iter().take(self.settings.selection.seconds).map(|j| j.fitted).collect()
     }
 
     /// What was simulated with another effect beside it, by that one's signatures.

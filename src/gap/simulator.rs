@@ -1,13 +1,18 @@
 //! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts
 //! is one such model, any program outside is another.
 
+use super::settings::Settings;
 use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Share of the features of a run that an answer may leave out.
-const MAY_LACK: f64 = 0.05;
+/// A model and the constants that its runs are compared by.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    pub simulator: &'a dyn Simulator,
+    pub settings: &'a Settings,
+}
 
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
@@ -254,13 +259,14 @@ impl Frame {
         features.iter().zip(self.at(step)).map(|(f, n)| f - n).collect()
     }
 
-    /// How many features are not finite though measured and nominal ones are, where that is more than [`MAY_LACK`]:
-    /// such an answer cannot be compared. Fewer are left out, as the last window of a series that a delay moves.
-    pub fn lacking(&self, features: &[f64]) -> usize {
+    /// How many features are not finite though measured and nominal ones are, where that is more than a share
+    /// `may_lack` of these: such an answer cannot be compared. Fewer are left out, as the last window of a series that
+    /// a delay moves.
+    pub fn lacking(&self, features: &[f64], may_lack: f64) -> usize {
         let known =
             || self.measured.iter().zip(&self.nominal).zip(features).filter(|((m, n), _)| (*m - *n).is_finite());
         let lacking = known().filter(|(_, x)| !x.is_finite()).count();
-        if lacking as f64 > MAY_LACK * known().count() as f64 { lacking } else { 0 }
+        if lacking as f64 > may_lack * known().count() as f64 { lacking } else { 0 }
     }
 
     /// Residual of features, NaN where one is missing or tells nothing.

@@ -4,17 +4,10 @@
 
 use super::observation::Observation;
 use super::screen::{Signature, explain};
+use super::settings::Settings;
 use super::simulator::{Band, Request, Simulator};
 use crate::gap::hypothesis::{Hypothesis, norm_squared};
 use nalgebra::DVector;
-
-/// Steps at most, and the share of the squares that another one is worth.
-const STEPS: usize = 8;
-const ENOUGH: f64 = 0.005;
-
-/// Differences are taken over so much of a strength, and of its trial at least.
-const APART: f64 = 0.02;
-const LEAST: f64 = 0.1;
 
 /// Strengths at which something was simulated, nuisances where the nominal model has them.
 pub struct Tuned {
@@ -31,6 +24,7 @@ pub struct Tuned {
 /// What is asked, and before what.
 pub struct Tuner<'a> {
     pub simulator: &'a dyn Simulator,
+    pub settings: &'a Settings,
     pub observations: &'a [Observation],
     pub signatures: &'a [Signature],
 }
@@ -73,9 +67,10 @@ impl Tuner<'_> {
 
     /// Gauss and Newton's steps on differences.
     fn descended(&self, hypothesis: &Hypothesis, start: Vec<f64>) -> Option<Tuned> {
+        let settings = &self.settings.sensor_fits;
         let bounds = hypothesis.bounds(self.simulator.candidates(), self.signatures);
         let (mut at, mut best): (Vec<f64>, Option<Tuned>) = (start, None);
-        for _ in 0..STEPS {
+        for _ in 0..settings.steps {
             let here = self.differences(hypothesis, &at)?;
             let square = norm_squared(&here.residuals);
             if let Some(before) = best.as_ref().filter(|best| square >= norm_squared(&best.residuals)) {
@@ -89,7 +84,7 @@ impl Tuner<'_> {
             let further = at.iter().zip(&step.strengths).zip(&bounds);
             at = further.map(|((x, more), (low, high))| (x + more).clamp(*low, *high)).collect();
             best = Some(here);
-            if gained < ENOUGH * square {
+            if gained < settings.enough * square {
                 break;
             }
         }
@@ -98,12 +93,14 @@ impl Tuner<'_> {
 
     /// What strengths leave, and what a little more of each changes.
     pub fn differences(&self, hypothesis: &Hypothesis, at: &[f64]) -> Option<Tuned> {
+        let settings = &self.settings.sensor_fits;
         let (candidates, frames, runs) =
             (self.simulator.candidates(), self.simulator.frames(), self.observations.len());
         let bounds = hypothesis.bounds(candidates, self.signatures);
         let apart = hypothesis.signatures.iter().zip(at).zip(&bounds).map(|((k, x), (_, high))| {
             let Signature { candidate, strength, .. } = self.signatures[*k];
-            let apart = (APART * x.abs()).max(LEAST * candidates[candidate].strengths[strength].trial.abs());
+            let apart = (settings.difference * x.abs())
+                .max(settings.least_difference * candidates[candidate].strengths[strength].trial.abs());
             if x + apart > *high { -apart } else { apart }
         });
         let apart: Vec<f64> = apart.collect();
@@ -212,7 +209,7 @@ mod tests {
             bounds: vec![(-1.0, 1.0)],
             nuisances: vec!["level".into()],
         };
-        let observations = vec![Observation::new(&frame, &[])];
+        let observations = vec![Observation::new(&frame, &[], &Settings::default())];
         let simulator = Shifted { candidates: vec![candidate], frames: vec![frame] };
         // Taken where the distribution does not saturate yet: the linear fit asks for far too little.
         let change = vec![simulator.simulate(0, &[], &[Applied { candidate: 0, strengths: vec![1.0] }]).unwrap()];
@@ -221,7 +218,9 @@ mod tests {
         let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
         let screened = hypothesis.screened(&observations, &signatures, &simulator.candidates);
         assert!(screened.strengths[0] < 0.7 * truth || screened.strengths[0] > 1.5 * truth, "{:?}", screened.strengths);
-        let tuner = Tuner { simulator: &simulator, observations: &observations, signatures: &signatures };
+        let settings = Settings::default();
+        let tuner =
+            Tuner { simulator: &simulator, settings: &settings, observations: &observations, signatures: &signatures };
         let found = tuner.tuned(&hypothesis, &screened.strengths).expect("a fit");
         assert!((found.strengths[0] - truth).abs() < 0.1, "{:?}", found.strengths);
     }

@@ -49,9 +49,10 @@ impl Compared<'_> {
 
     /// The largest log likelihood of all that was compared with the runs.
     fn best_likelihood(&self) -> f64 {
-        let none = likelihood::log_likelihood(self.comparison.mean_square, self.comparison.degrees_of_freedom);
-        let unknown = self.unknown - trig::ln(likelihood::UNKNOWN)
-            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.comparison.degrees_of_freedom);
+        let settings = self.comparison.likelihood();
+        let none = settings.log_likelihood(self.comparison.mean_square, self.comparison.degrees_of_freedom);
+        let unknown = self.unknown - trig::ln(settings.prior_unknown)
+            + likelihood::cost(settings.unknown_strengths, self.comparison.degrees_of_freedom);
         let by_signature = self.scored.iter().map(|j| {
             let strengths = j.fitted.strengths.len() as f64;
             j.log_posterior() - self.comparison.prior(&j.fitted.hypothesis)

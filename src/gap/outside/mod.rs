@@ -16,7 +16,7 @@ mod windows;
 
 pub use error::Error;
 
-use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator};
+use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator, settings};
 use data::RunPart;
 use fit::{FittedPart, Fitter, Rows};
 use process::{Blame, Pool, Program};
@@ -57,11 +57,13 @@ pub struct Settings {
     pub timeout: Duration,
     /// Parts into which a campaign's only run is cut.
     pub parts: usize,
+    /// Constants of the comparison.
+    pub constants: super::Settings,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4 }
+        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4, constants: super::Settings::default() }
     }
 }
 
@@ -79,6 +81,9 @@ pub struct Outside {
     lost: Vec<String>,
     origin: String,
     failed: Mutex<Failed>,
+    settings: settings::Outside,
+    /// Share of the features of a run that an answer may leave out.
+    may_lack: f64,
 }
 
 /// What the program did not answer.
@@ -99,10 +104,11 @@ impl Outside {
     /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the
     /// campaign or one of its runs cannot be read or is too short.
     pub fn open(command: &str, campaign: &Path, settings: &Settings) -> Result<Outside, Error> {
+        let constants = &settings.constants;
         let program = Program::new(command)?;
         // Before it starts: what is changed later is taken for another program.
         let origin = program.origin();
-        let pool = Pool::new(program, settings.threads, settings.timeout);
+        let pool = Pool::new(program, settings.threads, settings.timeout, &constants.outside.processes);
         let (channels, parts) = data::read(campaign, settings.parts)?;
         let description = pool.ask(&Question::Describe.line(), Blame::Program, protocol::description)?;
         let names: Vec<String> = channels.keys().cloned().collect();
@@ -123,12 +129,15 @@ impl Outside {
             lost: Vec::new(),
             origin,
             failed: Mutex::default(),
+            settings: constants.outside.clone(),
+            may_lack: constants.checks.may_lack,
             parts: Vec::new(),
         };
         for part in parts {
-            if part.time.len() < windows::NEEDED {
+            let needed = constants.outside.windows.samples * constants.outside.windows.needed;
+            if part.time.len() < needed {
                 let (run, samples) = (part.name.clone(), part.time.len());
-                return Err(Error::Short { run, samples, needed: windows::NEEDED });
+                return Err(Error::Short { run, samples, needed });
             }
             let fitted = outside.fit(&part).map_err(|error| error.in_run(&part.name))?;
             outside.keep(part, fitted);
@@ -171,7 +180,13 @@ impl Outside {
         let simulate = |points: &[Vec<f64>]| in_parallel(points, self.pool.most(), |at| self.ask(part, at, &[]));
         let accuracy: Vec<f64> =
             self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
-        let fitter = Fitter { part, nuisances: &self.description.nuisances, accuracy: &accuracy, simulate: &simulate };
+        let fitter = Fitter {
+            part,
+            nuisances: &self.description.nuisances,
+            accuracy: &accuracy,
+            simulate: &simulate,
+            settings: &self.settings,
+        };
         fitter.fit(&|at| {
             self.pool.renew();
             self.ask(part, at, &[])
@@ -191,7 +206,8 @@ impl Outside {
         if missing > 0 {
             self.lost.push(format!("{}: of {missing} windows the model says nothing", part.name));
         }
-        let prior = nuisances.iter().zip(&at).map(|(n, at)| (fit::share(n, n.nominal) - at, fit::PRIOR)).collect();
+        let deviation = self.settings.fitting.prior;
+        let prior = nuisances.iter().zip(&at).map(|(n, at)| (fit::share(n, n.nominal) - at, deviation)).collect();
         self.frames.push(Frame {
             run: part.name.clone(),
             labels: windows.labels(self.names.iter()),
@@ -292,7 +308,7 @@ impl Outside {
         let finite = |rows: Rows| {
             let features = windows.means(&rows);
             let frame = &self.frames[*run];
-            match frame.lacking(&features) {
+            match frame.lacking(&features, self.may_lack) {
                 0 => Ok(features),
                 lacking => Err(Error::NotFinite { lacking, of: frame.labels.len() }),
             }
