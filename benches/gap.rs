@@ -14,7 +14,7 @@ use lss::chain_input::{Effect, Simulation};
 use lss::dynamics::{End, Plan, Width};
 use lss::effects::simulate;
 use lss::gap::chain::Chains;
-use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Settings, Simulator, diagnose};
+use lss::gap::{Applied, Candidates, Diagnosis, Frame, Laps, PerRun, Request, RunId, Settings, Simulator, diagnose};
 use lss::identify::Parameter;
 use lss::identify::study::Subject;
 use lss::signal::Run;
@@ -99,15 +99,15 @@ struct Counted {
 }
 
 impl Simulator for Counted {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         self.chains.candidates()
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         self.chains.frames()
     }
 
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         self.chains.simulate(run, step, effects)
     }
 

@@ -3,9 +3,10 @@
 //! signature is less a change of the mean lap than how far laps scatter, and their strength is where the scatter fits:
 //! at the least of ln s + ln(det C/det C₀)/n (see [`super::repeatability`]) over the strength.
 
+use super::ids::{PerRun, RunId, SignatureId};
 use super::observation::{Observation, most_off};
 use super::repeatability::{Repeatability, repeatabilities};
-use super::screen::{Signature, explain};
+use super::screen::{Signature, Signatures, explain};
 use super::settings::{RandomEffects, SHARES, Settings};
 use super::simulator::{Context, Laps, Request, Simulator, Strength};
 use crate::base::trig;
@@ -18,10 +19,10 @@ pub struct Chance<'a> {
     pub simulator: &'a dyn Simulator,
     pub settings: &'a Settings,
     /// Before the nominal chain's repeatability.
-    pub nominal: &'a [Observation],
+    pub nominal: &'a PerRun<Observation>,
     /// What every machine deviates by, of each run.
-    pub as_built: &'a [Vec<Vec<f64>>],
-    pub signatures: &'a [Signature],
+    pub as_built: &'a PerRun<Vec<Vec<f64>>>,
+    pub signatures: &'a Signatures,
 }
 
 impl Chance<'_> {
@@ -33,9 +34,8 @@ impl Chance<'_> {
     pub fn hypotheses(&self) -> Vec<(Fitted, Option<Repeatability>)> {
         let settings = &self.settings.random_effects;
         let candidates = self.simulator.candidates();
-        let own =
-            (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].random_effect.is_some());
-        let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
+        let own = self.signatures.ids().filter(|k| candidates[self.signatures[*k].candidate].random_effect.is_some());
+        let alone = |k: SignatureId| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
         let ladder = |hypothesis: Hypothesis| {
             let strength = self.strength(&hypothesis);
             let rungs = std::iter::successors(Some(strength.trial), |size| Some(size * settings.rung));
@@ -62,7 +62,7 @@ impl Chance<'_> {
     }
 
     /// The run whose laps are held against what it measured.
-    fn run(&self) -> usize {
+    fn run(&self) -> RunId {
         most_off(self.nominal, self.nominal.iter().map(|o| &o.residual))
     }
 
@@ -97,7 +97,7 @@ impl Chance<'_> {
     }
 
     /// How laps of a run scatter without what differs by chance.
-    fn without<'b>(&'b self, tried: &'b Tried, run: usize) -> &'b Laps {
+    fn without<'b>(&'b self, tried: &'b Tried, run: RunId) -> &'b Laps {
         tried.without.as_ref().unwrap_or(&self.simulator.frames()[run].laps)
     }
 
@@ -112,7 +112,7 @@ impl Chance<'_> {
     }
 
     /// Laps of a run with each hypothesis at strengths.
-    fn simulate(&self, run: usize, all: &mut [Tried], asked: &[Vec<f64>]) {
+    fn simulate(&self, run: RunId, all: &mut [Tried], asked: &[Vec<f64>]) {
         let each = all.iter().zip(asked);
         let requests: Vec<Request> =
             each.flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(tried, run, *size))).collect();
@@ -133,7 +133,7 @@ impl Chance<'_> {
     }
 
     /// What a strength changes in a run's mean lap, by the signature; `None` where another lap has another pattern.
-    fn mean(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Option<Vec<f64>> {
+    fn mean(&self, hypothesis: &Hypothesis, run: RunId, size: f64) -> Option<Vec<f64>> {
         let signature = self.signature(hypothesis);
         let random_effect = self.simulator.candidates()[signature.candidate].random_effect;
         (random_effect == Some(RandomEffect::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
@@ -141,7 +141,7 @@ impl Chance<'_> {
 
     /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength
     /// that has these.
-    fn misfit(&self, tried: &Tried, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
+    fn misfit(&self, tried: &Tried, run: RunId, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
         let variance = self.without(tried, run).variance.iter().zip(&laps.variance).map(added).collect();
@@ -157,7 +157,7 @@ impl Chance<'_> {
     }
 
     /// A run with the hypothesis at a strength, nuisances where they are without it.
-    fn request(&self, tried: &Tried, run: usize, size: f64) -> Request {
+    fn request(&self, tried: &Tried, run: RunId, size: f64) -> Request {
         let effects = tried.hypothesis.applied(self.simulator.candidates(), self.signatures, &tried.strengths(size));
         let alone = || self.nominal[run].nuisance_offsets(&vec![0.0; self.simulator.frames()[run].nominal.len()]);
         Request { run, step: tried.beside.map_or_else(alone, |other| other.nuisance_offsets[run].clone()), effects }
@@ -176,9 +176,9 @@ impl Chance<'_> {
             one.columns[..last].clone_from_slice(&other.columns);
             one.covariance.view_mut((0, 0), (last, last)).copy_from(&other.covariance);
         }
-        let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(tried, run, size)).collect();
+        let asked: Vec<Request> = self.nominal.ids().map(|run| self.request(tried, run, size)).collect();
         let by_lap = candidates[self.signature(&tried.hypothesis).candidate].random_effect == Some(RandomEffect::ByLap);
-        let features: Vec<Vec<f64>> = if by_lap {
+        let features: PerRun<Vec<f64>> = if by_lap {
             // Another lap has another pattern: nothing of the simulated one is in the measured one's mean.
             one.columns[last].iter_mut().for_each(|column| column.fill(0.0));
             let nominal = || asked.iter().map(|r| frames[r.run].at(&r.step)).collect();
@@ -204,10 +204,10 @@ impl Chance<'_> {
         let bounds = one.hypothesis.bounds(self.simulator.candidates(), self.signatures);
         let room = bounds.iter().zip(&one.strengths).map(|((low, high), x)| (low - x, high - x));
         let room: Vec<(f64, f64)> = room.take(own).collect();
-        let columns: Vec<&[DVector<f64>]> = one.columns[..own].iter().map(|c| &c[..]).collect();
+        let columns: Vec<&PerRun<DVector<f64>>> = one.columns[..own].iter().collect();
         let step = explain(&one.residuals, &columns, &room, None);
         let more: Vec<f64> = step.strengths.iter().copied().chain([0.0]).collect();
-        for (run, change) in one.changes.iter_mut().enumerate() {
+        for (run, change) in self.nominal.ids().zip(&mut one.changes) {
             let by = one.hypothesis.change(self.signatures, &more, run);
             change.iter_mut().zip(by).for_each(|(x, d)| *x += d);
         }
@@ -286,6 +286,7 @@ impl ScatterPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::ids::{CandidateId, Id};
 
     /// A quadratic in the logarithm of the strength, as it is where scatter grows in proportion.
     fn tried(sizes: &[f64], fits: f64) -> Tried<'static> {
@@ -293,7 +294,7 @@ mod tests {
             let misfit = |share: f64| trig::ln(share * size / fits) * trig::ln(share * size / fits);
             ScatterPoint { size: *size, misfits: RandomEffects::default().shares.map(misfit) }
         };
-        let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
+        let hypothesis = Hypothesis { members: vec![CandidateId::new(0)], signatures: vec![SignatureId::new(0)] };
         Tried { hypothesis, beside: None, without: None, points: sizes.iter().map(point).collect() }
     }
 

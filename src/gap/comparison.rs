@@ -1,14 +1,15 @@
 //! Comparison of hypotheses: the log posterior of each, and of something unknown beside them.
 
+use super::ids::{CandidateId, PerRun, SignatureId};
 use super::likelihood;
 use super::observation::{self, Observation};
 use super::refit::along;
 use super::repeatability::Repeatability;
 use super::scored::{self, Explanation, Scored, Terms};
-use super::screen::Signature;
+use super::screen::{Signature, Signatures};
 use super::settings::{Likelihood, Settings};
 use super::significance::ScoreTest;
-use super::simulator::{Band, Candidate, Context, Simulator};
+use super::simulator::{Band, Candidate, Candidates, Context, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
@@ -19,8 +20,8 @@ use std::collections::BTreeSet;
 pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
     pub settings: &'a Settings,
-    pub observations: Vec<Observation>,
-    pub signatures: Vec<Signature>,
+    pub observations: PerRun<Observation>,
+    pub signatures: Signatures,
     pub degrees_of_freedom: f64,
     /// Normalised mean-square residual of the nominal model.
     pub mean_square: f64,
@@ -35,7 +36,7 @@ pub struct Compared<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    pub fn new(context: Context<'a>, observations: Vec<Observation>, signatures: Vec<Signature>) -> Self {
+    pub fn new(context: Context<'a>, observations: PerRun<Observation>, signatures: Signatures) -> Self {
         let degrees_of_freedom = observations.iter().map(|o| o.degrees_of_freedom).sum::<f64>();
         let degrees_of_freedom = degrees_of_freedom.min(context.settings.likelihood.degrees_of_freedom);
         let mean_square = overall_mean_square(&observations, observations.iter().map(|o| &o.residual));
@@ -66,7 +67,7 @@ impl Compared<'_> {
         let prior = trig::ln(settings.prior_unknown);
         let unknown = Terms { likelihood: self.unknown - prior, prior, ..Terms::default() };
         let without = |terms| Explanation { effects: Vec::new(), simulated: true, mean_square, terms };
-        let name = |c: &usize| {
+        let name = |c: &CandidateId| {
             let candidate = &comparison.candidates()[*c];
             let place = if candidate.place.is_empty() { String::new() } else { format!(" ({})", candidate.place) };
             format!("{}{place}", candidate.effect)
@@ -89,7 +90,7 @@ impl Compared<'_> {
 
 /// Mean square residual over that of replicate laps, over all runs, each for what it can tell.
 pub fn overall_mean_square<'a>(
-    observations: &[Observation],
+    observations: &PerRun<Observation>,
     residuals: impl IntoIterator<Item = &'a DVector<f64>>,
 ) -> f64 {
     let mut sum = (0.0, 0.0);
@@ -103,22 +104,21 @@ pub fn overall_mean_square<'a>(
 }
 
 /// Of what changes all runs.
-fn norm(each: &[DVector<f64>]) -> f64 {
+fn norm(each: &PerRun<DVector<f64>>) -> f64 {
     each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
 }
 
 impl Comparison<'_> {
     /// A candidate alone, each of its strengths by the first of its signatures.
-    pub fn single(&self, candidate: usize) -> Hypothesis {
+    pub fn single(&self, candidate: CandidateId) -> Hypothesis {
         let mut met = BTreeSet::new();
-        let own =
-            self.signatures.iter().enumerate().filter(|(_, s)| s.candidate == candidate && met.insert(s.strength));
+        let own = self.signatures.with_ids().filter(|(_, s)| s.candidate == candidate && met.insert(s.strength));
         Hypothesis { members: vec![candidate], signatures: own.map(|(k, _)| k).collect() }
     }
 
     /// All candidates with signatures, the likeliest first.
     pub fn singles(&self) -> Vec<Scored> {
-        let known: BTreeSet<usize> = self.signatures.iter().map(|s| s.candidate).collect();
+        let known: BTreeSet<CandidateId> = self.signatures.iter().map(|s| s.candidate).collect();
         let ways = known.into_iter().flat_map(|c| {
             let whole = self.single(c);
             // Of an effect with several strengths each may be there without the others.
@@ -132,12 +132,12 @@ impl Comparison<'_> {
     }
 
     /// The place of a candidate: one beside another is at that one's.
-    pub fn place(&self, candidate: usize) -> usize {
-        let before = |c: &usize| self.candidates()[*c].alternative_to;
+    pub fn place(&self, candidate: CandidateId) -> CandidateId {
+        let before = |c: &CandidateId| self.candidates()[*c].alternative_to;
         std::iter::successors(Some(candidate), before).last().unwrap_or(candidate)
     }
 
-    pub fn candidates(&self) -> &[Candidate] {
+    pub fn candidates(&self) -> &Candidates {
         self.simulator.candidates()
     }
 
@@ -181,8 +181,8 @@ impl Comparison<'_> {
             names.len().max(1) as f64
         };
         let members = &hypothesis.members;
-        let alike = |c: usize, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
-        let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
+        let alike = |c: CandidateId, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
+        let sites = |c: CandidateId| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
         let settings = self.likelihood();
         trig::ln(if members.len() == 1 { settings.prior_one } else { settings.prior_pair }) - shared
@@ -201,7 +201,7 @@ impl Comparison<'_> {
     fn wrong_impacts(&self, fitted: &Fitted) -> f64 {
         let Fitted { features, hypothesis, strengths, .. } = fitted;
         let mut cost = 0.0;
-        for (run, frame) in self.simulator.frames().iter().enumerate() {
+        for (run, frame) in self.simulator.frames().with_ids() {
             // An impact hardly grows with the strength: no more of it is believed than was simulated.
             let by_signature = |k: usize| {
                 let own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths);
@@ -244,7 +244,7 @@ impl Comparison<'_> {
     }
 
     /// What the nominal model leaves of each run.
-    pub fn residuals(&self) -> Vec<DVector<f64>> {
+    pub fn residuals(&self) -> PerRun<DVector<f64>> {
         self.observations.iter().map(|o| o.residual.clone()).collect()
     }
 
@@ -258,14 +258,14 @@ impl Comparison<'_> {
     }
 
     /// How surely a direction is in residuals of all runs.
-    pub fn tested(&self, residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> ScoreTest {
+    pub fn tested(&self, residuals: &PerRun<DVector<f64>>, direction: &PerRun<DVector<f64>>) -> ScoreTest {
         ScoreTest::new(&self.settings.significance, &self.observations, residuals, direction)
     }
 
     /// How surely what a hypothesis changes is in what is off.
     pub fn score_test(&self, fitted: &Fitted) -> ScoreTest {
         let direction = fitted.direction();
-        let along = |k: usize, column: &Vec<DVector<f64>>| {
+        let along = |k: SignatureId, column: &PerRun<DVector<f64>>| {
             self.as_built(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
@@ -273,14 +273,14 @@ impl Comparison<'_> {
     }
 
     /// How surely a signature is in what is off.
-    fn signature_test(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
+    fn signature_test(&self, signature: SignatureId, residuals: &PerRun<DVector<f64>>) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
         let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
         self.tested(residuals, columns).with_scatter([self.as_built(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
-    fn as_built(&self, signature: usize) -> f64 {
+    fn as_built(&self, signature: SignatureId) -> f64 {
         let Signature { candidate, strength, .. } = self.signatures[signature];
         let candidate = &self.candidates()[candidate];
         let strength = &candidate.strengths[strength];
@@ -306,14 +306,14 @@ impl Comparison<'_> {
             return nothing;
         };
         let candidate = self.signatures[signature].candidate;
-        let (own, others): (Vec<usize>, Vec<usize>) =
+        let (own, others): (Vec<SignatureId>, Vec<SignatureId>) =
             hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
         let alone = Hypothesis { members: vec![candidate], signatures: own };
         let left = alone.screened(&self.observations, &self.signatures, self.candidates());
         let told = self
             .likelihood()
             .log_likelihood(overall_mean_square(&self.observations, &left.residuals), self.degrees_of_freedom);
-        let scores: Vec<(usize, ScoreTest)> =
+        let scores: Vec<(SignatureId, ScoreTest)> =
             others.iter().map(|k| (*k, self.signature_test(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);
@@ -326,8 +326,8 @@ impl Comparison<'_> {
 
     /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of
     /// sensors are exact.
-    fn missed(&self, fitted: &Fitted, columns: &[Vec<DVector<f64>>]) -> f64 {
-        let sensor = |k: &usize| self.candidates()[self.signatures[*k].candidate].sensor;
+    fn missed(&self, fitted: &Fitted, columns: &[PerRun<DVector<f64>>]) -> f64 {
+        let sensor = |k: &SignatureId| self.candidates()[self.signatures[*k].candidate].sensor;
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.strengths);
         let inexact: Vec<f64> = own.map(|(k, x)| if sensor(k) { 0.0 } else { *x }).collect();
         self.settings.significance.missed * norm(&along(columns, &inexact))
@@ -337,8 +337,8 @@ impl Comparison<'_> {
     fn without_what_is_seen_beyond(&self, mut scored: Vec<Scored>) -> Vec<Scored> {
         scored::sort(&mut scored);
         let residuals = self.residuals();
-        let scores: Vec<(usize, ScoreTest)> =
-            (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
+        let scores: Vec<(SignatureId, ScoreTest)> =
+            self.signatures.ids().map(|k| (k, self.signature_test(k, &residuals))).collect();
         let with = |(rank, scored): (usize, Scored)| {
             let counts = self.likelihood().counts(scored.mean_square);
             if rank >= self.settings.selection.compared || counts <= 0.0 {
@@ -357,9 +357,9 @@ impl Comparison<'_> {
     }
 
     /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
-    fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, ScoreTest)]) -> f64 {
+    fn seen_beyond(&self, fitted: &Fitted, scores: &[(SignatureId, ScoreTest)]) -> f64 {
         let missed = self.missed(fitted, &fitted.columns);
-        let rest = |(signature, score): &(usize, ScoreTest)| {
+        let rest = |(signature, score): &(SignatureId, ScoreTest)| {
             let columns = &self.signatures[*signature].columns;
             let left = if fitted.features.is_some() {
                 self.signature_test(*signature, &fitted.residuals)
@@ -375,9 +375,9 @@ impl Comparison<'_> {
     /// The same before the repeatability that the hypothesis makes itself.
     fn seen_before(&self, repeatability: &Repeatability, fitted: &Fitted) -> f64 {
         let missed = self.missed(fitted, &repeatability.columns);
-        let rest = |k: usize| {
+        let rest = |k: SignatureId| {
             let own = repeatability.observations.iter().zip(&self.signatures[k].change);
-            let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
+            let columns: PerRun<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
             let score = ScoreTest::new(
                 &self.settings.significance,
                 &repeatability.observations,
@@ -387,7 +387,7 @@ impl Comparison<'_> {
             let size = norm(&columns);
             score.with_scatter([self.as_built(k) * size * size, missed * size]).z().abs()
         };
-        (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
+        self.signatures.ids().map(rest).fold(0.0, f64::max)
     }
 
     /// What a score says that is the largest of as many as there are signatures.

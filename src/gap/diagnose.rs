@@ -4,6 +4,7 @@ use super::chance::Chance;
 use super::checked::Checked;
 use super::comparison::{Comparison, overall_mean_square};
 use super::diagnosis::Diagnosis;
+use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::refit::refit;
 use super::repeatability::repeatabilities;
@@ -38,19 +39,19 @@ pub fn diagnose_and_explain(
     let simulator: &dyn Simulator = &checked;
     let context = Context { simulator, settings };
     let frames = simulator.frames();
-    let observations: Vec<Observation> = frames.iter().map(|f| Observation::new(f, &[], settings)).collect();
+    let observations: PerRun<Observation> = frames.iter().map(|f| Observation::new(f, &[], settings)).collect();
     let candidates = simulator.candidates();
-    let left: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+    let left: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
     let mut told = |done, of| tell(Stage::Screening { done, of });
     let mut signatures = screen::signatures(context, &observations, &left, |_| true, &mut told);
     // What every built machine has of the effects is no gap, once their signatures are known.
-    let as_built = |run: usize| -> Vec<Vec<f64>> {
+    let as_built = |run: RunId| -> Vec<Vec<f64>> {
         let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].as_built;
         let some = signatures.iter().filter(|s| strength(s) > 0.0);
         some.map(|s| s.change[run].iter().map(|x| x * strength(s)).collect()).collect()
     };
-    let as_built: Vec<Vec<Vec<f64>>> = (0..frames.len()).map(as_built).collect();
-    let observations: Vec<Observation> =
+    let as_built: PerRun<Vec<Vec<f64>>> = frames.ids().map(as_built).collect();
+    let observations: PerRun<Observation> =
         frames.iter().zip(&as_built).map(|(f, as_built)| Observation::new(f, as_built, settings)).collect();
     for signature in &mut signatures {
         signature.columns = observations.iter().zip(&signature.change).map(|(o, c)| o.column(c)).collect();
@@ -125,7 +126,8 @@ impl Comparison<'_> {
             for b in &leading[rank + 1..] {
                 let (x, y) = (first(a), first(b));
                 if self.candidates()[x].effect != self.candidates()[y].effect {
-                    let ways = |c: usize| singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis);
+                    let ways =
+                        |c: CandidateId| singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis);
                     for one in ways(x) {
                         pairs.extend(ways(y).map(|two| self.screened(one.with(two))));
                     }
@@ -150,7 +152,7 @@ impl Comparison<'_> {
     /// What differs by chance and leaves least, of other effects than one beside which no re-fit has it.
     fn by_chance<'b>(&self, scored: &'b [Scored], other: &Fitted) -> Vec<&'b Fitted> {
         let beside = other.hypothesis.members[0];
-        let fitted = |c: usize| scored.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
+        let fitted = |c: CandidateId| scored.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
         let alone = |j: &&Scored| {
             let [own] = j.fitted.hypothesis.members[..] else { return false };
             let (candidate, beside) = (&self.candidates()[own], &self.candidates()[beside]);
@@ -167,7 +169,7 @@ impl Comparison<'_> {
 
     /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other
     /// one alone.
-    fn with_own_repeatability(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
+    fn with_own_repeatability(&self, fitted: Vec<Fitted>, as_built: &PerRun<Vec<Vec<f64>>>) -> Vec<Scored> {
         let asked = self.worth_own_repeatability(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
         let mut own =

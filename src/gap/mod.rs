@@ -11,6 +11,7 @@ mod comparison;
 mod diagnose;
 mod diagnosis;
 mod hypothesis;
+mod ids;
 mod likelihood;
 mod observation;
 pub mod outside;
@@ -34,8 +35,9 @@ mod words;
 
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
 pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Verdict};
+pub use ids::{CandidateId, Id, List, PerRun, RunId};
 pub use remembered::{Left, Remembered};
 pub use scored::{Explanation, Terms};
 pub use settings::Settings;
-pub use simulator::{Applied, Axis, Band, Candidate, Frame, Label, Laps, Request, Simulator, Strength};
+pub use simulator::{Applied, Axis, Band, Candidate, Candidates, Frame, Label, Laps, Request, Simulator, Strength};
 pub use words::{bound, percent};

@@ -6,6 +6,7 @@
 //! priors are put below the features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot
 //! reach leaves what effects must explain.
 
+use super::ids::{Id, PerRun, RunId};
 use super::settings::{Observations, Settings};
 use super::simulator::{Band, Frame, Laps};
 use crate::base::trig;
@@ -215,22 +216,23 @@ impl Observation {
 }
 
 /// The run of which most is left, for what it can tell.
-pub fn most_off<'a>(observations: &[Observation], left: impl IntoIterator<Item = &'a DVector<f64>>) -> usize {
+pub fn most_off<'a>(observations: &PerRun<Observation>, left: impl IntoIterator<Item = &'a DVector<f64>>) -> RunId {
     let off = observations
         .iter()
         .zip(left)
         .map(|(observation, left)| observation.degrees_of_freedom * observation.mean_square(left));
-    off.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(run, _)| run)
+    observations.ids().zip(off).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(Id::new(0), |(run, _)| run)
 }
 
 /// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0
 /// where features are not the same.
-pub fn in_common(frames: &[Frame], observations: &[Observation], laps: &[Vec<DVector<f64>>]) -> f64 {
+pub fn in_common(frames: &PerRun<Frame>, observations: &PerRun<Observation>, laps: &[PerRun<DVector<f64>>]) -> f64 {
     let (mut along, mut size) = (0.0, 0.0);
     for lap in laps {
-        let each: Vec<BTreeMap<usize, f64>> = observations.iter().zip(lap).map(|(o, r)| o.each(r).collect()).collect();
-        for b in 1..each.len() {
-            for a in (0..b).filter(|a| frames[*a].labels == frames[b].labels) {
+        let each: PerRun<BTreeMap<usize, f64>> =
+            observations.iter().zip(lap).map(|(o, r)| o.each(r).collect()).collect();
+        for b in each.ids() {
+            for a in each.ids().take_while(|a| *a < b).filter(|a| frames[*a].labels == frames[b].labels) {
                 let both = || each[a].iter().filter_map(|(k, x)| Some((*x, *each[b].get(k)?)));
                 let sum = |of: fn((f64, f64)) -> f64| both().map(of).sum::<f64>();
                 along += sum(|(x, y)| x * y);

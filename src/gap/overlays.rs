@@ -3,6 +3,7 @@
 
 use super::comparison::Comparison;
 use super::diagnosis::{GapPlace, Overlay, ranked};
+use super::ids::{PerRun, RunId};
 use super::scored::Scored;
 use super::simulator::{Band, Frame};
 use crate::base::number::tidy;
@@ -50,7 +51,7 @@ fn placed(band: Band) -> bool {
 }
 
 /// The kind of deviation with most of a channel's share, of those that can be drawn as a curve.
-fn band(frames: &[Frame], places: &[GapPlace], channel: &str) -> Option<Band> {
+fn band(frames: &PerRun<Frame>, places: &[GapPlace], channel: &str) -> Option<Band> {
     let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
     let own = places.iter().filter(|p| p.channel == channel);
     own.for_each(|p| *shares.entry(&p.band).or_default() += p.share);
@@ -60,13 +61,13 @@ fn band(frames: &[Frame], places: &[GapPlace], channel: &str) -> Option<Band> {
 }
 
 /// The run in which it is off most.
-fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<usize> {
-    let off = |run: usize| {
+fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<RunId> {
+    let off = |run: RunId| {
         let (observation, labels) = (&comparison.observations[run], &comparison.simulator.frames()[run].labels);
         let own = |k: usize| labels[k].channel == channel && labels[k].band == band;
         observation.each(&observation.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
     };
-    (0..comparison.observations.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
+    comparison.observations.ids().max_by(|a, b| off(*a).total_cmp(&off(*b)))
 }
 
 /// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the

@@ -1,9 +1,10 @@
 //! Real re-fits of what the screen left: simulations with the effect, nuisances moved along.
 
+use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
-use super::screen::{Signature, explain};
+use super::screen::{Signatures, explain};
 use super::settings::Refitting;
-use super::simulator::{Candidate, Context, Request};
+use super::simulator::{Candidates, Context, Request};
 use super::tune::{Tuned, Tuner};
 use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
 use nalgebra::DVector;
@@ -12,10 +13,10 @@ use nalgebra::DVector;
 struct Search {
     /// The last strengths that were simulated, and what they changed, projected.
     at: Vec<f64>,
-    found: Vec<DVector<f64>>,
+    found: PerRun<DVector<f64>>,
     best: Option<RefitPoint>,
     /// Of each run, whether nuisances are moved along.
-    moved: Vec<bool>,
+    moved: PerRun<bool>,
     settled: bool,
 }
 
@@ -23,15 +24,15 @@ struct Search {
 struct RefitPoint {
     square: f64,
     strengths: Vec<f64>,
-    residuals: Vec<DVector<f64>>,
-    changes: Vec<Vec<f64>>,
-    features: Vec<Vec<f64>>,
+    residuals: PerRun<DVector<f64>>,
+    changes: PerRun<Vec<f64>>,
+    features: PerRun<Vec<f64>>,
 }
 
 impl Search {
-    fn new(strengths: usize, observations: &[Observation]) -> Search {
+    fn new(strengths: usize, observations: &PerRun<Observation>) -> Search {
         let found = observations.iter().map(|o| DVector::zeros(o.residual.len())).collect();
-        Search { at: vec![0.0; strengths], found, best: None, moved: vec![true; observations.len()], settled: false }
+        Search { at: vec![0.0; strengths], found, best: None, moved: observations.map(|_| true), settled: false }
     }
 
     /// Begins where strengths were tuned.
@@ -46,13 +47,13 @@ impl Search {
     /// thought of by their slopes.
     fn astray(
         &mut self,
-        observations: &[Observation],
-        foretold: &[DVector<f64>],
-        left: &[DVector<f64>],
+        observations: &PerRun<Observation>,
+        foretold: &PerRun<DVector<f64>>,
+        left: &PerRun<DVector<f64>>,
         factor: f64,
     ) -> bool {
         let mut astray = false;
-        for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
+        for ((run, foretold), left) in foretold.with_ids().zip(left) {
             let expected = observations[run].mean_square(foretold).max(1.0);
             if self.moved[run] && observations[run].mean_square(left) > factor * expected {
                 (self.moved[run], astray) = (false, true);
@@ -64,13 +65,19 @@ impl Search {
     /// Corrects what one more of each strength changes by what all of them together were found to since the last
     /// simulation: the least change of the columns that says so, each for its share (Broyden 1965). Chaos drowns what
     /// short steps change, those of less than a share `short` of all.
-    fn learn(&mut self, columns: &mut [Vec<DVector<f64>>], strengths: &[f64], found: Vec<DVector<f64>>, short: f64) {
+    fn learn(
+        &mut self,
+        columns: &mut [PerRun<DVector<f64>>],
+        strengths: &[f64],
+        found: PerRun<DVector<f64>>,
+        short: f64,
+    ) {
         let moved: Vec<f64> = strengths.iter().zip(&self.at).map(|(x, y)| x - y).collect();
         let squares = columns.iter().zip(&moved);
         let squares: Vec<f64> = squares.map(|(c, x)| x * x * norm_squared(c)).collect();
         let all: f64 = squares.iter().sum();
         if all > short * short * norm_squared(&found) && all > 0.0 {
-            for (run, found) in found.iter().enumerate() {
+            for (run, found) in found.with_ids() {
                 let mut missed = found - &self.found[run];
                 for (column, x) in columns.iter().zip(&moved) {
                     missed -= &column[run] * *x;
@@ -88,8 +95,8 @@ impl Search {
 /// Fits hypotheses by simulation. All requests of a round are made at once.
 pub fn refit(
     context: Context,
-    observations: &[Observation],
-    signatures: &[Signature],
+    observations: &PerRun<Observation>,
+    signatures: &Signatures,
     screened: Vec<Fitted>,
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Fitted> {
@@ -112,23 +119,24 @@ pub fn refit(
         let mut requests = Vec::new();
         for one in going.iter().map(|k| &fitted[*k]) {
             let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-            let each = one.nuisance_offsets.iter().enumerate();
+            let each = one.nuisance_offsets.with_ids();
             requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
         }
         let answers = simulator.simulate_all(&requests);
         for (n, k) in going.into_iter().enumerate() {
             let rows = n * runs..(n + 1) * runs;
-            let answers: Option<Vec<&Vec<f64>>> = answers[rows.clone()].iter().map(Option::as_ref).collect();
+            let answers: Option<PerRun<&Vec<f64>>> = answers[rows.clone()].iter().map(Option::as_ref).collect();
             // What cannot be simulated keeps what is known of it.
             let (one, search) = (&mut fitted[k], &mut searches[k]);
             let Some(answers) = answers else {
                 search.settled = true;
                 continue;
             };
-            let change = |run: usize| frames[run].moved(answers[run], &requests[rows.start + run].step);
-            let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
-            let found: Vec<DVector<f64>> = observations.iter().zip(&changes).map(|(o, c)| o.column(c)).collect();
-            let residuals: Vec<DVector<f64>> = observations.iter().zip(&found).map(|(o, c)| &o.residual - c).collect();
+            let asked = requests[rows].iter().zip(&answers);
+            let changes: PerRun<Vec<f64>> = asked.map(|(r, answer)| frames[r.run].moved(answer, &r.step)).collect();
+            let found: PerRun<DVector<f64>> = observations.iter().zip(&changes).map(|(o, c)| o.column(c)).collect();
+            let residuals: PerRun<DVector<f64>> =
+                observations.iter().zip(&found).map(|(o, c)| &o.residual - c).collect();
             if search.astray(observations, &one.residuals, &residuals, astray) {
                 one.move_along(observations, &search.moved);
                 continue;
@@ -156,18 +164,18 @@ pub fn refit(
 }
 
 /// What strengths change in each run, by columns of one more of each.
-pub fn along(columns: &[Vec<DVector<f64>>], strengths: &[f64]) -> Vec<DVector<f64>> {
-    let in_run = |run: usize| {
+pub fn along(columns: &[PerRun<DVector<f64>>], strengths: &[f64]) -> PerRun<DVector<f64>> {
+    let in_run = |run: RunId| {
         let each = columns.iter().zip(strengths).map(|(column, x)| &column[run] * *x);
         each.reduce(|sum, more| sum + more)
     };
-    (0..columns.first().map_or(0, Vec::len)).filter_map(in_run).collect()
+    columns.first().into_iter().flat_map(|column| column.ids()).filter_map(in_run).collect()
 }
 
 impl Fitted {
     /// Nuisances of some runs as they fit best with what the effects change.
-    fn move_along(&mut self, observations: &[Observation], moved: &[bool]) {
-        for (run, step) in self.nuisance_offsets.iter_mut().enumerate() {
+    fn move_along(&mut self, observations: &PerRun<Observation>, moved: &PerRun<bool>) {
+        for (run, step) in observations.ids().zip(&mut self.nuisance_offsets) {
             *step = observations[run].nuisance_offsets(&self.changes[run]);
             if !moved[run] {
                 step.fill(0.0);
@@ -192,7 +200,7 @@ impl Fitted {
     }
 
     /// What its strengths change in each run, projected.
-    pub fn direction(&self) -> Vec<DVector<f64>> {
+    pub fn direction(&self) -> PerRun<DVector<f64>> {
         along(&self.columns, &self.strengths)
     }
 
@@ -202,20 +210,20 @@ impl Fitted {
     }
 
     /// Whether a pair's members both do something.
-    pub fn all_there(&self, signatures: &[Signature]) -> bool {
+    pub fn all_there(&self, signatures: &Signatures) -> bool {
         let Hypothesis { members, signatures: own } = &self.hypothesis;
-        let does = |member: &usize| {
+        let does = |member: &CandidateId| {
             own.iter().zip(&self.strengths).any(|(k, x)| signatures[*k].candidate == *member && *x != 0.0)
         };
         members.len() < 2 || members.iter().all(does)
     }
 
     /// To where it fits best from the best that was simulated; whether that gains less than a share `enough`.
-    fn step(&mut self, best: &RefitPoint, candidates: &[Candidate], signatures: &[Signature], enough: f64) -> bool {
+    fn step(&mut self, best: &RefitPoint, candidates: &Candidates, signatures: &Signatures, enough: f64) -> bool {
         let within = self.hypothesis.bounds(candidates, signatures);
         let bounds: Vec<(f64, f64)> =
             within.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
-        let by: Vec<&[DVector<f64>]> = self.columns.iter().map(|c| &c[..]).collect();
+        let by: Vec<&PerRun<DVector<f64>>> = self.columns.iter().collect();
         let step = explain(&best.residuals, &by, &bounds, None);
         // A sum may be beyond its bound by rounding.
         let further = best.strengths.iter().zip(&step.strengths).map(|(x, d)| x + d);
@@ -223,11 +231,11 @@ impl Fitted {
         let gained = best.square - norm_squared(&step.residuals);
         self.residuals = step.residuals;
         self.covariance = step.covariance;
-        let moved = |run: usize| {
+        let moved = |run: RunId| {
             let more = self.hypothesis.change(signatures, &step.strengths, run);
             best.changes[run].iter().zip(more).map(|(c, m)| c + m).collect()
         };
-        self.changes = (0..best.changes.len()).map(moved).collect();
+        self.changes = best.changes.ids().map(moved).collect();
         self.features = Some(best.features.clone());
         gained < enough * best.square
     }

@@ -3,6 +3,7 @@
 //! Newton's method take slopes anew (Bell and Cathey 1993).
 
 use super::comparison::Comparison;
+use super::ids::CandidateId;
 use super::scored::{self, Scored};
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Context;
@@ -136,7 +137,7 @@ impl Comparison<'_> {
     fn screen_beside(&mut self, leader: &Scored, tell: &mut dyn FnMut(usize, usize)) {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
         let lead = self.leading();
-        let others = |c: usize| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
+        let others = |c: CandidateId| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
         for signature in screen::signatures(self.context(), &self.observations, left, others, tell) {
             // What could not be simulated tells nothing.
             if signature.change.iter().all(|run| run.iter().any(|x| *x != 0.0)) {
@@ -186,8 +187,7 @@ impl Comparison<'_> {
         let mut turned = Vec::new();
         for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
             let mut hypothesis = (*hypothesis).clone();
-            hypothesis.signatures[*k] = self.signatures.len();
-            self.signatures.push(signature);
+            hypothesis.signatures[*k] = self.signatures.push(signature);
             turned.push(hypothesis.screened(&self.observations, &self.signatures, candidates));
         }
         (self, turned)
@@ -222,8 +222,8 @@ fn at_alternatives(context: Context, signature: &Signature, size: f64) -> Vec<Tr
     let candidates = context.simulator.candidates();
     let size = if size == 0.0 { signature.size } else { fitting(context, signature, size) };
     let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;
-    let places = (0..candidates.len()).filter(|c| candidates[*c].alternative_to == Some(signature.candidate));
-    let at = |candidate: usize| {
+    let places = candidates.ids().filter(|c| candidates[*c].alternative_to == Some(signature.candidate));
+    let at = |candidate: CandidateId| {
         let trial = Trial { candidate, size, ..signature.trial() };
         [Some(trial), signed.then(|| trial.other())].into_iter().flatten()
     };

@@ -9,8 +9,9 @@
 //! are asked again before any is used. Where one differs, none is used. What could not be simulated is not kept: the
 //! reason may have been outside.
 
+use super::ids::{CandidateId, Id, PerRun, RunId};
 use super::settings::Checks;
-use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
+use super::simulator::{Applied, Axis, Candidates, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Temporary, sweep, sync_folder};
@@ -90,11 +91,11 @@ impl<'a> Remembered<'a> {
 }
 
 impl Simulator for Remembered<'_> {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         self.simulator.candidates()
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         self.simulator.frames()
     }
 
@@ -200,11 +201,11 @@ fn of_bits(text: &str) -> Option<Vec<f64>> {
 fn question(key: &str) -> Option<(char, Request)> {
     let mut parts = key.split('/');
     let head = parts.next()?;
-    let (what, run) = (head.chars().next()?, head.get(1..)?.parse().ok()?);
+    let (what, run) = (head.chars().next()?, RunId::new(head.get(1..)?.parse().ok()?));
     let step = of_bits(parts.next()?)?;
     let effect = |text: &str| {
         let (candidate, strengths) = text.split_once(':')?;
-        Some(Applied { candidate: candidate.parse().ok()?, strengths: of_bits(strengths)? })
+        Some(Applied { candidate: CandidateId::new(candidate.parse().ok()?), strengths: of_bits(strengths)? })
     };
     Some((what, Request { run, step, effects: parts.map(effect).collect::<Option<_>>()? }))
 }
@@ -214,8 +215,8 @@ fn is_confirmed(simulator: &dyn Simulator, known: &Known, count: usize) -> bool 
     let stride = known.len().div_ceil(count).max(1);
     known.iter().step_by(stride).all(|(key, kept)| {
         let Some((what, request)) = question(key) else { return false };
-        let fits = request.run < simulator.frames().len()
-            && request.effects.iter().all(|e| e.candidate < simulator.candidates().len());
+        let fits = simulator.frames().at(request.run).is_some()
+            && request.effects.iter().all(|e| simulator.candidates().at(e.candidate).is_some());
         let asked = [request];
         let now = match what {
             _ if !fits => None,
@@ -268,7 +269,8 @@ mod tests {
     /// Counts what it is asked; run 9 cannot be simulated.
     struct Counting {
         asked: AtomicUsize,
-        frames: Vec<Frame>,
+        candidates: Candidates,
+        frames: PerRun<Frame>,
         bias: f64,
     }
 
@@ -287,7 +289,8 @@ mod tests {
                 bounds: Vec::new(),
                 nuisances: Vec::new(),
             };
-            Counting { asked: AtomicUsize::new(0), frames: vec![frame; 10], bias: 0.0 }
+            let candidates = Candidates::default();
+            Counting { asked: AtomicUsize::new(0), candidates, frames: vec![frame; 10].into(), bias: 0.0 }
         }
     }
 
@@ -298,16 +301,17 @@ mod tests {
     }
 
     impl Simulator for Counting {
-        fn candidates(&self) -> &[Candidate] {
-            &[]
+        fn candidates(&self) -> &Candidates {
+            &self.candidates
         }
 
-        fn frames(&self) -> &[Frame] {
+        fn frames(&self) -> &PerRun<Frame> {
             &self.frames
         }
 
-        fn simulate(&self, run: usize, step: &[f64], _: &[Applied]) -> Option<Vec<f64>> {
+        fn simulate(&self, run: RunId, step: &[f64], _: &[Applied]) -> Option<Vec<f64>> {
             self.asked.fetch_add(1, Ordering::Relaxed);
+            let run = run.index();
             (run < 9).then(|| vec![run as f64 + 0.1, step.iter().sum::<f64>() + self.bias, f64::NAN])
         }
     }
@@ -319,18 +323,18 @@ mod tests {
     }
 
     fn of(run: usize, step: f64) -> Request {
-        let effects = vec![Applied { candidate: 3, strengths: vec![-0.5, step] }];
-        Request { run, step: vec![step], effects: if run == 1 { effects } else { Vec::new() } }
+        let effects = vec![Applied { candidate: CandidateId::new(3), strengths: vec![-0.5, step] }];
+        Request { run: RunId::new(run), step: vec![step], effects: if run == 1 { effects } else { Vec::new() } }
     }
 
     #[test]
     fn questions_are_read_from_their_words() {
-        let none = Request { run: 12, step: Vec::new(), effects: Vec::new() };
+        let none = Request { run: RunId::new(12), step: Vec::new(), effects: Vec::new() };
         for request in [of(0, 1.0 / 3.0), none] {
             assert_eq!(question(&key(LAPS, &request)), Some((LAPS, request)));
         }
         let (what, read) = question(&key(MEANS, &of(1, f64::NAN))).unwrap();
-        assert!(what == MEANS && read.step[0].is_nan() && read.effects[0].candidate == 3);
+        assert!(what == MEANS && read.step[0].is_nan() && read.effects[0].candidate == CandidateId::new(3));
         for broken in ["", "m", "mx/0", "m0", "m0/z", "m0//1", "ä0/0"] {
             assert_eq!(question(broken).filter(|(what, _)| *what == MEANS), None, "{broken}");
         }
@@ -364,7 +368,7 @@ mod tests {
     fn a_stopped_diagnosis_goes_on() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deep/gap.partial");
-        let of = |run: usize, step: f64| Request { run, step: vec![step], effects: Vec::new() };
+        let of = |run: usize, step: f64| Request { run: RunId::new(run), step: vec![step], effects: Vec::new() };
         let bits = |answers: &[Option<Vec<f64>>]| -> Vec<Option<Vec<u64>>> {
             answers.iter().map(|a| a.as_ref().map(|x| x.iter().map(|y| y.to_bits()).collect())).collect()
         };
@@ -383,7 +387,7 @@ mod tests {
         assert_eq!(bits(&again[..3]), bits(&whole));
         // Only the first was known; what could not be simulated is asked for again.
         assert_eq!(counting.asked(), 7);
-        assert_eq!(second.simulate(9, &[0.0], &[]), None);
+        assert_eq!(second.simulate(RunId::new(9), &[0.0], &[]), None);
         assert_eq!(counting.asked(), 8, "a failure is never kept");
         let third = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!(third.left(), Left::Used(3));
@@ -395,7 +399,7 @@ mod tests {
     fn what_another_origin_or_another_model_answered_is_not_used() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("gap.partial");
-        let ask = [0.1, 0.2, 0.3, 0.4, 0.5].map(|step| Request { run: 0, step: vec![step], effects: Vec::new() });
+        let ask = [0.1, 0.2, 0.3, 0.4, 0.5].map(|step| of(0, step));
         let counting = Counting::default();
         Remembered::new(&counting, &path, "a", &Checks::default()).simulate_all(&ask);
         let text = fs::read_to_string(&path).unwrap();

@@ -6,19 +6,20 @@
 //! −f/2 (ln s + ln(det C/det C₀)/n) is the log likelihood of a mean square s in units of C (the normal distribution
 //! with unknown scale, Seber and Wild 2003): a repeatability that is raised for nothing costs.
 
+use super::ids::PerRun;
 use super::observation::{self, Observation};
-use super::screen::{Signature, explain};
-use super::simulator::{Candidate, Context, Laps, Request};
+use super::screen::{Signatures, explain};
+use super::simulator::{Candidates, Context, Laps, Request};
 use crate::gap::hypothesis::Fitted;
 use nalgebra::{DMatrix, DVector};
 
 /// A hypothesis before the repeatability that it makes itself.
 pub struct Repeatability {
-    pub observations: Vec<Observation>,
+    pub observations: PerRun<Observation>,
     /// What is left of each run, projected.
-    pub residuals: Vec<DVector<f64>>,
+    pub residuals: PerRun<DVector<f64>>,
     /// What one more of each strength changes.
-    pub columns: Vec<Vec<DVector<f64>>>,
+    pub columns: Vec<PerRun<DVector<f64>>>,
     pub covariance: DMatrix<f64>,
     /// Logarithm of the covariance's determinant over that without the effect, for each feature of all runs.
     pub raised: f64,
@@ -30,9 +31,9 @@ pub struct Repeatability {
 /// deviates by, of each run.
 pub fn repeatabilities(
     context: Context,
-    nominal: &[Observation],
-    as_built: &[Vec<Vec<f64>>],
-    signatures: &[Signature],
+    nominal: &PerRun<Observation>,
+    as_built: &PerRun<Vec<Vec<f64>>>,
+    signatures: &Signatures,
     fitted: &[&Fitted],
 ) -> Vec<Option<Repeatability>> {
     let Context { simulator, settings } = context;
@@ -40,17 +41,16 @@ pub fn repeatabilities(
     let mut requests = Vec::new();
     for one in fitted {
         let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-        let each = one.nuisance_offsets.iter().enumerate();
+        let each = one.nuisance_offsets.with_ids();
         requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
     }
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
-        let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let own =
-            laps.iter().enumerate().map(|(run, laps)| Observation::with(&frames[run], &as_built[run], laps, settings));
+        let laps: PerRun<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
+        let own = laps.with_ids().map(|(run, laps)| Observation::with(&frames[run], &as_built[run], laps, settings));
         let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
         let cart = |k: usize| nominal.iter().zip(&laps).map(|(o, laps)| o.column(&laps.scatter[k])).collect();
-        let some: Vec<Vec<DVector<f64>>> =
+        let some: Vec<PerRun<DVector<f64>>> =
             (0..carts).step_by(carts.div_ceil(settings.random_effects.carts).max(1)).map(cart).collect();
         let common = observation::in_common(frames, nominal, &some);
         Some(Repeatability { common, ..Repeatability::new(one, nominal, own.collect(), candidates, signatures) })
@@ -61,20 +61,20 @@ pub fn repeatabilities(
 impl Repeatability {
     fn new(
         fitted: &Fitted,
-        nominal: &[Observation],
-        observations: Vec<Observation>,
-        candidates: &[Candidate],
-        signatures: &[Signature],
+        nominal: &PerRun<Observation>,
+        observations: PerRun<Observation>,
+        candidates: &Candidates,
+        signatures: &Signatures,
     ) -> Repeatability {
         let left =
             |(observation, change): (&Observation, &Vec<f64>)| &observation.residual - observation.column(change);
-        let residuals: Vec<DVector<f64>> = observations.iter().zip(&fitted.changes).map(left).collect();
-        let carried = |column: &Vec<DVector<f64>>| {
+        let residuals: PerRun<DVector<f64>> = observations.iter().zip(&fitted.changes).map(left).collect();
+        let carried = |column: &PerRun<DVector<f64>>| {
             let each = observations.iter().zip(nominal).zip(column);
-            each.map(|((own, nominal), c)| own.carried(nominal, c)).collect::<Vec<_>>()
+            each.map(|((own, nominal), c)| own.carried(nominal, c)).collect()
         };
-        let columns: Vec<Vec<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
-        let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
+        let columns: Vec<PerRun<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
+        let by: Vec<&PerRun<DVector<f64>>> = columns.iter().collect();
         let covariance = explain(&residuals, &by, &fitted.hypothesis.bounds(candidates, signatures), None).covariance;
         let (mut raised, mut degrees_of_freedom) = (0.0, 0.0);
         for (own, nominal) in observations.iter().zip(nominal) {

@@ -3,6 +3,7 @@
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
+use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::overlays::overlays;
 use super::scored::Scored;
@@ -178,13 +179,13 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
     let Some(scored) = best else { return out };
     // Strengths are told with those beside them that may be there, too.
     out.strength = amounts(&compared.comparison, whole(compared, scored), name);
-    let own = |c: &&usize| compared.comparison.candidates()[**c].effect == name;
+    let own = |c: &&CandidateId| compared.comparison.candidates()[**c].effect == name;
     if let Some(candidate) = scored.fitted.hypothesis.members.iter().find(own) {
         let candidate = &compared.comparison.candidates()[*candidate];
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    let gap = (0..compared.comparison.observations.len()).any(|run| over(&compared.comparison, run));
+    let gap = compared.comparison.observations.ids().any(|run| over(&compared.comparison, run));
     if gap && scored.fitted.features.is_some() {
         out.gap_closed = closed(&compared.comparison, scored, false).map(tidy);
         out.gap_closed_placebo = closed(&compared.comparison, scored, true).map(tidy);
@@ -206,7 +207,7 @@ fn as_fitted(compared: &Compared, first: usize) -> usize {
 }
 
 /// Where a hypothesis' effects are.
-fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<usize> {
+fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<CandidateId> {
     scored.fitted.hypothesis.members.iter().map(|c| comparison.place(*c)).collect()
 }
 
@@ -242,10 +243,9 @@ fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64
 }
 
 /// What is left of each run by strengths fitted to the others.
-fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<Vec<DVector<f64>>> {
+fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<PerRun<DVector<f64>>> {
     let observations = scored.observations(&comparison.observations);
-    let runs = observations.len();
-    if runs < 2 {
+    if observations.len() < 2 {
         return None;
     }
     let fitted = &scored.fitted;
@@ -254,27 +254,28 @@ fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<V
     let (residuals, columns, bounds) = match placebo {
         false => {
             let moved = bounds.iter().zip(&fitted.strengths).map(|((low, high), x)| (low - x, high - x));
-            (scored.residuals().to_vec(), scored.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
+            (scored.residuals().clone(), scored.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
         }
         true => {
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
                 let change = &comparison.signatures[*k].change;
                 let moved =
-                    |run: usize| observations[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
-                (0..runs).map(moved).collect()
+                    |run: RunId| observations[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
+                observations.ids().map(moved).collect()
             });
-            let residuals: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
-            (residuals, columns.collect::<Vec<Vec<DVector<f64>>>>(), bounds)
+            let residuals: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+            (residuals, columns.collect::<Vec<PerRun<DVector<f64>>>>(), bounds)
         }
     };
-    let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
-    Some((0..runs).map(|run| explain(&residuals, &by, &bounds, Some(run)).residuals.swap_remove(run)).collect())
+    let by: Vec<&PerRun<DVector<f64>>> = columns.iter().collect();
+    let without = |run: RunId| explain(&residuals, &by, &bounds, Some(run)).residuals[run].clone();
+    Some(observations.ids().map(without).collect())
 }
 
 /// 1 − (after − repeatability)/(before − repeatability), over all runs.
-fn share(observations: &[Observation], after: impl Fn(usize) -> f64) -> Option<f64> {
+fn share(observations: &PerRun<Observation>, after: impl Fn(RunId) -> f64) -> Option<f64> {
     let (mut before_sum, mut after_sum) = (0.0, 0.0);
-    for (run, observation) in observations.iter().enumerate() {
+    for (run, observation) in observations.with_ids() {
         before_sum += observation.mean_square(&observation.residual) - 1.0;
         after_sum += after(run) - 1.0;
     }
@@ -303,9 +304,9 @@ fn black_box(comparison: &Comparison) -> Option<f64> {
     if frames.len() < 2 || !same {
         return None;
     }
-    let residuals: Vec<Vec<f64>> = frames.iter().map(|f| f.residual(&f.nominal)).collect();
-    let after = |run: usize| {
-        let others: Vec<&Vec<f64>> = (0..frames.len()).filter(|k| *k != run).map(|k| &residuals[k]).collect();
+    let residuals: PerRun<Vec<f64>> = frames.iter().map(|f| f.residual(&f.nominal)).collect();
+    let after = |run: RunId| {
+        let others: Vec<&Vec<f64>> = frames.ids().filter(|k| *k != run).map(|k| &residuals[k]).collect();
         let mean: Vec<f64> = (0..frames[run].labels.len())
             .map(|k| {
                 let known: Vec<f64> = others.iter().map(|r| r[k]).filter(|x| x.is_finite()).collect();
@@ -322,7 +323,7 @@ fn black_box(comparison: &Comparison) -> Option<f64> {
 fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64> {
     let Some(after) = left_out(comparison, scored, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
-    for (run, frame) in comparison.simulator.frames().iter().enumerate() {
+    for (run, frame) in comparison.simulator.frames().with_ids() {
         let observation = &scored.observations(&comparison.observations)[run];
         for ((k, x), (_, y)) in observation.each(&observation.residual).zip(observation.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
@@ -340,9 +341,8 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
 fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<GapPlace> {
     let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
-    for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let observation =
-            &shown.map_or(&comparison.observations[..], |j| j.observations(&comparison.observations))[run];
+    for (run, frame) in comparison.simulator.frames().with_ids() {
+        let observation = &shown.map_or(&comparison.observations, |j| j.observations(&comparison.observations))[run];
         let residual = match shown {
             Some(j) => &j.residuals()[run] + observation.long(&j.fitted.changes[run]),
             None => observation.residual.clone(),
@@ -386,7 +386,7 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Ga
 }
 
 /// Of each channel, the root mean square of the repeatability of its means along the track.
-fn repeatability(frames: &[Frame]) -> BTreeMap<String, f64> {
+fn repeatability(frames: &PerRun<Frame>) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     for frame in frames {
         for (label, variance) in frame.labels.iter().zip(&frame.laps.variance) {
@@ -400,13 +400,13 @@ fn repeatability(frames: &[Frame]) -> BTreeMap<String, f64> {
 }
 
 /// Whether a run is farther off than 95 % of repeated measurements.
-fn over(comparison: &Comparison, run: usize) -> bool {
+fn over(comparison: &Comparison, run: RunId) -> bool {
     let observation = &comparison.observations[run];
     observation.mean_square(&observation.residual) > observation.replicate_high / observation.replicate
 }
 
 fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
-    let gap = |(run, frame): (usize, &Frame)| {
+    let gap = |(run, frame): (RunId, &Frame)| {
         let observation = &comparison.observations[run];
         let before = observation.mean_square(&observation.residual);
         RunGap {
@@ -417,7 +417,7 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
             replicate_high: tidy(observation.replicate_high / observation.replicate),
         }
     };
-    comparison.simulator.frames().iter().enumerate().map(gap).collect()
+    comparison.simulator.frames().with_ids().map(gap).collect()
 }
 
 /// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave
@@ -469,7 +469,7 @@ fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
 }
 
 /// Cosine between what two hypotheses change, over all runs.
-fn alike(a: &[DVector<f64>], b: &[DVector<f64>]) -> f64 {
-    let dot = |x: &[DVector<f64>], y: &[DVector<f64>]| x.iter().zip(y).map(|(x, y)| x.dot(y)).sum::<f64>();
+fn alike(a: &PerRun<DVector<f64>>, b: &PerRun<DVector<f64>>) -> f64 {
+    let dot = |x: &PerRun<DVector<f64>>, y: &PerRun<DVector<f64>>| x.iter().zip(y).map(|(x, y)| x.dot(y)).sum::<f64>();
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-300)
 }

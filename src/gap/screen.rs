@@ -1,28 +1,32 @@
 //! The fast screen: what each effect's signature explains, alone and in pairs, with the nuisances projected out.
 
+use super::ids::{CandidateId, List, PerRun, RunId, SignatureId};
 use super::observation::{Observation, most_off};
 use super::settings::Screening;
-use super::simulator::{Applied, Candidate, Context, Request};
+use super::simulator::{Applied, Candidates, Context, Request};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
 
 /// What a strength of a candidate changes, over all runs.
 #[derive(Clone)]
 pub struct Signature {
-    pub candidate: usize,
+    pub candidate: CandidateId,
     pub strength: usize,
     /// The strength it was taken at.
     pub size: f64,
     /// Of each run, of one unit of the strength; all 0 where the run could not be simulated.
-    pub change: Vec<Vec<f64>>,
+    pub change: PerRun<Vec<f64>>,
     /// The same whitened and projected.
-    pub columns: Vec<DVector<f64>>,
+    pub columns: PerRun<DVector<f64>>,
 }
+
+/// Signatures, a strength of a candidate once.
+pub type Signatures = List<SignatureId, Signature>;
 
 /// A strength of a candidate at a size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
-    pub candidate: usize,
+    pub candidate: CandidateId,
     pub strength: usize,
     pub size: f64,
 }
@@ -31,13 +35,13 @@ pub struct Trial {
 /// and do as much as is left of the runs.
 pub fn signatures(
     context: Context,
-    observations: &[Observation],
-    left: &[DVector<f64>],
-    wanted: impl Fn(usize) -> bool,
+    observations: &PerRun<Observation>,
+    left: &PerRun<DVector<f64>>,
+    wanted: impl Fn(CandidateId) -> bool,
     tell: &mut dyn FnMut(usize, usize),
-) -> Vec<Signature> {
+) -> Signatures {
     let candidates = context.simulator.candidates();
-    let alone = (0..candidates.len()).filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
+    let alone = candidates.ids().filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
     let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
             let strengths = candidates[candidate].strengths.iter().enumerate();
@@ -50,7 +54,7 @@ pub fn signatures(
         true => sized(context, observations, left, &firsts, &mut |done| tell(done, all)),
         false => firsts.clone(),
     };
-    let mut found = Vec::with_capacity(trials.len());
+    let mut found = Signatures::default();
     let mut small = Vec::new();
     let taken = take(context, observations, &trials, Runs::All, &mut |done| tell(before + done, all));
     for ((signature, whole), first) in taken.into_iter().zip(firsts) {
@@ -81,8 +85,8 @@ pub fn signatures(
 /// Trials at the sizes that what is left asks for, found with the run of which most is.
 fn sized(
     context: Context,
-    observations: &[Observation],
-    left: &[DVector<f64>],
+    observations: &PerRun<Observation>,
+    left: &PerRun<DVector<f64>>,
     firsts: &[Trial],
     tell: &mut dyn FnMut(usize),
 ) -> Vec<Trial> {
@@ -139,14 +143,14 @@ fn sized(
 }
 
 /// Whether an effect has few places, `most` of them.
-fn few(candidates: &[Candidate], trial: Trial, most: usize) -> bool {
+fn few(candidates: &Candidates, trial: Trial, most: usize) -> bool {
     let own = &candidates[trial.candidate];
     let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
     !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.
-pub fn keep(found: &mut Vec<Signature>, signature: Signature, left: &[DVector<f64>]) {
+pub fn keep(found: &mut Signatures, signature: Signature, left: &PerRun<DVector<f64>>) {
     let same = |s: &&mut Signature| (s.candidate, s.strength) == (signature.candidate, signature.strength);
     match found.iter_mut().find(same) {
         Some(known) => {
@@ -155,7 +159,9 @@ pub fn keep(found: &mut Vec<Signature>, signature: Signature, left: &[DVector<f6
                 *known = signature;
             }
         }
-        None => found.push(signature),
+        None => {
+            found.push(signature);
+        }
     }
 }
 
@@ -171,7 +177,7 @@ impl Signature {
     }
 
     /// How much of the squares of what is left it explains, with its own sign.
-    fn explains(&self, left: &[DVector<f64>]) -> f64 {
+    fn explains(&self, left: &PerRun<DVector<f64>>) -> f64 {
         let (mut own, mut along) = (0.0, 0.0);
         for (column, left) in self.columns.iter().zip(left) {
             own += column.norm_squared();
@@ -184,13 +190,13 @@ impl Signature {
 
 impl Trial {
     /// At a share of the way, by factors, from half its own strength to half of what may be.
-    fn rung(self, candidates: &[Candidate], share: f64) -> Trial {
+    fn rung(self, candidates: &Candidates, share: f64) -> Trial {
         let (low, high) = (0.5 * self.size, 0.5 * candidates[self.candidate].strengths[self.strength].high);
         Trial { size: low * trig::exp(share * trig::ln(high / low)), ..self }
     }
 
     /// At the nearest size that is declared.
-    fn bounded(self, candidates: &[Candidate]) -> Trial {
+    fn bounded(self, candidates: &Candidates) -> Trial {
         Trial { size: candidates[self.candidate].strengths[self.strength].bounded(self.size), ..self }
     }
 
@@ -205,7 +211,7 @@ impl Trial {
 fn asked(
     signature: &Signature,
     observation: &Observation,
-    run: usize,
+    run: RunId,
     left: &DVector<f64>,
     (low, high): (f64, f64),
     settings: &Screening,
@@ -225,14 +231,14 @@ fn asked(
 #[derive(Clone, Copy, Debug)]
 pub enum Runs {
     All,
-    One(usize),
+    One(RunId),
 }
 
 /// The signature of each trial, at the nearest size that is declared: 0 in runs of which it is not taken, and whether
 /// every run could be simulated with it.
 pub fn take(
     context: Context,
-    observations: &[Observation],
+    observations: &PerRun<Observation>,
     trials: &[Trial],
     runs: Runs,
     tell: &mut dyn FnMut(usize),
@@ -240,8 +246,8 @@ pub fn take(
     let Context { simulator, settings } = context;
     let settings = &settings.screening;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
-    let runs: Vec<usize> = match runs {
-        Runs::All => (0..observations.len()).collect(),
+    let runs: Vec<RunId> = match runs {
+        Runs::All => observations.ids().collect(),
         Runs::One(run) => vec![run],
     };
     let trials: Vec<Trial> = trials.iter().map(|trial| trial.bounded(candidates)).collect();
@@ -260,12 +266,13 @@ pub fn take(
         let nothing = vec![None; runs.len()];
         for trial in part {
             let answers = if trial.size == 0.0 { None } else { all.next() }.unwrap_or(&nothing);
-            let mut change: Vec<Vec<f64>> = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
+            let mut change: PerRun<Vec<f64>> = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
             for (run, answer) in runs.iter().zip(answers) {
                 let rows = answer.iter().flatten().zip(&frames[*run].nominal);
                 change[*run].iter_mut().zip(rows).for_each(|(x, (a, b))| *x = (a - b) / trial.size);
             }
-            let mut columns: Vec<DVector<f64>> = observations.iter().zip(&change).map(|(o, c)| o.column(c)).collect();
+            let mut columns: PerRun<DVector<f64>> =
+                observations.iter().zip(&change).map(|(o, c)| o.column(c)).collect();
             if columns.iter().all(|column| column.amax() * trial.size.abs() < settings.nothing) {
                 change.iter_mut().for_each(|c| c.fill(0.0));
                 columns.iter_mut().for_each(|c| c.fill(0.0));
@@ -279,7 +286,7 @@ pub fn take(
 }
 
 /// A candidate with one of its strengths.
-fn applied(candidates: &[Candidate], trial: &Trial) -> Applied {
+fn applied(candidates: &Candidates, trial: &Trial) -> Applied {
     let mut strengths = vec![0.0; candidates[trial.candidate].strengths.len()];
     strengths[trial.strength] = trial.size;
     Applied { candidate: trial.candidate, strengths }
@@ -291,20 +298,20 @@ pub struct Explained {
     pub strengths: Vec<f64>,
     /// Of the strengths, in units of the repeatability of replicate laps.
     pub covariance: DMatrix<f64>,
-    pub residuals: Vec<DVector<f64>>,
+    pub residuals: PerRun<DVector<f64>>,
 }
 
 /// Fits strengths to residuals of the runs, leaving one out where `without` says so. Strengths keep to bounds.
 pub fn explain(
-    residuals: &[DVector<f64>],
-    columns: &[&[DVector<f64>]],
+    residuals: &PerRun<DVector<f64>>,
+    columns: &[&PerRun<DVector<f64>>],
     bounds: &[(f64, f64)],
-    without: Option<usize>,
+    without: Option<RunId>,
 ) -> Explained {
     let count = columns.len();
     let mut matrix: DMatrix<f64> = DMatrix::zeros(count, count);
     let mut right: DVector<f64> = DVector::zeros(count);
-    for (run, residual) in residuals.iter().enumerate().filter(|(run, _)| Some(*run) != without) {
+    for (run, residual) in residuals.with_ids().filter(|(run, _)| Some(*run) != without) {
         for i in 0..count {
             right[i] += columns[i][run].dot(residual);
             for j in 0..count {
@@ -331,7 +338,7 @@ pub fn explain(
         }
         found[i] = held;
     }
-    let left = residuals.iter().enumerate().map(|(run, residual)| {
+    let left = residuals.with_ids().map(|(run, residual)| {
         let mut left = residual.clone();
         for (x, column) in found.iter().zip(columns) {
             left -= &column[run] * *x;

@@ -6,6 +6,7 @@
 //! and of chains as they are built, drawn rather than derived (White 1982), so that whatever correlation they have is
 //! in it.
 
+use super::ids::PerRun;
 use super::observation::Observation;
 use super::settings::Significance;
 use crate::base::trig;
@@ -21,9 +22,9 @@ pub struct ScoreTest {
 impl ScoreTest {
     pub fn new(
         settings: &Significance,
-        observations: &[Observation],
-        residuals: &[DVector<f64>],
-        direction: &[DVector<f64>],
+        observations: &PerRun<Observation>,
+        residuals: &PerRun<DVector<f64>>,
+        direction: &PerRun<DVector<f64>>,
     ) -> ScoreTest {
         let (mut along, mut variance) = (0.0, 0.0);
         // A chain is built once for all runs.
@@ -137,9 +138,9 @@ mod tests {
     }
 
     fn score_of(size: f64, seed: u64, as_built: &[Vec<f64>]) -> f64 {
-        let observations = [Observation::new(&frame(size, seed), as_built, &Settings::default())];
-        let residual = [observations[0].residual.clone()];
-        let direction = [observations[0].column(&ramp())];
+        let observations = PerRun::from(vec![Observation::new(&frame(size, seed), as_built, &Settings::default())]);
+        let residual = observations.map(|o| o.residual.clone());
+        let direction = observations.map(|o| o.column(&ramp()));
         ScoreTest::new(&Significance::default(), &observations, &residual, &direction).z()
     }
 
@@ -167,10 +168,10 @@ mod tests {
     fn what_is_seen_in_one_run_only_counts_less() {
         let score = |sizes: [f64; 3]| {
             let runs = sizes.iter().zip(5000..);
-            let observations: Vec<Observation> =
+            let observations: PerRun<Observation> =
                 runs.map(|(size, seed)| Observation::new(&frame(*size, seed), &[], &Settings::default())).collect();
-            let residuals: Vec<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
-            let direction: Vec<DVector<f64>> = observations.iter().map(|o| o.column(&ramp())).collect();
+            let residuals: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+            let direction: PerRun<DVector<f64>> = observations.iter().map(|o| o.column(&ramp())).collect();
             ScoreTest::new(&Significance::default(), &observations, &residuals, &direction).z()
         };
         let (agreed, alone) = (score([1.0; 3]), score([3.0, 0.0, 0.0]));

@@ -1,6 +1,7 @@
 //! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts
 //! is one such model, any program outside is another.
 
+use super::ids::{CandidateId, List, PerRun, RunId};
 use super::settings::Settings;
 use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
@@ -17,15 +18,15 @@ pub struct Context<'a> {
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
     /// Effects that may be added, each at one place: an effect that may sit at several places is several candidates.
-    fn candidates(&self) -> &[Candidate];
+    fn candidates(&self) -> &Candidates;
 
     /// Each run, with the nominal model already fitted to it.
-    fn frames(&self) -> &[Frame];
+    fn frames(&self) -> &PerRun<Frame>;
 
     /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels.
     /// `None` where nothing can be simulated. A model has this or [`Simulator::simulate_all`]: each is made of the
     /// other.
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
         self.simulate_all(&[request]).pop().flatten()
     }
@@ -81,7 +82,7 @@ impl Axis {
 /// A simulation to be made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    pub run: usize,
+    pub run: RunId,
     pub step: Vec<f64>,
     pub effects: Vec<Applied>,
 }
@@ -89,11 +90,13 @@ pub struct Request {
 /// An effect with its strengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Applied {
-    /// Index of the candidate.
-    pub candidate: usize,
+    pub candidate: CandidateId,
     /// In the order of its strengths, in SI units.
     pub strengths: Vec<f64>,
 }
+
+/// All effects at all places.
+pub type Candidates = List<CandidateId, Candidate>;
 
 /// An effect at one place.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +117,7 @@ pub struct Candidate {
     /// deviation.
     pub discrepancy: f64,
     /// The candidate whose alternative site this is: it is screened only where that one explains something.
-    pub alternative_to: Option<usize>,
+    pub alternative_to: Option<CandidateId>,
 }
 
 /// A strength of an effect.

@@ -2,8 +2,9 @@
 //! distribution is in proportion to nothing, and a strength that is a little off leaves more than another sensor's
 //! effect does.
 
+use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
-use super::screen::{Signature, explain};
+use super::screen::{Signature, Signatures, explain};
 use super::settings::Settings;
 use super::simulator::{Band, Request, Simulator};
 use crate::gap::hypothesis::{Hypothesis, norm_squared};
@@ -13,25 +14,25 @@ use nalgebra::DVector;
 pub struct Tuned {
     pub strengths: Vec<f64>,
     /// What is left of each run, projected.
-    pub residuals: Vec<DVector<f64>>,
+    pub residuals: PerRun<DVector<f64>>,
     /// What the effects change in each run's features, and that projected.
-    pub changes: Vec<Vec<f64>>,
-    pub found: Vec<DVector<f64>>,
+    pub changes: PerRun<Vec<f64>>,
+    pub found: PerRun<DVector<f64>>,
     /// What one more of each strength changes there.
-    pub columns: Vec<Vec<DVector<f64>>>,
+    pub columns: Vec<PerRun<DVector<f64>>>,
 }
 
 /// What is asked, and before what.
 pub struct Tuner<'a> {
     pub simulator: &'a dyn Simulator,
     pub settings: &'a Settings,
-    pub observations: &'a [Observation],
-    pub signatures: &'a [Signature],
+    pub observations: &'a PerRun<Observation>,
+    pub signatures: &'a Signatures,
 }
 
 impl Tuner<'_> {
     /// Whether a candidate costs no simulation.
-    pub fn applies_sensor_model(&self, candidate: usize) -> bool {
+    pub fn applies_sensor_model(&self, candidate: CandidateId) -> bool {
         self.simulator.applies_sensor_models() && self.simulator.candidates()[candidate].sensor
     }
 
@@ -49,19 +50,19 @@ impl Tuner<'_> {
     /// Strengths by the means along the track alone, nuisances held.
     fn by_means(&self, hypothesis: &Hypothesis) -> Vec<f64> {
         let frames = self.simulator.frames();
-        let off: Vec<Vec<f64>> = frames.iter().map(|frame| frame.residual(&frame.nominal)).collect();
-        let means = |run: usize, values: &[f64]| {
+        let off: PerRun<Vec<f64>> = frames.iter().map(|frame| frame.residual(&frame.nominal)).collect();
+        let means = |run: RunId, values: &[f64]| {
             let frame = &frames[run];
             let used = |k: &usize| frame.labels[*k].band == Band::Track && off[run][*k].is_finite();
             let rows = (0..values.len()).filter(used).map(|k| values[k] / frame.laps.variance[k].sqrt());
             DVector::from_vec(rows.collect())
         };
-        let of = |values: &[Vec<f64>]| -> Vec<DVector<f64>> {
-            values.iter().enumerate().map(|(run, values)| means(run, values)).collect()
+        let of = |values: &PerRun<Vec<f64>>| -> PerRun<DVector<f64>> {
+            values.with_ids().map(|(run, values)| means(run, values)).collect()
         };
-        let columns: Vec<Vec<DVector<f64>>> =
+        let columns: Vec<PerRun<DVector<f64>>> =
             hypothesis.signatures.iter().map(|k| of(&self.signatures[*k].change)).collect();
-        let columns: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
+        let columns: Vec<&PerRun<DVector<f64>>> = columns.iter().collect();
         explain(&of(&off), &columns, &hypothesis.bounds(self.simulator.candidates(), self.signatures), None).strengths
     }
 
@@ -77,7 +78,7 @@ impl Tuner<'_> {
                 at.iter_mut().zip(&before.strengths).for_each(|(x, y)| *x = 0.5 * (*x + y));
                 continue;
             }
-            let by: Vec<&[DVector<f64>]> = here.columns.iter().map(|c| &c[..]).collect();
+            let by: Vec<&PerRun<DVector<f64>>> = here.columns.iter().collect();
             let room: Vec<(f64, f64)> = bounds.iter().zip(&at).map(|((low, high), x)| (low - x, high - x)).collect();
             let step = explain(&here.residuals, &by, &room, None);
             let gained = square - norm_squared(&step.residuals);
@@ -112,15 +113,15 @@ impl Tuner<'_> {
         let points: Vec<Vec<f64>> = [at.to_vec()].into_iter().chain((0..at.len()).map(beside)).collect();
         let with = |point: &Vec<f64>| {
             let effects = hypothesis.applied(candidates, self.signatures, point);
-            (0..runs).map(move |run| Request { run, step: Vec::new(), effects: effects.clone() })
+            frames.ids().map(move |run| Request { run, step: Vec::new(), effects: effects.clone() })
         };
         let requests: Vec<Request> = points.iter().flat_map(with).collect();
         let answers: Vec<Vec<f64>> = self.simulator.simulate_all(&requests).into_iter().collect::<Option<_>>()?;
-        let change = |point: usize| -> Vec<Vec<f64>> {
+        let change = |point: usize| -> PerRun<Vec<f64>> {
             let answers = answers[point * runs..(point + 1) * runs].iter().zip(frames);
             answers.map(|(answer, frame)| answer.iter().zip(&frame.nominal).map(|(a, n)| a - n).collect()).collect()
         };
-        let projected = |changes: &[Vec<f64>]| -> Vec<DVector<f64>> {
+        let projected = |changes: &PerRun<Vec<f64>>| -> PerRun<DVector<f64>> {
             self.observations.iter().zip(changes).map(|(o, c)| o.column(c)).collect()
         };
         let changes = change(0);
@@ -143,15 +144,16 @@ impl Tuner<'_> {
 mod tests {
     use super::*;
     use crate::base::trig;
-    use crate::gap::simulator::{Applied, Candidate, Frame, Label, Laps, Strength};
+    use crate::gap::ids::Id;
+    use crate::gap::simulator::{Applied, Candidate, Candidates, Frame, Label, Laps, Strength};
     use nalgebra::DMatrix;
 
     /// Features in proportion to a strength, and as many that saturate.
     const HALF: usize = 30;
 
     struct Shifted {
-        candidates: Vec<Candidate>,
-        frames: Vec<Frame>,
+        candidates: Candidates,
+        frames: PerRun<Frame>,
     }
 
     fn shifted(x: f64) -> Vec<f64> {
@@ -159,15 +161,15 @@ mod tests {
     }
 
     impl Simulator for Shifted {
-        fn candidates(&self) -> &[Candidate] {
+        fn candidates(&self) -> &Candidates {
             &self.candidates
         }
 
-        fn frames(&self) -> &[Frame] {
+        fn frames(&self) -> &PerRun<Frame> {
             &self.frames
         }
 
-        fn simulate(&self, _: usize, _: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        fn simulate(&self, _: RunId, _: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
             let nothing = shifted(0.0);
             Some(shifted(effects[0].strengths[0]).iter().zip(nothing).map(|(x, y)| x - y).collect())
         }
@@ -209,13 +211,16 @@ mod tests {
             bounds: vec![(-1.0, 1.0)],
             nuisances: vec!["level".into()],
         };
-        let observations = vec![Observation::new(&frame, &[], &Settings::default())];
-        let simulator = Shifted { candidates: vec![candidate], frames: vec![frame] };
+        let observations = PerRun::from(vec![Observation::new(&frame, &[], &Settings::default())]);
+        let simulator = Shifted { candidates: vec![candidate].into(), frames: vec![frame].into() };
         // Taken where the distribution does not saturate yet: the linear fit asks for far too little.
-        let change = vec![simulator.simulate(0, &[], &[Applied { candidate: 0, strengths: vec![1.0] }]).unwrap()];
-        let columns = vec![observations[0].column(&change[0])];
-        let signatures = [Signature { candidate: 0, strength: 0, size: 1.0, change, columns }];
-        let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
+        let (run, candidate) = (RunId::new(0), CandidateId::new(0));
+        let effect = Applied { candidate, strengths: vec![1.0] };
+        let change = PerRun::from(vec![simulator.simulate(run, &[], &[effect]).unwrap()]);
+        let columns = observations.map(|o| o.column(&change[run]));
+        let mut signatures = Signatures::default();
+        let own = signatures.push(Signature { candidate, strength: 0, size: 1.0, change, columns });
+        let hypothesis = Hypothesis { members: vec![candidate], signatures: vec![own] };
         let screened = hypothesis.screened(&observations, &signatures, &simulator.candidates);
         assert!(screened.strengths[0] < 0.7 * truth || screened.strengths[0] > 1.5 * truth, "{:?}", screened.strengths);
         let settings = Settings::default();

@@ -7,6 +7,7 @@
 //! effects with one place and one strength.
 
 use super::comparison::Compared;
+use super::ids::CandidateId;
 use super::likelihood;
 use crate::base::trig;
 use crate::gap::hypothesis::Hypothesis;
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 /// An effect at a place of which some strengths could not be simulated in all runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Untested {
-    pub candidate: usize,
+    pub candidate: CandidateId,
     /// Log posterior.
     pub log_posterior: f64,
 }
@@ -23,22 +24,22 @@ pub struct Untested {
 impl Compared<'_> {
     /// Candidates with strengths that have no signature, once all others are scored.
     pub fn untested(&self) -> Vec<Untested> {
-        let mut known: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut known: BTreeMap<CandidateId, Vec<usize>> = BTreeMap::new();
         for signature in &self.comparison.signatures {
             known.entry(signature.candidate).or_default().push(signature.strength);
         }
-        let lacks = |c: usize| {
+        let lacks = |c: CandidateId| {
             let strengths = 0..self.comparison.candidates()[c].strengths.len();
             strengths.filter(|s| !known.get(&c).is_some_and(|own| own.contains(s))).count()
         };
-        let alone = (0..self.comparison.candidates().len())
-            .filter(|c| self.comparison.candidates()[*c].alternative_to.is_none());
-        let lacking: Vec<(usize, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
+        let alone =
+            self.comparison.candidates().ids().filter(|c| self.comparison.candidates()[*c].alternative_to.is_none());
+        let lacking: Vec<(CandidateId, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
         if lacking.is_empty() {
             return Vec::new();
         }
         let best = self.best_likelihood();
-        let weighed = |(candidate, strengths): (usize, usize)| {
+        let weighed = |(candidate, strengths): (CandidateId, usize)| {
             let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
             let log_posterior = self.comparison.prior(&alone) + best
                 - likelihood::cost(strengths as f64, self.comparison.degrees_of_freedom);

@@ -7,8 +7,9 @@ mod impacts;
 mod laps;
 mod nominal;
 
+use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
-use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
+use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Request, Simulator, Strength};
 use crate::base::{parallel, trig};
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
@@ -31,9 +32,9 @@ use std::collections::BTreeMap;
 
 /// A campaign's runs on chains.
 pub struct Chains {
-    runs: Vec<FittedRun>,
-    frames: Vec<Frame>,
-    candidates: Vec<Candidate>,
+    runs: PerRun<FittedRun>,
+    frames: PerRun<Frame>,
+    candidates: Candidates,
     settings: settings::Chain,
     threads: usize,
 }
@@ -84,24 +85,22 @@ impl Chains {
             tell(&subject.name);
             found
         });
-        let mut runs = fitted.into_iter().collect::<Result<Vec<FittedRun>, _>>()?;
+        let mut runs = fitted.into_iter().collect::<Result<PerRun<FittedRun>, _>>()?;
         set_tops(&mut runs);
-        let mut frames: Vec<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
+        let mut frames: PerRun<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
         let suspects = impacts::suspects(&frames, &runs);
         for (frame, run) in frames.iter_mut().zip(&mut runs) {
             run.impacts = Impact::all(&suspects, run);
             force_slope::extend(frame, run);
         }
-        let mut out = Chains { frames, runs, candidates: Vec::new(), settings: settings.clone(), threads };
+        let mut out = Chains { frames, runs, candidates: Candidates::default(), settings: settings.clone(), threads };
         out.draw_as_built(threads);
         for effect in LIBRARY {
             for (site, known) in out.sites(effect, &suspects) {
                 let around = (effect.alternatives)(&site, known);
-                let first = out.candidates.len();
-                out.offer(effect, site, None);
+                let first = out.offer(effect, site, None);
                 for (site, further) in around {
-                    let second = out.candidates.len();
-                    out.offer(effect, site, Some(first));
+                    let second = out.offer(effect, site, Some(first));
                     for site in further {
                         out.offer(effect, site, Some(second));
                     }
@@ -113,7 +112,9 @@ impl Chains {
 
     /// Draws chains as they are built.
     fn draw_as_built(&mut self, threads: usize) {
-        let asked: Vec<(usize, usize)> = (0..self.runs.len())
+        let asked: Vec<(RunId, usize)> = self
+            .runs
+            .ids()
             .flat_map(|run| (0..self.settings.ensembles.as_built_draws).map(move |k| (run, k)))
             .collect();
         let answers = parallel::map(&asked, threads, |&(run, draw)| {
@@ -136,7 +137,7 @@ impl Chains {
         self.runs.first().map_or(1.0, |run| run.model.spec.places.lap / run.model.spec.places.cells as f64)
     }
 
-    fn offer(&mut self, effect: &'static Effect, site: Site, alternative_to: Option<usize>) {
+    fn offer(&mut self, effect: &'static Effect, site: Site, alternative_to: Option<CandidateId>) -> CandidateId {
         let strength = |(s, fitted): (&StrengthDefinition, &StrengthSearch)| Strength {
             name: s.name.to_owned(),
             unit: s.unit.to_owned(),
@@ -155,7 +156,7 @@ impl Chains {
             random_effect,
             discrepancy: effect.discrepancy,
             alternative_to,
-        });
+        })
     }
 
     /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where
@@ -187,7 +188,7 @@ impl Chains {
     }
 
     /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
-    fn simulated(&self, run: usize, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
+    fn simulated(&self, run: RunId, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
         let settings = &self.settings.ensembles;
         let passes = if step.is_empty() { settings.signature_passes } else { settings.passes };
         let fitted = &self.runs[run];
@@ -205,7 +206,7 @@ impl Chains {
     /// A run's chain with nuisances moved and effects added, as its carts pass each place so often.
     fn run_ensemble(
         &self,
-        run: usize,
+        run: RunId,
         step: &[f64],
         effects: Vec<input::Effect>,
         passes: f64,
@@ -278,21 +279,21 @@ impl Chains {
     }
 
     /// The layout of a run with effects, for `--apply`.
-    pub fn simulation(&self, run: usize) -> &Simulation {
+    pub fn simulation(&self, run: RunId) -> &Simulation {
         &self.runs[run].model.simulation
     }
 }
 
 impl Simulator for Chains {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         &self.candidates
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         &self.frames
     }
 
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let sensor = effects.iter().any(|e| self.candidates[e.candidate].sensor);
         let machine = effects.iter().any(|e| !self.candidates[e.candidate].sensor);
         let effects = effects.iter().map(|e| self.effect(e)).collect();

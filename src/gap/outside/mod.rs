@@ -16,7 +16,7 @@ mod windows;
 
 pub use error::Error;
 
-use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator, settings};
+use super::{Applied, Axis, CandidateId, Candidates, Frame, Laps, Lost, PerRun, Request, RunId, Simulator, settings};
 use data::RunPart;
 use fit::{FittedPart, Fitter, Rows};
 use process::{Blame, Pool, Program};
@@ -73,11 +73,11 @@ pub struct Outside {
     description: Description,
     channels: BTreeMap<String, String>,
     names: Vec<String>,
-    parts: Vec<RunPart>,
-    windows: Vec<Windows>,
+    parts: PerRun<RunPart>,
+    windows: PerRun<Windows>,
     /// Of each part the fitted nuisances, from 0 at their lower bounds to 1 at their upper ones.
-    fitted: Vec<Vec<f64>>,
-    frames: Vec<Frame>,
+    fitted: PerRun<Vec<f64>>,
+    frames: PerRun<Frame>,
     lost: Vec<String>,
     origin: String,
     failed: Mutex<Failed>,
@@ -93,7 +93,7 @@ struct Failed {
     reasons: BTreeMap<String, Error>,
     /// Effects with which it was silent: each time costs as long as it is waited for, so these are not asked together
     /// again.
-    silent: BTreeMap<Vec<usize>, Error>,
+    silent: BTreeMap<Vec<CandidateId>, Error>,
 }
 
 impl Outside {
@@ -123,15 +123,15 @@ impl Outside {
             description,
             channels,
             names,
-            windows: Vec::new(),
-            fitted: Vec::new(),
-            frames: Vec::new(),
+            windows: PerRun::default(),
+            fitted: PerRun::default(),
+            frames: PerRun::default(),
             lost: Vec::new(),
             origin,
             failed: Mutex::default(),
             settings: constants.outside.clone(),
             may_lack: constants.checks.may_lack,
-            parts: Vec::new(),
+            parts: PerRun::default(),
         };
         for part in parts {
             let needed = constants.outside.windows.samples * constants.outside.windows.needed;
@@ -166,8 +166,8 @@ impl Outside {
     }
 
     /// The nuisances as fitted to a run, by name.
-    pub fn nuisances(&self, run: usize) -> BTreeMap<String, f64> {
-        let at = self.fitted.get(run).map_or(&[][..], Vec::as_slice);
+    pub fn nuisances(&self, run: RunId) -> BTreeMap<String, f64> {
+        let at = self.fitted.at(run).map_or(&[][..], Vec::as_slice);
         let each = self.description.nuisances.iter().zip(at);
         each.map(|(n, &share)| (n.name.clone(), fit::value(n, share))).collect()
     }
@@ -234,7 +234,7 @@ impl Outside {
     fn ask(&self, part: &RunPart, at: &[f64], effects: &[Applied]) -> Result<Rows, Error> {
         let named = self.description.nuisances.iter().zip(at);
         let effect = |applied: &Applied| {
-            let candidate = self.description.effects.get(applied.candidate)?;
+            let candidate = self.description.effects.at(applied.candidate)?;
             let strengths = candidate.strengths.iter().zip(candidate.bounded(&applied.strengths));
             Some(EffectAsked {
                 name: &candidate.effect,
@@ -255,11 +255,11 @@ impl Outside {
 }
 
 impl Simulator for Outside {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         &self.description.effects
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         &self.frames
     }
 
@@ -292,11 +292,11 @@ impl Simulator for Outside {
 
 impl Outside {
     /// Features of a request; `None` where it makes no sense.
-    fn answer(&self, request: &Request, silent: &BTreeMap<Vec<usize>, Error>) -> Option<Result<Vec<f64>, Error>> {
+    fn answer(&self, request: &Request, silent: &BTreeMap<Vec<CandidateId>, Error>) -> Option<Result<Vec<f64>, Error>> {
         let Request { run, step, effects } = request;
-        let (part, windows, fitted) = (self.parts.get(*run)?, self.windows.get(*run)?, self.fitted.get(*run)?);
+        let (part, windows, fitted) = (self.parts.at(*run)?, self.windows.at(*run)?, self.fitted.at(*run)?);
         let at: Vec<f64> = fitted.iter().enumerate().map(|(k, x)| x + step.get(k).copied().unwrap_or(0.0)).collect();
-        let known = |a: &Applied| self.description.effects.get(a.candidate).is_some();
+        let known = |a: &Applied| self.description.effects.at(a.candidate).is_some();
         let numbers = effects.iter().all(|a| known(a) && a.strengths.iter().all(|x| x.is_finite()));
         if !numbers || at.iter().any(|x| x.is_nan()) {
             return None;
@@ -339,7 +339,7 @@ impl Failed {
     }
 }
 
-fn members(request: &Request) -> Vec<usize> {
+fn members(request: &Request) -> Vec<CandidateId> {
     request.effects.iter().map(|e| e.candidate).collect()
 }
 
