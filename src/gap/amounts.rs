@@ -2,6 +2,7 @@
 
 use super::comparison::Comparison;
 use super::diagnosis::{Amount, Bound};
+use super::hypothesis::norm_squared;
 use super::ids::PerRun;
 use super::scored::Scored;
 use super::simulator::Strength;
@@ -88,6 +89,6 @@ fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
 
 /// How far a strength is off by what scatters along its signature.
 fn scattered(comparison: &Comparison, column: &PerRun<DVector<f64>>) -> f64 {
-    let square: f64 = column.iter().map(DVector::norm_squared).sum();
+    let square = norm_squared(column);
     comparison.tested(&comparison.residuals(), column).deviation / square.max(1e-300)
 }

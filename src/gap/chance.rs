@@ -11,7 +11,7 @@ use super::settings::{RandomEffects, SHARES, Settings};
 use super::simulator::{Context, Laps, Request, Simulator, Strength};
 use crate::base::trig;
 use crate::effects::RandomEffect;
-use crate::gap::hypothesis::{Fitted, Hypothesis};
+use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use nalgebra::{DMatrix, DVector};
 
 /// Where such effects are looked for.
@@ -202,18 +202,11 @@ impl Chance<'_> {
     /// Strengths of the other effect as they fit best beside what differs by chance, which it took for its own.
     fn settle_other(&self, one: &mut Fitted, own: usize) {
         let bounds = one.hypothesis.bounds(self.simulator.candidates(), self.signatures);
-        let room = bounds.iter().zip(&one.strengths).map(|((low, high), x)| (low - x, high - x));
-        let room: Vec<(f64, f64)> = room.take(own).collect();
         let columns: Vec<&PerRun<DVector<f64>>> = one.columns[..own].iter().collect();
-        let step = explain(&one.residuals, &columns, &room, None);
+        let step = explain(&one.residuals, &columns, &room(&bounds[..own], &one.strengths), None);
         let more: Vec<f64> = step.strengths.iter().copied().chain([0.0]).collect();
-        for (run, change) in self.nominal.ids().zip(&mut one.changes) {
-            let by = one.hypothesis.change(self.signatures, &more, run);
-            change.iter_mut().zip(by).for_each(|(x, d)| *x += d);
-        }
-        for ((x, d), (low, high)) in one.strengths.iter_mut().zip(&more).zip(bounds) {
-            *x = (*x + d).clamp(low, high);
-        }
+        one.changes = one.hypothesis.changed_further(self.signatures, &one.changes, &more);
+        one.strengths = stepped(&one.strengths, &more, &bounds);
         one.residuals = step.residuals;
     }
 }

@@ -12,7 +12,7 @@ use super::significance::ScoreTest;
 use super::simulator::{Band, Candidate, Candidates, Context, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
-use crate::gap::hypothesis::{Fitted, Hypothesis};
+use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
@@ -105,7 +105,7 @@ pub fn overall_mean_square<'a>(
 
 /// Of what changes all runs.
 fn norm(each: &PerRun<DVector<f64>>) -> f64 {
-    each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
+    norm_squared(each).sqrt()
 }
 
 impl Comparison<'_> {
@@ -275,7 +275,7 @@ impl Comparison<'_> {
     /// How surely a signature is in what is off.
     fn signature_test(&self, signature: SignatureId, residuals: &PerRun<DVector<f64>>) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
-        let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
+        let square = norm_squared(columns);
         self.tested(residuals, columns).with_scatter([self.as_built(signature) * square])
     }
 

@@ -3,7 +3,7 @@
 use crate::gap::ids::{CandidateId, PerRun, RunId, SignatureId};
 use crate::gap::observation::Observation;
 use crate::gap::screen::{Explained, Signatures, explain};
-use crate::gap::simulator::{Applied, Candidates};
+use crate::gap::simulator::{Applied, Candidates, Request};
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 
@@ -94,6 +94,20 @@ impl Hypothesis {
         }
     }
 
+    /// What is changed in each run after a step of the strengths, by the signatures.
+    pub fn changed_further(
+        &self,
+        signatures: &Signatures,
+        changes: &PerRun<Vec<f64>>,
+        step: &[f64],
+    ) -> PerRun<Vec<f64>> {
+        let in_run = |(run, change): (RunId, &Vec<f64>)| {
+            let more = self.change(signatures, step, run);
+            change.iter().zip(more).map(|(c, m)| c + m).collect()
+        };
+        changes.with_ids().map(in_run).collect()
+    }
+
     /// What strengths change in a run's features, by the signatures.
     pub fn change(&self, signatures: &Signatures, strengths: &[f64], run: RunId) -> Vec<f64> {
         let mut change = Vec::new();
@@ -106,6 +120,26 @@ impl Hypothesis {
     }
 }
 
+impl Fitted {
+    /// All runs with its strengths, each where its nuisances are.
+    pub fn requests(&self, candidates: &Candidates, signatures: &Signatures) -> impl Iterator<Item = Request> {
+        let effects = self.hypothesis.applied(candidates, signatures, &self.strengths);
+        let each = self.nuisance_offsets.with_ids();
+        each.map(move |(run, step)| Request { run, step: step.clone(), effects: effects.clone() })
+    }
+}
+
+/// How far strengths may go from where they are.
+pub fn room(bounds: &[(f64, f64)], at: &[f64]) -> Vec<(f64, f64)> {
+    bounds.iter().zip(at).map(|((low, high), x)| (low - x, high - x)).collect()
+}
+
+/// Strengths after a step. A sum may be beyond its bound by rounding.
+pub fn stepped(at: &[f64], step: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
+    at.iter().zip(step).zip(bounds).map(|((x, more), (low, high))| (x + more).clamp(*low, *high)).collect()
+}
+
+/// Of all runs together.
 pub fn norm_squared(each: &PerRun<DVector<f64>>) -> f64 {
     each.iter().map(DVector::norm_squared).sum()
 }

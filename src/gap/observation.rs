@@ -355,27 +355,6 @@ fn spike(seen: f64, ratio: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::base::random::normal;
-    use crate::gap::simulator::{Band, Label};
-
-    /// A frame whose features have no nuisances, and what was measured of them.
-    fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {
-        let features = measured.len();
-        let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
-        Frame {
-            run: "run".into(),
-            labels: (0..features).map(label).collect(),
-            measured,
-            nominal: vec![0.0; features],
-            laps: Laps { variance: vec![1.0; features], scatter },
-            discrepancies: Vec::new(),
-            built: Vec::new(),
-            slopes: DMatrix::zeros(features, 0),
-            prior: Vec::new(),
-            bounds: Vec::new(),
-            nuisances: Vec::new(),
-        }
-    }
 
     #[test]
     fn what_scatters_one_way_explains_nothing_across_it() {
@@ -385,7 +364,7 @@ mod tests {
         // Twenty features go up and down together, with a variance of 5 each.
         let way = |k: usize| if k < 20 { 5.0_f64.sqrt() } else { 0.0 };
         let measured = noise(features);
-        let frame = bare(measured, (0..laps).map(|_| noise(features)).collect());
+        let frame = Frame::bare(measured, (0..laps).map(|_| noise(features)).collect());
         let lap = |lap: &Vec<f64>, share: f64| lap.iter().enumerate().map(|(k, x)| x + share * way(k)).collect();
         let shares = noise(laps);
         let own = shares.iter().map(|share| share * share).sum::<f64>() / laps as f64;
@@ -423,7 +402,7 @@ mod tests {
         let scatter: Vec<Vec<f64>> = (0..laps).map(|_| lap(&patterns[..ways])).collect();
         let spread = |k: usize| 1.0 + patterns[..ways].iter().map(|p| p[k] * p[k]).sum::<f64>();
         let with = Laps { variance: (0..features).map(spread).collect(), scatter };
-        let frame = bare(lap(&[]), replicate);
+        let frame = Frame::bare(lap(&[]), replicate);
         let own = Observation::with(&frame, &[], &with, &Settings::default());
         let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
         let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));

@@ -4,9 +4,9 @@ use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::screen::{Signatures, explain};
 use super::settings::Refitting;
-use super::simulator::{Candidates, Context, Request};
+use super::simulator::{Candidates, Context};
 use super::tune::{Tuned, Tuner};
-use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
+use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared, room, stepped};
 use nalgebra::DVector;
 
 /// Where a hypothesis' simulations are.
@@ -118,9 +118,7 @@ pub fn refit(
         let going: Vec<usize> = (0..fitted.len()).filter(|k| !searches[*k].settled).collect();
         let mut requests = Vec::new();
         for one in going.iter().map(|k| &fitted[*k]) {
-            let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-            let each = one.nuisance_offsets.with_ids();
-            requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
+            requests.extend(one.requests(candidates, signatures));
         }
         let answers = simulator.simulate_all(&requests);
         for (n, k) in going.into_iter().enumerate() {
@@ -220,22 +218,14 @@ impl Fitted {
 
     /// To where it fits best from the best that was simulated; whether that gains less than a share `enough`.
     fn step(&mut self, best: &RefitPoint, candidates: &Candidates, signatures: &Signatures, enough: f64) -> bool {
-        let within = self.hypothesis.bounds(candidates, signatures);
-        let bounds: Vec<(f64, f64)> =
-            within.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
+        let bounds = self.hypothesis.bounds(candidates, signatures);
         let by: Vec<&PerRun<DVector<f64>>> = self.columns.iter().collect();
-        let step = explain(&best.residuals, &by, &bounds, None);
-        // A sum may be beyond its bound by rounding.
-        let further = best.strengths.iter().zip(&step.strengths).map(|(x, d)| x + d);
-        self.strengths = further.zip(&within).map(|(x, (low, high))| x.clamp(*low, *high)).collect();
+        let step = explain(&best.residuals, &by, &room(&bounds, &best.strengths), None);
+        self.strengths = stepped(&best.strengths, &step.strengths, &bounds);
         let gained = best.square - norm_squared(&step.residuals);
         self.residuals = step.residuals;
         self.covariance = step.covariance;
-        let moved = |run: RunId| {
-            let more = self.hypothesis.change(signatures, &step.strengths, run);
-            best.changes[run].iter().zip(more).map(|(c, m)| c + m).collect()
-        };
-        self.changes = best.changes.ids().map(moved).collect();
+        self.changes = self.hypothesis.changed_further(signatures, &best.changes, &step.strengths);
         self.features = Some(best.features.clone());
         gained < enough * best.square
     }

@@ -276,19 +276,7 @@ mod tests {
 
     impl Default for Counting {
         fn default() -> Self {
-            let frame = Frame {
-                run: "run".into(),
-                labels: Vec::new(),
-                measured: Vec::new(),
-                nominal: Vec::new(),
-                laps: Laps { variance: Vec::new(), scatter: Vec::new() },
-                discrepancies: Vec::new(),
-                built: Vec::new(),
-                slopes: nalgebra::DMatrix::zeros(0, 1),
-                prior: Vec::new(),
-                bounds: Vec::new(),
-                nuisances: Vec::new(),
-            };
+            let frame = Frame::bare(Vec::new(), Vec::new());
             let candidates = Candidates::default();
             Counting { asked: AtomicUsize::new(0), candidates, frames: vec![frame; 10].into(), bias: 0.0 }
         }

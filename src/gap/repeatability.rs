@@ -38,12 +38,7 @@ pub fn repeatabilities(
 ) -> Vec<Option<Repeatability>> {
     let Context { simulator, settings } = context;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
-    let mut requests = Vec::new();
-    for one in fitted {
-        let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-        let each = one.nuisance_offsets.with_ids();
-        requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
-    }
+    let requests: Vec<Request> = fitted.iter().flat_map(|one| one.requests(candidates, signatures)).collect();
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
         let laps: PerRun<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;

@@ -3,6 +3,7 @@
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
+use super::hypothesis::room;
 use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::overlays::overlays;
@@ -104,8 +105,7 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         .map(|name| {
             let has = |j: &Scored| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
             // What the effect does alone, unless the verdict has it beside another one.
-            let alone = |j: &Scored| has(j) && j.fitted.hypothesis.members.len() == 1;
-            let alone = || compared.scored.iter().position(alone).map(|k| &compared.scored[as_fitted(compared, k)]);
+            let alone = || alone(compared, name).map(|k| &compared.scored[as_fitted(compared, k)]);
             let told = chosen.filter(|j| has(j)).or_else(alone);
             let mut finding = finding(compared, name, told);
             finding.untested_probability = tidy(never(name));
@@ -114,17 +114,11 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         })
         .collect();
     // Of effects that are equally sure, the one that closes more alone comes first.
-    let alone = |f: &Finding| {
-        let has = |j: &&Scored| {
-            let members = &j.fitted.hypothesis.members;
-            members.len() == 1 && candidates[members[0]].effect == f.name
-        };
-        compared.scored.iter().find(has).map_or(f64::INFINITY, |j| j.mean_square)
-    };
+    let left = |f: &Finding| alone(compared, &f.name).map_or(f64::INFINITY, |k| compared.scored[k].mean_square);
     let sure = |f: &Finding| (20.0 * f.probability).round();
     effects.sort_by(|a, b| {
         let by = sure(b).total_cmp(&sure(a)).then(if sure(a) > 0.0 {
-            alone(a).total_cmp(&alone(b))
+            left(a).total_cmp(&left(b))
         } else {
             std::cmp::Ordering::Equal
         });
@@ -193,6 +187,15 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
     out
 }
 
+/// Where the likeliest hypothesis stands of which an effect is the only member.
+fn alone(compared: &Compared, name: &str) -> Option<usize> {
+    let candidates = compared.comparison.candidates();
+    compared.scored.iter().position(|j| match j.fitted.hypothesis.members[..] {
+        [own] => candidates[own].effect == name,
+        _ => false,
+    })
+}
+
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap
 /// they close.
 fn as_fitted(compared: &Compared, first: usize) -> usize {
@@ -252,10 +255,7 @@ fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<P
     let candidates = comparison.candidates();
     let bounds = fitted.hypothesis.bounds(candidates, &comparison.signatures);
     let (residuals, columns, bounds) = match placebo {
-        false => {
-            let moved = bounds.iter().zip(&fitted.strengths).map(|((low, high), x)| (low - x, high - x));
-            (scored.residuals().clone(), scored.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
-        }
+        false => (scored.residuals().clone(), scored.columns().to_vec(), room(&bounds, &fitted.strengths)),
         true => {
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
                 let change = &comparison.signatures[*k].change;
@@ -424,13 +424,7 @@ fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
 /// nothing to choose by.
 fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
     let settings = compared.comparison.settings;
-    let candidates = compared.comparison.candidates();
-    let single = |name: &str| {
-        compared.scored.iter().find(|j| {
-            let members = &j.fitted.hypothesis.members;
-            members.len() == 1 && candidates[members[0]].effect == name
-        })
-    };
+    let single = |name: &str| alone(compared, name).map(|k| &compared.scored[k]);
     let mut out: Vec<Group> = Vec::new();
     let mut grouped: BTreeSet<String> = BTreeSet::new();
     for i in 0..effects.len().min(8) {

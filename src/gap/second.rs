@@ -2,10 +2,9 @@
 //! signature leaves may be several times as much, in which a second one drowns.
 
 use super::comparison::Comparison;
-use super::ids::{PerRun, RunId};
 use super::scored::{self, Scored};
 use super::screen::explain;
-use crate::gap::hypothesis::{Fitted, Hypothesis};
+use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
 
 impl Comparison<'_> {
@@ -35,16 +34,10 @@ impl Comparison<'_> {
         let mut strengths = first.strengths.clone();
         strengths.resize(columns.len(), 0.0);
         let bounds = hypothesis.bounds(self.candidates(), &self.signatures);
-        let room: Vec<(f64, f64)> = bounds.iter().zip(&strengths).map(|((low, high), x)| (low - x, high - x)).collect();
         let by: Vec<_> = columns.iter().collect();
-        let step = explain(&first.residuals, &by, &room, None);
-        let further = strengths.iter_mut().zip(&step.strengths).zip(&bounds);
-        further.for_each(|((x, more), (low, high))| *x = (*x + more).clamp(*low, *high));
-        let moved = |(run, change): (RunId, &Vec<f64>)| -> Vec<f64> {
-            let more = hypothesis.change(&self.signatures, &step.strengths, run);
-            change.iter().zip(more).map(|(c, m)| c + m).collect()
-        };
-        let changes: PerRun<Vec<f64>> = first.changes.with_ids().map(moved).collect();
+        let step = explain(&first.residuals, &by, &room(&bounds, &strengths), None);
+        let strengths = stepped(&strengths, &step.strengths, &bounds);
+        let changes = hypothesis.changed_further(&self.signatures, &first.changes, &step.strengths);
         let nuisance_offsets =
             self.observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
         let (covariance, residuals) = (step.covariance, step.residuals);

@@ -104,8 +104,7 @@ mod tests {
     use super::*;
     use crate::base::random::normal;
     use crate::gap::settings::Settings;
-    use crate::gap::simulator::{Band, Frame, Label, Laps};
-    use nalgebra::DMatrix;
+    use crate::gap::simulator::Frame;
 
     /// As few laps for the features as an ensemble has.
     const FEATURES: usize = 400;
@@ -116,21 +115,7 @@ mod tests {
         let mut state = seed;
         let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
         let measured = noise().into_iter().zip(ramp()).map(|(x, r)| x + size * r).collect();
-        let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
-        Frame {
-            run: "run".into(),
-            labels: (0..FEATURES).map(label).collect(),
-            measured,
-            nominal: vec![0.0; FEATURES],
-            laps: Laps { variance: vec![1.0; FEATURES], scatter: (0..LAPS).map(|_| noise()).collect() },
-            discrepancies: Vec::new(),
-            built: Vec::new(),
-            slopes: DMatrix::zeros(FEATURES, 0),
-            prior: Vec::new(),
-            bounds: Vec::new(),
-            nuisances: Vec::new(),
-        }
+        Frame::bare(measured, (0..LAPS).map(|_| noise()).collect())
     }
 
     fn ramp() -> Vec<f64> {

@@ -279,3 +279,27 @@ impl Frame {
         rows.map(|(k, (a, b))| if usable(k) && (a - b).is_finite() { a - b } else { f64::NAN }).collect()
     }
 }
+
+#[cfg(test)]
+impl Frame {
+    /// A run of one channel without nuisances, whose nominal features are 0 and have unit variance, and what laps
+    /// scatter.
+    pub fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {
+        let features = measured.len();
+        let label =
+            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
+        Frame {
+            run: "run".into(),
+            labels: (0..features).map(label).collect(),
+            measured,
+            nominal: vec![0.0; features],
+            laps: Laps { variance: vec![1.0; features], scatter },
+            discrepancies: Vec::new(),
+            built: Vec::new(),
+            slopes: DMatrix::zeros(features, 0),
+            prior: Vec::new(),
+            bounds: Vec::new(),
+            nuisances: Vec::new(),
+        }
+    }
+}

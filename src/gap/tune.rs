@@ -7,7 +7,7 @@ use super::observation::Observation;
 use super::screen::{Signature, Signatures, explain};
 use super::settings::Settings;
 use super::simulator::{Band, Request, Simulator};
-use crate::gap::hypothesis::{Hypothesis, norm_squared};
+use crate::gap::hypothesis::{Hypothesis, norm_squared, room, stepped};
 use nalgebra::DVector;
 
 /// Strengths at which something was simulated, nuisances where the nominal model has them.
@@ -79,11 +79,9 @@ impl Tuner<'_> {
                 continue;
             }
             let by: Vec<&PerRun<DVector<f64>>> = here.columns.iter().collect();
-            let room: Vec<(f64, f64)> = bounds.iter().zip(&at).map(|((low, high), x)| (low - x, high - x)).collect();
-            let step = explain(&here.residuals, &by, &room, None);
+            let step = explain(&here.residuals, &by, &room(&bounds, &at), None);
             let gained = square - norm_squared(&step.residuals);
-            let further = at.iter().zip(&step.strengths).zip(&bounds);
-            at = further.map(|((x, more), (low, high))| (x + more).clamp(*low, *high)).collect();
+            at = stepped(&at, &step.strengths, &bounds);
             best = Some(here);
             if gained < settings.enough * square {
                 break;
@@ -145,7 +143,7 @@ mod tests {
     use super::*;
     use crate::base::trig;
     use crate::gap::ids::Id;
-    use crate::gap::simulator::{Applied, Candidate, Candidates, Frame, Label, Laps, Strength};
+    use crate::gap::simulator::{Applied, Candidate, Candidates, Frame, Label, Strength};
     use nalgebra::DMatrix;
 
     /// Features in proportion to a strength, and as many that saturate.
@@ -198,18 +196,14 @@ mod tests {
             Label { channel: "a".into(), band, index: k % HALF, from: k as i64, to: k as i64 + 1 }
         };
         let truth = 30.0;
+        let measured = shifted(truth).iter().zip(shifted(0.0)).map(|(x, y)| x - y).collect();
         let frame = Frame {
-            run: "run-1".into(),
             labels: (0..2 * HALF).map(label).collect(),
-            measured: shifted(truth).iter().zip(shifted(0.0)).map(|(x, y)| x - y).collect(),
-            nominal: vec![0.0; 2 * HALF],
-            laps: Laps { variance: vec![1.0; 2 * HALF], scatter: Vec::new() },
-            discrepancies: Vec::new(),
-            built: Vec::new(),
             slopes: DMatrix::zeros(2 * HALF, 1),
             prior: vec![(0.0, 1.0)],
             bounds: vec![(-1.0, 1.0)],
             nuisances: vec!["level".into()],
+            ..Frame::bare(measured, Vec::new())
         };
         let observations = PerRun::from(vec![Observation::new(&frame, &[], &Settings::default())]);
         let simulator = Shifted { candidates: vec![candidate].into(), frames: vec![frame].into() };

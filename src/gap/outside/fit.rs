@@ -7,6 +7,7 @@ use super::protocol::Nuisance;
 use super::repeatability::{Inputs, Repeatability};
 use super::windows::Windows;
 use crate::gap::settings;
+use crate::identify::mode_within;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of samples, a row a channel, on the part's times.
@@ -207,26 +208,8 @@ impl Fitter<'_> {
         let prior = 1.0 / (prior * prior);
         let a = j.transpose() * &j + DMatrix::identity(n, n) * prior;
         let g = j.transpose() * &r + DVector::from_fn(n, |k, _| prior * (start[k] - point.at[k]));
-        let mut held: Vec<Option<f64>> = vec![None; n];
-        loop {
-            let open: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
-            let given = |i: usize| (0..n).filter_map(|k| held[k].map(|x| a[(i, k)] * x)).sum::<f64>();
-            let matrix = DMatrix::from_fn(open.len(), open.len(), |i, k| a[(open[i], open[k])]);
-            let right = DVector::from_fn(open.len(), |i, _| g[open[i]] - given(open[i]));
-            let found = matrix.cholesky().map_or_else(|| DVector::zeros(open.len()), |c| c.solve(&right));
-            let beyond = |i: usize| (-point.at[open[i]] - found[i]).max(found[i] - (1.0 - point.at[open[i]]));
-            let worst = (0..open.len()).max_by(|x, y| beyond(*x).total_cmp(&beyond(*y)));
-            match worst.filter(|i| beyond(*i) > 1e-12) {
-                Some(i) => {
-                    held[open[i]] = Some(if found[i] < 0.0 { -point.at[open[i]] } else { 1.0 - point.at[open[i]] })
-                }
-                None => {
-                    let mut step = DVector::from_iterator(n, held.iter().map(|h| h.unwrap_or(0.0)));
-                    open.iter().zip(found.iter()).for_each(|(&k, x)| step[k] = *x);
-                    return step;
-                }
-            }
-        }
+        let range: Vec<(f64, f64)> = point.at.iter().map(|at| (-at, 1.0 - at)).collect();
+        mode_within(&a, &g, &range, &mut vec![None; n], 1e-12).0
     }
 
     /// Goes along a step as far as that fits better.

@@ -17,15 +17,14 @@ mod windows;
 pub use error::Error;
 
 use super::{Applied, Axis, CandidateId, Candidates, Frame, Laps, Lost, PerRun, Request, RunId, Simulator, settings};
+use crate::base::parallel;
 use data::RunPart;
 use fit::{FittedPart, Fitter, Rows};
 use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread;
 use std::time::Duration;
 use windows::Windows;
 
@@ -177,7 +176,7 @@ impl Outside {
     }
 
     fn fit(&self, part: &RunPart) -> Result<FittedPart, Error> {
-        let simulate = |points: &[Vec<f64>]| in_parallel(points, self.pool.most(), |at| self.ask(part, at, &[]));
+        let simulate = |points: &[Vec<f64>]| parallel::map(points, self.pool.most(), |at| self.ask(part, at, &[]));
         let accuracy: Vec<f64> =
             self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
         let fitter = Fitter {
@@ -274,7 +273,7 @@ impl Simulator for Outside {
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
         // Known before all requests of a batch, so that answers do not depend on which is asked first.
         let silent = self.failed().silent.clone();
-        let answers = in_parallel(requests, self.pool.most(), |r| self.answer(r, &silent));
+        let answers = parallel::map(requests, self.pool.most(), |r| self.answer(r, &silent));
         let cause = answers.iter().flatten().find_map(|answer| answer.as_ref().err());
         if let (Some(error), false) = (cause, answers.iter().flatten().any(Result::is_ok)) {
             self.still_alive(error);
@@ -345,33 +344,4 @@ fn members(request: &Request) -> Vec<CandidateId> {
 
 fn key(request: &Request) -> String {
     format!("{request:?}")
-}
-
-/// What `of` says of each item, in order, found by so many threads.
-fn in_parallel<T: Sync, U: Send>(items: &[T], threads: usize, of: impl Fn(&T) -> U + Sync) -> Vec<U> {
-    if threads < 2 || items.len() < 2 {
-        return items.iter().map(of).collect();
-    }
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(item) = items.get(i) else { return found };
-            found.push((i, of(item)));
-        }
-    };
-    let mut found: Vec<(usize, U)> = thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads.min(items.len())).map(|_| scope.spawn(work)).collect();
-        let mut found = work();
-        for worker in workers {
-            match worker.join() {
-                Ok(more) => found.extend(more),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        found
-    });
-    found.sort_by_key(|(i, _)| *i);
-    found.into_iter().map(|(_, answer)| answer).collect()
 }

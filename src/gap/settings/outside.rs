@@ -1,5 +1,7 @@
 //! Other programs as models.
 
+use crate::identify::repeatability::MEANS_AGREE;
+
 settings! {
     /// Windows in time.
     Windows as "outside.windows" {
@@ -23,7 +25,7 @@ settings! {
     /// Noise and inaccuracy.
     Noise as "outside.noise" {
         /// What independent programs and sensors agree to at best, of the range of a channel's means.
-        agreement: f64 = 5e-4, "–", Chosen("as in identification");
+        agreement: f64 = MEANS_AGREE, "–", Chosen("as in identification");
         /// Samples of the repeatability.
         samples: usize = 64, "–", Chosen("about as many as a chain has carts, each of which is a replicate lap");
         /// Windows that are drawn together.
