@@ -14,7 +14,7 @@ use lss::chain_input::{Effect, Simulation};
 use lss::dynamics::{End, Plan, Width};
 use lss::effects::simulate;
 use lss::gap::chain::Chains;
-use lss::gap::{Applied, Candidate, Diagnosis, Frame, Laps, Request, Simulator, diagnose};
+use lss::gap::{Applied, Candidates, Diagnosis, Frame, Laps, PerRun, Request, RunId, Settings, Simulator, diagnose};
 use lss::identify::Parameter;
 use lss::identify::study::Subject;
 use lss::signal::Run;
@@ -36,11 +36,12 @@ fn main() {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
 
     let clock = Instant::now();
-    let chains = Chains::new(&subjects, 1, threads, Width::widest(), &|_| {}).expect("runs that can be fitted");
+    let chains = Chains::new(&subjects, &Settings::default(), 1, threads, Width::widest(), &|_| {})
+        .expect("runs that can be fitted");
     let fits = clock.elapsed().as_secs_f64();
     let counted = Counted { chains, refits: Mutex::default(), simulated: Mutex::default() };
     let clock = Instant::now();
-    let found: Diagnosis = diagnose(&counted, &mut |_| {});
+    let found: Diagnosis = diagnose(&counted, &Settings::default(), &mut |_| {});
     let rest = clock.elapsed().as_secs_f64();
 
     let (refits, seconds) = *counted.refits.lock().expect("a count");
@@ -98,15 +99,15 @@ struct Counted {
 }
 
 impl Simulator for Counted {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         self.chains.candidates()
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         self.chains.frames()
     }
 
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         self.chains.simulate(run, step, effects)
     }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::base::number::shortest;
+use lss::gap::settings::{Setting, Settings};
 use lss::model::effect_definitions::{EFFECTS, EffectDefinition, PlaceKind};
 use std::fs;
 use std::path::Path;
@@ -43,12 +44,24 @@ fn the_table_of_effects_is_the_library() {
     hold("docs/gap-reference.md", "effects", &table);
 }
 
+#[test]
+fn the_table_of_constants_is_that_of_the_diagnosis() {
+    let mut table =
+        "| constant | value | unit | what it does | origin | from where, or why |\n|---|---|---|---|---|---|\n"
+            .to_owned();
+    for Setting { group, name, value, unit, about, origin } in Settings::default().table() {
+        let (kind, why) = (origin.name(), origin.why());
+        table += &format!("| `{group}.{name}` | {value} | {unit} | {about} | {kind} | {why} |\n");
+    }
+    hold("docs/gap-settings.md", "settings", &table);
+}
+
 /// That what stands between the marks of a name is this.
 fn hold(file: &str, name: &str, expected: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let text = fs::read_to_string(&path).expect("the document");
     let (begin, end) =
-        (format!("<!-- {name}: made by a test from the library -->\n"), format!("<!-- end of {name} -->"));
+        (format!("<!-- {name}: made by a test from the program -->\n"), format!("<!-- end of {name} -->"));
     let (before, rest) = text.split_once(&begin).expect("a mark");
     let (found, after) = rest.split_once(&end).expect("a second mark");
     if std::env::var_os("UPDATE_DOCS").is_some() {

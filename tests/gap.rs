@@ -7,7 +7,8 @@ use lss::base::random::normal;
 use lss::base::trig;
 use lss::effects::RandomEffect;
 use lss::gap::{
-    Applied, Band, Bound, Candidate, Diagnosis, Frame, Label, Laps, Request, Simulator, Strength, Verdict, diagnose,
+    Applied, Band, Bound, Candidate, CandidateId, Candidates, Diagnosis, Frame, Id, Label, Laps, PerRun, Request,
+    RunId, Settings, Simulator, Strength, Verdict, diagnose,
 };
 use nalgebra::DMatrix;
 use std::sync::Mutex;
@@ -18,8 +19,8 @@ const RUNS: usize = 3;
 /// Effects: `slope` grows along the run, `wave` swings, `step` is one of four stretches, `sensor` is channel b's gain,
 /// `twin` is nearly `wave`, `rough` lets laps scatter in channel a, `far` is not in proportion to its strength.
 struct Made {
-    candidates: Vec<Candidate>,
-    frames: Vec<Frame>,
+    candidates: Candidates,
+    frames: PerRun<Frame>,
     /// Whether it tells how laps scatter with effects.
     tells: bool,
     /// What the first run's nuisance does beside its slope, by its square.
@@ -171,23 +172,24 @@ fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             }
         })
         .collect();
-    Made { candidates, frames, tells: true, bent: 0.0, fails: None, asked: Mutex::default() }
+    Made { candidates: candidates.into(), frames, tells: true, bent: 0.0, fails: None, asked: Mutex::default() }
 }
 
 impl Simulator for Made {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         &self.candidates
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         &self.frames
     }
 
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-        let strengths = effects.iter().map(|e| (e.candidate, e.strengths[0]));
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+        let run = run.index();
+        let strengths = effects.iter().map(|e| (e.candidate.index(), e.strengths[0]));
         self.asked.lock().unwrap().extend(strengths);
         if let Some((candidate, how)) = self.fails
-            && effects.iter().any(|e| e.candidate == candidate)
+            && effects.iter().any(|e| e.candidate.index() == candidate)
         {
             match how {
                 Failure::NoAnswer => return None,
@@ -197,14 +199,14 @@ impl Simulator for Made {
             }
         }
         let moved = step.first().copied().unwrap_or(0.0);
-        let all = |k: usize| effects.iter().map(|e| done(e.candidate, e.strengths[0], run, k)).sum::<f64>();
+        let all = |k: usize| effects.iter().map(|e| done(e.candidate.index(), e.strengths[0], run, k)).sum::<f64>();
         let bent = if run == 0 { self.bent * moved * moved } else { 0.0 };
         Some((0..FEATURES).map(|k| 5.0 + moved * level(k) + bent * trig::sin(k as f64) + all(k)).collect())
     }
 
     fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
         let of = |r: &Request| {
-            let rough: f64 = r.effects.iter().filter(|e| e.candidate == ROUGH).map(|e| e.strengths[0]).sum();
+            let rough: f64 = r.effects.iter().filter(|e| e.candidate.index() == ROUGH).map(|e| e.strengths[0]).sum();
             let variance = (0..FEATURES).map(|k| 1.0 + rough * rough * level(k)).collect();
             self.tells.then(|| self.frames[r.run].laps.scaled(variance))
         };
@@ -213,7 +215,7 @@ impl Simulator for Made {
 }
 
 fn found(truth: &[(usize, f64)], strange: f64, seed: u64) -> Diagnosis {
-    diagnose(&made(truth, strange, seed), &mut |_| {})
+    diagnose(&made(truth, strange, seed), &Settings::default(), &mut |_| {})
 }
 
 #[test]
@@ -307,7 +309,7 @@ fn the_gap_lies_where_it_was_put() {
 #[test]
 fn what_chance_does_is_found_by_how_laps_scatter() {
     let mut made = made(&[(ROUGH, 4.0)], 0.0, 10);
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let first = &found.effects[0];
     assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "rough"), "{}", found.summary);
     let amount = &first.strength["size"];
@@ -316,7 +318,7 @@ fn what_chance_does_is_found_by_how_laps_scatter() {
     assert!((first.gap_closed.expect("runs left out") - 0.59).abs() < 0.15, "{first:?}");
     // Whoever does not know how laps scatter cannot name it.
     made.tells = false;
-    assert_eq!(diagnose(&made, &mut |_| {}).verdict, Verdict::Unknown);
+    assert_eq!(diagnose(&made, &Settings::default(), &mut |_| {}).verdict, Verdict::Unknown);
 }
 
 #[test]
@@ -328,7 +330,7 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
             let mut state = if same { 77 } else { 77 + run as u64 };
             frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
         }
-        let found = diagnose(&made, &mut |_| {});
+        let found = diagnose(&made, &Settings::default(), &mut |_| {});
         let named = found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability);
         (named, found.unknown_probability)
     };
@@ -340,7 +342,7 @@ fn what_all_runs_have_in_common_is_not_what_differs_from_lap_to_lap() {
 #[test]
 fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
     let mut made = made(&[(ROUGH, 0.0)], 0.0, 10);
-    made.candidates[ROUGH].random_effect = Some(RandomEffect::ByCart);
+    made.candidates[CandidateId::new(ROUGH)].random_effect = Some(RandomEffect::ByCart);
     for frame in &mut made.frames {
         let mut state = 77;
         frame.measured[..60].iter_mut().for_each(|x| *x += 4.0 * normal(&mut state));
@@ -348,7 +350,7 @@ fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
         let mut state = 78;
         frame.laps.scatter = (0..40).map(|_| (0..FEATURES).map(|_| normal(&mut state)).collect()).collect();
     }
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let rough = found.effects.iter().find(|e| e.name == "rough").map_or(0.0, |e| e.probability);
     assert!(rough > 0.2 && found.unknown_probability > 0.2, "{rough} and {}", found.unknown_probability);
 }
@@ -357,7 +359,7 @@ fn what_differs_from_cart_to_cart_is_not_told_from_what_sits_along_the_track() {
 fn a_nuisance_that_is_not_linear_does_not_bend_strengths() {
     let mut made = made(&[(1, 4.0)], 0.0, 12);
     made.bent = 60.0;
-    let found = diagnose(&made, &mut |_| {});
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let first = &found.effects[0];
     let amount = &first.strength["size"];
     assert!(["wave", "twin"].contains(&first.name.as_str()) && first.probability > 0.4, "{}", found.summary);
@@ -377,7 +379,7 @@ fn no_strength_beyond_its_bounds_is_ever_asked_for() {
             for strength in made.candidates.iter_mut().flat_map(|c| &mut c.strengths) {
                 (strength.low, strength.high, strength.trial) = (low, high, trial);
             }
-            let found = diagnose(&made, &mut |_| {});
+            let found = diagnose(&made, &Settings::default(), &mut |_| {});
             for (candidate, x) in made.asked.lock().unwrap().iter() {
                 assert!((low..=high).contains(x), "candidate {candidate} at {x} of {low} to {high}");
             }
@@ -392,8 +394,8 @@ fn no_strength_beyond_its_bounds_is_ever_asked_for() {
 #[test]
 fn a_strength_at_its_bound_says_so() {
     let mut made = made(&[(0, 30.0)], 0.0, 21);
-    made.candidates[0].strengths[0].high = 25.0;
-    let found = diagnose(&made, &mut |_| {});
+    made.candidates[CandidateId::new(0)].strengths[0].high = 25.0;
+    let found = diagnose(&made, &Settings::default(), &mut |_| {});
     let first = &found.effects[0];
     assert_eq!((first.name.as_str(), first.strength["size"].value), ("slope", 25.0), "{}", found.summary);
     assert_eq!(first.strength["size"].at_bound, Some(Bound::Upper));
@@ -410,7 +412,7 @@ fn what_cannot_be_simulated_is_not_ruled_out() {
     for how in [Failure::NoAnswer, Failure::NotFinite, Failure::InOneRun] {
         let mut made = made(&[(1, 4.0)], 0.0, 8);
         made.fails = Some((1, how));
-        let found = diagnose(&made, &mut |_| {});
+        let found = diagnose(&made, &Settings::default(), &mut |_| {});
         let wave = found.effects.iter().find(|f| f.name == "wave").expect("an effect");
         assert!(wave.untested() && wave.strength.is_empty(), "{wave:?}");
         // Both have one place and one strength: the untested one has as much as the best.
@@ -432,8 +434,8 @@ fn what_cannot_be_simulated_is_not_ruled_out() {
 fn a_member_that_may_be_absent_is_not_named() {
     let pair = |discrepancy: f64| {
         let mut made = made(&[(0, 8.0), (6, 3.0)], 0.0, 6);
-        made.candidates[6].discrepancy = discrepancy;
-        diagnose(&made, &mut |_| {})
+        made.candidates[CandidateId::new(6)].discrepancy = discrepancy;
+        diagnose(&made, &Settings::default(), &mut |_| {})
     };
     assert_eq!(pair(0.0).verdict, Verdict::Pair);
     let found = pair(2.0);

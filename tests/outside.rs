@@ -6,7 +6,7 @@
 use lss::base::random::normal;
 use lss::base::trig;
 use lss::gap::outside::{Error, Outside, Settings};
-use lss::gap::{Applied, Frame, Request, Simulator};
+use lss::gap::{Applied, CandidateId, Frame, Id, Request, RunId, Simulator};
 use nalgebra::{DMatrix, DVector};
 use std::fmt::Write as _;
 use std::fs;
@@ -176,7 +176,7 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
     let settings = Settings { threads: 3, ..Settings::default() };
     let outside = Outside::open(&command("examples/outside/model.py"), at.path(), &settings).expect("a model");
     assert_eq!(outside.frames().len(), 2);
-    for (run, frame) in outside.frames().iter().enumerate() {
+    for (run, frame) in outside.frames().with_ids() {
         let found = outside.nuisances(run);
         assert!((found["capacity"] / 10_400.0 - 1.0).abs() < 0.01, "{found:?}");
         assert!((found["loss"] / 4.3 - 1.0).abs() < 0.02, "{found:?}");
@@ -206,23 +206,24 @@ fn a_right_model_leaves_noise_and_its_slopes_are_its_own() {
     }
     let requests: Vec<Request> = (0..7)
         .map(|k| Request {
-            run: k % 2,
+            run: RunId::new(k % 2),
             step: vec![0.01 * k as f64, 0.0],
-            effects: vec![Applied { candidate: k % 5, strengths: vec![0.1] }],
+            effects: vec![Applied { candidate: CandidateId::new(k % 5), strengths: vec![0.1] }],
         })
         .collect();
     let all = outside.simulate_all(&requests);
     assert!(all.iter().all(Option::is_some) && all == other.simulate_all(&requests));
-    assert_eq!(outside.simulate(9, &[0.0, 0.0], &[]), None);
-    assert_eq!(outside.simulate(0, &[0.0, 0.0], &[Applied { candidate: 99, strengths: vec![1.0] }]), None);
+    assert_eq!(outside.simulate(RunId::new(9), &[0.0, 0.0], &[]), None);
+    let beyond = Applied { candidate: CandidateId::new(99), strengths: vec![1.0] };
+    assert_eq!(outside.simulate(RunId::new(0), &[0.0, 0.0], &[beyond]), None);
 }
 
 /// A frame with its nuisances moved and an effect added: what is left, whitened, and how it answers the nuisances and,
 /// last, the strength.
 struct Fit<'a> {
     outside: &'a Outside,
-    run: usize,
-    candidate: usize,
+    run: RunId,
+    candidate: CandidateId,
     step: Vec<f64>,
 }
 
@@ -272,13 +273,13 @@ impl Fit<'_> {
 
 /// Share of the root mean square residual that an effect closes on frames that had no part in finding its strength,
 /// nuisances fitted anew; and the mean strength.
-fn closure(outside: &Outside, candidate: usize) -> (f64, f64) {
+fn closure(outside: &Outside, candidate: CandidateId) -> (f64, f64) {
     let frames = outside.frames();
     let bounds = &outside.candidates()[candidate].strengths[0];
-    let new = |run: usize| Fit { outside, run, candidate, step: vec![0.0; frames[run].prior.len()] };
+    let new = |run: RunId| Fit { outside, run, candidate, step: vec![0.0; frames[run].prior.len()] };
     let (mut before, mut after, mut mean) = (0.0, 0.0, 0.0);
-    for out in 0..frames.len() {
-        let mut fits: Vec<Fit> = (0..frames.len()).filter(|run| *run != out).map(new).collect();
+    for out in frames.ids() {
+        let mut fits: Vec<Fit> = frames.ids().filter(|run| *run != out).map(new).collect();
         let mut strength = 0.0;
         for _ in 0..6 {
             let each: Vec<_> = fits.iter_mut().map(|f| f.fit(strength)).collect();
@@ -300,7 +301,7 @@ fn closure(outside: &Outside, candidate: usize) -> (f64, f64) {
 
 /// Closures by effect, the largest first.
 fn ranking(outside: &Outside) -> Vec<(String, f64, f64)> {
-    let each = outside.candidates().iter().enumerate();
+    let each = outside.candidates().with_ids();
     let mut all: Vec<(String, f64, f64)> = each
         .map(|(k, c)| {
             let (closed, strength) = closure(outside, k);
@@ -346,7 +347,7 @@ fn a_real_drive_misses_dry_friction() {
     assert_eq!(outside.frames().len(), 4);
     let all = ranking(&outside);
     println!("{all:?}");
-    for (run, frame) in outside.frames().iter().enumerate() {
+    for (run, frame) in outside.frames().with_ids() {
         let left = mean_square(&whitened(frame, &frame.nominal));
         println!("{} {left} {:?} {} windows", frame.run, outside.nuisances(run), frame.labels.len());
     }

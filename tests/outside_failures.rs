@@ -38,7 +38,11 @@ fn oven(folder: &Path, name: &str, lines: &str) -> PathBuf {
 fn diagnosed(script: &Path, timeout: Duration) -> Diagnosis {
     let settings = Settings { timeout, ..Settings::default() };
     let command = format!("python3 \"{}\"", script.display());
-    diagnose(&Outside::open(&command, &root().join("examples/outside"), &settings).expect("a model"), &mut |_| {})
+    diagnose(
+        &Outside::open(&command, &root().join("examples/outside"), &settings).expect("a model"),
+        &lss::gap::Settings::default(),
+        &mut |_| {},
+    )
 }
 
 /// The cause is what cannot be simulated: it is named, with strength, run and reason, and no other is sure.

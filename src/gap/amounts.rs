@@ -1,10 +1,10 @@
 //! Fitted strengths with their 90 % intervals.
 
-use super::chance::SURE;
 use super::comparison::Comparison;
 use super::diagnosis::{Amount, Bound};
+use super::hypothesis::norm_squared;
+use super::ids::PerRun;
 use super::scored::Scored;
-use super::significance::ScoreTest;
 use super::simulator::Strength;
 use crate::base::number::tidy;
 use crate::base::trig;
@@ -14,17 +14,17 @@ use std::collections::BTreeMap;
 /// Deviations of a normal distribution's 90 % interval.
 const NINETY: f64 = 1.644_853_627;
 
-/// Share of what is left of the gap, as an amplitude, that is believed to be the effect's own.
-const MISSED: f64 = 0.5;
-
 /// Strengths of an effect with their intervals.
 pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<String, Amount> {
     let fitted = &told.fitted;
+    let settings = comparison.settings;
+    let deviation = settings.random_effects.deviation;
     // A gap that is left makes every strength less sure.
     let scale =
-        told.mean_square.max(1.0).sqrt() * comparison.evidence.first().map_or(1.0, |e| e.replicate.max(0.3)).sqrt();
+        told.mean_square.max(1.0).sqrt() * comparison.observations.first().map_or(1.0, |o| o.replicate.max(0.3)).sqrt();
     // What the effect's equation misses of its own pattern may be as much of its strength.
-    let missed = MISSED * ((told.mean_square - 1.0) / (comparison.mean_square - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
+    let missed = settings.intervals.missed
+        * ((told.mean_square - 1.0) / (comparison.mean_square - 1.0).max(1e-9)).clamp(0.0, 1.0).sqrt();
     let mut out = BTreeMap::new();
     for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
         let signature = &comparison.signatures[*k];
@@ -35,10 +35,10 @@ pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<S
         let strength = &candidate.strengths[signature.strength];
         let value = fitted.strengths[i];
         let own = told.covariance()[(i, i)].max(0.0).sqrt();
-        let by_scatter = candidate.random_effect.is_some() && (own - SURE * value.abs()).abs() <= 1e-9 * own;
+        let by_scatter = candidate.random_effect.is_some() && (own - deviation * value.abs()).abs() <= 1e-9 * own;
         let size = value.abs();
         let uncertainty = match by_scatter {
-            true => Uncertainty { sum: missed * size, factor: trig::hypot(SURE, candidate.discrepancy) },
+            true => Uncertainty { sum: missed * size, factor: trig::hypot(deviation, candidate.discrepancy) },
             false => {
                 let own = (scale * own).max(scattered(comparison, &fitted.columns[i]));
                 // Beside another effect it may as a whole be what that one's equation misses; alone it is there.
@@ -88,7 +88,7 @@ fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
 }
 
 /// How far a strength is off by what scatters along its signature.
-fn scattered(comparison: &Comparison, column: &[DVector<f64>]) -> f64 {
-    let square: f64 = column.iter().map(DVector::norm_squared).sum();
-    ScoreTest::new(&comparison.evidence, &comparison.residuals(), column).deviation / square.max(1e-300)
+fn scattered(comparison: &Comparison, column: &PerRun<DVector<f64>>) -> f64 {
+    let square = norm_squared(column);
+    comparison.tested(&comparison.residuals(), column).deviation / square.max(1e-300)
 }

@@ -3,54 +3,43 @@
 //! signature is less a change of the mean lap than how far laps scatter, and their strength is where the scatter fits:
 //! at the least of ln s + ln(det C/det C₀)/n (see [`super::repeatability`]) over the strength.
 
-use super::evidence::{Evidence, most_off};
+use super::ids::{PerRun, RunId, SignatureId};
+use super::observation::{Observation, most_off};
 use super::repeatability::{Repeatability, repeatabilities};
-use super::screen::{Signature, explain};
-use super::simulator::{Laps, Request, Simulator, Strength};
+use super::screen::{Signature, Signatures, explain};
+use super::settings::{RandomEffects, SHARES, Settings};
+use super::simulator::{Context, Laps, Request, Simulator, Strength};
 use crate::base::trig;
 use crate::effects::RandomEffect;
-use crate::gap::hypothesis::{Fitted, Hypothesis};
+use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use nalgebra::{DMatrix, DVector};
-
-/// Strengths that are simulated at first, from the trial on, each so many times the one before; and further ones
-/// between these.
-const LADDER: usize = 4;
-const RUNG: f64 = 3.0;
-const FURTHER: usize = 4;
-
-/// Strengths over a simulated one at which the scatter is thought of, by its square. They say where to simulate next:
-/// there where it is one of the near ones. What is believed was simulated, as swings of a late drive are far from
-/// growing in proportion.
-const SPAN: [f64; 7] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75];
-const NEAR: (f64, f64) = (0.8, 1.25);
-
-/// What scatter must explain at least, as a logarithm, for the effect to be fitted; what changes less does nothing.
-const WORTH: f64 = 0.1;
-
-/// Deviation of the logarithm of a strength that is found by scatter.
-pub const SURE: f64 = 0.3;
 
 /// Where such effects are looked for.
 pub struct Chance<'a> {
     pub simulator: &'a dyn Simulator,
+    pub settings: &'a Settings,
     /// Before the nominal chain's repeatability.
-    pub nominal: &'a [Evidence],
+    pub nominal: &'a PerRun<Observation>,
     /// What every machine deviates by, of each run.
-    pub as_built: &'a [Vec<Vec<f64>>],
-    pub signatures: &'a [Signature],
+    pub as_built: &'a PerRun<Vec<Vec<f64>>>,
+    pub signatures: &'a Signatures,
 }
 
 impl Chance<'_> {
+    fn context(&self) -> Context<'_> {
+        Context { simulator: self.simulator, settings: self.settings }
+    }
+
     /// Hypotheses of candidates that differ by chance, at the strengths where laps scatter as much as they are off.
     pub fn hypotheses(&self) -> Vec<(Fitted, Option<Repeatability>)> {
+        let settings = &self.settings.random_effects;
         let candidates = self.simulator.candidates();
-        let own =
-            (0..self.signatures.len()).filter(|k| candidates[self.signatures[*k].candidate].random_effect.is_some());
-        let alone = |k: usize| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
+        let own = self.signatures.ids().filter(|k| candidates[self.signatures[*k].candidate].random_effect.is_some());
+        let alone = |k: SignatureId| Hypothesis { members: vec![self.signatures[k].candidate], signatures: vec![k] };
         let ladder = |hypothesis: Hypothesis| {
             let strength = self.strength(&hypothesis);
-            let rungs = std::iter::successors(Some(strength.trial), |size| Some(size * RUNG));
-            let first = rungs.take(LADDER).filter(|size| *size < strength.high).collect();
+            let rungs = std::iter::successors(Some(strength.trial), |size| Some(size * settings.rung));
+            let first = rungs.take(settings.rungs).filter(|size| *size < strength.high).collect();
             (Tried { hypothesis, beside: None, without: None, points: Vec::new() }, first)
         };
         self.search(own.map(alone).map(ladder).unzip())
@@ -58,6 +47,7 @@ impl Chance<'_> {
 
     /// The same of what was found alone beside another effect, which differs by nothing.
     pub fn with_another(&self, other: &Fitted, found: &[&Fitted]) -> Vec<(Fitted, Option<Repeatability>)> {
+        let rung = self.settings.random_effects.rung;
         let run = self.run();
         let effects = other.hypothesis.applied(self.simulator.candidates(), self.signatures, &other.strengths);
         let request = Request { run, step: other.nuisance_offsets[run].clone(), effects };
@@ -65,15 +55,15 @@ impl Chance<'_> {
         let both = |one: &&Fitted| {
             let hypothesis = other.hypothesis.with(&one.hypothesis);
             let (alone, high) = (one.strengths[0], self.strength(&hypothesis).high);
-            let first = [alone / RUNG, alone, alone * RUNG].into_iter().filter(|size| *size < high).collect();
+            let first = [alone / rung, alone, alone * rung].into_iter().filter(|size| *size < high).collect();
             (Tried { hypothesis, beside: Some(other), without: without.clone(), points: Vec::new() }, first)
         };
         self.search(found.iter().map(both).unzip())
     }
 
     /// The run whose laps are held against what it measured.
-    fn run(&self) -> usize {
-        most_off(self.nominal, self.nominal.iter().map(|e| &e.residual))
+    fn run(&self) -> RunId {
+        most_off(self.nominal, self.nominal.iter().map(|o| &o.residual))
     }
 
     /// Hypotheses at the strengths that fit, looked for from some on.
@@ -81,15 +71,20 @@ impl Chance<'_> {
         let run = self.run();
         let before: Vec<f64> =
             all.iter().map(|tried| self.misfit(tried, run, self.without(tried, run), 1.0, None)).collect();
-        for _ in 0..=FURTHER {
+        for _ in 0..=self.settings.random_effects.further {
             self.simulate(run, &mut all, &asked);
-            let further = |tried: &Tried| tried.further().filter(|x| *x < self.strength(&tried.hypothesis).high);
+            let further = |tried: &Tried| {
+                tried.further(&self.settings.random_effects).filter(|x| *x < self.strength(&tried.hypothesis).high)
+            };
             asked = all.iter().map(|tried| further(tried).into_iter().collect()).collect();
         }
-        let found: Vec<Fitted> =
-            all.iter().zip(before).filter_map(|(tried, before)| self.fitted(tried, tried.size(before)?)).collect();
+        let found: Vec<Fitted> = all
+            .iter()
+            .zip(before)
+            .filter_map(|(tried, before)| self.fitted(tried, tried.size(before, &self.settings.random_effects)?))
+            .collect();
         let each: Vec<&Fitted> = found.iter().collect();
-        let mut own = repeatabilities(self.simulator, self.nominal, self.as_built, self.signatures, &each);
+        let mut own = repeatabilities(self.context(), self.nominal, self.as_built, self.signatures, &each);
         // Scatter says the strength, not the mean lap's slope.
         for (repeatability, one) in own.iter_mut().zip(&found) {
             if let Some(repeatability) = repeatability {
@@ -102,7 +97,7 @@ impl Chance<'_> {
     }
 
     /// How laps of a run scatter without what differs by chance.
-    fn without<'b>(&'b self, tried: &'b Tried, run: usize) -> &'b Laps {
+    fn without<'b>(&'b self, tried: &'b Tried, run: RunId) -> &'b Laps {
         tried.without.as_ref().unwrap_or(&self.simulator.frames()[run].laps)
     }
 
@@ -117,7 +112,7 @@ impl Chance<'_> {
     }
 
     /// Laps of a run with each hypothesis at strengths.
-    fn simulate(&self, run: usize, all: &mut [Tried], asked: &[Vec<f64>]) {
+    fn simulate(&self, run: RunId, all: &mut [Tried], asked: &[Vec<f64>]) {
         let each = all.iter().zip(asked);
         let requests: Vec<Request> =
             each.flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(tried, run, *size))).collect();
@@ -126,7 +121,11 @@ impl Chance<'_> {
             for size in sizes {
                 let Some(laps) = answers.next().flatten() else { continue };
                 let mean = self.mean(&tried.hypothesis, run, *size);
-                let misfits = SPAN.map(|share| self.misfit(tried, run, &laps, share, mean.as_deref()));
+                let misfits = self
+                    .settings
+                    .random_effects
+                    .shares
+                    .map(|share| self.misfit(tried, run, &laps, share, mean.as_deref()));
                 tried.points.push(ScatterPoint { size: *size, misfits });
             }
             tried.points.sort_by(|a, b| a.size.total_cmp(&b.size));
@@ -134,7 +133,7 @@ impl Chance<'_> {
     }
 
     /// What a strength changes in a run's mean lap, by the signature; `None` where another lap has another pattern.
-    fn mean(&self, hypothesis: &Hypothesis, run: usize, size: f64) -> Option<Vec<f64>> {
+    fn mean(&self, hypothesis: &Hypothesis, run: RunId, size: f64) -> Option<Vec<f64>> {
         let signature = self.signature(hypothesis);
         let random_effect = self.simulator.candidates()[signature.candidate].random_effect;
         (random_effect == Some(RandomEffect::ByCart)).then(|| signature.change[run].iter().map(|x| x * size).collect())
@@ -142,11 +141,11 @@ impl Chance<'_> {
 
     /// ln s + ln(det C/det C₀)/n of a run, where laps scatter and are off in the mean as at a share of the strength
     /// that has these.
-    fn misfit(&self, tried: &Tried, run: usize, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
+    fn misfit(&self, tried: &Tried, run: RunId, laps: &Laps, share: f64, mean: Option<&[f64]>) -> f64 {
         let frame = &self.simulator.frames()[run];
         let added = |(v, own): (&f64, &f64)| if v.is_finite() { v + share * share * (own - v) } else { *v };
         let variance = self.without(tried, run).variance.iter().zip(&laps.variance).map(added).collect();
-        let own = Evidence::with(frame, &self.as_built[run], &laps.scaled(variance));
+        let own = Observation::with(frame, &self.as_built[run], &laps.scaled(variance), self.settings);
         let mut left = own.residual.clone();
         if let Some(other) = tried.beside {
             left -= own.column(&other.changes[run]);
@@ -158,7 +157,7 @@ impl Chance<'_> {
     }
 
     /// A run with the hypothesis at a strength, nuisances where they are without it.
-    fn request(&self, tried: &Tried, run: usize, size: f64) -> Request {
+    fn request(&self, tried: &Tried, run: RunId, size: f64) -> Request {
         let effects = tried.hypothesis.applied(self.simulator.candidates(), self.signatures, &tried.strengths(size));
         let alone = || self.nominal[run].nuisance_offsets(&vec![0.0; self.simulator.frames()[run].nominal.len()]);
         Request { run, step: tried.beside.map_or_else(alone, |other| other.nuisance_offsets[run].clone()), effects }
@@ -171,14 +170,15 @@ impl Chance<'_> {
         let last = one.strengths.len() - 1;
         one.strengths = tried.strengths(size);
         one.covariance = DMatrix::zeros(last + 1, last + 1);
-        one.covariance[(last, last)] = (SURE * size) * (SURE * size);
+        let deviation = self.settings.random_effects.deviation;
+        one.covariance[(last, last)] = (deviation * size) * (deviation * size);
         if let Some(other) = tried.beside {
             one.columns[..last].clone_from_slice(&other.columns);
             one.covariance.view_mut((0, 0), (last, last)).copy_from(&other.covariance);
         }
-        let asked: Vec<Request> = (0..self.nominal.len()).map(|run| self.request(tried, run, size)).collect();
+        let asked: Vec<Request> = self.nominal.ids().map(|run| self.request(tried, run, size)).collect();
         let by_lap = candidates[self.signature(&tried.hypothesis).candidate].random_effect == Some(RandomEffect::ByLap);
-        let features: Vec<Vec<f64>> = if by_lap {
+        let features: PerRun<Vec<f64>> = if by_lap {
             // Another lap has another pattern: nothing of the simulated one is in the measured one's mean.
             one.columns[last].iter_mut().for_each(|column| column.fill(0.0));
             let nominal = || asked.iter().map(|r| frames[r.run].at(&r.step)).collect();
@@ -190,7 +190,7 @@ impl Chance<'_> {
             Some(other) => other.changes.clone(),
             None => asked.iter().zip(&features).map(|(r, f)| frames[r.run].moved(f, &r.step)).collect(),
         };
-        one.residuals = self.nominal.iter().zip(&one.changes).map(|(e, c)| &e.residual - e.column(c)).collect();
+        one.residuals = self.nominal.iter().zip(&one.changes).map(|(o, c)| &o.residual - o.column(c)).collect();
         one.nuisance_offsets = asked.into_iter().map(|r| r.step).collect();
         one.features = Some(features);
         if tried.beside.is_some() {
@@ -202,18 +202,11 @@ impl Chance<'_> {
     /// Strengths of the other effect as they fit best beside what differs by chance, which it took for its own.
     fn settle_other(&self, one: &mut Fitted, own: usize) {
         let bounds = one.hypothesis.bounds(self.simulator.candidates(), self.signatures);
-        let room = bounds.iter().zip(&one.strengths).map(|((low, high), x)| (low - x, high - x));
-        let room: Vec<(f64, f64)> = room.take(own).collect();
-        let columns: Vec<&[DVector<f64>]> = one.columns[..own].iter().map(|c| &c[..]).collect();
-        let step = explain(&one.residuals, &columns, &room, None);
+        let columns: Vec<&PerRun<DVector<f64>>> = one.columns[..own].iter().collect();
+        let step = explain(&one.residuals, &columns, &room(&bounds[..own], &one.strengths), None);
         let more: Vec<f64> = step.strengths.iter().copied().chain([0.0]).collect();
-        for (run, change) in one.changes.iter_mut().enumerate() {
-            let by = one.hypothesis.change(self.signatures, &more, run);
-            change.iter_mut().zip(by).for_each(|(x, d)| *x += d);
-        }
-        for ((x, d), (low, high)) in one.strengths.iter_mut().zip(&more).zip(bounds) {
-            *x = (*x + d).clamp(low, high);
-        }
+        one.changes = one.hypothesis.changed_further(self.signatures, &one.changes, &more);
+        one.strengths = stepped(&one.strengths, &more, &bounds);
         one.residuals = step.residuals;
     }
 }
@@ -228,10 +221,10 @@ struct Tried<'a> {
     points: Vec<ScatterPoint>,
 }
 
-/// How far laps are from scattering as much as the run is off, at each share of a strength in [`SPAN`].
+/// How far laps are from scattering as much as the run is off, at each share of a strength that is thought of.
 struct ScatterPoint {
     size: f64,
-    misfits: [f64; SPAN.len()],
+    misfits: [f64; SHARES],
 }
 
 impl Tried<'_> {
@@ -242,38 +235,43 @@ impl Tried<'_> {
 
     /// Another strength to be simulated: where it fits better when that is near; else half way between strengths with
     /// which laps scatter too little and too much, as scatter grows with the strength, though it may do so all at once.
-    fn further(&self) -> Option<f64> {
-        let each: Vec<(f64, f64)> = self.points.iter().map(|point| (point.size, point.share())).collect();
+    fn further(&self, settings: &RandomEffects) -> Option<f64> {
+        let each: Vec<(f64, f64)> = self.points.iter().map(|point| (point.size, point.share(settings))).collect();
         if each.iter().any(|(_, share)| *share == 1.0) {
             return None;
         }
-        if let Some((size, share)) = each.iter().rfind(|(_, share)| (NEAR.0..=NEAR.1).contains(share)) {
+        if let Some((size, share)) = each.iter().rfind(|(_, share)| settings.near.contains(share)) {
             let next = size * share;
             return each.iter().all(|(size, _)| *size != next).then_some(next);
         }
         let much = each.iter().position(|(_, share)| *share < 1.0)?;
-        let little = much.checked_sub(1).map_or(each[much].0 / (RUNG * RUNG), |k| each[k].0);
+        let little = much.checked_sub(1).map_or(each[much].0 / (settings.rung * settings.rung), |k| each[k].0);
         Some((little * each[much].0).sqrt())
     }
 
     /// The simulated strength that fits best, where scatter explains something.
-    fn size(&self, before: f64) -> Option<f64> {
-        let best = self.points.iter().min_by(|a, b| a.misfit().total_cmp(&b.misfit()))?;
-        (best.misfit() < before - WORTH).then_some(best.size)
+    fn size(&self, before: f64, settings: &RandomEffects) -> Option<f64> {
+        let best = self.points.iter().min_by(|a, b| a.misfit(settings).total_cmp(&b.misfit(settings)))?;
+        (best.misfit(settings) < before - settings.worth).then_some(best.size)
     }
 }
 
 impl ScatterPoint {
     /// At the strength itself.
-    fn misfit(&self) -> f64 {
-        SPAN.iter().zip(self.misfits).find(|(share, _)| **share == 1.0).map_or(f64::INFINITY, |(_, misfit)| misfit)
+    fn misfit(&self, settings: &RandomEffects) -> f64 {
+        settings
+            .shares
+            .iter()
+            .zip(self.misfits)
+            .find(|(share, _)| **share == 1.0)
+            .map_or(f64::INFINITY, |(_, misfit)| misfit)
     }
 
     /// The share of the strength at which it is least; infinite where laps do not scatter by it, whatever the share.
-    fn share(&self) -> f64 {
-        let each = SPAN.iter().zip(self.misfits);
+    fn share(&self, settings: &RandomEffects) -> f64 {
+        let each = settings.shares.iter().zip(self.misfits);
         let most = self.misfits.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let least = each.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, least)| most - least > WORTH);
+        let least = each.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, least)| most - least > settings.worth);
         least.map_or(f64::INFINITY, |(share, _)| *share)
     }
 }
@@ -281,33 +279,38 @@ impl ScatterPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::ids::{CandidateId, Id};
 
     /// A quadratic in the logarithm of the strength, as it is where scatter grows in proportion.
     fn tried(sizes: &[f64], fits: f64) -> Tried<'static> {
         let point = |size: &f64| {
             let misfit = |share: f64| trig::ln(share * size / fits) * trig::ln(share * size / fits);
-            ScatterPoint { size: *size, misfits: SPAN.map(misfit) }
+            ScatterPoint { size: *size, misfits: RandomEffects::default().shares.map(misfit) }
         };
-        let hypothesis = Hypothesis { members: vec![0], signatures: vec![0] };
+        let hypothesis = Hypothesis { members: vec![CandidateId::new(0)], signatures: vec![SignatureId::new(0)] };
         Tried { hypothesis, beside: None, without: None, points: sizes.iter().map(point).collect() }
     }
 
     #[test]
     fn a_strength_is_looked_for_between_simulated_ones() {
-        let next = |fits: f64| tried(&[1.0, 3.0, 9.0], fits).further();
+        let settings = RandomEffects::default();
+        let next = |fits: f64| tried(&[1.0, 3.0, 9.0], fits).further(&settings);
         // 5 is too much for 3 and too little for 9.
         assert!((next(5.0).unwrap() - 27.0_f64.sqrt()).abs() < 1e-9);
         assert!((next(0.5).unwrap() - 1.0 / 3.0).abs() < 1e-9);
         assert!((next(3.6).unwrap() - 3.75).abs() < 1e-9);
         assert_eq!((next(3.1), next(90.0)), (None, None));
         let there = tried(&[1.0, 3.0, 9.0], 3.1);
-        assert_eq!(there.size(9.0), Some(3.0));
+        assert_eq!(there.size(9.0, &settings), Some(3.0));
         // What does nothing is too little, whichever share is least by a hair.
-        let flat = ScatterPoint { size: 0.1, misfits: SPAN.map(|share| 9.0 + 1e-3 * (share - 1.0).abs()) };
+        let flat = ScatterPoint {
+            size: 0.1,
+            misfits: RandomEffects::default().shares.map(|share| 9.0 + 1e-3 * (share - 1.0).abs()),
+        };
         let mut beside = tried(&[9.0], 3.0);
         beside.points.insert(0, flat);
-        assert!((beside.further().unwrap() - 0.9_f64.sqrt()).abs() < 1e-9);
+        assert!((beside.further(&settings).unwrap() - 0.9_f64.sqrt()).abs() < 1e-9);
         // What explains nothing is not believed.
-        assert_eq!(there.size(-1.0), None);
+        assert_eq!(there.size(-1.0, &settings), None);
     }
 }

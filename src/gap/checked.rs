@@ -1,7 +1,9 @@
 //! The one door to a model: what is asked keeps to the declared bounds, and what had no answer is known afterwards.
 
 use super::diagnosis::Lost;
-use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
+use super::ids::{CandidateId, PerRun};
+use super::settings::Checks;
+use super::simulator::{Applied, Axis, Candidate, Candidates, Frame, Laps, Request, Simulator};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -9,6 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// can be compared.
 pub struct Checked<'a> {
     simulator: &'a dyn Simulator,
+    settings: &'a Checks,
     failures: Mutex<Vec<Failure>>,
 }
 
@@ -20,8 +23,8 @@ struct Failure {
 }
 
 impl<'a> Checked<'a> {
-    pub fn new(simulator: &'a dyn Simulator) -> Checked<'a> {
-        Checked { simulator, failures: Mutex::default() }
+    pub fn new(simulator: &'a dyn Simulator, settings: &'a Checks) -> Checked<'a> {
+        Checked { simulator, settings, failures: Mutex::default() }
     }
 
     fn failures(&self) -> MutexGuard<'_, Vec<Failure>> {
@@ -32,7 +35,7 @@ impl<'a> Checked<'a> {
     pub fn lost(&self) -> Vec<Lost> {
         let size =
             |request: &Request| request.effects.iter().flat_map(|e| &e.strengths).fold(0.0, |a, x| x.abs().max(a));
-        let mut least: BTreeMap<(Vec<usize>, &str), &Request> = BTreeMap::new();
+        let mut least: BTreeMap<(Vec<CandidateId>, &str), &Request> = BTreeMap::new();
         let failures = self.failures();
         for Failure { request, why } in failures.iter() {
             let effects = request.effects.iter().map(|e| e.candidate).collect();
@@ -46,7 +49,7 @@ impl<'a> Checked<'a> {
 
     fn named(&self, request: &Request, why: &str) -> Lost {
         let with = |applied: &Applied| -> Option<(&Candidate, BTreeMap<String, f64>)> {
-            let candidate = self.candidates().get(applied.candidate)?;
+            let candidate = self.candidates().at(applied.candidate)?;
             let names = candidate.strengths.iter().map(|s| s.name.clone());
             let strength = names.zip(applied.strengths.iter().copied()).filter(|(_, x)| *x != 0.0).collect();
             Some((candidate, strength))
@@ -60,18 +63,18 @@ impl<'a> Checked<'a> {
             effect: words(&|c| &c.effect),
             place: words(&|c| &c.place),
             strength: each.iter().flat_map(|(_, strength)| strength.clone()).collect(),
-            run: self.frames().get(request.run).map_or_else(String::new, |f| f.run.clone()),
+            run: self.frames().at(request.run).map_or_else(String::new, |f| f.run.clone()),
             why: why.to_owned(),
         }
     }
 }
 
 impl Simulator for Checked<'_> {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         self.simulator.candidates()
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         self.simulator.frames()
     }
 
@@ -96,7 +99,8 @@ impl Simulator for Checked<'_> {
         let asked: Vec<Request> = requests.iter().map(|r| r.bounded(self.candidates())).collect();
         let mut answers = self.simulator.simulate_all(&asked);
         for (request, answer) in asked.into_iter().zip(&mut answers) {
-            let lacking = answer.as_ref().zip(self.frames().get(request.run)).map_or(0, |(a, f)| f.lacking(a));
+            let lacking = answer.as_ref().zip(self.frames().at(request.run));
+            let lacking = lacking.map_or(0, |(a, f)| f.lacking(a, self.settings.may_lack));
             let why = match answer {
                 None => self.reason(&request).unwrap_or_else(|| "it cannot be simulated".to_owned()),
                 Some(_) if lacking > 0 => format!("{lacking} of its features are no finite numbers"),
@@ -111,10 +115,10 @@ impl Simulator for Checked<'_> {
 
 impl Request {
     /// The same with all strengths within their bounds.
-    fn bounded(&self, candidates: &[Candidate]) -> Request {
+    fn bounded(&self, candidates: &Candidates) -> Request {
         let mut bounded = self.clone();
         for effect in &mut bounded.effects {
-            if let Some(candidate) = candidates.get(effect.candidate) {
+            if let Some(candidate) = candidates.at(effect.candidate) {
                 effect.strengths = candidate.bounded(&effect.strengths);
             }
         }

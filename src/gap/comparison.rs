@@ -1,27 +1,27 @@
 //! Comparison of hypotheses: the log posterior of each, and of something unknown beside them.
 
-use super::evidence::{self, Evidence};
+use super::ids::{CandidateId, PerRun, SignatureId};
 use super::likelihood;
+use super::observation::{self, Observation};
 use super::refit::along;
 use super::repeatability::Repeatability;
 use super::scored::{self, Explanation, Scored, Terms};
-use super::screen::Signature;
-use super::significance::{self, ScoreTest};
-use super::simulator::{Band, Candidate, Simulator};
+use super::screen::{Signature, Signatures};
+use super::settings::{Likelihood, Settings};
+use super::significance::ScoreTest;
+use super::simulator::{Band, Candidate, Candidates, Context, Simulator};
 use crate::base::trig;
 use crate::effects::RandomEffect;
-use crate::gap::hypothesis::{Fitted, Hypothesis};
+use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
 use nalgebra::DVector;
 use std::collections::BTreeSet;
-
-/// Hypotheses that are held against what is seen beyond them.
-const COMPARED: usize = 40;
 
 /// What hypotheses are compared by: the runs, and the signatures of effects that were screened.
 pub struct Comparison<'a> {
     pub simulator: &'a dyn Simulator,
-    pub evidence: Vec<Evidence>,
-    pub signatures: Vec<Signature>,
+    pub settings: &'a Settings,
+    pub observations: PerRun<Observation>,
+    pub signatures: Signatures,
     pub degrees_of_freedom: f64,
     /// Normalised mean-square residual of the nominal model.
     pub mean_square: f64,
@@ -36,11 +36,12 @@ pub struct Compared<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    pub fn new(simulator: &'a dyn Simulator, evidence: Vec<Evidence>, signatures: Vec<Signature>) -> Self {
-        let degrees_of_freedom = evidence.iter().map(|e| e.degrees_of_freedom).sum::<f64>();
-        let degrees_of_freedom = degrees_of_freedom.min(likelihood::MOST_DEGREES_OF_FREEDOM);
-        let mean_square = overall_mean_square(&evidence, evidence.iter().map(|e| &e.residual));
-        Comparison { simulator, evidence, signatures, degrees_of_freedom, mean_square }
+    pub fn new(context: Context<'a>, observations: PerRun<Observation>, signatures: Signatures) -> Self {
+        let degrees_of_freedom = observations.iter().map(|o| o.degrees_of_freedom).sum::<f64>();
+        let degrees_of_freedom = degrees_of_freedom.min(context.settings.likelihood.degrees_of_freedom);
+        let mean_square = overall_mean_square(&observations, observations.iter().map(|o| &o.residual));
+        let Context { simulator, settings } = context;
+        Comparison { simulator, settings, observations, signatures, degrees_of_freedom, mean_square }
     }
 
     /// What hypotheses that were fitted and scored come to, once all are there: what each costs beside, and something
@@ -52,28 +53,26 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Hypotheses whose scores are explained.
-const EXPLAINED: usize = 12;
-
 impl Compared<'_> {
     /// How no gap, something unknown and the likeliest hypotheses came to their scores.
     pub fn explained(&self) -> Vec<Explanation> {
         let comparison = &self.comparison;
-        let (mean_square, prior) = (comparison.mean_square, trig::ln(likelihood::NONE));
+        let settings = comparison.likelihood();
+        let (mean_square, prior) = (comparison.mean_square, trig::ln(settings.prior_none));
         let none = Terms {
-            likelihood: likelihood::log_likelihood(mean_square, comparison.degrees_of_freedom),
+            likelihood: settings.log_likelihood(mean_square, comparison.degrees_of_freedom),
             prior,
             ..Terms::default()
         };
-        let prior = trig::ln(likelihood::UNKNOWN);
+        let prior = trig::ln(settings.prior_unknown);
         let unknown = Terms { likelihood: self.unknown - prior, prior, ..Terms::default() };
         let without = |terms| Explanation { effects: Vec::new(), simulated: true, mean_square, terms };
-        let name = |c: &usize| {
+        let name = |c: &CandidateId| {
             let candidate = &comparison.candidates()[*c];
             let place = if candidate.place.is_empty() { String::new() } else { format!(" ({})", candidate.place) };
             format!("{}{place}", candidate.effect)
         };
-        let each = self.scored.iter().take(EXPLAINED).map(|scored| Explanation {
+        let each = self.scored.iter().take(comparison.settings.reporting.explained).map(|scored| Explanation {
             effects: scored.fitted.hypothesis.members.iter().map(name).collect(),
             simulated: scored.fitted.simulated(),
             mean_square: scored.mean_square,
@@ -90,32 +89,36 @@ impl Compared<'_> {
 }
 
 /// Mean square residual over that of replicate laps, over all runs, each for what it can tell.
-pub fn overall_mean_square<'a>(evidence: &[Evidence], residuals: impl IntoIterator<Item = &'a DVector<f64>>) -> f64 {
+pub fn overall_mean_square<'a>(
+    observations: &PerRun<Observation>,
+    residuals: impl IntoIterator<Item = &'a DVector<f64>>,
+) -> f64 {
     let mut sum = (0.0, 0.0);
-    for (evidence, residual) in evidence.iter().zip(residuals) {
-        sum =
-            (sum.0 + evidence.degrees_of_freedom * evidence.mean_square(residual), sum.1 + evidence.degrees_of_freedom);
+    for (observation, residual) in observations.iter().zip(residuals) {
+        sum = (
+            sum.0 + observation.degrees_of_freedom * observation.mean_square(residual),
+            sum.1 + observation.degrees_of_freedom,
+        );
     }
     sum.0 / sum.1.max(1e-9)
 }
 
 /// Of what changes all runs.
-fn norm(each: &[DVector<f64>]) -> f64 {
-    each.iter().map(DVector::norm_squared).sum::<f64>().sqrt()
+fn norm(each: &PerRun<DVector<f64>>) -> f64 {
+    norm_squared(each).sqrt()
 }
 
 impl Comparison<'_> {
     /// A candidate alone, each of its strengths by the first of its signatures.
-    pub fn single(&self, candidate: usize) -> Hypothesis {
+    pub fn single(&self, candidate: CandidateId) -> Hypothesis {
         let mut met = BTreeSet::new();
-        let own =
-            self.signatures.iter().enumerate().filter(|(_, s)| s.candidate == candidate && met.insert(s.strength));
+        let own = self.signatures.with_ids().filter(|(_, s)| s.candidate == candidate && met.insert(s.strength));
         Hypothesis { members: vec![candidate], signatures: own.map(|(k, _)| k).collect() }
     }
 
     /// All candidates with signatures, the likeliest first.
     pub fn singles(&self) -> Vec<Scored> {
-        let known: BTreeSet<usize> = self.signatures.iter().map(|s| s.candidate).collect();
+        let known: BTreeSet<CandidateId> = self.signatures.iter().map(|s| s.candidate).collect();
         let ways = known.into_iter().flat_map(|c| {
             let whole = self.single(c);
             // Of an effect with several strengths each may be there without the others.
@@ -129,32 +132,33 @@ impl Comparison<'_> {
     }
 
     /// The place of a candidate: one beside another is at that one's.
-    pub fn place(&self, candidate: usize) -> usize {
-        let before = |c: &usize| self.candidates()[*c].alternative_to;
+    pub fn place(&self, candidate: CandidateId) -> CandidateId {
+        let before = |c: &CandidateId| self.candidates()[*c].alternative_to;
         std::iter::successors(Some(candidate), before).last().unwrap_or(candidate)
     }
 
-    pub fn candidates(&self) -> &[Candidate] {
+    pub fn candidates(&self) -> &Candidates {
         self.simulator.candidates()
     }
 
     pub fn screened(&self, hypothesis: Hypothesis) -> Scored {
-        self.score(hypothesis.screened(&self.evidence, &self.signatures, self.candidates()), None)
+        self.score(hypothesis.screened(&self.observations, &self.signatures, self.candidates()), None)
     }
 
     pub fn score(&self, fitted: Fitted, repeatability: Option<Repeatability>) -> Scored {
         let mean_square = match &repeatability {
             Some(repeatability) => {
-                trig::exp(repeatability.raised) * overall_mean_square(&repeatability.evidence, &repeatability.residuals)
+                trig::exp(repeatability.raised)
+                    * overall_mean_square(&repeatability.observations, &repeatability.residuals)
             }
-            None => overall_mean_square(&self.evidence, &fitted.residuals),
+            None => overall_mean_square(&self.observations, &fitted.residuals),
         };
         let prior = self.prior(&fitted.hypothesis);
         let strengths = fitted.strengths.len() as f64;
-        let counts = likelihood::quiet(mean_square);
+        let counts = self.likelihood().counts(mean_square);
         let by_signature = if counts > 0.0 { self.along_signature(&fitted, counts) } else { f64::NEG_INFINITY };
         let common = repeatability.as_ref().map_or(0.0, |repeatability| self.in_common(&fitted, repeatability));
-        let whole = likelihood::log_likelihood(mean_square, self.degrees_of_freedom);
+        let whole = self.likelihood().log_likelihood(mean_square, self.degrees_of_freedom);
         let likelihood = (whole - common).max(by_signature);
         let lost = whole.max(by_signature) - likelihood;
         let terms = Terms {
@@ -177,10 +181,11 @@ impl Comparison<'_> {
             names.len().max(1) as f64
         };
         let members = &hypothesis.members;
-        let alike = |c: usize, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
-        let sites = |c: usize| candidates.iter().filter(|o| alike(c, o)).count() as f64;
+        let alike = |c: CandidateId, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
+        let sites = |c: CandidateId| candidates.iter().filter(|o| alike(c, o)).count() as f64;
         let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
-        trig::ln(if members.len() == 1 { likelihood::ONE } else { likelihood::PAIR }) - shared
+        let settings = self.likelihood();
+        trig::ln(if members.len() == 1 { settings.prior_one } else { settings.prior_pair }) - shared
     }
 
     /// The hypotheses with what it costs that their impacts go the other way round than measured, by what was simulated
@@ -196,7 +201,7 @@ impl Comparison<'_> {
     fn wrong_impacts(&self, fitted: &Fitted) -> f64 {
         let Fitted { features, hypothesis, strengths, .. } = fitted;
         let mut cost = 0.0;
-        for (run, frame) in self.simulator.frames().iter().enumerate() {
+        for (run, frame) in self.simulator.frames().with_ids() {
             // An impact hardly grows with the strength: no more of it is believed than was simulated.
             let by_signature = |k: usize| {
                 let own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths);
@@ -205,9 +210,9 @@ impl Comparison<'_> {
             };
             let impacts = (0..frame.labels.len()).filter(|k| frame.labels[*k].band == Band::Impact);
             let simulated = |k: usize| features.as_ref().map_or_else(|| by_signature(k), |f| f[run][k]);
-            cost += impacts.map(|k| likelihood::wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
+            cost += impacts.map(|k| self.likelihood().wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
         }
-        cost.min(likelihood::WRONG_WAYS)
+        cost.min(self.likelihood().wrong_impacts)
     }
 
     /// In what the members of a hypothesis differ by chance.
@@ -224,44 +229,63 @@ impl Comparison<'_> {
         }
         let expected =
             if random_effect.iter().all(|d| *d == RandomEffect::ByCart) { repeatability.common } else { 0.0 };
-        likelihood::in_common(self.seen_in_common(fitted), expected, self.evidence.len(), self.degrees_of_freedom)
+        self.likelihood().in_common(
+            self.seen_in_common(fitted),
+            expected,
+            self.observations.len(),
+            self.degrees_of_freedom,
+        )
     }
 
     /// How much runs have in common of what a hypothesis leaves.
     fn seen_in_common(&self, fitted: &Fitted) -> f64 {
         let left = std::slice::from_ref(&fitted.residuals);
-        evidence::in_common(self.simulator.frames(), &self.evidence, left)
+        observation::in_common(self.simulator.frames(), &self.observations, left)
     }
 
     /// What the nominal model leaves of each run.
-    pub fn residuals(&self) -> Vec<DVector<f64>> {
-        self.evidence.iter().map(|e| e.residual.clone()).collect()
+    pub fn residuals(&self) -> PerRun<DVector<f64>> {
+        self.observations.iter().map(|o| o.residual.clone()).collect()
+    }
+
+    pub fn context(&self) -> Context<'_> {
+        Context { simulator: self.simulator, settings: self.settings }
+    }
+
+    /// Constants of likelihoods.
+    pub fn likelihood(&self) -> &Likelihood {
+        &self.settings.likelihood
+    }
+
+    /// How surely a direction is in residuals of all runs.
+    pub fn tested(&self, residuals: &PerRun<DVector<f64>>, direction: &PerRun<DVector<f64>>) -> ScoreTest {
+        ScoreTest::new(&self.settings.significance, &self.observations, residuals, direction)
     }
 
     /// How surely what a hypothesis changes is in what is off.
     pub fn score_test(&self, fitted: &Fitted) -> ScoreTest {
         let direction = fitted.direction();
-        let along = |k: usize, column: &Vec<DVector<f64>>| {
+        let along = |k: SignatureId, column: &PerRun<DVector<f64>>| {
             self.as_built(k) * column.iter().zip(&direction).map(|(c, d)| c.dot(d)).sum::<f64>()
         };
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.columns).map(|(k, column)| along(*k, column));
-        ScoreTest::new(&self.evidence, &self.residuals(), &direction).with_scatter(own)
+        self.tested(&self.residuals(), &direction).with_scatter(own)
     }
 
     /// How surely a signature is in what is off.
-    fn signature_test(&self, signature: usize, residuals: &[DVector<f64>]) -> ScoreTest {
+    fn signature_test(&self, signature: SignatureId, residuals: &PerRun<DVector<f64>>) -> ScoreTest {
         let columns = &self.signatures[signature].columns;
-        let square = columns.iter().map(DVector::norm_squared).sum::<f64>();
-        ScoreTest::new(&self.evidence, residuals, columns).with_scatter([self.as_built(signature) * square])
+        let square = norm_squared(columns);
+        self.tested(residuals, columns).with_scatter([self.as_built(signature) * square])
     }
 
     /// What every built machine has of a signature's strength, and what sensors are accurate to.
-    fn as_built(&self, signature: usize) -> f64 {
+    fn as_built(&self, signature: SignatureId) -> f64 {
         let Signature { candidate, strength, .. } = self.signatures[signature];
         let candidate = &self.candidates()[candidate];
         let strength = &candidate.strengths[strength];
         let ratio = candidate.sensor && strength.unit.is_empty();
-        strength.as_built.max(if ratio { significance::ACCURATE } else { 0.0 })
+        strength.as_built.max(if ratio { self.settings.significance.accuracy } else { 0.0 })
     }
 
     /// Log likelihood by what scores say for a hypothesis, so far as they count; of a pair for each of both, whatever
@@ -269,9 +293,10 @@ impl Comparison<'_> {
     fn along_signature(&self, fitted: &Fitted, counts: f64) -> f64 {
         let hypothesis = &fitted.hypothesis;
         let z = self.score_test(fitted).z().max(0.0);
-        let nothing = likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom);
-        let supported =
-            |z: f64, strengths: usize| counts * significance::support(z) - likelihood::SCORED * strengths as f64;
+        let nothing = self.likelihood().log_likelihood(self.mean_square, self.degrees_of_freedom);
+        let supported = |z: f64, strengths: usize| {
+            counts * self.settings.significance.support(z) - self.likelihood().score_cost * strengths as f64
+        };
         if hypothesis.members.len() < 2 {
             return nothing + supported(z, hypothesis.signatures.len());
         }
@@ -281,13 +306,14 @@ impl Comparison<'_> {
             return nothing;
         };
         let candidate = self.signatures[signature].candidate;
-        let (own, others): (Vec<usize>, Vec<usize>) =
+        let (own, others): (Vec<SignatureId>, Vec<SignatureId>) =
             hypothesis.signatures.iter().partition(|k| self.signatures[**k].candidate == candidate);
         let alone = Hypothesis { members: vec![candidate], signatures: own };
-        let left = alone.screened(&self.evidence, &self.signatures, self.candidates());
-        let told =
-            likelihood::log_likelihood(overall_mean_square(&self.evidence, &left.residuals), self.degrees_of_freedom);
-        let scores: Vec<(usize, ScoreTest)> =
+        let left = alone.screened(&self.observations, &self.signatures, self.candidates());
+        let told = self
+            .likelihood()
+            .log_likelihood(overall_mean_square(&self.observations, &left.residuals), self.degrees_of_freedom);
+        let scores: Vec<(SignatureId, ScoreTest)> =
             others.iter().map(|k| (*k, self.signature_test(*k, &residuals))).collect();
         let second = self.seen_beyond(&left, &scores);
         let first = first.z().abs().min(z);
@@ -295,27 +321,27 @@ impl Comparison<'_> {
         // No more than both scores say together, or what leaves nothing: one effect that does as well has no second to
         // be supported.
         let together = nothing + supported(trig::hypot(first, second), hypothesis.signatures.len());
-        both.min(together.max(likelihood::log_likelihood(0.0, self.degrees_of_freedom)))
+        both.min(together.max(self.likelihood().log_likelihood(0.0, self.degrees_of_freedom)))
     }
 
     /// What the equations of a hypothesis miss along other signatures, of what it changes by some columns. Those of
     /// sensors are exact.
-    fn missed(&self, fitted: &Fitted, columns: &[Vec<DVector<f64>>]) -> f64 {
-        let sensor = |k: &usize| self.candidates()[self.signatures[*k].candidate].sensor;
+    fn missed(&self, fitted: &Fitted, columns: &[PerRun<DVector<f64>>]) -> f64 {
+        let sensor = |k: &SignatureId| self.candidates()[self.signatures[*k].candidate].sensor;
         let own = fitted.hypothesis.signatures.iter().zip(&fitted.strengths);
         let inexact: Vec<f64> = own.map(|(k, x)| if sensor(k) { 0.0 } else { *x }).collect();
-        significance::MISSED * norm(&along(columns, &inexact))
+        self.settings.significance.missed * norm(&along(columns, &inexact))
     }
 
     /// The hypotheses with what is seen of signatures beyond each, which speaks against it. The likeliest first.
     fn without_what_is_seen_beyond(&self, mut scored: Vec<Scored>) -> Vec<Scored> {
         scored::sort(&mut scored);
         let residuals = self.residuals();
-        let scores: Vec<(usize, ScoreTest)> =
-            (0..self.signatures.len()).map(|k| (k, self.signature_test(k, &residuals))).collect();
+        let scores: Vec<(SignatureId, ScoreTest)> =
+            self.signatures.ids().map(|k| (k, self.signature_test(k, &residuals))).collect();
         let with = |(rank, scored): (usize, Scored)| {
-            let counts = likelihood::quiet(scored.mean_square);
-            if rank >= COMPARED || counts <= 0.0 {
+            let counts = self.likelihood().counts(scored.mean_square);
+            if rank >= self.settings.selection.compared || counts <= 0.0 {
                 return scored;
             }
             let rest = match &scored.repeatability {
@@ -331,9 +357,9 @@ impl Comparison<'_> {
     }
 
     /// The largest score of signatures in what a hypothesis leaves, given those in all that is off.
-    fn seen_beyond(&self, fitted: &Fitted, scores: &[(usize, ScoreTest)]) -> f64 {
+    fn seen_beyond(&self, fitted: &Fitted, scores: &[(SignatureId, ScoreTest)]) -> f64 {
         let missed = self.missed(fitted, &fitted.columns);
-        let rest = |(signature, score): &(usize, ScoreTest)| {
+        let rest = |(signature, score): &(SignatureId, ScoreTest)| {
             let columns = &self.signatures[*signature].columns;
             let left = if fitted.features.is_some() {
                 self.signature_test(*signature, &fitted.residuals)
@@ -349,33 +375,39 @@ impl Comparison<'_> {
     /// The same before the repeatability that the hypothesis makes itself.
     fn seen_before(&self, repeatability: &Repeatability, fitted: &Fitted) -> f64 {
         let missed = self.missed(fitted, &repeatability.columns);
-        let rest = |k: usize| {
-            let own = repeatability.evidence.iter().zip(&self.signatures[k].change);
-            let columns: Vec<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
-            let score = ScoreTest::new(&repeatability.evidence, &repeatability.residuals, &columns);
+        let rest = |k: SignatureId| {
+            let own = repeatability.observations.iter().zip(&self.signatures[k].change);
+            let columns: PerRun<DVector<f64>> = own.map(|(own, change)| own.column(change)).collect();
+            let score = ScoreTest::new(
+                &self.settings.significance,
+                &repeatability.observations,
+                &repeatability.residuals,
+                &columns,
+            );
             let size = norm(&columns);
             score.with_scatter([self.as_built(k) * size * size, missed * size]).z().abs()
         };
-        (0..self.signatures.len()).map(rest).fold(0.0, f64::max)
+        self.signatures.ids().map(rest).fold(0.0, f64::max)
     }
 
     /// What a score says that is the largest of as many as there are signatures.
     fn beyond(&self, z: f64) -> f64 {
-        (significance::support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
+        (self.settings.significance.support(z) - trig::ln(self.signatures.len().max(1) as f64)).max(0.0)
     }
 
     /// Log posterior of something unknown: it explains what the best effect of the library does.
     fn unknown(&self, scored: &[Scored]) -> f64 {
         let best = scored.first();
-        let known = likelihood::unknown(self.mean_square, self.degrees_of_freedom);
-        let counts = likelihood::quiet(self.mean_square);
+        let known = self.likelihood().unknown(self.mean_square, self.degrees_of_freedom);
+        let counts = self.likelihood().counts(self.mean_square);
         let by_signature = best.filter(|_| counts > 0.0).map(|best| {
             let gain = counts * self.beyond(self.score_test(&best.fitted).z());
-            likelihood::log_likelihood(self.mean_square, self.degrees_of_freedom) + gain
-                - likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.degrees_of_freedom)
+            self.likelihood().log_likelihood(self.mean_square, self.degrees_of_freedom) + gain
+                - likelihood::cost(self.likelihood().unknown_strengths, self.degrees_of_freedom)
         });
         let alike = scored.iter().filter_map(|j| self.alike(j)).fold(f64::NEG_INFINITY, f64::max);
-        trig::ln(likelihood::UNKNOWN) + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
+        trig::ln(self.likelihood().prior_unknown)
+            + by_signature.map_or(known, |by_signature| known.max(by_signature)).max(alike)
     }
 
     /// What differs by chance has patterns along the track of nearly any shape, so something unknown that sits at
@@ -387,20 +419,26 @@ impl Comparison<'_> {
             .repeatability
             .as_ref()
             .filter(|_| self.random_effect(fitted).len() >= fitted.hypothesis.members.len())?;
-        let patterns = overall_mean_square(&repeatability.evidence, repeatability.evidence.iter().map(|e| &e.residual));
+        let patterns =
+            overall_mean_square(&repeatability.observations, repeatability.observations.iter().map(|o| &o.residual));
         let by_patterns =
-            likelihood::log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
-        let own = (likelihood::log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
+            self.likelihood().log_likelihood(trig::exp(repeatability.raised) * patterns, self.degrees_of_freedom);
+        let own =
+            (self.likelihood().log_likelihood(scored.mean_square, self.degrees_of_freedom) - by_patterns).max(0.0);
         let said = scored.log_posterior() - self.prior(&fitted.hypothesis)
             + (scored.terms.in_common + scored.terms.impacts)
             - own;
         let seen = self.seen_in_common(fitted);
-        let placed =
-            likelihood::in_common(seen, seen.max(likelihood::PLACED), self.evidence.len(), self.degrees_of_freedom);
+        let placed = self.likelihood().in_common(
+            seen,
+            seen.max(self.likelihood().placed),
+            self.observations.len(),
+            self.degrees_of_freedom,
+        );
         Some(
-            trig::ln(likelihood::PATTERNED) + said
+            trig::ln(self.likelihood().patterned) + said
                 - placed
-                - likelihood::strange(self.mean_square, scored.mean_square, self.degrees_of_freedom),
+                - self.likelihood().strange(self.mean_square, scored.mean_square, self.degrees_of_freedom),
         )
     }
 }

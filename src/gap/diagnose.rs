@@ -4,33 +4,18 @@ use super::chance::Chance;
 use super::checked::Checked;
 use super::comparison::{Comparison, overall_mean_square};
 use super::diagnosis::Diagnosis;
-use super::evidence::Evidence;
-use super::looks::UNSETTLED;
+use super::ids::{CandidateId, PerRun, RunId};
+use super::observation::Observation;
 use super::refit::refit;
 use super::repeatability::repeatabilities;
 use super::report::report;
 use super::scored::{self, Explanation, Scored};
 use super::screen::{self, Signature};
-use super::simulator::Simulator;
+use super::settings::Settings;
+use super::simulator::{Context, Simulator};
 use crate::gap::hypothesis::Fitted;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Hypotheses that are re-fitted, and of these single effects at least.
-const REFITTED: (usize, usize) = (8, 4);
-
-/// Candidates of which pairs are made.
-const PAIRED: usize = 12;
-
-/// How many effects that differ by chance are tried beside another one.
-const BY_CHANCE: usize = 2;
-
-/// Hypotheses that are held against a repeatability of their own at most, and what share of the gap they must explain.
-const OWN_REPEATABILITIES: usize = 5;
-const SOME: f64 = 0.05;
-
-/// A score from which on there is something to look at though the mean square is at the repeatability.
-const SIGNIFICANT: f64 = 4.0;
 
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,40 +25,46 @@ pub enum Stage {
 }
 
 /// Diagnoses the gap between a model and its runs.
-pub fn diagnose(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> Diagnosis {
-    diagnose_and_explain(simulator, tell).0
+pub fn diagnose(simulator: &dyn Simulator, settings: &Settings, tell: &mut dyn FnMut(Stage)) -> Diagnosis {
+    diagnose_and_explain(simulator, settings, tell).0
 }
 
 /// The same, with how the likeliest hypotheses came to their scores.
-pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stage)) -> (Diagnosis, Vec<Explanation>) {
-    let checked = Checked::new(simulator);
+pub fn diagnose_and_explain(
+    simulator: &dyn Simulator,
+    settings: &Settings,
+    tell: &mut dyn FnMut(Stage),
+) -> (Diagnosis, Vec<Explanation>) {
+    let checked = Checked::new(simulator, &settings.checks);
     let simulator: &dyn Simulator = &checked;
+    let context = Context { simulator, settings };
     let frames = simulator.frames();
-    let evidence: Vec<Evidence> = frames.iter().map(|f| Evidence::new(f, &[])).collect();
+    let observations: PerRun<Observation> = frames.iter().map(|f| Observation::new(f, &[], settings)).collect();
     let candidates = simulator.candidates();
-    let left: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
+    let left: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
     let mut told = |done, of| tell(Stage::Screening { done, of });
-    let mut signatures = screen::signatures(simulator, &evidence, &left, |_| true, &mut told);
+    let mut signatures = screen::signatures(context, &observations, &left, |_| true, &mut told);
     // What every built machine has of the effects is no gap, once their signatures are known.
-    let as_built = |run: usize| -> Vec<Vec<f64>> {
+    let as_built = |run: RunId| -> Vec<Vec<f64>> {
         let strength = |s: &Signature| candidates[s.candidate].strengths[s.strength].as_built;
         let some = signatures.iter().filter(|s| strength(s) > 0.0);
         some.map(|s| s.change[run].iter().map(|x| x * strength(s)).collect()).collect()
     };
-    let as_built: Vec<Vec<Vec<f64>>> = (0..frames.len()).map(as_built).collect();
-    let evidence: Vec<Evidence> =
-        frames.iter().zip(&as_built).map(|(f, as_built)| Evidence::new(f, as_built)).collect();
+    let as_built: PerRun<Vec<Vec<f64>>> = frames.ids().map(as_built).collect();
+    let observations: PerRun<Observation> =
+        frames.iter().zip(&as_built).map(|(f, as_built)| Observation::new(f, as_built, settings)).collect();
     for signature in &mut signatures {
-        signature.columns = evidence.iter().zip(&signature.change).map(|(e, c)| e.column(c)).collect();
+        signature.columns = observations.iter().zip(&signature.change).map(|(o, c)| o.column(c)).collect();
     }
-    let screened = Comparison::new(simulator, evidence, signatures);
+    let screened = Comparison::new(context, observations, signatures);
 
-    // Where there is no gap there is nothing to look at more closely; one that only scores tell of is too small to be
+    // Where there is no gap there is nothing to relinearise; one that only scores tell of is too small to be
     // fitted by simulation.
     let gap = screened.mean_square > 1.0;
-    let significant = gap || screened.singles().iter().any(|j| screened.score_test(&j.fitted).z() > SIGNIFICANT);
+    let significant =
+        gap || screened.singles().iter().any(|j| screened.score_test(&j.fitted).z() > settings.selection.significant);
     let comparison = if significant {
-        screened.looked_closer(gap, &mut |done, of| tell(Stage::Screening { done, of }))
+        screened.relinearised(gap, &mut |done, of| tell(Stage::Screening { done, of }))
     } else {
         screened
     };
@@ -85,18 +76,28 @@ pub fn diagnose_and_explain(simulator: &dyn Simulator, tell: &mut dyn FnMut(Stag
     }
     let (comparison, turned) = comparison.turned(&chosen);
     let chosen = chosen.into_iter().map(|j| j.fitted).chain(turned).collect();
-    let fitted = refit(simulator, &comparison.evidence, &comparison.signatures, chosen, &mut |done, of| {
+    let fitted = refit(context, &comparison.observations, &comparison.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let chance =
-        Chance { simulator, nominal: &comparison.evidence, as_built: &as_built, signatures: &comparison.signatures };
+    let chance = Chance {
+        simulator,
+        settings,
+        nominal: &comparison.observations,
+        as_built: &as_built,
+        signatures: &comparison.signatures,
+    };
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
     let mut scored = comparison.with_own_repeatability(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
-    let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > UNSETTLED);
+    let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > settings.selection.unsettled);
     if gap && unsettled(&scored) {
-        let both =
-            refit(simulator, &comparison.evidence, &comparison.signatures, comparison.seconds(&scored), &mut |_, _| {});
+        let both = refit(
+            context,
+            &comparison.observations,
+            &comparison.signatures,
+            comparison.seconds(&scored),
+            &mut |_, _| {},
+        );
         scored.extend(comparison.with_own_repeatability(both, &as_built));
     }
     if unsettled(&scored) {
@@ -121,11 +122,12 @@ impl Comparison<'_> {
         // Each candidate once, in whichever way it is likeliest: a pair has some of its strengths, or all.
         let mut met = BTreeSet::new();
         let leading: Vec<&Scored> = singles.iter().filter(|j| met.insert(first(j))).collect();
-        for (rank, a) in leading.iter().enumerate().take(PAIRED) {
+        for (rank, a) in leading.iter().enumerate().take(self.settings.selection.paired) {
             for b in &leading[rank + 1..] {
                 let (x, y) = (first(a), first(b));
                 if self.candidates()[x].effect != self.candidates()[y].effect {
-                    let ways = |c: usize| singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis);
+                    let ways =
+                        |c: CandidateId| singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis);
                     for one in ways(x) {
                         pairs.extend(ways(y).map(|two| self.screened(one.with(two))));
                     }
@@ -138,7 +140,7 @@ impl Comparison<'_> {
 
     /// The effect that leaves least of those that differ by nothing and explain something.
     fn companion<'b>(&self, scored: &'b [Scored]) -> Option<&'b Fitted> {
-        let most = self.mean_square - SOME * (self.mean_square - 1.0);
+        let most = self.mean_square - self.settings.selection.own_repeatability_worth * (self.mean_square - 1.0);
         let alone = |j: &&Scored| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && self.candidates()[members[0]].random_effect.is_none() && j.fitted.simulated()
@@ -150,7 +152,7 @@ impl Comparison<'_> {
     /// What differs by chance and leaves least, of other effects than one beside which no re-fit has it.
     fn by_chance<'b>(&self, scored: &'b [Scored], other: &Fitted) -> Vec<&'b Fitted> {
         let beside = other.hypothesis.members[0];
-        let fitted = |c: usize| scored.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
+        let fitted = |c: CandidateId| scored.iter().any(|j| j.fitted.hypothesis.members == [beside, c]);
         let alone = |j: &&Scored| {
             let [own] = j.fitted.hypothesis.members[..] else { return false };
             let (candidate, beside) = (&self.candidates()[own], &self.candidates()[beside]);
@@ -162,15 +164,16 @@ impl Comparison<'_> {
         found.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
         let mut met = BTreeSet::new();
         found.retain(|j| met.insert(j.fitted.hypothesis.members[0]));
-        found.into_iter().take(BY_CHANCE).map(|j| &j.fitted).collect()
+        found.into_iter().take(self.settings.selection.random_beside).map(|j| &j.fitted).collect()
     }
 
     /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other
     /// one alone.
-    fn with_own_repeatability(&self, fitted: Vec<Fitted>, as_built: &[Vec<Vec<f64>>]) -> Vec<Scored> {
+    fn with_own_repeatability(&self, fitted: Vec<Fitted>, as_built: &PerRun<Vec<Vec<f64>>>) -> Vec<Scored> {
         let asked = self.worth_own_repeatability(&fitted);
         let some: Vec<&Fitted> = fitted.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(f, _)| f).collect();
-        let mut own = repeatabilities(self.simulator, &self.evidence, as_built, &self.signatures, &some).into_iter();
+        let mut own =
+            repeatabilities(self.context(), &self.observations, as_built, &self.signatures, &some).into_iter();
         let with = fitted.into_iter().zip(asked);
         let with: Vec<_> = with.map(|(f, asked)| (f, if asked { own.next().flatten() } else { None })).collect();
         let there = with.into_iter().filter(|(fitted, _)| fitted.all_there(&self.signatures));
@@ -180,18 +183,23 @@ impl Comparison<'_> {
     /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that
     /// explain something.
     fn worth_own_repeatability(&self, fitted: &[Fitted]) -> Vec<bool> {
-        let mean_square: Vec<f64> = fitted.iter().map(|f| overall_mean_square(&self.evidence, &f.residuals)).collect();
+        let mean_square: Vec<f64> =
+            fitted.iter().map(|f| overall_mean_square(&self.observations, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();
         order.sort_by(|a, b| mean_square[*a].total_cmp(&mean_square[*b]));
         let worth = |k: &usize| {
-            fitted[*k].simulated() && self.mean_square - mean_square[*k] > SOME * (self.mean_square - 1.0).max(0.0)
+            fitted[*k].simulated()
+                && self.mean_square - mean_square[*k]
+                    > self.settings.selection.own_repeatability_worth * (self.mean_square - 1.0).max(0.0)
         };
-        let best: BTreeSet<usize> = order.into_iter().filter(worth).take(OWN_REPEATABILITIES).collect();
+        let best: BTreeSet<usize> =
+            order.into_iter().filter(worth).take(self.settings.selection.own_repeatabilities).collect();
         (0..fitted.len()).map(|k| best.contains(&k)).collect()
     }
 
     /// What is re-fitted: the best single effects, each at its best place, and the best of all; and the rest.
     fn shortlist(&self, singles: Vec<Scored>, pairs: Vec<Scored>) -> (Vec<Scored>, Vec<Scored>) {
+        let settings = &self.settings.selection;
         let (mut chosen, mut rest) = (Vec::new(), Vec::new());
         let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
         let mut all: Vec<Scored> = singles.into_iter().chain(pairs).collect();
@@ -203,9 +211,9 @@ impl Comparison<'_> {
             names.sort_unstable();
             let alone = members.len() == 1;
             let room = if alone {
-                single < REFITTED.1 || chosen.len() < REFITTED.0
+                single < settings.refitted_singles || chosen.len() < settings.refitted
             } else {
-                chosen.len() + REFITTED.1.saturating_sub(single) < REFITTED.0
+                chosen.len() + settings.refitted_singles.saturating_sub(single) < settings.refitted
             };
             let known = seen.entry(names).or_default();
             if room && *known == 0 && scored.fitted.strengths.iter().any(|x| *x != 0.0) {

@@ -1,8 +1,9 @@
 //! What may explain a gap: effects at places, with strengths that fit.
 
-use crate::gap::evidence::Evidence;
-use crate::gap::screen::{Explained, Signature, explain};
-use crate::gap::simulator::{Applied, Candidate};
+use crate::gap::ids::{CandidateId, PerRun, RunId, SignatureId};
+use crate::gap::observation::Observation;
+use crate::gap::screen::{Explained, Signatures, explain};
+use crate::gap::simulator::{Applied, Candidates, Request};
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 
@@ -10,9 +11,9 @@ use nalgebra::DVector;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
     /// Candidates.
-    pub members: Vec<usize>,
+    pub members: Vec<CandidateId>,
     /// Signatures of their strengths.
-    pub signatures: Vec<usize>,
+    pub signatures: Vec<SignatureId>,
 }
 
 /// A hypothesis with strengths that fit.
@@ -22,21 +23,21 @@ pub struct Fitted {
     pub strengths: Vec<f64>,
     pub covariance: DMatrix<f64>,
     /// What is left of each run, projected.
-    pub residuals: Vec<DVector<f64>>,
+    pub residuals: PerRun<DVector<f64>>,
     /// What one more of each strength changes.
-    pub columns: Vec<Vec<DVector<f64>>>,
+    pub columns: Vec<PerRun<DVector<f64>>>,
     /// What the effects change in each run's features, nuisances held.
-    pub changes: Vec<Vec<f64>>,
+    pub changes: PerRun<Vec<f64>>,
     /// Steps of each run's nuisances at which it is simulated.
-    pub nuisance_offsets: Vec<Vec<f64>>,
+    pub nuisance_offsets: PerRun<Vec<f64>>,
     /// Features of each run, nuisances at their best; of the nominal model where only the screen was asked.
-    pub features: Option<Vec<Vec<f64>>>,
+    pub features: Option<PerRun<Vec<f64>>>,
 }
 
 impl Hypothesis {
     /// Bounds of the strengths.
-    pub fn bounds(&self, candidates: &[Candidate], signatures: &[Signature]) -> Vec<(f64, f64)> {
-        let of = |k: &usize| {
+    pub fn bounds(&self, candidates: &Candidates, signatures: &Signatures) -> Vec<(f64, f64)> {
+        let of = |k: &SignatureId| {
             let strength = &candidates[signatures[*k].candidate].strengths[signatures[*k].strength];
             (strength.low, strength.high)
         };
@@ -45,16 +46,15 @@ impl Hypothesis {
 
     /// Both.
     pub fn with(&self, other: &Hypothesis) -> Hypothesis {
-        let both = |one: &[usize], other: &[usize]| one.iter().chain(other).copied().collect();
         Hypothesis {
-            members: both(&self.members, &other.members),
-            signatures: both(&self.signatures, &other.signatures),
+            members: [&self.members[..], &other.members].concat(),
+            signatures: [&self.signatures[..], &other.signatures].concat(),
         }
     }
 
     /// The effects with strengths in the order of `signatures`.
-    pub fn applied(&self, candidates: &[Candidate], signatures: &[Signature], strengths: &[f64]) -> Vec<Applied> {
-        let one = |&candidate: &usize| {
+    pub fn applied(&self, candidates: &Candidates, signatures: &Signatures, strengths: &[f64]) -> Vec<Applied> {
+        let one = |&candidate: &CandidateId| {
             let mut own = vec![0.0; candidates[candidate].strengths.len()];
             for (k, x) in self.signatures.iter().zip(strengths) {
                 if signatures[*k].candidate == candidate {
@@ -67,14 +67,21 @@ impl Hypothesis {
     }
 
     /// By the signatures alone.
-    pub fn screened(&self, evidence: &[Evidence], signatures: &[Signature], candidates: &[Candidate]) -> Fitted {
-        let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
-        let columns: Vec<&[DVector<f64>]> = self.signatures.iter().map(|k| &signatures[*k].columns[..]).collect();
+    pub fn screened(
+        &self,
+        observations: &PerRun<Observation>,
+        signatures: &Signatures,
+        candidates: &Candidates,
+    ) -> Fitted {
+        let residuals: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+        let columns: Vec<&PerRun<DVector<f64>>> = self.signatures.iter().map(|k| &signatures[*k].columns).collect();
         let Explained { strengths, covariance, residuals } =
             explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
-        let columns = columns.iter().map(|c| c.to_vec()).collect();
-        let changes: Vec<Vec<f64>> = (0..evidence.len()).map(|run| self.change(signatures, &strengths, run)).collect();
-        let nuisance_offsets = evidence.iter().zip(&changes).map(|(e, change)| e.nuisance_offsets(change)).collect();
+        let columns = columns.into_iter().cloned().collect();
+        let changes: PerRun<Vec<f64>> =
+            observations.ids().map(|run| self.change(signatures, &strengths, run)).collect();
+        let nuisance_offsets =
+            observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
         Fitted {
             hypothesis: self.clone(),
             strengths,
@@ -87,8 +94,22 @@ impl Hypothesis {
         }
     }
 
+    /// What is changed in each run after a step of the strengths, by the signatures.
+    pub fn changed_further(
+        &self,
+        signatures: &Signatures,
+        changes: &PerRun<Vec<f64>>,
+        step: &[f64],
+    ) -> PerRun<Vec<f64>> {
+        let in_run = |(run, change): (RunId, &Vec<f64>)| {
+            let more = self.change(signatures, step, run);
+            change.iter().zip(more).map(|(c, m)| c + m).collect()
+        };
+        changes.with_ids().map(in_run).collect()
+    }
+
     /// What strengths change in a run's features, by the signatures.
-    pub fn change(&self, signatures: &[Signature], strengths: &[f64], run: usize) -> Vec<f64> {
+    pub fn change(&self, signatures: &Signatures, strengths: &[f64], run: RunId) -> Vec<f64> {
         let mut change = Vec::new();
         for (k, x) in self.signatures.iter().zip(strengths) {
             let own = &signatures[*k].change[run];
@@ -99,6 +120,26 @@ impl Hypothesis {
     }
 }
 
-pub fn norm_squared(each: &[DVector<f64>]) -> f64 {
+impl Fitted {
+    /// All runs with its strengths, each where its nuisances are.
+    pub fn requests(&self, candidates: &Candidates, signatures: &Signatures) -> impl Iterator<Item = Request> {
+        let effects = self.hypothesis.applied(candidates, signatures, &self.strengths);
+        let each = self.nuisance_offsets.with_ids();
+        each.map(move |(run, step)| Request { run, step: step.clone(), effects: effects.clone() })
+    }
+}
+
+/// How far strengths may go from where they are.
+pub fn room(bounds: &[(f64, f64)], at: &[f64]) -> Vec<(f64, f64)> {
+    bounds.iter().zip(at).map(|((low, high), x)| (low - x, high - x)).collect()
+}
+
+/// Strengths after a step. A sum may be beyond its bound by rounding.
+pub fn stepped(at: &[f64], step: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
+    at.iter().zip(step).zip(bounds).map(|((x, more), (low, high))| (x + more).clamp(*low, *high)).collect()
+}
+
+/// Of all runs together.
+pub fn norm_squared(each: &PerRun<DVector<f64>>) -> f64 {
     each.iter().map(DVector::norm_squared).sum()
 }

@@ -8,102 +8,65 @@
 //! (`significance.rs`) counts if it says more than the mean square does. What strikes a rail the other way round than
 //! measured costs beside, as mean squares do not see it.
 
+use super::settings::Likelihood;
 use crate::base::trig;
 
-/// Degrees of freedom that are believed of all runs together, at most; and of what is left beyond so many times the
-/// repeatability.
-pub const MOST_DEGREES_OF_FREEDOM: f64 = 60.0;
-const COARSE: f64 = 2.0;
-const COARSE_DEGREES_OF_FREEDOM: f64 = 24.0;
+impl Likelihood {
+    /// Log likelihood of a mean square over that of replicate laps.
+    pub fn log_likelihood(&self, mean_square: f64, degrees_of_freedom: f64) -> f64 {
+        // Less than replicate laps have speaks for nothing.
+        let near = degrees_of_freedom * trig::ln(mean_square.clamp(0.9, self.coarse));
+        -0.5 * (near
+            + degrees_of_freedom.min(self.coarse_degrees_of_freedom) * trig::ln((mean_square / self.coarse).max(1.0)))
+    }
 
-/// How much runs have in common at most, as they differ in speed and tension.
-const ALIKE: f64 = 0.9;
+    /// How far scores count where a mean square is left: fully at the repeatability, not at all where so much is left
+    /// that the equation misses much.
+    pub fn counts(&self, mean_square: f64) -> f64 {
+        ((self.quiet - mean_square) / (self.quiet - 1.0)).clamp(0.0, 1.0)
+    }
 
-/// Mean square over that of replicate laps from which scores do not count.
-const QUIET: f64 = 1.25;
+    /// What is lost where residuals of runs have so much in common and should have so much: half the divergence of
+    /// normal distributions with these correlations for each degree of freedom of a run (Kullback 1959).
+    pub fn in_common(&self, seen: f64, expected: f64, runs: usize, degrees_of_freedom: f64) -> f64 {
+        let n = runs as f64;
+        // All runs together, and what is left of each of the others.
+        let own = |c: f64| {
+            let c = c.clamp(0.0, self.most_in_common);
+            [(1.0, 1.0 + (n - 1.0) * c), (n - 1.0, 1.0 - c)]
+        };
+        let each = own(seen).into_iter().zip(own(expected)).map(|((count, seen), (_, expected))| {
+            let ratio = seen / expected;
+            count * (ratio - 1.0 - trig::ln(ratio))
+        });
+        0.5 * each.sum::<f64>() * degrees_of_freedom.min(self.coarse_degrees_of_freedom) / n.max(1.0)
+    }
 
-/// What it costs beside that a score is the best of a strength's whole range, which is some hundred deviations wide.
-pub const SCORED: f64 = 2.0;
+    /// What it costs that a channel is struck the other way round than measured, each of which is in deviations.
+    pub fn wrong_way(&self, measured: f64, simulated: f64) -> f64 {
+        let sure = measured.abs().min(simulated.abs());
+        // With the larger one as far off the other way, the logarithm of normal densities' ratio.
+        if measured * simulated < 0.0 { (2.0 * sure * sure).min(self.wrong_impact) } else { 0.0 }
+    }
 
-/// Prior weights: no gap; one effect of the library, shared among its effects; two; something else.
-pub const NONE: f64 = 0.2;
-pub const ONE: f64 = 0.5;
-pub const PAIR: f64 = 0.15;
-pub const UNKNOWN: f64 = 0.15;
+    /// The mean square that an unknown effect would leave.
+    pub fn unknown(&self, mean_square: f64, degrees_of_freedom: f64) -> f64 {
+        self.log_likelihood(1.0 + self.unknown_leaves * (mean_square - 1.0).max(0.0), degrees_of_freedom)
+            - cost(self.unknown_strengths, degrees_of_freedom)
+    }
 
-/// What the best effect of the library is thought to leave of a gap that is none of it.
-const UNKNOWN_LEAVES: f64 = 0.5;
-
-/// How much runs have in common at least of what sits at places, and what share of what is unknown does, with a pattern
-/// along the track.
-pub const PLACED: f64 = 0.5;
-pub const PATTERNED: f64 = 0.5;
-
-/// What share of a gap something unknown leaves at least, when a pattern that differs by chance is fitted to it: it has
-/// none of these.
-const STRANGE: f64 = 0.07;
-
-/// What it costs at most that a channel of a run is struck the wrong way round, and all that are: an impact is seldom
-/// as simulated.
-const WRONG_WAY: f64 = 6.0;
-pub const WRONG_WAYS: f64 = 12.0;
-
-/// Strengths that something unknown costs as many of.
-pub const UNKNOWN_STRENGTHS: f64 = 2.0;
-
-/// Log likelihood of a mean square over that of replicate laps.
-pub fn log_likelihood(mean_square: f64, degrees_of_freedom: f64) -> f64 {
-    // Less than replicate laps have speaks for nothing.
-    let near = degrees_of_freedom * trig::ln(mean_square.clamp(0.9, COARSE));
-    -0.5 * (near + degrees_of_freedom.min(COARSE_DEGREES_OF_FREEDOM) * trig::ln((mean_square / COARSE).max(1.0)))
-}
-
-/// How far scores count where a mean square is left: fully at the repeatability, not at all where so much is left that
-/// the equation misses much.
-pub fn quiet(mean_square: f64) -> f64 {
-    ((QUIET - mean_square) / (QUIET - 1.0)).clamp(0.0, 1.0)
-}
-
-/// What is lost where residuals of runs have so much in common and should have so much: half the divergence of normal
-/// distributions with these correlations for each degree of freedom of a run (Kullback 1959).
-pub fn in_common(seen: f64, expected: f64, runs: usize, degrees_of_freedom: f64) -> f64 {
-    let n = runs as f64;
-    // All runs together, and what is left of each of the others.
-    let own = |c: f64| {
-        let c = c.clamp(0.0, ALIKE);
-        [(1.0, 1.0 + (n - 1.0) * c), (n - 1.0, 1.0 - c)]
-    };
-    let each = own(seen).into_iter().zip(own(expected)).map(|((count, seen), (_, expected))| {
-        let ratio = seen / expected;
-        count * (ratio - 1.0 - trig::ln(ratio))
-    });
-    0.5 * each.sum::<f64>() * degrees_of_freedom.min(COARSE_DEGREES_OF_FREEDOM) / n.max(1.0)
-}
-
-/// What it costs that a channel is struck the other way round than measured, each of which is in deviations.
-pub fn wrong_way(measured: f64, simulated: f64) -> f64 {
-    let sure = measured.abs().min(simulated.abs());
-    // With the larger one as far off the other way, the logarithm of normal densities' ratio.
-    if measured * simulated < 0.0 { (2.0 * sure * sure).min(WRONG_WAY) } else { 0.0 }
+    /// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share
+    /// beyond the repeatability.
+    pub fn strange(&self, gap: f64, left: f64, degrees_of_freedom: f64) -> f64 {
+        let least = 1.0 + self.pattern_leaves * (gap - 1.0).max(0.0);
+        let left = left.max(1.0);
+        self.log_likelihood(left, degrees_of_freedom) - self.log_likelihood(left.max(least), degrees_of_freedom)
+    }
 }
 
 /// What a strength costs.
 pub fn cost(strengths: f64, degrees_of_freedom: f64) -> f64 {
     0.5 * strengths * trig::ln(degrees_of_freedom.max(2.0))
-}
-
-/// The mean square that an unknown effect would leave.
-pub fn unknown(mean_square: f64, degrees_of_freedom: f64) -> f64 {
-    log_likelihood(1.0 + UNKNOWN_LEAVES * (mean_square - 1.0).max(0.0), degrees_of_freedom)
-        - cost(UNKNOWN_STRENGTHS, degrees_of_freedom)
-}
-
-/// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share
-/// beyond the repeatability.
-pub fn strange(gap: f64, left: f64, degrees_of_freedom: f64) -> f64 {
-    let least = 1.0 + STRANGE * (gap - 1.0).max(0.0);
-    let left = left.max(1.0);
-    log_likelihood(left, degrees_of_freedom) - log_likelihood(left.max(least), degrees_of_freedom)
 }
 
 /// Probabilities from logarithms of weights.
@@ -120,32 +83,35 @@ mod tests {
 
     #[test]
     fn a_blow_the_other_way_round_costs_where_both_are_sure() {
-        assert_eq!(wrong_way(3.0, 2.0), 0.0);
-        assert_eq!(wrong_way(-3.0, 0.0), 0.0);
-        assert!(wrong_way(-3.0, 0.1) < 0.1);
-        assert_eq!(wrong_way(-1.5, 1.0), 2.0);
-        assert_eq!(wrong_way(-9.0, 9.0), WRONG_WAY);
-        assert!(wrong_way(f64::NAN, 1.0) == 0.0);
+        let settings = Likelihood::default();
+        assert_eq!(settings.wrong_way(3.0, 2.0), 0.0);
+        assert_eq!(settings.wrong_way(-3.0, 0.0), 0.0);
+        assert!(settings.wrong_way(-3.0, 0.1) < 0.1);
+        assert_eq!(settings.wrong_way(-1.5, 1.0), 2.0);
+        assert_eq!(settings.wrong_way(-9.0, 9.0), settings.wrong_impact);
+        assert!(settings.wrong_way(f64::NAN, 1.0) == 0.0);
     }
 
     #[test]
     fn something_unknown_is_thought_to_leave_its_share_of_a_gap() {
+        let settings = Likelihood::default();
         // A gap of 11 leaves 1.7 at least; what leaves more pays nothing, and what leaves less than the repeatability
         // no more than the repeatability.
-        assert!((strange(11.0, 1.0, 60.0) - 30.0 * trig::ln(1.7)).abs() < 1e-12);
-        assert_eq!(strange(11.0, 0.5, 60.0), strange(11.0, 1.0, 60.0));
-        assert_eq!(strange(11.0, 1.8, 60.0), 0.0);
-        assert_eq!(strange(1.0, 0.9, 60.0), 0.0);
+        assert!((settings.strange(11.0, 1.0, 60.0) - 30.0 * trig::ln(1.7)).abs() < 1e-12);
+        assert_eq!(settings.strange(11.0, 0.5, 60.0), settings.strange(11.0, 1.0, 60.0));
+        assert_eq!(settings.strange(11.0, 1.8, 60.0), 0.0);
+        assert_eq!(settings.strange(1.0, 0.9, 60.0), 0.0);
     }
 
     #[test]
     fn what_runs_should_have_in_common_is_held_against_what_they_have() {
-        let lost = |seen: f64, expected: f64| in_common(seen, expected, 3, 60.0);
+        let settings = Likelihood::default();
+        let lost = |seen: f64, expected: f64| settings.in_common(seen, expected, 3, 60.0);
         assert!(lost(0.0, 0.0).abs() < 1e-12 && lost(0.7, 0.7).abs() < 1e-12);
         // −½ ln det of the correlation's matrix, where nothing should be in common: det = (1 − c)² (1 + 2 c).
         let determinant = 0.2_f64 * 0.2 * 2.6;
-        assert!((lost(0.8, 0.0) + 0.5 * trig::ln(determinant) * COARSE_DEGREES_OF_FREEDOM / 3.0).abs() < 1e-9);
+        assert!((lost(0.8, 0.0) + 0.5 * trig::ln(determinant) * settings.coarse_degrees_of_freedom / 3.0).abs() < 1e-9);
         assert!(lost(0.0, 0.7) > lost(0.4, 0.7) && lost(0.4, 0.7) > 0.0);
-        assert_eq!(in_common(0.5, 0.0, 1, 60.0), 0.0);
+        assert_eq!(settings.in_common(0.5, 0.0, 1, 60.0), 0.0);
     }
 }

@@ -3,6 +3,7 @@
 
 use super::comparison::Comparison;
 use super::diagnosis::{GapPlace, Overlay, ranked};
+use super::ids::{PerRun, RunId};
 use super::scored::Scored;
 use super::simulator::{Band, Frame};
 use crate::base::number::tidy;
@@ -10,13 +11,13 @@ use crate::signal::Channel;
 use nalgebra::DVector;
 use std::collections::BTreeMap;
 
-/// Channels that are drawn.
-const DRAWN: usize = 4;
-
 /// The first channels of where the gap lies.
 pub fn overlays(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace]) -> Vec<Overlay> {
     let channels = ranked(places).into_iter();
-    channels.filter_map(|(channel, _)| overlay(comparison, shown, places, &channel)).take(DRAWN).collect()
+    channels
+        .filter_map(|(channel, _)| overlay(comparison, shown, places, &channel))
+        .take(comparison.settings.reporting.drawn)
+        .collect()
 }
 
 fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace], channel: &str) -> Option<Overlay> {
@@ -25,7 +26,7 @@ fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace],
     let run = worst(comparison, channel, band)?;
     let frame = &frames[run];
     let rows = rows(frame, channel, band);
-    let steps = DVector::from_vec(comparison.evidence[run].steps(&vec![0.0; frame.nominal.len()]));
+    let steps = DVector::from_vec(comparison.observations[run].steps(&vec![0.0; frame.nominal.len()]));
     let shift = &frame.slopes * steps;
     let after = shown.and_then(|j| j.fitted.features.as_ref()).map(|f| &f[run]);
     let pick = |x: &dyn Fn(usize) -> f64| rows.iter().map(|k| tidy(x(*k))).collect::<Vec<f64>>();
@@ -50,7 +51,7 @@ fn placed(band: Band) -> bool {
 }
 
 /// The kind of deviation with most of a channel's share, of those that can be drawn as a curve.
-fn band(frames: &[Frame], places: &[GapPlace], channel: &str) -> Option<Band> {
+fn band(frames: &PerRun<Frame>, places: &[GapPlace], channel: &str) -> Option<Band> {
     let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
     let own = places.iter().filter(|p| p.channel == channel);
     own.for_each(|p| *shares.entry(&p.band).or_default() += p.share);
@@ -60,13 +61,13 @@ fn band(frames: &[Frame], places: &[GapPlace], channel: &str) -> Option<Band> {
 }
 
 /// The run in which it is off most.
-fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<usize> {
-    let off = |run: usize| {
-        let (evidence, labels) = (&comparison.evidence[run], &comparison.simulator.frames()[run].labels);
+fn worst(comparison: &Comparison, channel: &str, band: Band) -> Option<RunId> {
+    let off = |run: RunId| {
+        let (observation, labels) = (&comparison.observations[run], &comparison.simulator.frames()[run].labels);
         let own = |k: usize| labels[k].channel == channel && labels[k].band == band;
-        evidence.each(&evidence.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
+        observation.each(&observation.residual).filter(|(k, _)| own(*k)).map(|(_, x)| x * x).sum::<f64>()
     };
-    (0..comparison.evidence.len()).max_by(|a, b| off(*a).total_cmp(&off(*b)))
+    comparison.observations.ids().max_by(|a, b| off(*a).total_cmp(&off(*b)))
 }
 
 /// Features of a channel and kind along their axis. Where some belong to short stretches and some to long ones, the

@@ -1,33 +1,22 @@
 //! Real re-fits of what the screen left: simulations with the effect, nuisances moved along.
 
-use super::evidence::Evidence;
-use super::screen::{Signature, explain};
-use super::simulator::{Candidate, Request, Simulator};
+use super::ids::{CandidateId, PerRun, RunId};
+use super::observation::Observation;
+use super::screen::{Signatures, explain};
+use super::settings::Refitting;
+use super::simulator::{Candidates, Context};
 use super::tune::{Tuned, Tuner};
-use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
+use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared, room, stepped};
 use nalgebra::DVector;
-
-/// Simulations of each run at most, and the share of the squares that another one is worth.
-const ROUNDS: usize = 4;
-const ENOUGH: f64 = 0.02;
-
-/// What leaves so many times the squares that another hypothesis does is not followed.
-const HOPELESS: f64 = 4.0;
-
-/// What leaves so many times the mean square that was foretold has nuisances that are not linear so far.
-const ASTRAY: f64 = 3.0;
-
-/// A step that changes less than this share of what the effects do tells nothing of their slopes.
-const SHORT: f64 = 0.1;
 
 /// Where a hypothesis' simulations are.
 struct Search {
     /// The last strengths that were simulated, and what they changed, projected.
     at: Vec<f64>,
-    found: Vec<DVector<f64>>,
+    found: PerRun<DVector<f64>>,
     best: Option<RefitPoint>,
     /// Of each run, whether nuisances are moved along.
-    moved: Vec<bool>,
+    moved: PerRun<bool>,
     settled: bool,
 }
 
@@ -35,15 +24,15 @@ struct Search {
 struct RefitPoint {
     square: f64,
     strengths: Vec<f64>,
-    residuals: Vec<DVector<f64>>,
-    changes: Vec<Vec<f64>>,
-    features: Vec<Vec<f64>>,
+    residuals: PerRun<DVector<f64>>,
+    changes: PerRun<Vec<f64>>,
+    features: PerRun<Vec<f64>>,
 }
 
 impl Search {
-    fn new(strengths: usize, evidence: &[Evidence]) -> Search {
-        let found = evidence.iter().map(|e| DVector::zeros(e.residual.len())).collect();
-        Search { at: vec![0.0; strengths], found, best: None, moved: vec![true; evidence.len()], settled: false }
+    fn new(strengths: usize, observations: &PerRun<Observation>) -> Search {
+        let found = observations.iter().map(|o| DVector::zeros(o.residual.len())).collect();
+        Search { at: vec![0.0; strengths], found, best: None, moved: observations.map(|_| true), settled: false }
     }
 
     /// Begins where strengths were tuned.
@@ -54,13 +43,19 @@ impl Search {
     }
 
     /// Whether nuisances of some runs are farther from linear than the effects are, as these leave far more than was
-    /// foretold. What the effects do is then simulated where the nominal model is, and nuisances are thought of by
-    /// their slopes.
-    fn astray(&mut self, evidence: &[Evidence], foretold: &[DVector<f64>], left: &[DVector<f64>]) -> bool {
+    /// foretold, by a factor. What the effects do is then simulated where the nominal model is, and nuisances are
+    /// thought of by their slopes.
+    fn astray(
+        &mut self,
+        observations: &PerRun<Observation>,
+        foretold: &PerRun<DVector<f64>>,
+        left: &PerRun<DVector<f64>>,
+        factor: f64,
+    ) -> bool {
         let mut astray = false;
-        for (run, (foretold, left)) in foretold.iter().zip(left).enumerate() {
-            let expected = evidence[run].mean_square(foretold).max(1.0);
-            if self.moved[run] && evidence[run].mean_square(left) > ASTRAY * expected {
+        for ((run, foretold), left) in foretold.with_ids().zip(left) {
+            let expected = observations[run].mean_square(foretold).max(1.0);
+            if self.moved[run] && observations[run].mean_square(left) > factor * expected {
                 (self.moved[run], astray) = (false, true);
             }
         }
@@ -69,14 +64,20 @@ impl Search {
 
     /// Corrects what one more of each strength changes by what all of them together were found to since the last
     /// simulation: the least change of the columns that says so, each for its share (Broyden 1965). Chaos drowns what
-    /// short steps change.
-    fn learn(&mut self, columns: &mut [Vec<DVector<f64>>], strengths: &[f64], found: Vec<DVector<f64>>) {
+    /// short steps change, those of less than a share `short` of all.
+    fn learn(
+        &mut self,
+        columns: &mut [PerRun<DVector<f64>>],
+        strengths: &[f64],
+        found: PerRun<DVector<f64>>,
+        short: f64,
+    ) {
         let moved: Vec<f64> = strengths.iter().zip(&self.at).map(|(x, y)| x - y).collect();
         let squares = columns.iter().zip(&moved);
         let squares: Vec<f64> = squares.map(|(c, x)| x * x * norm_squared(c)).collect();
         let all: f64 = squares.iter().sum();
-        if all > SHORT * SHORT * norm_squared(&found) && all > 0.0 {
-            for (run, found) in found.iter().enumerate() {
+        if all > short * short * norm_squared(&found) && all > 0.0 {
+            for (run, found) in found.with_ids() {
                 let mut missed = found - &self.found[run];
                 for (column, x) in columns.iter().zip(&moved) {
                     missed -= &column[run] * *x;
@@ -93,51 +94,52 @@ impl Search {
 
 /// Fits hypotheses by simulation. All requests of a round are made at once.
 pub fn refit(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
-    signatures: &[Signature],
+    context: Context,
+    observations: &PerRun<Observation>,
+    signatures: &Signatures,
     screened: Vec<Fitted>,
     tell: &mut dyn FnMut(usize, usize),
 ) -> Vec<Fitted> {
+    let Context { simulator, settings } = context;
+    let Refitting { rounds, enough, hopeless, astray, short } = settings.refitting;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
     let mut fitted = screened;
-    let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), evidence)).collect();
-    let runs = evidence.len();
-    let tuner = Tuner { simulator, evidence, signatures };
+    let mut searches: Vec<Search> = fitted.iter().map(|one| Search::new(one.strengths.len(), observations)).collect();
+    let runs = observations.len();
+    let tuner = Tuner { simulator, settings, observations, signatures };
     for (one, search) in fitted.iter_mut().zip(&mut searches) {
         if let Some(tuned) = tuner.tuned(&one.hypothesis, &one.strengths) {
             search.begin(one, tuned);
-            one.move_along(evidence, &search.moved);
+            one.move_along(observations, &search.moved);
         }
     }
-    for round in 0..ROUNDS {
-        tell(round, ROUNDS);
+    for round in 0..rounds {
+        tell(round, rounds);
         let going: Vec<usize> = (0..fitted.len()).filter(|k| !searches[*k].settled).collect();
         let mut requests = Vec::new();
         for one in going.iter().map(|k| &fitted[*k]) {
-            let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-            let each = one.nuisance_offsets.iter().enumerate();
-            requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
+            requests.extend(one.requests(candidates, signatures));
         }
         let answers = simulator.simulate_all(&requests);
         for (n, k) in going.into_iter().enumerate() {
             let rows = n * runs..(n + 1) * runs;
-            let answers: Option<Vec<&Vec<f64>>> = answers[rows.clone()].iter().map(Option::as_ref).collect();
+            let answers: Option<PerRun<&Vec<f64>>> = answers[rows.clone()].iter().map(Option::as_ref).collect();
             // What cannot be simulated keeps what is known of it.
             let (one, search) = (&mut fitted[k], &mut searches[k]);
             let Some(answers) = answers else {
                 search.settled = true;
                 continue;
             };
-            let change = |run: usize| frames[run].moved(answers[run], &requests[rows.start + run].step);
-            let changes: Vec<Vec<f64>> = (0..runs).map(change).collect();
-            let found: Vec<DVector<f64>> = evidence.iter().zip(&changes).map(|(e, c)| e.column(c)).collect();
-            let residuals: Vec<DVector<f64>> = evidence.iter().zip(&found).map(|(e, c)| &e.residual - c).collect();
-            if search.astray(evidence, &one.residuals, &residuals) {
-                one.move_along(evidence, &search.moved);
+            let asked = requests[rows].iter().zip(&answers);
+            let changes: PerRun<Vec<f64>> = asked.map(|(r, answer)| frames[r.run].moved(answer, &r.step)).collect();
+            let found: PerRun<DVector<f64>> = observations.iter().zip(&changes).map(|(o, c)| o.column(c)).collect();
+            let residuals: PerRun<DVector<f64>> =
+                observations.iter().zip(&found).map(|(o, c)| &o.residual - c).collect();
+            if search.astray(observations, &one.residuals, &residuals, astray) {
+                one.move_along(observations, &search.moved);
                 continue;
             }
-            search.learn(&mut one.columns, &one.strengths, found);
+            search.learn(&mut one.columns, &one.strengths, found, short);
             let square = norm_squared(&residuals);
             if search.best.as_ref().is_none_or(|best| square < best.square) {
                 let features = answers.into_iter().cloned().collect();
@@ -146,33 +148,33 @@ pub fn refit(
             }
             if let Some(best) = &search.best {
                 one.tune_sensors(&tuner, &best.strengths);
-                search.settled = one.step(best, candidates, signatures);
-                one.move_along(evidence, &search.moved);
+                search.settled = one.step(best, candidates, signatures, enough);
+                one.move_along(observations, &search.moved);
             }
         }
         // What leaves several times as much as another one will not come up with it.
         let least = searches.iter().filter_map(|s| s.best.as_ref()).map(|b| b.square).fold(f64::INFINITY, f64::min);
         for search in &mut searches {
-            search.settled |= search.best.as_ref().is_some_and(|best| best.square > HOPELESS * least);
+            search.settled |= search.best.as_ref().is_some_and(|best| best.square > hopeless * least);
         }
     }
     fitted
 }
 
 /// What strengths change in each run, by columns of one more of each.
-pub fn along(columns: &[Vec<DVector<f64>>], strengths: &[f64]) -> Vec<DVector<f64>> {
-    let in_run = |run: usize| {
+pub fn along(columns: &[PerRun<DVector<f64>>], strengths: &[f64]) -> PerRun<DVector<f64>> {
+    let in_run = |run: RunId| {
         let each = columns.iter().zip(strengths).map(|(column, x)| &column[run] * *x);
         each.reduce(|sum, more| sum + more)
     };
-    (0..columns.first().map_or(0, Vec::len)).filter_map(in_run).collect()
+    columns.first().into_iter().flat_map(|column| column.ids()).filter_map(in_run).collect()
 }
 
 impl Fitted {
     /// Nuisances of some runs as they fit best with what the effects change.
-    fn move_along(&mut self, evidence: &[Evidence], moved: &[bool]) {
-        for (run, step) in self.nuisance_offsets.iter_mut().enumerate() {
-            *step = evidence[run].nuisance_offsets(&self.changes[run]);
+    fn move_along(&mut self, observations: &PerRun<Observation>, moved: &PerRun<bool>) {
+        for (run, step) in observations.ids().zip(&mut self.nuisance_offsets) {
+            *step = observations[run].nuisance_offsets(&self.changes[run]);
             if !moved[run] {
                 step.fill(0.0);
             }
@@ -196,7 +198,7 @@ impl Fitted {
     }
 
     /// What its strengths change in each run, projected.
-    pub fn direction(&self) -> Vec<DVector<f64>> {
+    pub fn direction(&self) -> PerRun<DVector<f64>> {
         along(&self.columns, &self.strengths)
     }
 
@@ -206,33 +208,25 @@ impl Fitted {
     }
 
     /// Whether a pair's members both do something.
-    pub fn all_there(&self, signatures: &[Signature]) -> bool {
+    pub fn all_there(&self, signatures: &Signatures) -> bool {
         let Hypothesis { members, signatures: own } = &self.hypothesis;
-        let does = |member: &usize| {
+        let does = |member: &CandidateId| {
             own.iter().zip(&self.strengths).any(|(k, x)| signatures[*k].candidate == *member && *x != 0.0)
         };
         members.len() < 2 || members.iter().all(does)
     }
 
-    /// To where it fits best from the best that was simulated; whether that is hardly another place.
-    fn step(&mut self, best: &RefitPoint, candidates: &[Candidate], signatures: &[Signature]) -> bool {
-        let within = self.hypothesis.bounds(candidates, signatures);
-        let bounds: Vec<(f64, f64)> =
-            within.iter().zip(&best.strengths).map(|((low, high), x)| (low - x, high - x)).collect();
-        let by: Vec<&[DVector<f64>]> = self.columns.iter().map(|c| &c[..]).collect();
-        let step = explain(&best.residuals, &by, &bounds, None);
-        // A sum may be beyond its bound by rounding.
-        let further = best.strengths.iter().zip(&step.strengths).map(|(x, d)| x + d);
-        self.strengths = further.zip(&within).map(|(x, (low, high))| x.clamp(*low, *high)).collect();
+    /// To where it fits best from the best that was simulated; whether that gains less than a share `enough`.
+    fn step(&mut self, best: &RefitPoint, candidates: &Candidates, signatures: &Signatures, enough: f64) -> bool {
+        let bounds = self.hypothesis.bounds(candidates, signatures);
+        let by: Vec<&PerRun<DVector<f64>>> = self.columns.iter().collect();
+        let step = explain(&best.residuals, &by, &room(&bounds, &best.strengths), None);
+        self.strengths = stepped(&best.strengths, &step.strengths, &bounds);
         let gained = best.square - norm_squared(&step.residuals);
         self.residuals = step.residuals;
         self.covariance = step.covariance;
-        let moved = |run: usize| {
-            let more = self.hypothesis.change(signatures, &step.strengths, run);
-            best.changes[run].iter().zip(more).map(|(c, m)| c + m).collect()
-        };
-        self.changes = (0..best.changes.len()).map(moved).collect();
+        self.changes = self.hypothesis.changed_further(signatures, &best.changes, &step.strengths);
         self.features = Some(best.features.clone());
-        gained < ENOUGH * best.square
+        gained < enough * best.square
     }
 }

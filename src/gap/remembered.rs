@@ -9,7 +9,9 @@
 //! are asked again before any is used. Where one differs, none is used. What could not be simulated is not kept: the
 //! reason may have been outside.
 
-use super::simulator::{Applied, Axis, Candidate, Frame, Laps, Request, Simulator};
+use super::ids::{CandidateId, Id, PerRun, RunId};
+use super::settings::Checks;
+use super::simulator::{Applied, Axis, Candidates, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Temporary, sweep, sync_folder};
@@ -22,9 +24,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 const MARK: &str = "lss gap simulations 3";
-
-/// How many kept answers are asked again.
-const ASKED_AGAIN: usize = 4;
 
 /// What a file held that a diagnosis would go on from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,13 +59,13 @@ struct Book {
 impl<'a> Remembered<'a> {
     /// With what a file knows of the same origin: a hash of all that the simulator is made of, beside what it says of
     /// itself. The file and its folder are made if they are missing.
-    pub fn new(simulator: &'a dyn Simulator, path: &Path, origin: &str) -> Remembered<'a> {
+    pub fn new(simulator: &'a dyn Simulator, path: &Path, origin: &str, settings: &Checks) -> Remembered<'a> {
         let first = format!("{MARK} {}", fingerprint(simulator, origin));
         let (known, left) = match read(path, &first) {
             None => (Known::new(), Left::Nothing),
             Some(None) => (Known::new(), Left::OfOthers),
             Some(Some(known)) if known.is_empty() => (known, Left::Nothing),
-            Some(Some(known)) if is_confirmed(simulator, &known) => {
+            Some(Some(known)) if is_confirmed(simulator, &known, settings.asked_again) => {
                 let count = known.len();
                 (known, Left::Used(count))
             }
@@ -92,11 +91,11 @@ impl<'a> Remembered<'a> {
 }
 
 impl Simulator for Remembered<'_> {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         self.simulator.candidates()
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         self.simulator.frames()
     }
 
@@ -202,22 +201,22 @@ fn of_bits(text: &str) -> Option<Vec<f64>> {
 fn question(key: &str) -> Option<(char, Request)> {
     let mut parts = key.split('/');
     let head = parts.next()?;
-    let (what, run) = (head.chars().next()?, head.get(1..)?.parse().ok()?);
+    let (what, run) = (head.chars().next()?, RunId::new(head.get(1..)?.parse().ok()?));
     let step = of_bits(parts.next()?)?;
     let effect = |text: &str| {
         let (candidate, strengths) = text.split_once(':')?;
-        Some(Applied { candidate: candidate.parse().ok()?, strengths: of_bits(strengths)? })
+        Some(Applied { candidate: CandidateId::new(candidate.parse().ok()?), strengths: of_bits(strengths)? })
     };
     Some((what, Request { run, step, effects: parts.map(effect).collect::<Option<_>>()? }))
 }
 
-/// Asks a few of the kept answers again, spread over all.
-fn is_confirmed(simulator: &dyn Simulator, known: &Known) -> bool {
-    let stride = known.len().div_ceil(ASKED_AGAIN).max(1);
+/// Asks so many of the kept answers again, spread over all.
+fn is_confirmed(simulator: &dyn Simulator, known: &Known, count: usize) -> bool {
+    let stride = known.len().div_ceil(count).max(1);
     known.iter().step_by(stride).all(|(key, kept)| {
         let Some((what, request)) = question(key) else { return false };
-        let fits = request.run < simulator.frames().len()
-            && request.effects.iter().all(|e| e.candidate < simulator.candidates().len());
+        let fits = simulator.frames().at(request.run).is_some()
+            && request.effects.iter().all(|e| simulator.candidates().at(e.candidate).is_some());
         let asked = [request];
         let now = match what {
             _ if !fits => None,
@@ -270,26 +269,16 @@ mod tests {
     /// Counts what it is asked; run 9 cannot be simulated.
     struct Counting {
         asked: AtomicUsize,
-        frames: Vec<Frame>,
+        candidates: Candidates,
+        frames: PerRun<Frame>,
         bias: f64,
     }
 
     impl Default for Counting {
         fn default() -> Self {
-            let frame = Frame {
-                run: "run".into(),
-                labels: Vec::new(),
-                measured: Vec::new(),
-                nominal: Vec::new(),
-                laps: Laps { variance: Vec::new(), scatter: Vec::new() },
-                discrepancies: Vec::new(),
-                built: Vec::new(),
-                slopes: nalgebra::DMatrix::zeros(0, 1),
-                prior: Vec::new(),
-                bounds: Vec::new(),
-                nuisances: Vec::new(),
-            };
-            Counting { asked: AtomicUsize::new(0), frames: vec![frame; 10], bias: 0.0 }
+            let frame = Frame::bare(Vec::new(), Vec::new());
+            let candidates = Candidates::default();
+            Counting { asked: AtomicUsize::new(0), candidates, frames: vec![frame; 10].into(), bias: 0.0 }
         }
     }
 
@@ -300,16 +289,17 @@ mod tests {
     }
 
     impl Simulator for Counting {
-        fn candidates(&self) -> &[Candidate] {
-            &[]
+        fn candidates(&self) -> &Candidates {
+            &self.candidates
         }
 
-        fn frames(&self) -> &[Frame] {
+        fn frames(&self) -> &PerRun<Frame> {
             &self.frames
         }
 
-        fn simulate(&self, run: usize, step: &[f64], _: &[Applied]) -> Option<Vec<f64>> {
+        fn simulate(&self, run: RunId, step: &[f64], _: &[Applied]) -> Option<Vec<f64>> {
             self.asked.fetch_add(1, Ordering::Relaxed);
+            let run = run.index();
             (run < 9).then(|| vec![run as f64 + 0.1, step.iter().sum::<f64>() + self.bias, f64::NAN])
         }
     }
@@ -321,18 +311,18 @@ mod tests {
     }
 
     fn of(run: usize, step: f64) -> Request {
-        let effects = vec![Applied { candidate: 3, strengths: vec![-0.5, step] }];
-        Request { run, step: vec![step], effects: if run == 1 { effects } else { Vec::new() } }
+        let effects = vec![Applied { candidate: CandidateId::new(3), strengths: vec![-0.5, step] }];
+        Request { run: RunId::new(run), step: vec![step], effects: if run == 1 { effects } else { Vec::new() } }
     }
 
     #[test]
     fn questions_are_read_from_their_words() {
-        let none = Request { run: 12, step: Vec::new(), effects: Vec::new() };
+        let none = Request { run: RunId::new(12), step: Vec::new(), effects: Vec::new() };
         for request in [of(0, 1.0 / 3.0), none] {
             assert_eq!(question(&key(LAPS, &request)), Some((LAPS, request)));
         }
         let (what, read) = question(&key(MEANS, &of(1, f64::NAN))).unwrap();
-        assert!(what == MEANS && read.step[0].is_nan() && read.effects[0].candidate == 3);
+        assert!(what == MEANS && read.step[0].is_nan() && read.effects[0].candidate == CandidateId::new(3));
         for broken in ["", "m", "mx/0", "m0", "m0/z", "m0//1", "ä0/0"] {
             assert_eq!(question(broken).filter(|(what, _)| *what == MEANS), None, "{broken}");
         }
@@ -342,7 +332,7 @@ mod tests {
     fn a_failure_is_asked_again() {
         let folder = tempfile::tempdir().unwrap();
         let counting = Counting::default();
-        let known = Remembered::new(&counting, &folder.path().join("gap.partial"), "");
+        let known = Remembered::new(&counting, &folder.path().join("gap.partial"), "", &Checks::default());
         for _ in 0..2 {
             assert_eq!(known.simulate_all(&[of(9, 0.0)]), [None]);
         }
@@ -357,7 +347,7 @@ mod tests {
         fs::write(&secret, "mine").unwrap();
         std::os::unix::fs::symlink(&secret, &path).unwrap();
         let counting = Counting::default();
-        Remembered::new(&counting, &path, "").simulate_all(&[of(0, 0.5)]);
+        Remembered::new(&counting, &path, "", &Checks::default()).simulate_all(&[of(0, 0.5)]);
         assert_eq!(fs::read_to_string(&secret).unwrap(), "mine");
         assert!(fs::read_to_string(&path).unwrap().starts_with(MARK));
     }
@@ -366,12 +356,12 @@ mod tests {
     fn a_stopped_diagnosis_goes_on() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deep/gap.partial");
-        let of = |run: usize, step: f64| Request { run, step: vec![step], effects: Vec::new() };
+        let of = |run: usize, step: f64| Request { run: RunId::new(run), step: vec![step], effects: Vec::new() };
         let bits = |answers: &[Option<Vec<f64>>]| -> Vec<Option<Vec<u64>>> {
             answers.iter().map(|a| a.as_ref().map(|x| x.iter().map(|y| y.to_bits()).collect())).collect()
         };
         let counting = Counting::default();
-        let first = Remembered::new(&counting, &path, "a");
+        let first = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!(first.left(), Left::Nothing);
         let whole = first.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2)]);
         assert_eq!(counting.asked(), 3);
@@ -379,15 +369,15 @@ mod tests {
         // The last line is cut, as when the power fails.
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, &text[..text.len() - 4]).unwrap();
-        let second = Remembered::new(&counting, &path, "a");
+        let second = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!((second.left(), counting.asked()), (Left::Used(1), 4), "the one that is kept was asked again");
         let again = second.simulate_all(&[of(0, 1.0 / 3.0), of(9, 0.0), of(1, 0.2), of(2, 0.2)]);
         assert_eq!(bits(&again[..3]), bits(&whole));
         // Only the first was known; what could not be simulated is asked for again.
         assert_eq!(counting.asked(), 7);
-        assert_eq!(second.simulate(9, &[0.0], &[]), None);
+        assert_eq!(second.simulate(RunId::new(9), &[0.0], &[]), None);
         assert_eq!(counting.asked(), 8, "a failure is never kept");
-        let third = Remembered::new(&counting, &path, "a");
+        let third = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!(third.left(), Left::Used(3));
         third.forget();
         assert!(!path.exists());
@@ -397,20 +387,20 @@ mod tests {
     fn what_another_origin_or_another_model_answered_is_not_used() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("gap.partial");
-        let ask = [0.1, 0.2, 0.3, 0.4, 0.5].map(|step| Request { run: 0, step: vec![step], effects: Vec::new() });
+        let ask = [0.1, 0.2, 0.3, 0.4, 0.5].map(|step| of(0, step));
         let counting = Counting::default();
-        Remembered::new(&counting, &path, "a").simulate_all(&ask);
+        Remembered::new(&counting, &path, "a", &Checks::default()).simulate_all(&ask);
         let text = fs::read_to_string(&path).unwrap();
         for (origin, text) in [("b", text.clone()), ("a", text.replacen(MARK, "lss gap simulations 2", 1))] {
             fs::write(&path, text).unwrap();
-            let other = Remembered::new(&counting, &path, origin);
+            let other = Remembered::new(&counting, &path, origin, &Checks::default());
             assert_eq!(other.left(), Left::OfOthers);
-            assert_eq!(Remembered::new(&counting, &path, origin).left(), Left::Nothing);
+            assert_eq!(Remembered::new(&counting, &path, origin, &Checks::default()).left(), Left::Nothing);
         }
         // The same by all that can be known before it is asked.
         fs::write(&path, &text).unwrap();
         let biased = Counting { bias: 1e-9, ..Counting::default() };
-        let other = Remembered::new(&biased, &path, "a");
+        let other = Remembered::new(&biased, &path, "a", &Checks::default());
         assert_eq!(other.left(), Left::Contradicted(5));
         assert_eq!(other.simulate_all(&ask)[4].as_ref().map(|x| x[1]), Some(0.5 + 1e-9));
     }

@@ -6,22 +6,20 @@
 //! −f/2 (ln s + ln(det C/det C₀)/n) is the log likelihood of a mean square s in units of C (the normal distribution
 //! with unknown scale, Seber and Wild 2003): a repeatability that is raised for nothing costs.
 
-use super::evidence::{self, Evidence};
-use super::screen::{Signature, explain};
-use super::simulator::{Candidate, Laps, Request, Simulator};
+use super::ids::PerRun;
+use super::observation::{self, Observation};
+use super::screen::{Signatures, explain};
+use super::simulator::{Candidates, Context, Laps, Request};
 use crate::gap::hypothesis::Fitted;
 use nalgebra::{DMatrix, DVector};
 
-/// Carts whose laps are held beside each other over the runs.
-const CARTS: usize = 16;
-
 /// A hypothesis before the repeatability that it makes itself.
 pub struct Repeatability {
-    pub evidence: Vec<Evidence>,
+    pub observations: PerRun<Observation>,
     /// What is left of each run, projected.
-    pub residuals: Vec<DVector<f64>>,
+    pub residuals: PerRun<DVector<f64>>,
     /// What one more of each strength changes.
-    pub columns: Vec<Vec<DVector<f64>>>,
+    pub columns: Vec<PerRun<DVector<f64>>>,
     pub covariance: DMatrix<f64>,
     /// Logarithm of the covariance's determinant over that without the effect, for each feature of all runs.
     pub raised: f64,
@@ -32,27 +30,24 @@ pub struct Repeatability {
 /// The repeatabilities of fitted hypotheses; `None` where the nominal chain's holds. `as_built` is what every machine
 /// deviates by, of each run.
 pub fn repeatabilities(
-    simulator: &dyn Simulator,
-    nominal: &[Evidence],
-    as_built: &[Vec<Vec<f64>>],
-    signatures: &[Signature],
+    context: Context,
+    nominal: &PerRun<Observation>,
+    as_built: &PerRun<Vec<Vec<f64>>>,
+    signatures: &Signatures,
     fitted: &[&Fitted],
 ) -> Vec<Option<Repeatability>> {
+    let Context { simulator, settings } = context;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
-    let mut requests = Vec::new();
-    for one in fitted {
-        let effects = one.hypothesis.applied(candidates, signatures, &one.strengths);
-        let each = one.nuisance_offsets.iter().enumerate();
-        requests.extend(each.map(|(run, step)| Request { run, step: step.clone(), effects: effects.clone() }));
-    }
+    let requests: Vec<Request> = fitted.iter().flat_map(|one| one.requests(candidates, signatures)).collect();
     let answers = simulator.laps_all(&requests);
     let of = |(one, laps): (&&Fitted, &[Option<Laps>])| {
-        let laps: Vec<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
-        let own = laps.iter().enumerate().map(|(run, laps)| Evidence::with(&frames[run], &as_built[run], laps));
+        let laps: PerRun<&Laps> = laps.iter().map(Option::as_ref).collect::<Option<_>>()?;
+        let own = laps.with_ids().map(|(run, laps)| Observation::with(&frames[run], &as_built[run], laps, settings));
         let carts = laps.iter().map(|laps| laps.scatter.len()).min().unwrap_or(0);
-        let cart = |k: usize| nominal.iter().zip(&laps).map(|(e, laps)| e.column(&laps.scatter[k])).collect();
-        let some: Vec<Vec<DVector<f64>>> = (0..carts).step_by(carts.div_ceil(CARTS).max(1)).map(cart).collect();
-        let common = evidence::in_common(frames, nominal, &some);
+        let cart = |k: usize| nominal.iter().zip(&laps).map(|(o, laps)| o.column(&laps.scatter[k])).collect();
+        let some: Vec<PerRun<DVector<f64>>> =
+            (0..carts).step_by(carts.div_ceil(settings.random_effects.carts).max(1)).map(cart).collect();
+        let common = observation::in_common(frames, nominal, &some);
         Some(Repeatability { common, ..Repeatability::new(one, nominal, own.collect(), candidates, signatures) })
     };
     fitted.iter().zip(answers.chunks(nominal.len().max(1))).map(of).collect()
@@ -61,27 +56,28 @@ pub fn repeatabilities(
 impl Repeatability {
     fn new(
         fitted: &Fitted,
-        nominal: &[Evidence],
-        evidence: Vec<Evidence>,
-        candidates: &[Candidate],
-        signatures: &[Signature],
+        nominal: &PerRun<Observation>,
+        observations: PerRun<Observation>,
+        candidates: &Candidates,
+        signatures: &Signatures,
     ) -> Repeatability {
-        let left = |(evidence, change): (&Evidence, &Vec<f64>)| &evidence.residual - evidence.column(change);
-        let residuals: Vec<DVector<f64>> = evidence.iter().zip(&fitted.changes).map(left).collect();
-        let carried = |column: &Vec<DVector<f64>>| {
-            let each = evidence.iter().zip(nominal).zip(column);
-            each.map(|((own, nominal), c)| own.carried(nominal, c)).collect::<Vec<_>>()
+        let left =
+            |(observation, change): (&Observation, &Vec<f64>)| &observation.residual - observation.column(change);
+        let residuals: PerRun<DVector<f64>> = observations.iter().zip(&fitted.changes).map(left).collect();
+        let carried = |column: &PerRun<DVector<f64>>| {
+            let each = observations.iter().zip(nominal).zip(column);
+            each.map(|((own, nominal), c)| own.carried(nominal, c)).collect()
         };
-        let columns: Vec<Vec<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
-        let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
+        let columns: Vec<PerRun<DVector<f64>>> = fitted.columns.iter().map(carried).collect();
+        let by: Vec<&PerRun<DVector<f64>>> = columns.iter().collect();
         let covariance = explain(&residuals, &by, &fitted.hypothesis.bounds(candidates, signatures), None).covariance;
         let (mut raised, mut degrees_of_freedom) = (0.0, 0.0);
-        for (own, nominal) in evidence.iter().zip(nominal) {
+        for (own, nominal) in observations.iter().zip(nominal) {
             raised += nominal.degrees_of_freedom * own.raised(nominal);
             degrees_of_freedom += nominal.degrees_of_freedom;
         }
         Repeatability {
-            evidence,
+            observations,
             residuals,
             columns,
             covariance,

@@ -3,8 +3,9 @@
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
-use super::evidence::Evidence;
-use super::looks::UNSETTLED;
+use super::hypothesis::room;
+use super::ids::{CandidateId, PerRun, RunId};
+use super::observation::Observation;
 use super::overlays::overlays;
 use super::scored::Scored;
 use super::screen::explain;
@@ -15,19 +16,6 @@ use crate::base::number::tidy;
 use crate::base::trig;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Effects whose signatures are so nearly parallel are not told apart, unless their log posteriors differ by this much
-/// (a factor of 20: strong evidence, Kass and Raftery 1995).
-const PARALLEL: f64 = 0.92;
-const APART: f64 = 3.0;
-
-/// Logarithm of how much less likely an effect with all its strengths may be that they are told together, and one at a
-/// place beside that was really fitted that it is told instead.
-const NOT_MUCH: f64 = 3.0;
-const HARDLY: f64 = 1.0;
-
-/// Places that are told.
-const PLACES: usize = 24;
 
 /// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is
 /// the other one alone.
@@ -56,9 +44,10 @@ struct Choice {
 }
 
 fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
+    let settings = compared.comparison.likelihood();
     let logs = [
-        trig::ln(likelihood::NONE)
-            + likelihood::log_likelihood(compared.comparison.mean_square, compared.comparison.degrees_of_freedom),
+        trig::ln(settings.prior_none)
+            + settings.log_likelihood(compared.comparison.mean_square, compared.comparison.degrees_of_freedom),
         compared.unknown,
     ];
     let log_posteriors: Vec<f64> =
@@ -116,8 +105,7 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         .map(|name| {
             let has = |j: &Scored| j.fitted.hypothesis.members.iter().any(|c| candidates[*c].effect == name);
             // What the effect does alone, unless the verdict has it beside another one.
-            let alone = |j: &Scored| has(j) && j.fitted.hypothesis.members.len() == 1;
-            let alone = || compared.scored.iter().position(alone).map(|k| &compared.scored[as_fitted(compared, k)]);
+            let alone = || alone(compared, name).map(|k| &compared.scored[as_fitted(compared, k)]);
             let told = chosen.filter(|j| has(j)).or_else(alone);
             let mut finding = finding(compared, name, told);
             finding.untested_probability = tidy(never(name));
@@ -126,17 +114,11 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         })
         .collect();
     // Of effects that are equally sure, the one that closes more alone comes first.
-    let alone = |f: &Finding| {
-        let has = |j: &&Scored| {
-            let members = &j.fitted.hypothesis.members;
-            members.len() == 1 && candidates[members[0]].effect == f.name
-        };
-        compared.scored.iter().find(has).map_or(f64::INFINITY, |j| j.mean_square)
-    };
+    let left = |f: &Finding| alone(compared, &f.name).map_or(f64::INFINITY, |k| compared.scored[k].mean_square);
     let sure = |f: &Finding| (20.0 * f.probability).round();
     effects.sort_by(|a, b| {
         let by = sure(b).total_cmp(&sure(a)).then(if sure(a) > 0.0 {
-            alone(a).total_cmp(&alone(b))
+            left(a).total_cmp(&left(b))
         } else {
             std::cmp::Ordering::Equal
         });
@@ -191,13 +173,13 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
     let Some(scored) = best else { return out };
     // Strengths are told with those beside them that may be there, too.
     out.strength = amounts(&compared.comparison, whole(compared, scored), name);
-    let own = |c: &&usize| compared.comparison.candidates()[**c].effect == name;
+    let own = |c: &&CandidateId| compared.comparison.candidates()[**c].effect == name;
     if let Some(candidate) = scored.fitted.hypothesis.members.iter().find(own) {
         let candidate = &compared.comparison.candidates()[*candidate];
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();
     }
-    let gap = (0..compared.comparison.evidence.len()).any(|run| over(&compared.comparison, run));
+    let gap = compared.comparison.observations.ids().any(|run| over(&compared.comparison, run));
     if gap && scored.fitted.features.is_some() {
         out.gap_closed = closed(&compared.comparison, scored, false).map(tidy);
         out.gap_closed_placebo = closed(&compared.comparison, scored, true).map(tidy);
@@ -205,11 +187,22 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
     out
 }
 
+/// Where the likeliest hypothesis stands of which an effect is the only member.
+fn alone(compared: &Compared, name: &str) -> Option<usize> {
+    let candidates = compared.comparison.candidates();
+    compared.scored.iter().position(|j| match j.fitted.hypothesis.members[..] {
+        [own] => candidates[own].effect == name,
+        _ => false,
+    })
+}
+
 /// The same effects where they were really fitted, if that is hardly less likely: only that says how much of the gap
 /// they close.
 fn as_fitted(compared: &Compared, first: usize) -> usize {
     let scored = &compared.scored[first];
-    let likely = |(_, j): &(usize, &Scored)| scored.log_posterior() - j.log_posterior() < HARDLY;
+    let likely = |(_, j): &(usize, &Scored)| {
+        scored.log_posterior() - j.log_posterior() < compared.comparison.settings.reporting.fitted
+    };
     let mut fitted = compared.scored.iter().enumerate().take_while(likely).filter(|(_, j)| j.fitted.simulated());
     fitted
         .find(|(_, j)| sites(&compared.comparison, j) == sites(&compared.comparison, scored))
@@ -217,7 +210,7 @@ fn as_fitted(compared: &Compared, first: usize) -> usize {
 }
 
 /// Where a hypothesis' effects are.
-fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<usize> {
+fn sites(comparison: &Comparison, scored: &Scored) -> BTreeSet<CandidateId> {
     scored.fitted.hypothesis.members.iter().map(|c| comparison.place(*c)).collect()
 }
 
@@ -241,7 +234,7 @@ fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
         .scored
         .iter()
         .find(more)
-        .filter(|j| scored.log_posterior() - j.log_posterior() < NOT_MUCH)
+        .filter(|j| scored.log_posterior() - j.log_posterior() < compared.comparison.settings.reporting.whole)
         .unwrap_or(scored)
 }
 
@@ -249,47 +242,44 @@ fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
 /// moved along by half.
 fn closed(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<f64> {
     let after = left_out(comparison, scored, placebo)?;
-    share(&comparison.evidence, |run| scored.mean_square_of(&comparison.evidence, run, &after[run]))
+    share(&comparison.observations, |run| scored.mean_square_of(&comparison.observations, run, &after[run]))
 }
 
 /// What is left of each run by strengths fitted to the others.
-fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<Vec<DVector<f64>>> {
-    let evidence = scored.evidence(&comparison.evidence);
-    let runs = evidence.len();
-    if runs < 2 {
+fn left_out(comparison: &Comparison, scored: &Scored, placebo: bool) -> Option<PerRun<DVector<f64>>> {
+    let observations = scored.observations(&comparison.observations);
+    if observations.len() < 2 {
         return None;
     }
     let fitted = &scored.fitted;
     let candidates = comparison.candidates();
     let bounds = fitted.hypothesis.bounds(candidates, &comparison.signatures);
     let (residuals, columns, bounds) = match placebo {
-        false => {
-            let moved = bounds.iter().zip(&fitted.strengths).map(|((low, high), x)| (low - x, high - x));
-            (scored.residuals().to_vec(), scored.columns().to_vec(), moved.collect::<Vec<(f64, f64)>>())
-        }
+        false => (scored.residuals().clone(), scored.columns().to_vec(), room(&bounds, &fitted.strengths)),
         true => {
             let columns = fitted.hypothesis.signatures.iter().map(|k| {
                 let change = &comparison.signatures[*k].change;
                 let moved =
-                    |run: usize| evidence[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
-                (0..runs).map(moved).collect()
+                    |run: RunId| observations[run].column(&moved(&comparison.simulator.frames()[run], &change[run]));
+                observations.ids().map(moved).collect()
             });
-            let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
-            (residuals, columns.collect::<Vec<Vec<DVector<f64>>>>(), bounds)
+            let residuals: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+            (residuals, columns.collect::<Vec<PerRun<DVector<f64>>>>(), bounds)
         }
     };
-    let by: Vec<&[DVector<f64>]> = columns.iter().map(|c| &c[..]).collect();
-    Some((0..runs).map(|run| explain(&residuals, &by, &bounds, Some(run)).residuals.swap_remove(run)).collect())
+    let by: Vec<&PerRun<DVector<f64>>> = columns.iter().collect();
+    let without = |run: RunId| explain(&residuals, &by, &bounds, Some(run)).residuals[run].clone();
+    Some(observations.ids().map(without).collect())
 }
 
 /// 1 − (after − repeatability)/(before − repeatability), over all runs.
-fn share(evidence: &[Evidence], after: impl Fn(usize) -> f64) -> Option<f64> {
+fn share(observations: &PerRun<Observation>, after: impl Fn(RunId) -> f64) -> Option<f64> {
     let (mut before_sum, mut after_sum) = (0.0, 0.0);
-    for (run, evidence) in evidence.iter().enumerate() {
-        before_sum += evidence.mean_square(&evidence.residual) - 1.0;
+    for (run, observation) in observations.with_ids() {
+        before_sum += observation.mean_square(&observation.residual) - 1.0;
         after_sum += after(run) - 1.0;
     }
-    (before_sum > 0.05 * evidence.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
+    (before_sum > 0.05 * observations.len() as f64).then(|| (1.0 - after_sum / before_sum).clamp(-9.0, 1.0))
 }
 
 /// A change with each channel's and band's part moved along by half of it.
@@ -314,30 +304,30 @@ fn black_box(comparison: &Comparison) -> Option<f64> {
     if frames.len() < 2 || !same {
         return None;
     }
-    let residuals: Vec<Vec<f64>> = frames.iter().map(|f| f.residual(&f.nominal)).collect();
-    let after = |run: usize| {
-        let others: Vec<&Vec<f64>> = (0..frames.len()).filter(|k| *k != run).map(|k| &residuals[k]).collect();
+    let residuals: PerRun<Vec<f64>> = frames.iter().map(|f| f.residual(&f.nominal)).collect();
+    let after = |run: RunId| {
+        let others: Vec<&Vec<f64>> = frames.ids().filter(|k| *k != run).map(|k| &residuals[k]).collect();
         let mean: Vec<f64> = (0..frames[run].labels.len())
             .map(|k| {
                 let known: Vec<f64> = others.iter().map(|r| r[k]).filter(|x| x.is_finite()).collect();
                 known.iter().sum::<f64>() / known.len().max(1) as f64
             })
             .collect();
-        let evidence = &comparison.evidence[run];
-        evidence.mean_square(&(&evidence.residual - evidence.column(&mean)))
+        let observation = &comparison.observations[run];
+        observation.mean_square(&(&observation.residual - observation.column(&mean)))
     };
-    share(&comparison.evidence, after)
+    share(&comparison.observations, after)
 }
 
 /// Excess of each channel before, and what the hypothesis closes of it on runs left out.
 fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64> {
     let Some(after) = left_out(comparison, scored, false) else { return BTreeMap::new() };
     let mut sums: BTreeMap<String, [f64; 3]> = BTreeMap::new();
-    for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let evidence = &scored.evidence(&comparison.evidence)[run];
-        for ((k, x), (_, y)) in evidence.each(&evidence.residual).zip(evidence.each(&after[run])) {
+    for (run, frame) in comparison.simulator.frames().with_ids() {
+        let observation = &scored.observations(&comparison.observations)[run];
+        for ((k, x), (_, y)) in observation.each(&observation.residual).zip(observation.each(&after[run])) {
             let sum = sums.entry(frame.labels[k].channel.clone()).or_default();
-            *sum = [sum[0] + x * x / evidence.replicate, sum[1] + y * y / evidence.replicate, sum[2] + 1.0];
+            *sum = [sum[0] + x * x / observation.replicate, sum[1] + y * y / observation.replicate, sum[2] + 1.0];
         }
     }
     let clear = sums.into_iter().filter(|(_, [before, _, n])| *before > 1.2 * n);
@@ -351,15 +341,15 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
 fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<GapPlace> {
     let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
     let mut total = 0.0;
-    for (run, frame) in comparison.simulator.frames().iter().enumerate() {
-        let evidence = &shown.map_or(&comparison.evidence[..], |j| j.evidence(&comparison.evidence))[run];
+    for (run, frame) in comparison.simulator.frames().with_ids() {
+        let observation = &shown.map_or(&comparison.observations, |j| j.observations(&comparison.observations))[run];
         let residual = match shown {
-            Some(j) => &j.residuals()[run] + evidence.long(&j.fitted.changes[run]),
-            None => evidence.residual.clone(),
+            Some(j) => &j.residuals()[run] + observation.long(&j.fitted.changes[run]),
+            None => observation.residual.clone(),
         };
-        for (k, x) in evidence.each(&residual) {
+        for (k, x) in observation.each(&residual) {
             let label = &frame.labels[k];
-            let over = (x * x / evidence.replicate - 1.0).max(0.0);
+            let over = (x * x / observation.replicate - 1.0).max(0.0);
             total += over;
             *mean_square.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
         }
@@ -390,13 +380,13 @@ fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<Ga
         last = Some(key);
     }
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
-    found.truncate(PLACES);
+    found.truncate(comparison.settings.reporting.places);
     found.iter_mut().for_each(|p| p.share = tidy(p.share));
     found
 }
 
 /// Of each channel, the root mean square of the repeatability of its means along the track.
-fn repeatability(frames: &[Frame]) -> BTreeMap<String, f64> {
+fn repeatability(frames: &PerRun<Frame>) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     for frame in frames {
         for (label, variance) in frame.labels.iter().zip(&frame.laps.variance) {
@@ -410,36 +400,31 @@ fn repeatability(frames: &[Frame]) -> BTreeMap<String, f64> {
 }
 
 /// Whether a run is farther off than 95 % of repeated measurements.
-fn over(comparison: &Comparison, run: usize) -> bool {
-    let evidence = &comparison.evidence[run];
-    evidence.mean_square(&evidence.residual) > evidence.replicate_high / evidence.replicate
+fn over(comparison: &Comparison, run: RunId) -> bool {
+    let observation = &comparison.observations[run];
+    observation.mean_square(&observation.residual) > observation.replicate_high / observation.replicate
 }
 
 fn runs(comparison: &Comparison, shown: Option<&Scored>) -> Vec<RunGap> {
-    let gap = |(run, frame): (usize, &Frame)| {
-        let evidence = &comparison.evidence[run];
-        let before = evidence.mean_square(&evidence.residual);
+    let gap = |(run, frame): (RunId, &Frame)| {
+        let observation = &comparison.observations[run];
+        let before = observation.mean_square(&observation.residual);
         RunGap {
             run: frame.run.clone(),
             before: tidy(before),
-            after: tidy(shown.map_or(before, |j| j.mean_square_of(&comparison.evidence, run, &j.residuals()[run]))),
+            after: tidy(shown.map_or(before, |j| j.mean_square_of(&comparison.observations, run, &j.residuals()[run]))),
             replicate: 1.0,
-            replicate_high: tidy(evidence.replicate_high / evidence.replicate),
+            replicate_high: tidy(observation.replicate_high / observation.replicate),
         }
     };
-    comparison.simulator.frames().iter().enumerate().map(gap).collect()
+    comparison.simulator.frames().with_ids().map(gap).collect()
 }
 
 /// Effects that cannot be told apart: their log posteriors are alike, and their signatures are parallel or both leave
 /// nothing to choose by.
 fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
-    let candidates = compared.comparison.candidates();
-    let single = |name: &str| {
-        compared.scored.iter().find(|j| {
-            let members = &j.fitted.hypothesis.members;
-            members.len() == 1 && candidates[members[0]].effect == name
-        })
-    };
+    let settings = compared.comparison.settings;
+    let single = |name: &str| alone(compared, name).map(|k| &compared.scored[k]);
     let mut out: Vec<Group> = Vec::new();
     let mut grouped: BTreeSet<String> = BTreeSet::new();
     for i in 0..effects.len().min(8) {
@@ -452,12 +437,14 @@ fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
         let mut members = vec![effects[i].name.clone()];
         for other in effects.iter().skip(i + 1) {
             let Some(scored) = single(&other.name) else { continue };
-            let near = (own.log_posterior() - scored.log_posterior()).abs() < APART;
+            let near = (own.log_posterior() - scored.log_posterior()).abs() < settings.reporting.apart;
             if other.may_be_absent() {
                 continue;
             }
-            let settled = explains(scored) && own.mean_square.max(scored.mean_square) < UNSETTLED;
-            if near && (settled || alike(&own.fitted.direction(), &scored.fitted.direction()) > PARALLEL) {
+            let settled = explains(scored) && own.mean_square.max(scored.mean_square) < settings.selection.unsettled;
+            if near
+                && (settled || alike(&own.fitted.direction(), &scored.fitted.direction()) > settings.reporting.parallel)
+            {
                 members.push(other.name.clone());
             }
         }
@@ -476,7 +463,7 @@ fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
 }
 
 /// Cosine between what two hypotheses change, over all runs.
-fn alike(a: &[DVector<f64>], b: &[DVector<f64>]) -> f64 {
-    let dot = |x: &[DVector<f64>], y: &[DVector<f64>]| x.iter().zip(y).map(|(x, y)| x.dot(y)).sum::<f64>();
+fn alike(a: &PerRun<DVector<f64>>, b: &PerRun<DVector<f64>>) -> f64 {
+    let dot = |x: &PerRun<DVector<f64>>, y: &PerRun<DVector<f64>>| x.iter().zip(y).map(|(x, y)| x.dot(y)).sum::<f64>();
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-300)
 }

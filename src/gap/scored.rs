@@ -1,7 +1,8 @@
 //! A hypothesis with its score, term by term.
 
-use super::evidence::Evidence;
 use super::hypothesis::Fitted;
+use super::ids::{PerRun, RunId};
+use super::observation::Observation;
 use super::repeatability::Repeatability;
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
@@ -47,25 +48,25 @@ impl Scored {
     }
 
     /// What it is scored by: the nominal chain's, or that of the repeatability that it makes itself.
-    pub fn evidence<'a>(&'a self, nominal: &'a [Evidence]) -> &'a [Evidence] {
-        self.repeatability.as_ref().map_or(nominal, |f| &f.evidence)
+    pub fn observations<'a>(&'a self, nominal: &'a PerRun<Observation>) -> &'a PerRun<Observation> {
+        self.repeatability.as_ref().map_or(nominal, |f| &f.observations)
     }
 
     /// Mean square of what is left of a run over that of replicate laps; a repeatability that the hypothesis raises
     /// counts as left.
-    pub fn mean_square_of(&self, nominal: &[Evidence], run: usize, residual: &DVector<f64>) -> f64 {
-        let (own, nominal) = (&self.evidence(nominal)[run], &nominal[run]);
+    pub fn mean_square_of(&self, nominal: &PerRun<Observation>, run: RunId, residual: &DVector<f64>) -> f64 {
+        let (own, nominal) = (&self.observations(nominal)[run], &nominal[run]);
         let raised = if self.repeatability.is_some() { trig::exp(own.raised(nominal)) } else { 1.0 };
         raised * own.mean_square(residual)
     }
 
     /// What is left of each run, projected.
-    pub fn residuals(&self) -> &[DVector<f64>] {
+    pub fn residuals(&self) -> &PerRun<DVector<f64>> {
         self.repeatability.as_ref().map_or(&self.fitted.residuals, |f| &f.residuals)
     }
 
     /// What one more of each strength changes.
-    pub fn columns(&self) -> &[Vec<DVector<f64>>] {
+    pub fn columns(&self) -> &[PerRun<DVector<f64>>] {
         self.repeatability.as_ref().map_or(&self.fitted.columns, |f| &f.columns)
     }
 

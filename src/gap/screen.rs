@@ -1,48 +1,32 @@
 //! The fast screen: what each effect's signature explains, alone and in pairs, with the nuisances projected out.
 
-use super::evidence::{Evidence, most_off};
-use super::simulator::{Applied, Candidate, Request, Simulator};
+use super::ids::{CandidateId, List, PerRun, RunId, SignatureId};
+use super::observation::{Observation, most_off};
+use super::settings::Screening;
+use super::simulator::{Applied, Candidates, Context, Request};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
-
-/// A signature is taken where it is at least so many times the repeatability in the feature that it changes most.
-const CLEAR: f64 = 10.0;
-
-/// What changes no feature by so much of its deviation changes nothing but for rounding.
-const NOTHING: f64 = 1e-3;
-
-/// How often another size is asked for at most, each at most so many times the one before, or as small a part of it.
-const SIZES: usize = 2;
-const MOST_MORE: f64 = 12.0;
-
-/// Places of an effect that is tried at several strengths, at most, and how many of them.
-const FEW: usize = 6;
-const RUNGS: usize = 6;
-
-/// Share of the squares that may be left where such a strength is taken, and where no larger one is tried.
-const WORTH: f64 = 0.98;
-const OVERSHOT: f64 = 3.0;
-
-/// Simulations that are asked for at once: progress is told between them.
-const PART: usize = 24;
 
 /// What a strength of a candidate changes, over all runs.
 #[derive(Clone)]
 pub struct Signature {
-    pub candidate: usize,
+    pub candidate: CandidateId,
     pub strength: usize,
     /// The strength it was taken at.
     pub size: f64,
     /// Of each run, of one unit of the strength; all 0 where the run could not be simulated.
-    pub change: Vec<Vec<f64>>,
+    pub change: PerRun<Vec<f64>>,
     /// The same whitened and projected.
-    pub columns: Vec<DVector<f64>>,
+    pub columns: PerRun<DVector<f64>>,
 }
+
+/// Signatures, a strength of a candidate once.
+pub type Signatures = List<SignatureId, Signature>;
 
 /// A strength of a candidate at a size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
-    pub candidate: usize,
+    pub candidate: CandidateId,
     pub strength: usize,
     pub size: f64,
 }
@@ -50,29 +34,29 @@ pub struct Trial {
 /// Signatures of all strengths of the wanted candidates that stand for themselves, at a size at which they are clear,
 /// and do as much as is left of the runs.
 pub fn signatures(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
-    left: &[DVector<f64>],
-    wanted: impl Fn(usize) -> bool,
+    context: Context,
+    observations: &PerRun<Observation>,
+    left: &PerRun<DVector<f64>>,
+    wanted: impl Fn(CandidateId) -> bool,
     tell: &mut dyn FnMut(usize, usize),
-) -> Vec<Signature> {
-    let candidates = simulator.candidates();
-    let alone = (0..candidates.len()).filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
+) -> Signatures {
+    let candidates = context.simulator.candidates();
+    let alone = candidates.ids().filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
     let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
             let strengths = candidates[candidate].strengths.iter().enumerate();
             strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
         })
         .collect();
-    let gap = evidence.iter().zip(left).any(|(e, left)| e.mean_square(left) > 1.0);
+    let gap = observations.iter().zip(left).any(|(o, left)| o.mean_square(left) > 1.0);
     let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
     let trials = match gap {
-        true => sized(simulator, evidence, left, &firsts, &mut |done| tell(done, all)),
+        true => sized(context, observations, left, &firsts, &mut |done| tell(done, all)),
         false => firsts.clone(),
     };
-    let mut found = Vec::with_capacity(trials.len());
+    let mut found = Signatures::default();
     let mut small = Vec::new();
-    let taken = take(simulator, evidence, &trials, Runs::All, &mut |done| tell(before + done, all));
+    let taken = take(context, observations, &trials, Runs::All, &mut |done| tell(before + done, all));
     for ((signature, whole), first) in taken.into_iter().zip(firsts) {
         if whole {
             found.push(signature);
@@ -81,7 +65,7 @@ pub fn signatures(
         }
     }
     // What cannot be simulated in every run has no signature: it was not tested.
-    let again = take(simulator, evidence, &small, Runs::All, &mut |_| tell(all, all));
+    let again = take(context, observations, &small, Runs::All, &mut |_| tell(all, all));
     found.extend(again.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature));
     found.sort_by_key(|s| (s.candidate, s.strength));
     // An impact at a place has no sign as long as the place is not known.
@@ -90,7 +74,7 @@ pub fn signatures(
         gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
     };
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
-    for (signature, whole) in take(simulator, evidence, &others, Runs::All, &mut |_| tell(all, all)) {
+    for (signature, whole) in take(context, observations, &others, Runs::All, &mut |_| tell(all, all)) {
         if whole {
             keep(&mut found, signature, left);
         }
@@ -100,26 +84,28 @@ pub fn signatures(
 
 /// Trials at the sizes that what is left asks for, found with the run of which most is.
 fn sized(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
-    left: &[DVector<f64>],
+    context: Context,
+    observations: &PerRun<Observation>,
+    left: &PerRun<DVector<f64>>,
     firsts: &[Trial],
     tell: &mut dyn FnMut(usize),
 ) -> Vec<Trial> {
-    let candidates = simulator.candidates();
-    let run = most_off(evidence, left);
+    let settings = &context.settings.screening;
+    let candidates = context.simulator.candidates();
+    let run = most_off(observations, left);
     let mut trials = firsts.to_vec();
     let mut open: Vec<usize> = (0..trials.len()).collect();
-    for _ in 0..SIZES {
+    for _ in 0..settings.resizings {
         let now: Vec<Trial> = open.iter().map(|k| trials[*k]).collect();
         let before = trials.len() - open.len();
-        let taken = take(simulator, evidence, &now, Runs::One(run), &mut |done| tell(before + done));
+        let taken = take(context, observations, &now, Runs::One(run), &mut |done| tell(before + done));
         let mut again = Vec::new();
         for (k, (signature, whole)) in open.into_iter().zip(taken) {
             let trial = &mut trials[k];
             let strength = &candidates[trial.candidate].strengths[trial.strength];
             if whole {
-                let size = asked(&signature, &evidence[run], run, &left[run], (strength.low, strength.high));
+                let size =
+                    asked(&signature, &observations[run], run, &left[run], (strength.low, strength.high), settings);
                 if !strength.whole() && !(0.5..2.0).contains(&(size / trial.size)) {
                     trial.size = size;
                     again.push(k);
@@ -135,18 +121,19 @@ fn sized(
     // it does is seldom in proportion, and a fit that begins far off ends far off.
     let residual = &left[run];
     let gap = residual.norm_squared();
-    let mut least = vec![WORTH * gap; trials.len()];
-    let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k])).collect();
-    for rung in 0..RUNGS {
-        let tried: Vec<Trial> = open.iter().map(|k| firsts[*k].rung(candidates, rung)).collect();
-        let taken = take(simulator, evidence, &tried, Runs::One(run), &mut |_| tell(trials.len()));
+    let mut least = vec![settings.rung_left * gap; trials.len()];
+    let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k], settings.few_places)).collect();
+    for rung in 0..settings.rungs {
+        let tried: Vec<Trial> =
+            open.iter().map(|k| firsts[*k].rung(candidates, rung as f64 / (settings.rungs - 1) as f64)).collect();
+        let taken = take(context, observations, &tried, Runs::One(run), &mut |_| tell(trials.len()));
         let mut again = Vec::new();
         for ((k, trial), (signature, whole)) in open.into_iter().zip(tried).zip(taken) {
             let left = (residual - &signature.columns[run] * trial.size).norm_squared();
             if whole && left < least[k] {
                 (least[k], trials[k]) = (left, trial);
             }
-            if whole && left < OVERSHOT * gap {
+            if whole && left < settings.overshot * gap {
                 again.push(k);
             }
         }
@@ -155,15 +142,15 @@ fn sized(
     trials
 }
 
-/// Whether an effect has few places.
-fn few(candidates: &[Candidate], trial: Trial) -> bool {
+/// Whether an effect has few places, `most` of them.
+fn few(candidates: &Candidates, trial: Trial, most: usize) -> bool {
     let own = &candidates[trial.candidate];
     let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
-    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= FEW
+    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.
-pub fn keep(found: &mut Vec<Signature>, signature: Signature, left: &[DVector<f64>]) {
+pub fn keep(found: &mut Signatures, signature: Signature, left: &PerRun<DVector<f64>>) {
     let same = |s: &&mut Signature| (s.candidate, s.strength) == (signature.candidate, signature.strength);
     match found.iter_mut().find(same) {
         Some(known) => {
@@ -172,7 +159,9 @@ pub fn keep(found: &mut Vec<Signature>, signature: Signature, left: &[DVector<f6
                 *known = signature;
             }
         }
-        None => found.push(signature),
+        None => {
+            found.push(signature);
+        }
     }
 }
 
@@ -183,12 +172,12 @@ impl Signature {
     }
 
     /// The least strength at which it is clear.
-    pub fn clear(&self) -> f64 {
-        CLEAR / self.columns.iter().map(DVector::amax).fold(1e-300, f64::max)
+    pub fn clear(&self, settings: &Screening) -> f64 {
+        settings.clear / self.columns.iter().map(DVector::amax).fold(1e-300, f64::max)
     }
 
     /// How much of the squares of what is left it explains, with its own sign.
-    fn explains(&self, left: &[DVector<f64>]) -> f64 {
+    fn explains(&self, left: &PerRun<DVector<f64>>) -> f64 {
         let (mut own, mut along) = (0.0, 0.0);
         for (column, left) in self.columns.iter().zip(left) {
             own += column.norm_squared();
@@ -200,15 +189,14 @@ impl Signature {
 }
 
 impl Trial {
-    /// At one of the strengths between half its own and half of what may be.
-    fn rung(self, candidates: &[Candidate], rung: usize) -> Trial {
+    /// At a share of the way, by factors, from half its own strength to half of what may be.
+    fn rung(self, candidates: &Candidates, share: f64) -> Trial {
         let (low, high) = (0.5 * self.size, 0.5 * candidates[self.candidate].strengths[self.strength].high);
-        let share = rung as f64 / (RUNGS - 1) as f64;
         Trial { size: low * trig::exp(share * trig::ln(high / low)), ..self }
     }
 
     /// At the nearest size that is declared.
-    fn bounded(self, candidates: &[Candidate]) -> Trial {
+    fn bounded(self, candidates: &Candidates) -> Trial {
         Trial { size: candidates[self.candidate].strengths[self.strength].bounded(self.size), ..self }
     }
 
@@ -220,13 +208,20 @@ impl Trial {
 
 /// The strength at which an effect does as much in a run as is left to explain, and is clear: few effects are linear,
 /// and power grows with the square at first.
-fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<f64>, (low, high): (f64, f64)) -> f64 {
+fn asked(
+    signature: &Signature,
+    observation: &Observation,
+    run: RunId,
+    left: &DVector<f64>,
+    (low, high): (f64, f64),
+    settings: &Screening,
+) -> f64 {
     let column = &signature.columns[run];
     let own = column.norm_squared().max(1e-300);
-    let gap = left.norm_squared() - evidence.replicate * evidence.features() as f64;
-    let size = (gap.max(0.0) / own).sqrt().max(1.5 * CLEAR / column.amax().max(1e-300));
+    let gap = left.norm_squared() - observation.replicate * observation.features() as f64;
+    let size = (gap.max(0.0) / own).sqrt().max(1.5 * settings.clear / column.amax().max(1e-300));
     let now = signature.size.abs();
-    let size = size.clamp(now / MOST_MORE, now * MOST_MORE);
+    let size = size.clamp(now / settings.resize_factor, now * settings.resize_factor);
     // A strength that has one sign only keeps it.
     let negative = if high > 0.0 { low < 0.0 && column.dot(left) < 0.0 } else { true };
     if negative { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
@@ -236,26 +231,28 @@ fn asked(signature: &Signature, evidence: &Evidence, run: usize, left: &DVector<
 #[derive(Clone, Copy, Debug)]
 pub enum Runs {
     All,
-    One(usize),
+    One(RunId),
 }
 
 /// The signature of each trial, at the nearest size that is declared: 0 in runs of which it is not taken, and whether
 /// every run could be simulated with it.
 pub fn take(
-    simulator: &dyn Simulator,
-    evidence: &[Evidence],
+    context: Context,
+    observations: &PerRun<Observation>,
     trials: &[Trial],
     runs: Runs,
     tell: &mut dyn FnMut(usize),
 ) -> Vec<(Signature, bool)> {
+    let Context { simulator, settings } = context;
+    let settings = &settings.screening;
     let (candidates, frames) = (simulator.candidates(), simulator.frames());
-    let runs: Vec<usize> = match runs {
-        Runs::All => (0..evidence.len()).collect(),
+    let runs: Vec<RunId> = match runs {
+        Runs::All => observations.ids().collect(),
         Runs::One(run) => vec![run],
     };
     let trials: Vec<Trial> = trials.iter().map(|trial| trial.bounded(candidates)).collect();
     let mut found = Vec::with_capacity(trials.len());
-    for part in trials.chunks(PART.div_ceil(runs.len().max(1))) {
+    for part in trials.chunks(settings.batch.div_ceil(runs.len().max(1))) {
         tell(found.len() + part.len());
         let with = |trial: &Trial| {
             let effects = vec![applied(candidates, trial)];
@@ -269,13 +266,14 @@ pub fn take(
         let nothing = vec![None; runs.len()];
         for trial in part {
             let answers = if trial.size == 0.0 { None } else { all.next() }.unwrap_or(&nothing);
-            let mut change: Vec<Vec<f64>> = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
+            let mut change: PerRun<Vec<f64>> = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
             for (run, answer) in runs.iter().zip(answers) {
                 let rows = answer.iter().flatten().zip(&frames[*run].nominal);
                 change[*run].iter_mut().zip(rows).for_each(|(x, (a, b))| *x = (a - b) / trial.size);
             }
-            let mut columns: Vec<DVector<f64>> = evidence.iter().zip(&change).map(|(e, c)| e.column(c)).collect();
-            if columns.iter().all(|column| column.amax() * trial.size.abs() < NOTHING) {
+            let mut columns: PerRun<DVector<f64>> =
+                observations.iter().zip(&change).map(|(o, c)| o.column(c)).collect();
+            if columns.iter().all(|column| column.amax() * trial.size.abs() < settings.nothing) {
                 change.iter_mut().for_each(|c| c.fill(0.0));
                 columns.iter_mut().for_each(|c| c.fill(0.0));
             }
@@ -288,7 +286,7 @@ pub fn take(
 }
 
 /// A candidate with one of its strengths.
-fn applied(candidates: &[Candidate], trial: &Trial) -> Applied {
+fn applied(candidates: &Candidates, trial: &Trial) -> Applied {
     let mut strengths = vec![0.0; candidates[trial.candidate].strengths.len()];
     strengths[trial.strength] = trial.size;
     Applied { candidate: trial.candidate, strengths }
@@ -300,20 +298,20 @@ pub struct Explained {
     pub strengths: Vec<f64>,
     /// Of the strengths, in units of the repeatability of replicate laps.
     pub covariance: DMatrix<f64>,
-    pub residuals: Vec<DVector<f64>>,
+    pub residuals: PerRun<DVector<f64>>,
 }
 
 /// Fits strengths to residuals of the runs, leaving one out where `without` says so. Strengths keep to bounds.
 pub fn explain(
-    residuals: &[DVector<f64>],
-    columns: &[&[DVector<f64>]],
+    residuals: &PerRun<DVector<f64>>,
+    columns: &[&PerRun<DVector<f64>>],
     bounds: &[(f64, f64)],
-    without: Option<usize>,
+    without: Option<RunId>,
 ) -> Explained {
     let count = columns.len();
     let mut matrix: DMatrix<f64> = DMatrix::zeros(count, count);
     let mut right: DVector<f64> = DVector::zeros(count);
-    for (run, residual) in residuals.iter().enumerate().filter(|(run, _)| Some(*run) != without) {
+    for (run, residual) in residuals.with_ids().filter(|(run, _)| Some(*run) != without) {
         for i in 0..count {
             right[i] += columns[i][run].dot(residual);
             for j in 0..count {
@@ -340,7 +338,7 @@ pub fn explain(
         }
         found[i] = held;
     }
-    let left = residuals.iter().enumerate().map(|(run, residual)| {
+    let left = residuals.with_ids().map(|(run, residual)| {
         let mut left = residual.clone();
         for (x, column) in found.iter().zip(columns) {
             left -= &column[run] * *x;

@@ -4,11 +4,8 @@
 use super::comparison::Comparison;
 use super::scored::{self, Scored};
 use super::screen::explain;
-use crate::gap::hypothesis::{Fitted, Hypothesis};
+use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
-
-/// So many are really fitted.
-const SECONDS: usize = 3;
 
 impl Comparison<'_> {
     /// The single effect that leaves least of those that were simulated and lead, with the likeliest others beside it
@@ -26,7 +23,7 @@ impl Comparison<'_> {
         let mut both: Vec<Scored> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
         scored::sort(&mut both);
         both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
-        both.into_iter().take(SECONDS).map(|j| j.fitted).collect()
+        both.into_iter().take(self.settings.selection.seconds).map(|j| j.fitted).collect()
     }
 
     /// What was simulated with another effect beside it, by that one's signatures.
@@ -37,18 +34,12 @@ impl Comparison<'_> {
         let mut strengths = first.strengths.clone();
         strengths.resize(columns.len(), 0.0);
         let bounds = hypothesis.bounds(self.candidates(), &self.signatures);
-        let room: Vec<(f64, f64)> = bounds.iter().zip(&strengths).map(|((low, high), x)| (low - x, high - x)).collect();
-        let by: Vec<_> = columns.iter().map(|c| &c[..]).collect();
-        let step = explain(&first.residuals, &by, &room, None);
-        let further = strengths.iter_mut().zip(&step.strengths).zip(&bounds);
-        further.for_each(|((x, more), (low, high))| *x = (*x + more).clamp(*low, *high));
-        let moved = |(run, change): (usize, &Vec<f64>)| -> Vec<f64> {
-            let more = hypothesis.change(&self.signatures, &step.strengths, run);
-            change.iter().zip(more).map(|(c, m)| c + m).collect()
-        };
-        let changes: Vec<Vec<f64>> = first.changes.iter().enumerate().map(moved).collect();
+        let by: Vec<_> = columns.iter().collect();
+        let step = explain(&first.residuals, &by, &room(&bounds, &strengths), None);
+        let strengths = stepped(&strengths, &step.strengths, &bounds);
+        let changes = hypothesis.changed_further(&self.signatures, &first.changes, &step.strengths);
         let nuisance_offsets =
-            self.evidence.iter().zip(&changes).map(|(e, change)| e.nuisance_offsets(change)).collect();
+            self.observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
         let (covariance, residuals) = (step.covariance, step.residuals);
         Fitted { hypothesis, strengths, covariance, residuals, columns, changes, nuisance_offsets, features: None }
     }

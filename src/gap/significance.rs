@@ -6,27 +6,11 @@
 //! and of chains as they are built, drawn rather than derived (White 1982), so that whatever correlation they have is
 //! in it.
 
-use super::evidence::Evidence;
+use super::ids::PerRun;
+use super::observation::Observation;
+use super::settings::Significance;
 use crate::base::trig;
 use nalgebra::DVector;
-
-/// Degrees of freedom of a score: its scatter is an estimate, and the equations are never those of the machine.
-const FREEDOM: f64 = 8.0;
-
-/// Scatter of laps along a direction, as a share of what independent features would have, at least.
-const LEAST: f64 = 0.1;
-
-/// Ratios that a sensor is accurate to, of its gain or of another channel's share: somewhat more than the 0.035 % of
-/// its range that a load cell of class C3 may be off by (OIML R 60: 0.7 · 1.5 of 3000 intervals).
-pub const ACCURATE: f64 = 5e-4;
-
-/// What an effect's equation misses along another signature, as a share of what it does: beside a strong effect a weak
-/// one may be made by the strong one's equation.
-pub const MISSED: f64 = 0.02;
-
-/// How far strengths of runs at other speeds and tensions may be apart where the equation is not that of the machine,
-/// as a share.
-const DIFFERS: f64 = 0.2;
 
 /// What a direction finds in residuals of all runs: how far they lie along it, and what scatters along it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,19 +20,24 @@ pub struct ScoreTest {
 }
 
 impl ScoreTest {
-    pub fn new(evidence: &[Evidence], residuals: &[DVector<f64>], direction: &[DVector<f64>]) -> ScoreTest {
+    pub fn new(
+        settings: &Significance,
+        observations: &PerRun<Observation>,
+        residuals: &PerRun<DVector<f64>>,
+        direction: &PerRun<DVector<f64>>,
+    ) -> ScoreTest {
         let (mut along, mut variance) = (0.0, 0.0);
         // A chain is built once for all runs.
         let mut built: [Vec<f64>; 2] = Default::default();
         let mut runs = Vec::new();
-        for ((evidence, residual), direction) in evidence.iter().zip(residuals).zip(direction) {
-            let [laps, own @ ..] = evidence.along(direction);
+        for ((observation, residual), direction) in observations.iter().zip(residuals).zip(direction) {
+            let [laps, own @ ..] = observation.along(direction);
             let independent = direction.norm_squared();
             let scatter = squares(&laps) / laps.len().max(1) as f64;
             let run = Run {
                 along: direction.dot(residual),
                 square: independent,
-                variance: if laps.is_empty() { independent } else { scatter.max(LEAST * independent) },
+                variance: if laps.is_empty() { independent } else { scatter.max(settings.least_scatter * independent) },
             };
             (along, variance) = (along + run.along, variance + run.variance);
             runs.push(run);
@@ -59,7 +48,7 @@ impl ScoreTest {
         }
         let [drawn, as_built] = &built;
         variance += squares(drawn) / drawn.len().max(1) as f64 + squares(as_built);
-        ScoreTest { along, deviation: (variance * disagreement(&runs)).sqrt() }
+        ScoreTest { along, deviation: (variance * disagreement(&runs, settings.disagreement)).sqrt() }
     }
 
     /// With more that scatters along it.
@@ -83,7 +72,7 @@ struct Run {
 
 /// By how much more the strengths that runs ask for scatter than laps explain, as a variance, 1 at least (Birge 1932):
 /// what is seen in one run only is not what the direction does.
-fn disagreement(runs: &[Run]) -> f64 {
+fn disagreement(runs: &[Run], tolerance: f64) -> f64 {
     let telling: Vec<&Run> = runs.iter().filter(|run| run.square > 0.0 && run.variance > 0.0).collect();
     if telling.len() < 2 {
         return 1.0;
@@ -91,7 +80,7 @@ fn disagreement(runs: &[Run]) -> f64 {
     let information: f64 = telling.iter().map(|run| run.square * run.square / run.variance).sum();
     let strength = telling.iter().map(|run| run.along * run.square / run.variance).sum::<f64>() / information;
     let apart = telling.iter().map(|run| {
-        let (left, tolerated) = (run.along - strength * run.square, DIFFERS * strength * run.square);
+        let (left, tolerated) = (run.along - strength * run.square, tolerance * strength * run.square);
         left * left / (run.variance + tolerated * tolerated)
     });
     (apart.sum::<f64>() / (telling.len() - 1) as f64).max(1.0)
@@ -101,18 +90,21 @@ fn squares(each: &[f64]) -> f64 {
     each.iter().map(|x| x * x).sum()
 }
 
-/// Logarithm of how much likelier a score is where its direction is in the residuals than where it is not, by Student's
-/// distribution.
-pub fn support(z: f64) -> f64 {
-    0.5 * (FREEDOM + 1.0) * trig::ln(1.0 + z * z / FREEDOM)
+impl Significance {
+    /// Logarithm of how much likelier a score is where its direction is in the residuals than where it is not, by
+    /// Student's distribution.
+    pub fn support(&self, z: f64) -> f64 {
+        let k = self.degrees_of_freedom;
+        0.5 * (k + 1.0) * trig::ln(1.0 + z * z / k)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::base::random::normal;
-    use crate::gap::simulator::{Band, Frame, Label, Laps};
-    use nalgebra::DMatrix;
+    use crate::gap::settings::Settings;
+    use crate::gap::simulator::Frame;
 
     /// As few laps for the features as an ensemble has.
     const FEATURES: usize = 400;
@@ -123,21 +115,7 @@ mod tests {
         let mut state = seed;
         let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
         let measured = noise().into_iter().zip(ramp()).map(|(x, r)| x + size * r).collect();
-        let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
-        Frame {
-            run: "run".into(),
-            labels: (0..FEATURES).map(label).collect(),
-            measured,
-            nominal: vec![0.0; FEATURES],
-            laps: Laps { variance: vec![1.0; FEATURES], scatter: (0..LAPS).map(|_| noise()).collect() },
-            discrepancies: Vec::new(),
-            built: Vec::new(),
-            slopes: DMatrix::zeros(FEATURES, 0),
-            prior: Vec::new(),
-            bounds: Vec::new(),
-            nuisances: Vec::new(),
-        }
+        Frame::bare(measured, (0..LAPS).map(|_| noise()).collect())
     }
 
     fn ramp() -> Vec<f64> {
@@ -145,10 +123,10 @@ mod tests {
     }
 
     fn score_of(size: f64, seed: u64, as_built: &[Vec<f64>]) -> f64 {
-        let evidence = [Evidence::new(&frame(size, seed), as_built)];
-        let residual = [evidence[0].residual.clone()];
-        let direction = [evidence[0].column(&ramp())];
-        ScoreTest::new(&evidence, &residual, &direction).z()
+        let observations = PerRun::from(vec![Observation::new(&frame(size, seed), as_built, &Settings::default())]);
+        let residual = observations.map(|o| o.residual.clone());
+        let direction = observations.map(|o| o.column(&ramp()));
+        ScoreTest::new(&Significance::default(), &observations, &residual, &direction).z()
     }
 
     #[test]
@@ -175,10 +153,11 @@ mod tests {
     fn what_is_seen_in_one_run_only_counts_less() {
         let score = |sizes: [f64; 3]| {
             let runs = sizes.iter().zip(5000..);
-            let evidence: Vec<Evidence> = runs.map(|(size, seed)| Evidence::new(&frame(*size, seed), &[])).collect();
-            let residuals: Vec<DVector<f64>> = evidence.iter().map(|e| e.residual.clone()).collect();
-            let direction: Vec<DVector<f64>> = evidence.iter().map(|e| e.column(&ramp())).collect();
-            ScoreTest::new(&evidence, &residuals, &direction).z()
+            let observations: PerRun<Observation> =
+                runs.map(|(size, seed)| Observation::new(&frame(*size, seed), &[], &Settings::default())).collect();
+            let residuals: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
+            let direction: PerRun<DVector<f64>> = observations.iter().map(|o| o.column(&ramp())).collect();
+            ScoreTest::new(&Significance::default(), &observations, &residuals, &direction).z()
         };
         let (agreed, alone) = (score([1.0; 3]), score([3.0, 0.0, 0.0]));
         assert!(agreed > 15.0 && alone < 0.3 * agreed, "{agreed} and {alone}");

@@ -1,26 +1,32 @@
 //! What the diagnosis knows of a model: parameters, effects with strengths, and "simulate this run". The chain of carts
 //! is one such model, any program outside is another.
 
+use super::ids::{CandidateId, List, PerRun, RunId};
+use super::settings::Settings;
 use crate::effects::RandomEffect;
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Share of the features of a run that an answer may leave out.
-const MAY_LACK: f64 = 0.05;
+/// A model and the constants that its runs are compared by.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    pub simulator: &'a dyn Simulator,
+    pub settings: &'a Settings,
+}
 
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
     /// Effects that may be added, each at one place: an effect that may sit at several places is several candidates.
-    fn candidates(&self) -> &[Candidate];
+    fn candidates(&self) -> &Candidates;
 
     /// Each run, with the nominal model already fitted to it.
-    fn frames(&self) -> &[Frame];
+    fn frames(&self) -> &PerRun<Frame>;
 
     /// Features of a run with its nuisances moved by a step and effects added, in the order of its frame's labels.
     /// `None` where nothing can be simulated. A model has this or [`Simulator::simulate_all`]: each is made of the
     /// other.
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let request = Request { run, step: step.to_vec(), effects: effects.to_vec() };
         self.simulate_all(&[request]).pop().flatten()
     }
@@ -76,7 +82,7 @@ impl Axis {
 /// A simulation to be made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    pub run: usize,
+    pub run: RunId,
     pub step: Vec<f64>,
     pub effects: Vec<Applied>,
 }
@@ -84,11 +90,13 @@ pub struct Request {
 /// An effect with its strengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Applied {
-    /// Index of the candidate.
-    pub candidate: usize,
+    pub candidate: CandidateId,
     /// In the order of its strengths, in SI units.
     pub strengths: Vec<f64>,
 }
+
+/// All effects at all places.
+pub type Candidates = List<CandidateId, Candidate>;
 
 /// An effect at one place.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,7 +117,7 @@ pub struct Candidate {
     /// deviation.
     pub discrepancy: f64,
     /// The candidate whose alternative site this is: it is screened only where that one explains something.
-    pub alternative_to: Option<usize>,
+    pub alternative_to: Option<CandidateId>,
 }
 
 /// A strength of an effect.
@@ -254,13 +262,14 @@ impl Frame {
         features.iter().zip(self.at(step)).map(|(f, n)| f - n).collect()
     }
 
-    /// How many features are not finite though measured and nominal ones are, where that is more than [`MAY_LACK`]:
-    /// such an answer cannot be compared. Fewer are left out, as the last window of a series that a delay moves.
-    pub fn lacking(&self, features: &[f64]) -> usize {
+    /// How many features are not finite though measured and nominal ones are, where that is more than a share
+    /// `may_lack` of these: such an answer cannot be compared. Fewer are left out, as the last window of a series that
+    /// a delay moves.
+    pub fn lacking(&self, features: &[f64], may_lack: f64) -> usize {
         let known =
             || self.measured.iter().zip(&self.nominal).zip(features).filter(|((m, n), _)| (*m - *n).is_finite());
         let lacking = known().filter(|(_, x)| !x.is_finite()).count();
-        if lacking as f64 > MAY_LACK * known().count() as f64 { lacking } else { 0 }
+        if lacking as f64 > may_lack * known().count() as f64 { lacking } else { 0 }
     }
 
     /// Residual of features, NaN where one is missing or tells nothing.
@@ -268,5 +277,29 @@ impl Frame {
         let usable = |k: usize| self.laps.variance[k].is_finite() && self.laps.variance[k] > 0.0;
         let rows = self.measured.iter().zip(features).enumerate();
         rows.map(|(k, (a, b))| if usable(k) && (a - b).is_finite() { a - b } else { f64::NAN }).collect()
+    }
+}
+
+#[cfg(test)]
+impl Frame {
+    /// A run of one channel without nuisances, whose nominal features are 0 and have unit variance, and what laps
+    /// scatter.
+    pub fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {
+        let features = measured.len();
+        let label =
+            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
+        Frame {
+            run: "run".into(),
+            labels: (0..features).map(label).collect(),
+            measured,
+            nominal: vec![0.0; features],
+            laps: Laps { variance: vec![1.0; features], scatter },
+            discrepancies: Vec::new(),
+            built: Vec::new(),
+            slopes: DMatrix::zeros(features, 0),
+            prior: Vec::new(),
+            bounds: Vec::new(),
+            nuisances: Vec::new(),
+        }
     }
 }

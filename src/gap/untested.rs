@@ -7,6 +7,7 @@
 //! effects with one place and one strength.
 
 use super::comparison::Compared;
+use super::ids::CandidateId;
 use super::likelihood;
 use crate::base::trig;
 use crate::gap::hypothesis::Hypothesis;
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 /// An effect at a place of which some strengths could not be simulated in all runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Untested {
-    pub candidate: usize,
+    pub candidate: CandidateId,
     /// Log posterior.
     pub log_posterior: f64,
 }
@@ -23,22 +24,22 @@ pub struct Untested {
 impl Compared<'_> {
     /// Candidates with strengths that have no signature, once all others are scored.
     pub fn untested(&self) -> Vec<Untested> {
-        let mut known: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut known: BTreeMap<CandidateId, Vec<usize>> = BTreeMap::new();
         for signature in &self.comparison.signatures {
             known.entry(signature.candidate).or_default().push(signature.strength);
         }
-        let lacks = |c: usize| {
+        let lacks = |c: CandidateId| {
             let strengths = 0..self.comparison.candidates()[c].strengths.len();
             strengths.filter(|s| !known.get(&c).is_some_and(|own| own.contains(s))).count()
         };
-        let alone = (0..self.comparison.candidates().len())
-            .filter(|c| self.comparison.candidates()[*c].alternative_to.is_none());
-        let lacking: Vec<(usize, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
+        let alone =
+            self.comparison.candidates().ids().filter(|c| self.comparison.candidates()[*c].alternative_to.is_none());
+        let lacking: Vec<(CandidateId, usize)> = alone.map(|c| (c, lacks(c))).filter(|(_, n)| *n > 0).collect();
         if lacking.is_empty() {
             return Vec::new();
         }
         let best = self.best_likelihood();
-        let weighed = |(candidate, strengths): (usize, usize)| {
+        let weighed = |(candidate, strengths): (CandidateId, usize)| {
             let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
             let log_posterior = self.comparison.prior(&alone) + best
                 - likelihood::cost(strengths as f64, self.comparison.degrees_of_freedom);
@@ -49,9 +50,10 @@ impl Compared<'_> {
 
     /// The largest log likelihood of all that was compared with the runs.
     fn best_likelihood(&self) -> f64 {
-        let none = likelihood::log_likelihood(self.comparison.mean_square, self.comparison.degrees_of_freedom);
-        let unknown = self.unknown - trig::ln(likelihood::UNKNOWN)
-            + likelihood::cost(likelihood::UNKNOWN_STRENGTHS, self.comparison.degrees_of_freedom);
+        let settings = self.comparison.likelihood();
+        let none = settings.log_likelihood(self.comparison.mean_square, self.comparison.degrees_of_freedom);
+        let unknown = self.unknown - trig::ln(settings.prior_unknown)
+            + likelihood::cost(settings.unknown_strengths, self.comparison.degrees_of_freedom);
         let by_signature = self.scored.iter().map(|j| {
             let strengths = j.fitted.strengths.len() as f64;
             j.log_posterior() - self.comparison.prior(&j.fitted.hypothesis)

@@ -35,4 +35,4 @@ pub use measured::Measured;
 pub use model::{Coordinates, Model};
 pub use parameter::FLOOR_SCALE;
 pub use parameter::{COUNT, Parameter, damping, restitution};
-pub use posterior::interval;
+pub use posterior::{interval, mode_within};

@@ -63,23 +63,31 @@ pub fn posterior(
         pull[k] += mean / (deviation * deviation);
     }
     let mut held: Vec<Option<f64>> = free.iter().map(|free| if *free { None } else { Some(0.0) }).collect();
-    let mut bound = vec![0_i8; COUNT];
     let covariance = solve(&precision, &pull, &held).1;
-    let mut step = DVector::zeros(COUNT);
-    for _ in 0..=COUNT {
-        step = solve(&precision, &pull, &held).0;
+    let (step, bound) = mode_within(&precision, &pull, range, &mut held, 1e-9);
+    Posterior { step, covariance, bound }
+}
+
+/// The mode within ranges, where what is `held` stays there, and −1 or 1 for what ends at its lower or upper bound, else
+/// 0. What is beyond its bound by no more than a tolerance is within.
+pub fn mode_within(
+    precision: &DMatrix<f64>,
+    pull: &DVector<f64>,
+    range: &[(f64, f64)],
+    held: &mut [Option<f64>],
+    tolerance: f64,
+) -> (DVector<f64>, Vec<i8>) {
+    let mut bound = vec![0_i8; held.len()];
+    loop {
+        let step = solve(precision, pull, held).0;
         // The worst offender is held at its bound, then the others are found anew.
         let beyond = |k: usize| (range[k].0 - step[k]).max(step[k] - range[k].1);
-        let worst = (0..COUNT).filter(|k| held[*k].is_none()).max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
-        match worst.filter(|k| beyond(*k) > 1e-9) {
-            Some(k) => {
-                bound[k] = if step[k] < range[k].0 { -1 } else { 1 };
-                held[k] = Some(if bound[k] < 0 { range[k].0 } else { range[k].1 });
-            }
-            None => break,
-        }
+        let open = (0..held.len()).filter(|k| held[*k].is_none());
+        let worst = open.max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
+        let Some(k) = worst.filter(|k| beyond(*k) > tolerance) else { return (step, bound) };
+        bound[k] = if step[k] < range[k].0 { -1 } else { 1 };
+        held[k] = Some(if bound[k] < 0 { range[k].0 } else { range[k].1 });
     }
-    Posterior { step, covariance, bound }
 }
 
 /// Solves for what is not held; the covariance has zeros in the rows of what is.

@@ -45,7 +45,7 @@ const LEAST_SHARE: f64 = 0.1;
 
 /// To what independent programs and sensors agree at best: of the range of a force's means along the track, and
 /// relative to spreads and amplitudes (design: chain model, Chaos: two-cart means to 0.0-0.3 %).
-const MEANS_AGREE: f64 = 5e-4;
+pub const MEANS_AGREE: f64 = 5e-4;
 const LOGARITHMS_AGREE: f64 = 3e-3;
 
 /// Time that a measured chain ran before, at least, s.

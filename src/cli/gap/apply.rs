@@ -7,7 +7,7 @@ use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
 use crate::gap::chain::Chains;
-use crate::gap::{Diagnosis, Finding};
+use crate::gap::{Diagnosis, Finding, Id, RunId};
 use crate::model::effect_definitions::{named, spelled};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -26,7 +26,7 @@ pub fn files(
     let names = layouts::names(cases.iter().map(|c| c.layout.as_path()), "-gap");
     for (run, case) in cases.iter().enumerate() {
         let Some(own_name) = names.get(&case.layout) else { continue };
-        let mut simulation = chains.simulation(run).clone();
+        let mut simulation = chains.simulation(RunId::new(run)).clone();
         simulation.effects = effects.iter().map(|finding| effect(finding)).collect();
         let name = format!("{own_name}-gap");
         out.entry(format!("{name}.json")).or_insert_with(|| json::to_json(&simulation));

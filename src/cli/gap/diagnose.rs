@@ -9,7 +9,7 @@ use crate::dynamics::Width;
 use crate::emit::Files;
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
-use crate::gap::{Diagnosis, Explanation, Left, Lost, Remembered, Simulator, Stage, diagnose_and_explain};
+use crate::gap::{Diagnosis, Explanation, Left, Lost, Remembered, Settings, Simulator, Stage, diagnose_and_explain};
 use crate::identify::study::Subject;
 use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -75,7 +75,7 @@ impl Diagnose {
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
         let tell = |run: &str| bar.say(&format!("fitted {run}"));
-        let chains = match Chains::new(&subjects, self.seed, threads(), Width::used(), &tell) {
+        let chains = match Chains::new(&subjects, &Settings::default(), self.seed, threads(), Width::used(), &tell) {
             Ok(chains) => chains,
             Err((run, why)) => {
                 bar.clear();
@@ -124,7 +124,7 @@ impl Diagnose {
 
     /// A model with what a stopped diagnosis left.
     fn remembered<'a>(&self, model: &'a dyn Simulator, origin: &str) -> Remembered<'a> {
-        let known = Remembered::new(model, &self.output.join(PARTIAL), origin);
+        let known = Remembered::new(model, &self.output.join(PARTIAL), origin, &Settings::default().checks);
         match known.left() {
             Left::Nothing => {}
             Left::Used(count) => {
@@ -198,7 +198,7 @@ impl Progress {
     }
 
     fn diagnose(&self, model: &dyn Simulator) -> (Diagnosis, Vec<Explanation>) {
-        let found = diagnose_and_explain(model, &mut |stage| match stage {
+        let found = diagnose_and_explain(model, &Settings::default(), &mut |stage| match stage {
             Stage::Screening { done, of } => self.say(&format!("screening effects: {done} of {of} strengths")),
             Stage::Fitting { done, of } => self.say(&format!("fitting what is left: round {} of {of}", done + 1)),
         });

@@ -10,23 +10,11 @@
 use super::FittedRun;
 use super::impacts::{self, RAILS, Suspect};
 use crate::base::trig;
+use crate::gap::settings;
 use crate::gap::simulator::{Band, Frame, Label};
 use crate::identify::feature_spec::Samples;
 use crate::identify::model::samples;
 use crate::signal::{Channel, FORCES};
-
-/// Over how many parts of the lap, of which the impact begins in the second.
-const PARTS: usize = 5;
-
-/// The scale is as many deviations of carts and of noise, this share of the mean force, and this one of what is
-/// simulated without the impact.
-const DEVIATIONS: f64 = 3.0;
-const OF_MEAN: f64 = 0.003;
-const OF_NOMINAL: f64 = 0.3;
-
-/// Deviation of asinh of the force slope over the scale: an impact may be half as large again as simulated, or half as
-/// large.
-const DEVIATION: f64 = 0.6;
 
 /// An impact in one channel of a run.
 #[derive(Clone, Debug)]
@@ -65,18 +53,18 @@ impl SlopeSums {
 /// Parts of a whole lap.
 pub type Profile = Vec<SlopeSums>;
 
-/// Sums of each force that was measured, its trigger at `trigger`, m.
-pub fn profiles(measured: &Samples, lap: f64, trigger: f64) -> Vec<Profile> {
+/// Sums of each force that was measured in the parts of a lap, m, its trigger at `trigger`, m.
+pub fn profiles(measured: &Samples, (lap, parts): (f64, usize), trigger: f64) -> Vec<Profile> {
     let of = |force| {
-        let mut profile = empty(lap);
+        let mut profile = empty(parts);
         add(&mut profile, measured, force, lap, trigger);
         profile
     };
     (0..FORCES).map(of).collect()
 }
 
-fn empty(lap: f64) -> Profile {
-    vec![SlopeSums::default(); impacts::parts(lap)]
+fn empty(parts: usize) -> Profile {
+    vec![SlopeSums::default(); parts]
 }
 
 fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset: f64) {
@@ -99,15 +87,15 @@ struct Line {
 }
 
 impl Line {
-    /// By least squares from a part on; `None` where a part has no samples.
-    fn new(profile: &Profile, from: usize) -> Option<Line> {
+    /// By least squares over parts from one on; `None` where a part has no samples.
+    fn new(profile: &Profile, from: usize, parts: usize) -> Option<Line> {
         let mut all = SlopeSums::default();
-        for k in 0..PARTS {
+        for k in 0..parts {
             let own = profile[(from + k) % profile.len()];
             if own.count == 0.0 {
                 return None;
             }
-            let centre = k as f64 + 0.5 * (1.0 - PARTS as f64);
+            let centre = k as f64 + 0.5 * (1.0 - parts as f64);
             all.add(&SlopeSums {
                 u: centre * own.count + own.u,
                 square: centre * centre * own.count + 2.0 * centre * own.u + own.square,
@@ -117,7 +105,7 @@ impl Line {
         }
         let SlopeSums { count, u, square, force, moment } = all;
         let slope = (moment - u * force / count) / (square - u * u / count);
-        Some(Line { force_slope: 0.5 * PARTS as f64 * slope, mean: force / count, count })
+        Some(Line { force_slope: 0.5 * parts as f64 * slope, mean: force / count, count })
     }
 }
 
@@ -130,42 +118,44 @@ impl Impact {
 
     fn new(run: &FittedRun, at: f64, force: usize) -> Impact {
         let lap = run.model.spec.places.lap;
-        let parts = impacts::parts(lap);
+        let (parts, settings) = (run.parts(), &run.settings.force_slopes);
         let part = (impacts::part_of(at, lap, parts).0 + parts - 1) % parts;
-        let mut all = empty(lap);
+        let mut all = empty(parts);
         let mut force_slopes = Vec::new();
         for cart in &run.landing.centre.ensemble.carts {
-            let mut own = empty(lap);
+            let mut own = empty(parts);
             add(&mut own, &samples(cart), force, lap, 0.0);
-            force_slopes.extend(Line::new(&own, part).map(|line| line.force_slope));
+            force_slopes.extend(Line::new(&own, part, settings.parts).map(|line| line.force_slope));
             all.iter_mut().zip(&own).for_each(|(all, own)| all.add(own));
         }
-        let nominal = Line::new(&all, part).unwrap_or(Line { force_slope: f64::NAN, mean: f64::NAN, count: 0.0 });
+        let nominal =
+            Line::new(&all, part, settings.parts).unwrap_or(Line { force_slope: f64::NAN, mean: f64::NAN, count: 0.0 });
         let squares = force_slopes.iter().map(|t| (t - nominal.force_slope) * (t - nominal.force_slope)).sum::<f64>();
         let carts = (squares / force_slopes.len().max(1) as f64).sqrt();
-        let measured = Line::new(&run.profiles[force], part);
+        let measured = Line::new(&run.profiles[force], part, settings.parts);
         // A line's rise to its end has three times the variance of its mean.
         let white = |line: &Line| f64::from(run.model.spec.noise[force]) * (3.0 / line.count).sqrt();
         let noise = measured.as_ref().map_or(0.0, white);
-        let else_known = OF_MEAN * nominal.mean.abs() + OF_NOMINAL * nominal.force_slope.abs();
+        let else_known = settings.of_mean * nominal.mean.abs() + settings.of_nominal * nominal.force_slope.abs();
         Impact {
             force,
             part,
             nominal: nominal.force_slope,
-            scale: DEVIATIONS * trig::hypot(carts, noise) + else_known,
+            scale: settings.deviations * trig::hypot(carts, noise) + else_known,
             measured: measured.map_or(f64::NAN, |line| line.force_slope),
         }
     }
 
     /// In deviations; 0 where the force slope is that of the nominal chain.
-    fn feature(&self, force_slope: f64) -> f64 {
-        trig::asinh((force_slope - self.nominal) / self.scale.max(1e-9)) / DEVIATION
+    fn feature(&self, force_slope: f64, settings: &settings::ForceSlopes) -> f64 {
+        trig::asinh((force_slope - self.nominal) / self.scale.max(1e-9)) / settings.deviation
     }
 }
 
 /// ForceSlopes of carts as their sensors have them.
 pub struct ForceSlopes<'a> {
     impacts: &'a [Impact],
+    settings: &'a settings::ForceSlopes,
     lap: f64,
     sums: Vec<Profile>,
 }
@@ -173,7 +163,12 @@ pub struct ForceSlopes<'a> {
 impl<'a> ForceSlopes<'a> {
     pub fn new(run: &'a FittedRun) -> ForceSlopes<'a> {
         let lap = run.model.spec.places.lap;
-        ForceSlopes { impacts: &run.impacts, lap, sums: vec![empty(lap); FORCES] }
+        ForceSlopes {
+            impacts: &run.impacts,
+            settings: &run.settings.force_slopes,
+            lap,
+            sums: vec![empty(run.parts()); FORCES],
+        }
     }
 
     /// Adds a cart's samples, moved along the track by `offset`, m.
@@ -186,7 +181,8 @@ impl<'a> ForceSlopes<'a> {
     /// A feature of each impact; NaN where nothing was seen.
     pub fn features(&self) -> impl Iterator<Item = f64> {
         let of = |impact: &Impact| {
-            Line::new(&self.sums[impact.force], impact.part).map_or(f64::NAN, |line| impact.feature(line.force_slope))
+            let line = Line::new(&self.sums[impact.force], impact.part, self.settings.parts);
+            line.map_or(f64::NAN, |line| impact.feature(line.force_slope, self.settings))
         };
         self.impacts.iter().map(of)
     }
@@ -195,15 +191,15 @@ impl<'a> ForceSlopes<'a> {
 /// Adds impacts to a run as the diagnosis sees it, behind its other features.
 pub fn extend(frame: &mut Frame, run: &FittedRun) {
     let (lap, count) = (run.model.spec.places.lap, run.impacts.len());
-    let length = lap / impacts::parts(lap) as f64;
+    let length = lap / run.parts() as f64;
     let mm = |x: f64| (1e3 * x.min(lap)).round() as i64;
     for (k, impact) in run.impacts.iter().enumerate() {
         let index = run.impacts[..k].iter().filter(|other| other.force == impact.force).count();
         let from = impact.part as f64 * length;
         let channel = Channel::FORCES[impact.force].name().to_owned();
-        let (from, to) = (mm(from), mm(from + PARTS as f64 * length));
+        let (from, to) = (mm(from), mm(from + run.settings.force_slopes.parts as f64 * length));
         frame.labels.push(Label { channel, band: Band::Impact, index, from, to });
-        frame.measured.push(impact.feature(impact.measured));
+        frame.measured.push(impact.feature(impact.measured, &run.settings.force_slopes));
     }
     let padded = |list: &mut Vec<f64>, with: f64| list.extend(vec![with; count]);
     padded(&mut frame.nominal, 0.0);
@@ -235,8 +231,8 @@ mod tests {
         let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
         forces[2] = &force;
         let samples = Samples { station: &station, speed: &[], forces, coverage: None };
-        let profile = &profiles(&samples, 20.0, offset)[2];
-        Line::new(profile, 49).map_or(f64::NAN, |line| line.force_slope)
+        let profile = &profiles(&samples, (20.0, 200), offset)[2];
+        Line::new(profile, 49, 5).map_or(f64::NAN, |line| line.force_slope)
     }
 
     #[test]
@@ -257,14 +253,15 @@ mod tests {
         let part = |force: f64| SlopeSums { count: 2.0, square: 0.08, force: 2.0 * force, ..SlopeSums::default() };
         let even = vec![part(3.0); 8];
         assert!(
-            Line::new(&even, 0).is_some_and(|line| line.force_slope.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12)
+            Line::new(&even, 0, 5)
+                .is_some_and(|line| line.force_slope.abs() < 1e-12 && (line.mean - 3.0).abs() < 1e-12)
         );
         let rising: Vec<SlopeSums> = (0..8).map(|k| part(f64::from(k))).collect();
-        assert!(Line::new(&rising, 2).is_some_and(|line| line.force_slope > 2.4 && (line.mean - 4.0).abs() < 1e-12));
+        assert!(Line::new(&rising, 2, 5).is_some_and(|line| line.force_slope > 2.4 && (line.mean - 4.0).abs() < 1e-12));
         let mut lost = even;
         lost[2] = SlopeSums::default();
-        assert!(Line::new(&lost, 0).is_none());
-        assert!(Line::new(&lost, 7).is_none(), "the lap is a circle");
-        assert!(Line::new(&lost, 3).is_some());
+        assert!(Line::new(&lost, 0, 5).is_none());
+        assert!(Line::new(&lost, 7, 5).is_none(), "the lap is a circle");
+        assert!(Line::new(&lost, 3, 5).is_some());
     }
 }

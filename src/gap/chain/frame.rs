@@ -10,15 +10,10 @@ use crate::signal::{Channel, FORCES};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Deviation of the logarithm of the floor of approach speeds, a nuisance here.
-const FLOOR_DEVIATION: f64 = 1.0;
-
-/// Deviation of a feature, in newtons, shares or logarithms, that is no more than rounding.
-const LEAST: f64 = 1e-9;
-
 /// The run as the diagnosis sees it, but for impacts; the chain's speed is the last feature.
 pub fn frame(name: &str, run: &FittedRun) -> Frame {
     let landing = &run.landing;
+    let rounding = run.settings.ensembles.rounding;
     let mut labels = labels(run);
     labels.push(Label { channel: "speed".into(), band: Band::Drift, index: 0, from: 0, to: lap_mm(run) });
     let (speed, deviation) = landing.speed.unwrap_or((0.0, f64::INFINITY));
@@ -38,7 +33,10 @@ pub fn frame(name: &str, run: &FittedRun) -> Frame {
         measured: with(&landing.measured, simulated + speed),
         nominal: with(&landing.nominal, simulated),
         laps: Laps {
-            variance: with(&landing.variance, deviation * deviation).into_iter().map(telling).collect(),
+            variance: with(&landing.variance, deviation * deviation)
+                .into_iter()
+                .map(|v| telling(v, rounding))
+                .collect(),
             scatter: scatter(run, &landing.repeatability.scatter),
         },
         discrepancies,
@@ -57,16 +55,16 @@ pub fn scatter(run: &FittedRun, single: &[Vec<f64>]) -> Vec<Vec<f64>> {
     single.iter().map(each).collect()
 }
 
-/// A variance; infinite of what no lap changes but for rounding, as the share of time above a force that is never
-/// reached.
-fn telling(variance: f64) -> f64 {
-    if variance < LEAST * LEAST { f64::INFINITY } else { variance }
+/// A variance; infinite of what no lap changes but for a deviation of rounding, as the share of time above a force that
+/// is never reached.
+fn telling(variance: f64, rounding: f64) -> f64 {
+    if variance < rounding * rounding { f64::INFINITY } else { variance }
 }
 
 /// Of a nuisance's step from where the fit ended.
 fn prior(run: &FittedRun, j: usize) -> (f64, f64) {
     let Some(p) = Parameter::ALL.get(j) else {
-        return (0.0, FLOOR_DEVIATION / crate::identify::FLOOR_SCALE);
+        return (0.0, run.settings.ensembles.approach_floor_deviation / crate::identify::FLOOR_SCALE);
     };
     let (mean, deviation) = p.prior(run.model.law, run.model.nominal[j]);
     ((mean - run.landing.at[j]) / p.reach(), deviation / p.reach())

@@ -4,6 +4,7 @@ use super::FittedRun;
 use crate::base::trig;
 use crate::effects::rail_step;
 use crate::effects::sites::Site;
+use crate::gap::settings::Impacts;
 use crate::gap::simulator::Frame;
 use crate::identify::accumulator::Block;
 use crate::identify::feature_spec::Samples;
@@ -12,24 +13,12 @@ use crate::identify::model::samples;
 use crate::signal::FORCES;
 use std::collections::BTreeMap;
 
-/// Cells of each rail in which steps are looked for.
-const CELLS: usize = 2;
-
-/// Length of a part of the lap, about how far an impact rings, m.
-pub const PART: f64 = 0.1;
-
-/// An impact is where changes are so many times as strong as simulated.
-const HIGH_POWER: f64 = 3.0;
-
-/// An impact begins where changes are this share of the loudest ones: it rings longer.
-const RINGS: f64 = 30.0;
-
 /// The channels that each rail's wheels strike.
 pub const RAILS: [&[usize]; 3] = [&[0, 1], &[2], &[3]];
 
-/// How many parts a lap has.
-pub fn parts(lap: f64) -> usize {
-    (lap / PART).ceil().max(1.0) as usize
+/// How many parts of a length a lap has.
+pub fn parts(lap: f64, length: f64) -> usize {
+    (lap / length).ceil().max(1.0) as usize
 }
 
 /// The part of the lap that a place lies in, and how far from its beginning, as a share.
@@ -44,12 +33,11 @@ pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
 /// of the deviation `noise`, N.
 pub fn high_frequency_power(
     landing: &Landing,
-    lap: f64,
+    (lap, parts): (f64, usize),
     measured: &Samples,
     trigger: f64,
     noise: [f32; FORCES],
 ) -> Vec<Vec<f64>> {
-    let parts = parts(lap);
     let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
         for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
             let change = f64::from(two[1]) - f64::from(two[0]);
@@ -98,7 +86,7 @@ pub fn suspects(frames: &[Frame], runs: &[FittedRun]) -> Vec<Suspect> {
     for (rail, forces) in RAILS.into_iter().enumerate() {
         let hardest = struck(runs, forces, 0.0, places.lap).map(|at| Suspect { rail, at, struck: true });
         let mut found: Vec<Suspect> = hardest.into_iter().collect();
-        let most = found.len() + CELLS;
+        let most = found.len() + first.settings.impacts.cells;
         for from in worst(frames, runs, forces) {
             let impact = struck(runs, forces, from, cell);
             let at = impact.unwrap_or(from);
@@ -142,14 +130,15 @@ fn struck(runs: &[FittedRun], forces: &[usize], from: f64, cell: f64) -> Option<
     let loudest = |part: usize| forces.iter().map(|force| of(part, *force)).fold(f64::MIN, f64::max);
     let high_power: Vec<f64> = (0..parts).map(loudest).collect();
     let at = |part: usize| (part as f64 + 0.5) * length;
-    begins(&high_power, |part| (from..from + cell).contains(&at(part))).map(at)
+    begins(&high_power, &runs.first()?.settings.impacts, |part| (from..from + cell).contains(&at(part))).map(at)
 }
 
 /// The part of the lap in which the loudest impact inside begins, by the logarithm of how high-frequency power each is.
-fn begins(high_power: &[f64], inside: impl Fn(usize) -> bool) -> Option<usize> {
+fn begins(high_power: &[f64], settings: &Impacts, inside: impl Fn(usize) -> bool) -> Option<usize> {
     let parts = high_power.len();
     let peak = (0..parts).filter(|part| inside(*part)).max_by(|a, b| high_power[*a].total_cmp(&high_power[*b]))?;
-    let heard = |part: &usize| high_power[*part] > trig::ln(HIGH_POWER).max(high_power[peak] - trig::ln(RINGS));
+    let heard =
+        |part: &usize| high_power[*part] > trig::ln(settings.power).max(high_power[peak] - trig::ln(settings.rings));
     (0..parts / 2).map(|k| (peak + parts - k) % parts).take_while(heard).last()
 }
 
@@ -159,16 +148,21 @@ mod tests {
 
     #[test]
     fn a_blow_begins_before_it_is_loudest_and_rings_after() {
+        let settings = Impacts::default();
         let mut high_power = vec![0.3; 100];
         // A wheel that is thrown up lands later, and harder.
         high_power[98..].fill(3.0);
         high_power[..5].copy_from_slice(&[3.5, 5.0, 3.0, 2.0, 1.0]);
         // A weaker one, far off, that the first drowns.
         high_power[50] = 1.5;
-        assert_eq!(begins(&high_power, |part| part < 10), Some(98));
-        assert_eq!(begins(&high_power, |part| (45..55).contains(&part)), Some(50));
-        assert_eq!(begins(&high_power, |part| (20..40).contains(&part)), None);
+        assert_eq!(begins(&high_power, &settings, |part| part < 10), Some(98));
+        assert_eq!(begins(&high_power, &settings, |part| (45..55).contains(&part)), Some(50));
+        assert_eq!(begins(&high_power, &settings, |part| (20..40).contains(&part)), None);
         high_power[97] = 1.2;
-        assert_eq!(begins(&high_power, |part| part < 10), Some(98), "what is a thirtieth as strong is another impact");
+        assert_eq!(
+            begins(&high_power, &settings, |part| part < 10),
+            Some(98),
+            "what is a thirtieth as strong is another impact"
+        );
     }
 }

@@ -10,20 +10,12 @@ use crate::gap::simulator::{Laps, Request};
 use crate::identify::{Model, repeatability::Repeatability};
 use std::iter;
 
-/// Fewer laps tell nothing of how they differ; more are not kept.
-const FEW_LAPS: usize = 6;
-const MANY_LAPS: usize = 128;
-
-/// Where few carts are like the one with the sensors, others are loaded: until so many laps are known, and so often at
-/// most.
-const SOME_LAPS: usize = 12;
-const LOADED: usize = 4;
-
 impl Chains {
     /// Laps of a run with effects, whose variances are those of its frame and what the machine's effects add to them:
     /// each cart of a simulation is a lap. `None` where no effect is the machine's, and where few carts are like the
     /// one with the sensors.
     pub(super) fn laps(&self, request: &Request) -> Option<Laps> {
+        let settings = &self.settings.ensembles;
         let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
         let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
         if effects.is_empty() {
@@ -33,12 +25,12 @@ impl Chains {
         let drawn = |draw: usize| self.like(request, with_draw(&effects, draw));
         let (model, mut ensemble) = drawn(1)?;
         let loaded = effects.iter().any(|e| e.name == LOAD.name());
-        for draw in 2..=LOADED {
-            if loaded && ensemble.carts.len() < SOME_LAPS {
+        for draw in 2..=settings.loadings {
+            if loaded && ensemble.carts.len() < settings.loaded_laps {
                 ensemble.carts.append(&mut drawn(draw)?.1.carts);
             }
         }
-        if ensemble.carts.len() < FEW_LAPS {
+        if ensemble.carts.len() < settings.least_laps {
             return None;
         }
         let repeatability = Repeatability::new(&model, &ensemble, run.seed);
@@ -49,7 +41,7 @@ impl Chains {
         };
         let added = run.landing.passes.iter().enumerate().map(added).chain(iter::repeat(0.0));
         let variance = frame.laps.variance.iter().zip(added).map(|(v, more)| v + more).collect();
-        let every = repeatability.scatter.len().div_ceil(MANY_LAPS);
+        let every = repeatability.scatter.len().div_ceil(settings.most_laps);
         let some: Vec<Vec<f64>> = repeatability.scatter.into_iter().step_by(every).collect();
         let mut scatter = frame::scatter(run, &some);
         scatter.iter_mut().for_each(|lap| lap.resize(frame.labels.len(), 0.0));

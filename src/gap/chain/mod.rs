@@ -7,7 +7,9 @@ mod impacts;
 mod laps;
 mod nominal;
 
-use super::simulator::{Applied, Band, Candidate, Frame, Laps, Request, Simulator, Strength};
+use super::ids::{CandidateId, PerRun, RunId};
+use super::settings::{self, Settings};
+use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Request, Simulator, Strength};
 use crate::base::{parallel, trig};
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
@@ -19,7 +21,7 @@ use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
-use crate::identify::{Model, Parameter, Settings};
+use crate::identify::{self, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
 use force_slope::{ForceSlopes, Impact, Profile};
@@ -28,27 +30,12 @@ use laps::observed;
 use nominal::{fitted, set_tops};
 use std::collections::BTreeMap;
 
-/// Carts that pass each place in a simulation with effects, and in one that only takes a signature, which is larger.
-const PASSES: f64 = 24.0;
-const SIGNATURE_PASSES: f64 = 14.0;
-
-/// Time that one for a signature settles before it is recorded, s.
-const SIGNATURE_SETTLE: f64 = 8.0;
-
-/// How often a simulation that does not come to its end is made again with half the step.
-const SHORTER: usize = 2;
-
-/// Chains as built that are drawn.
-const DRAWS: usize = 4;
-
-/// Carts whose records a sensor's effect is put into.
-const SENSOR_CARTS: usize = 14;
-
 /// A campaign's runs on chains.
 pub struct Chains {
-    runs: Vec<FittedRun>,
-    frames: Vec<Frame>,
-    candidates: Vec<Candidate>,
+    runs: PerRun<FittedRun>,
+    frames: PerRun<Frame>,
+    candidates: Candidates,
+    settings: settings::Chain,
     threads: usize,
 }
 
@@ -69,6 +56,7 @@ struct FittedRun {
     profiles: Vec<Profile>,
     /// Impacts on the rails.
     impacts: Vec<Impact>,
+    settings: settings::Chain,
     /// Which channels were measured.
     measured: [bool; FORCES],
     seed: u64,
@@ -82,36 +70,37 @@ impl Chains {
     /// The run and why it cannot be used.
     pub fn new(
         subjects: &[Subject],
+        settings: &Settings,
         seed: u64,
         threads: usize,
         width: Width,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Result<Chains, (String, String)> {
-        let settings = Settings { seed, steps: nominal::STEPS, threads: 1, ..Settings::default() };
+        let settings = &settings.chain;
+        let steps = settings.ensembles.nominal_steps;
+        let fit = identify::Settings { seed, steps, threads: 1, ..identify::Settings::default() };
         // More runs than threads at a time, so that none is left to a single one in the end.
         let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
-            let found = fitted(subject, &settings, width).map_err(|why| (subject.name.clone(), why));
+            let found = fitted(subject, &fit, settings, width).map_err(|why| (subject.name.clone(), why));
             tell(&subject.name);
             found
         });
-        let mut runs = fitted.into_iter().collect::<Result<Vec<FittedRun>, _>>()?;
+        let mut runs = fitted.into_iter().collect::<Result<PerRun<FittedRun>, _>>()?;
         set_tops(&mut runs);
-        let mut frames: Vec<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
+        let mut frames: PerRun<Frame> = subjects.iter().zip(&runs).map(|(s, run)| frame::frame(&s.name, run)).collect();
         let suspects = impacts::suspects(&frames, &runs);
         for (frame, run) in frames.iter_mut().zip(&mut runs) {
             run.impacts = Impact::all(&suspects, run);
             force_slope::extend(frame, run);
         }
-        let mut out = Chains { frames, runs, candidates: Vec::new(), threads };
+        let mut out = Chains { frames, runs, candidates: Candidates::default(), settings: settings.clone(), threads };
         out.draw_as_built(threads);
         for effect in LIBRARY {
             for (site, known) in out.sites(effect, &suspects) {
                 let around = (effect.alternatives)(&site, known);
-                let first = out.candidates.len();
-                out.offer(effect, site, None);
+                let first = out.offer(effect, site, None);
                 for (site, further) in around {
-                    let second = out.candidates.len();
-                    out.offer(effect, site, Some(first));
+                    let second = out.offer(effect, site, Some(first));
                     for site in further {
                         out.offer(effect, site, Some(second));
                     }
@@ -123,8 +112,11 @@ impl Chains {
 
     /// Draws chains as they are built.
     fn draw_as_built(&mut self, threads: usize) {
-        let asked: Vec<(usize, usize)> =
-            (0..self.runs.len()).flat_map(|run| (0..DRAWS).map(move |k| (run, k))).collect();
+        let asked: Vec<(RunId, usize)> = self
+            .runs
+            .ids()
+            .flat_map(|run| (0..self.settings.ensembles.as_built_draws).map(move |k| (run, k)))
+            .collect();
         let answers = parallel::map(&asked, threads, |&(run, draw)| {
             let effect = |effect: &Effect| {
                 let as_built = effect.strengths().map(|(s, fitted)| (s.name.to_owned(), fitted.as_built));
@@ -145,7 +137,7 @@ impl Chains {
         self.runs.first().map_or(1.0, |run| run.model.spec.places.lap / run.model.spec.places.cells as f64)
     }
 
-    fn offer(&mut self, effect: &'static Effect, site: Site, alternative_to: Option<usize>) {
+    fn offer(&mut self, effect: &'static Effect, site: Site, alternative_to: Option<CandidateId>) -> CandidateId {
         let strength = |(s, fitted): (&StrengthDefinition, &StrengthSearch)| Strength {
             name: s.name.to_owned(),
             unit: s.unit.to_owned(),
@@ -164,7 +156,7 @@ impl Chains {
             random_effect,
             discrepancy: effect.discrepancy,
             alternative_to,
-        });
+        })
     }
 
     /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where
@@ -172,7 +164,7 @@ impl Chains {
     fn sites(&self, effect: &Effect, suspects: &[Suspect]) -> Vec<(Site, f64)> {
         let Some(first) = self.runs.first() else { return Vec::new() };
         let Sites::Listed(listed) = effect.sites else {
-            let known = |suspect: &Suspect| if suspect.struck { impacts::PART } else { self.cell() };
+            let known = |suspect: &Suspect| if suspect.struck { self.settings.impacts.part } else { self.cell() };
             return suspects.iter().map(|suspect| (suspect.site(), known(suspect))).collect();
         };
         let places = effect.definition.places;
@@ -196,8 +188,9 @@ impl Chains {
     }
 
     /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
-    fn simulated(&self, run: usize, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
-        let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
+    fn simulated(&self, run: RunId, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
+        let settings = &self.settings.ensembles;
+        let passes = if step.is_empty() { settings.signature_passes } else { settings.passes };
         let fitted = &self.runs[run];
         let chain = fitted.with(effects.clone()).simulation;
         let (load, carts) = (deviations_of(&chain).ok()?.1.load, chain.chain.carts);
@@ -213,14 +206,14 @@ impl Chains {
     /// A run's chain with nuisances moved and effects added, as its carts pass each place so often.
     fn run_ensemble(
         &self,
-        run: usize,
+        run: RunId,
         step: &[f64],
         effects: Vec<input::Effect>,
         passes: f64,
     ) -> Option<(Model, Coordinates, Ensemble)> {
         let fitted = &self.runs[run];
         let mut at = fitted.landing.at;
-        let settle = step.is_empty().then_some(SIGNATURE_SETTLE);
+        let settle = step.is_empty().then_some(self.settings.ensembles.signature_settle);
         let mut plan = Plan { passes, settle, from: Some(&fitted.landing.centre.ensemble.settled), ..Plan::default() };
         for (k, moved) in step.iter().enumerate() {
             match Parameter::ALL.get(k) {
@@ -246,7 +239,7 @@ impl Chains {
         let model = fitted.with(effects);
         let mut ensemble = model.run_ensemble(&at, &plan);
         // An impact may ask for shorter steps than the chain does.
-        for _ in 0..SHORTER {
+        for _ in 0..self.settings.ensembles.halvings {
             if ensemble.is_none() {
                 plan.step = Some(0.5 * plan.step.or_else(|| model.step(&at))?);
                 ensemble = model.run_ensemble(&at, &plan);
@@ -286,21 +279,21 @@ impl Chains {
     }
 
     /// The layout of a run with effects, for `--apply`.
-    pub fn simulation(&self, run: usize) -> &Simulation {
+    pub fn simulation(&self, run: RunId) -> &Simulation {
         &self.runs[run].model.simulation
     }
 }
 
 impl Simulator for Chains {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         &self.candidates
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         &self.frames
     }
 
-    fn simulate(&self, run: usize, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
+    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let sensor = effects.iter().any(|e| self.candidates[e.candidate].sensor);
         let machine = effects.iter().any(|e| !self.candidates[e.candidate].sensor);
         let effects = effects.iter().map(|e| self.effect(e)).collect();
@@ -325,6 +318,11 @@ impl Simulator for Chains {
 }
 
 impl FittedRun {
+    /// How many parts its lap has.
+    fn parts(&self) -> usize {
+        impacts::parts(self.model.spec.places.lap, self.settings.impacts.part)
+    }
+
     /// The model with effects.
     fn with(&self, effects: Vec<input::Effect>) -> Model {
         let mut model = self.model.clone();
@@ -366,7 +364,7 @@ impl FittedRun {
     /// carts, as what chaos does to them is the same with and without it.
     fn sensed_features(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
         let ensemble = &self.landing.centre.ensemble;
-        let every = (ensemble.carts.len() / SENSOR_CARTS).max(1);
+        let every = (ensemble.carts.len() / self.settings.ensembles.sensor_carts).max(1);
         let (mut plain, mut other) =
             (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
         let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));

@@ -2,24 +2,24 @@
 
 use super::FittedRun;
 use super::force_slope::profiles;
-use super::impacts::high_frequency_power;
+use super::impacts::{self, high_frequency_power};
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::dynamics::Width;
+use crate::gap::settings;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, land};
 use crate::identify::study::Subject;
 use crate::identify::{Measured, Model, Parameter, Settings};
 use crate::signal::FORCES;
 
-/// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
-pub const STEPS: usize = 3;
-
-/// Samples of a run above what counts as its largest force, so that noise does not make it.
-const FEW: usize = 5;
-
 /// Fits the nominal model to a run.
-pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<FittedRun, String> {
+pub fn fitted(
+    subject: &Subject,
+    fit: &Settings,
+    settings: &settings::Chain,
+    width: Width,
+) -> Result<FittedRun, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let mut simulation = subject.simulation.clone();
@@ -28,27 +28,29 @@ pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<Fi
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     model.spec.set_orders(&orders(&simulation, speed));
     model.spec.local = true;
-    let (_, landing) = land(&mut model, &measured, None, settings)?;
+    let (_, landing) = land(&mut model, &measured, None, fit)?;
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
     let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
+    let parts = impacts::parts(lap, settings.impacts.part);
     Ok(FittedRun {
         laps: measured.laps,
         begin,
         tops: [0.0; FORCES],
-        highs: highs(&landing, &samples),
-        high_frequency_power: high_frequency_power(&landing, lap, &samples, trigger, model.spec.noise),
-        profiles: profiles(&samples, lap, trigger),
+        highs: highs(&landing, &samples, settings.ensembles.top_samples),
+        high_frequency_power: high_frequency_power(&landing, (lap, parts), &samples, trigger, model.spec.noise),
+        profiles: profiles(&samples, (lap, parts), trigger),
         impacts: Vec::new(),
+        settings: settings.clone(),
         measured: std::array::from_fn(|k| measured.has(k)),
-        seed: settings.seed.wrapping_add(77),
+        seed: fit.seed.wrapping_add(77),
         model,
         landing,
     })
 }
 
-/// Of each channel the force that a few samples of a run exceed, measured and simulated.
-fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
+/// Of each channel the force that so many samples of a run exceed, measured and simulated.
+fn highs(landing: &Landing, measured: &Samples, samples: usize) -> [(f64, f64); FORCES] {
     let high = |mut all: Vec<f32>, rank: usize| {
         all.retain(|x| x.is_finite());
         let rank = rank.min(all.len().saturating_sub(1));
@@ -57,8 +59,8 @@ fn highs(landing: &Landing, measured: &Samples) -> [(f64, f64); FORCES] {
     std::array::from_fn(|k| {
         let run = measured.forces[k].to_vec();
         let ensemble: Vec<f32> = landing.centre.ensemble.carts.iter().flat_map(|c| &c.forces[k]).copied().collect();
-        let rank = FEW * ensemble.len() / run.len().max(1);
-        (high(run, FEW), high(ensemble, rank))
+        let rank = samples * ensemble.len() / run.len().max(1);
+        (high(run, samples), high(ensemble, rank))
     })
 }
 

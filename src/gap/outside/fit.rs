@@ -4,28 +4,11 @@
 use super::Error;
 use super::data::RunPart;
 use super::protocol::Nuisance;
-use super::repeatability::{Evidence, Repeatability};
+use super::repeatability::{Inputs, Repeatability};
 use super::windows::Windows;
+use crate::gap::settings;
+use crate::identify::mode_within;
 use nalgebra::{DMatrix, DVector};
-
-/// Difference that slopes are taken over, of a nuisance's range.
-const DIFFERENCE: f64 = 1e-3;
-
-/// Deviation of a nuisance before the run, of its range: the range itself, so that it hardly counts.
-pub(super) const PRIOR: f64 = 1.0;
-
-/// Steps below this are none, of a nuisance's range.
-const CONVERGED: f64 = 1e-6;
-
-/// After a step below this, slopes are kept; so are the windows.
-const SMALL: f64 = 1e-2;
-
-/// Steps at most, and those after which the repeatability stays as it is.
-const STEPS: usize = 15;
-const SETTLED: usize = 6;
-
-/// Windows before the noise is known.
-const FIRST_WINDOWS: usize = 100;
 
 /// Rows of samples, a row a channel, on the part's times.
 pub(super) type Rows = Vec<Vec<f64>>;
@@ -62,6 +45,7 @@ pub(super) struct Fitter<'a> {
     /// How closely the model is believed to follow each channel.
     pub accuracy: &'a [f64],
     pub simulate: Simulate<'a>,
+    pub settings: &'a settings::Outside,
 }
 
 /// The state of a fit.
@@ -77,31 +61,32 @@ impl Fitter<'_> {
     ///
     /// What the model says against being simulated at its nominal nuisances, and [`Error::Nothing`].
     pub fn fit(&self, again: &dyn Fn(&[f64]) -> Result<Rows, Error>) -> Result<FittedPart, Error> {
+        let settings = &self.settings.fitting;
         let start: Vec<f64> = self.nuisances.iter().map(|n| share(n, n.nominal)).collect();
         let mut point = TrialPoint { rows: self.one(&start)?, at: start.clone() };
         let mut slopes = self.slopes(&point);
-        let mut windows = Windows::new(self.part, FIRST_WINDOWS);
+        let mut windows = Windows::new(self.part, self.settings.windows.first, &self.settings.windows);
         let mut repeatability = self.repeatability(&windows, &point, None);
         let (mut suited, mut stale) = (false, 0.0);
-        for step in 0..STEPS {
-            if step <= SETTLED {
+        for step in 0..settings.steps {
+            if step <= settings.settled {
                 repeatability = self.repeatability(&windows, &point, None);
             }
             let direction = self.direction(&windows, &repeatability, &point, &slopes, &start);
             let size = direction.amax();
-            if !suited && (size < SMALL || step >= 2) {
-                windows = Windows::suited(self.part, &self.left(&point));
+            if !suited && (size < settings.small || step >= 2) {
+                windows = Windows::suited(self.part, &self.left(&point), &self.settings.windows);
                 repeatability = self.repeatability(&windows, &point, None);
                 suited = true;
                 continue;
             }
-            if size < CONVERGED {
+            if size < settings.converged {
                 break;
             }
             let Some(next) = self.descend(&windows, &repeatability, &point, &direction, &start) else { break };
             point = next;
             stale += size;
-            if stale > SMALL {
+            if stale > settings.small {
                 slopes = self.slopes(&point);
                 stale = 0.0;
             }
@@ -148,7 +133,8 @@ impl Fitter<'_> {
             at[k] = (at[k] + by).clamp(0.0, 1.0);
             at
         };
-        let both = |k| [moved(k, -DIFFERENCE), moved(k, DIFFERENCE)];
+        let difference = self.settings.fitting.difference;
+        let both = |k| [moved(k, -difference), moved(k, difference)];
         let points: Vec<Vec<f64>> = (0..point.at.len()).flat_map(both).collect();
         let mut answers = (self.simulate)(&points).into_iter().map(Result::ok);
         let mut all = Vec::with_capacity(point.at.len());
@@ -176,13 +162,8 @@ impl Fitter<'_> {
         };
         let repeat: Vec<f64> = (0..self.part.channels.len()).map(random_effect).collect();
         let left = self.left(point);
-        Repeatability::new(&Evidence {
-            windows,
-            left: &left,
-            measured: &measured,
-            accuracy: self.accuracy,
-            repeat: &repeat,
-        })
+        let from = Inputs { windows, left: &left, measured: &measured, accuracy: self.accuracy, repeat: &repeat };
+        Repeatability::new(&from, &self.settings.noise)
     }
 
     /// Of each feature one over its deviation; 0 for what is lost or tells nothing.
@@ -200,7 +181,8 @@ impl Fitter<'_> {
     }
 
     fn cost(&self, windows: &Windows, repeatability: &Repeatability, point: &TrialPoint, start: &[f64]) -> f64 {
-        let off = point.at.iter().zip(start).map(|(a, b)| (a - b) * (a - b) / (PRIOR * PRIOR)).sum::<f64>();
+        let prior = self.settings.fitting.prior;
+        let off = point.at.iter().zip(start).map(|(a, b)| (a - b) * (a - b) / (prior * prior)).sum::<f64>();
         self.residuals(windows, repeatability, &point.rows).0.norm_squared() + off
     }
 
@@ -222,29 +204,12 @@ impl Fitter<'_> {
         };
         let columns: Vec<Vec<f64>> = slopes.iter().map(scaled).collect();
         let j = DMatrix::from_fn(r.len(), n, |i, k| columns[k][i]);
-        let prior = 1.0 / (PRIOR * PRIOR);
+        let prior = self.settings.fitting.prior;
+        let prior = 1.0 / (prior * prior);
         let a = j.transpose() * &j + DMatrix::identity(n, n) * prior;
         let g = j.transpose() * &r + DVector::from_fn(n, |k, _| prior * (start[k] - point.at[k]));
-        let mut held: Vec<Option<f64>> = vec![None; n];
-        loop {
-            let open: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
-            let given = |i: usize| (0..n).filter_map(|k| held[k].map(|x| a[(i, k)] * x)).sum::<f64>();
-            let matrix = DMatrix::from_fn(open.len(), open.len(), |i, k| a[(open[i], open[k])]);
-            let right = DVector::from_fn(open.len(), |i, _| g[open[i]] - given(open[i]));
-            let found = matrix.cholesky().map_or_else(|| DVector::zeros(open.len()), |c| c.solve(&right));
-            let beyond = |i: usize| (-point.at[open[i]] - found[i]).max(found[i] - (1.0 - point.at[open[i]]));
-            let worst = (0..open.len()).max_by(|x, y| beyond(*x).total_cmp(&beyond(*y)));
-            match worst.filter(|i| beyond(*i) > 1e-12) {
-                Some(i) => {
-                    held[open[i]] = Some(if found[i] < 0.0 { -point.at[open[i]] } else { 1.0 - point.at[open[i]] })
-                }
-                None => {
-                    let mut step = DVector::from_iterator(n, held.iter().map(|h| h.unwrap_or(0.0)));
-                    open.iter().zip(found.iter()).for_each(|(&k, x)| step[k] = *x);
-                    return step;
-                }
-            }
-        }
+        let range: Vec<(f64, f64)> = point.at.iter().map(|at| (-at, 1.0 - at)).collect();
+        mode_within(&a, &g, &range, &mut vec![None; n], 1e-12).0
     }
 
     /// Goes along a step as far as that fits better.

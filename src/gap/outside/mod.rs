@@ -16,16 +16,15 @@ mod windows;
 
 pub use error::Error;
 
-use super::{Applied, Axis, Candidate, Frame, Laps, Lost, Request, Simulator};
+use super::{Applied, Axis, CandidateId, Candidates, Frame, Laps, Lost, PerRun, Request, RunId, Simulator, settings};
+use crate::base::parallel;
 use data::RunPart;
 use fit::{FittedPart, Fitter, Rows};
 use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread;
 use std::time::Duration;
 use windows::Windows;
 
@@ -57,11 +56,13 @@ pub struct Settings {
     pub timeout: Duration,
     /// Parts into which a campaign's only run is cut.
     pub parts: usize,
+    /// Constants of the comparison.
+    pub constants: super::Settings,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4 }
+        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4, constants: super::Settings::default() }
     }
 }
 
@@ -71,14 +72,17 @@ pub struct Outside {
     description: Description,
     channels: BTreeMap<String, String>,
     names: Vec<String>,
-    parts: Vec<RunPart>,
-    windows: Vec<Windows>,
+    parts: PerRun<RunPart>,
+    windows: PerRun<Windows>,
     /// Of each part the fitted nuisances, from 0 at their lower bounds to 1 at their upper ones.
-    fitted: Vec<Vec<f64>>,
-    frames: Vec<Frame>,
+    fitted: PerRun<Vec<f64>>,
+    frames: PerRun<Frame>,
     lost: Vec<String>,
     origin: String,
     failed: Mutex<Failed>,
+    settings: settings::Outside,
+    /// Share of the features of a run that an answer may leave out.
+    may_lack: f64,
 }
 
 /// What the program did not answer.
@@ -88,7 +92,7 @@ struct Failed {
     reasons: BTreeMap<String, Error>,
     /// Effects with which it was silent: each time costs as long as it is waited for, so these are not asked together
     /// again.
-    silent: BTreeMap<Vec<usize>, Error>,
+    silent: BTreeMap<Vec<CandidateId>, Error>,
 }
 
 impl Outside {
@@ -99,10 +103,11 @@ impl Outside {
     /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the
     /// campaign or one of its runs cannot be read or is too short.
     pub fn open(command: &str, campaign: &Path, settings: &Settings) -> Result<Outside, Error> {
+        let constants = &settings.constants;
         let program = Program::new(command)?;
         // Before it starts: what is changed later is taken for another program.
         let origin = program.origin();
-        let pool = Pool::new(program, settings.threads, settings.timeout);
+        let pool = Pool::new(program, settings.threads, settings.timeout, &constants.outside.processes);
         let (channels, parts) = data::read(campaign, settings.parts)?;
         let description = pool.ask(&Question::Describe.line(), Blame::Program, protocol::description)?;
         let names: Vec<String> = channels.keys().cloned().collect();
@@ -117,18 +122,21 @@ impl Outside {
             description,
             channels,
             names,
-            windows: Vec::new(),
-            fitted: Vec::new(),
-            frames: Vec::new(),
+            windows: PerRun::default(),
+            fitted: PerRun::default(),
+            frames: PerRun::default(),
             lost: Vec::new(),
             origin,
             failed: Mutex::default(),
-            parts: Vec::new(),
+            settings: constants.outside.clone(),
+            may_lack: constants.checks.may_lack,
+            parts: PerRun::default(),
         };
         for part in parts {
-            if part.time.len() < windows::NEEDED {
+            let needed = constants.outside.windows.samples * constants.outside.windows.needed;
+            if part.time.len() < needed {
                 let (run, samples) = (part.name.clone(), part.time.len());
-                return Err(Error::Short { run, samples, needed: windows::NEEDED });
+                return Err(Error::Short { run, samples, needed });
             }
             let fitted = outside.fit(&part).map_err(|error| error.in_run(&part.name))?;
             outside.keep(part, fitted);
@@ -157,8 +165,8 @@ impl Outside {
     }
 
     /// The nuisances as fitted to a run, by name.
-    pub fn nuisances(&self, run: usize) -> BTreeMap<String, f64> {
-        let at = self.fitted.get(run).map_or(&[][..], Vec::as_slice);
+    pub fn nuisances(&self, run: RunId) -> BTreeMap<String, f64> {
+        let at = self.fitted.at(run).map_or(&[][..], Vec::as_slice);
         let each = self.description.nuisances.iter().zip(at);
         each.map(|(n, &share)| (n.name.clone(), fit::value(n, share))).collect()
     }
@@ -168,10 +176,16 @@ impl Outside {
     }
 
     fn fit(&self, part: &RunPart) -> Result<FittedPart, Error> {
-        let simulate = |points: &[Vec<f64>]| in_parallel(points, self.pool.most(), |at| self.ask(part, at, &[]));
+        let simulate = |points: &[Vec<f64>]| parallel::map(points, self.pool.most(), |at| self.ask(part, at, &[]));
         let accuracy: Vec<f64> =
             self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
-        let fitter = Fitter { part, nuisances: &self.description.nuisances, accuracy: &accuracy, simulate: &simulate };
+        let fitter = Fitter {
+            part,
+            nuisances: &self.description.nuisances,
+            accuracy: &accuracy,
+            simulate: &simulate,
+            settings: &self.settings,
+        };
         fitter.fit(&|at| {
             self.pool.renew();
             self.ask(part, at, &[])
@@ -191,7 +205,8 @@ impl Outside {
         if missing > 0 {
             self.lost.push(format!("{}: of {missing} windows the model says nothing", part.name));
         }
-        let prior = nuisances.iter().zip(&at).map(|(n, at)| (fit::share(n, n.nominal) - at, fit::PRIOR)).collect();
+        let deviation = self.settings.fitting.prior;
+        let prior = nuisances.iter().zip(&at).map(|(n, at)| (fit::share(n, n.nominal) - at, deviation)).collect();
         self.frames.push(Frame {
             run: part.name.clone(),
             labels: windows.labels(self.names.iter()),
@@ -218,7 +233,7 @@ impl Outside {
     fn ask(&self, part: &RunPart, at: &[f64], effects: &[Applied]) -> Result<Rows, Error> {
         let named = self.description.nuisances.iter().zip(at);
         let effect = |applied: &Applied| {
-            let candidate = self.description.effects.get(applied.candidate)?;
+            let candidate = self.description.effects.at(applied.candidate)?;
             let strengths = candidate.strengths.iter().zip(candidate.bounded(&applied.strengths));
             Some(EffectAsked {
                 name: &candidate.effect,
@@ -239,11 +254,11 @@ impl Outside {
 }
 
 impl Simulator for Outside {
-    fn candidates(&self) -> &[Candidate] {
+    fn candidates(&self) -> &Candidates {
         &self.description.effects
     }
 
-    fn frames(&self) -> &[Frame] {
+    fn frames(&self) -> &PerRun<Frame> {
         &self.frames
     }
 
@@ -258,7 +273,7 @@ impl Simulator for Outside {
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
         // Known before all requests of a batch, so that answers do not depend on which is asked first.
         let silent = self.failed().silent.clone();
-        let answers = in_parallel(requests, self.pool.most(), |r| self.answer(r, &silent));
+        let answers = parallel::map(requests, self.pool.most(), |r| self.answer(r, &silent));
         let cause = answers.iter().flatten().find_map(|answer| answer.as_ref().err());
         if let (Some(error), false) = (cause, answers.iter().flatten().any(Result::is_ok)) {
             self.still_alive(error);
@@ -276,11 +291,11 @@ impl Simulator for Outside {
 
 impl Outside {
     /// Features of a request; `None` where it makes no sense.
-    fn answer(&self, request: &Request, silent: &BTreeMap<Vec<usize>, Error>) -> Option<Result<Vec<f64>, Error>> {
+    fn answer(&self, request: &Request, silent: &BTreeMap<Vec<CandidateId>, Error>) -> Option<Result<Vec<f64>, Error>> {
         let Request { run, step, effects } = request;
-        let (part, windows, fitted) = (self.parts.get(*run)?, self.windows.get(*run)?, self.fitted.get(*run)?);
+        let (part, windows, fitted) = (self.parts.at(*run)?, self.windows.at(*run)?, self.fitted.at(*run)?);
         let at: Vec<f64> = fitted.iter().enumerate().map(|(k, x)| x + step.get(k).copied().unwrap_or(0.0)).collect();
-        let known = |a: &Applied| self.description.effects.get(a.candidate).is_some();
+        let known = |a: &Applied| self.description.effects.at(a.candidate).is_some();
         let numbers = effects.iter().all(|a| known(a) && a.strengths.iter().all(|x| x.is_finite()));
         if !numbers || at.iter().any(|x| x.is_nan()) {
             return None;
@@ -292,7 +307,7 @@ impl Outside {
         let finite = |rows: Rows| {
             let features = windows.means(&rows);
             let frame = &self.frames[*run];
-            match frame.lacking(&features) {
+            match frame.lacking(&features, self.may_lack) {
                 0 => Ok(features),
                 lacking => Err(Error::NotFinite { lacking, of: frame.labels.len() }),
             }
@@ -323,39 +338,10 @@ impl Failed {
     }
 }
 
-fn members(request: &Request) -> Vec<usize> {
+fn members(request: &Request) -> Vec<CandidateId> {
     request.effects.iter().map(|e| e.candidate).collect()
 }
 
 fn key(request: &Request) -> String {
     format!("{request:?}")
-}
-
-/// What `of` says of each item, in order, found by so many threads.
-fn in_parallel<T: Sync, U: Send>(items: &[T], threads: usize, of: impl Fn(&T) -> U + Sync) -> Vec<U> {
-    if threads < 2 || items.len() < 2 {
-        return items.iter().map(of).collect();
-    }
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(item) = items.get(i) else { return found };
-            found.push((i, of(item)));
-        }
-    };
-    let mut found: Vec<(usize, U)> = thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads.min(items.len())).map(|_| scope.spawn(work)).collect();
-        let mut found = work();
-        for worker in workers {
-            match worker.join() {
-                Ok(more) => found.extend(more),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        found
-    });
-    found.sort_by_key(|(i, _)| *i);
-    found.into_iter().map(|(_, answer)| answer).collect()
 }

@@ -3,6 +3,7 @@
 use super::Error;
 use crate::base::digest::sha256_of;
 use crate::base::unique::unlike_any_other;
+use crate::gap::settings::Processes;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -14,9 +15,6 @@ use std::time::{Duration, Instant};
 
 /// A line longer than this is no answer, bytes.
 const LONGEST_LINE: u64 = 1 << 28;
-
-/// What a process is given to end by itself once its input has ended.
-const PATIENCE: Duration = Duration::from_millis(500);
 
 /// A program with its arguments.
 #[derive(Clone, Debug)]
@@ -75,7 +73,7 @@ impl Program {
         origin
     }
 
-    fn start(&self) -> Result<Process, Error> {
+    fn start(&self, patience: Duration) -> Result<Process, Error> {
         let failed = |why: String| Error::Start { command: self.command.clone(), why };
         let (program, arguments) = self.words.split_first().ok_or_else(|| failed("it is empty".to_owned()))?;
         let mut child = Command::new(program)
@@ -86,7 +84,7 @@ impl Program {
             .map_err(|why| failed(why.to_string()))?;
         let (input, output) = (child.stdin.take(), child.stdout.take());
         let (sender, lines) = sync_channel(4);
-        let process = Process { child, input, lines };
+        let process = Process { child, input, lines, patience };
         let output = output.ok_or_else(|| failed("it has no standard output".to_owned()))?;
         let reader = thread::Builder::new().name("model".to_owned()).spawn(move || listen(output, &sender));
         reader.map(|_| process).map_err(|why| failed(why.to_string()))
@@ -122,6 +120,8 @@ struct Process {
     child: Child,
     input: Option<ChildStdin>,
     lines: Receiver<Vec<u8>>,
+    /// What it is given to end by itself once its input has ended.
+    patience: Duration,
 }
 
 impl Process {
@@ -160,7 +160,7 @@ impl Process {
         loop {
             match self.child.try_wait() {
                 Ok(Some(status)) => return Some(Error::Ended { status: status.to_string() }),
-                Ok(None) if begin.elapsed() < PATIENCE => thread::sleep(Duration::from_millis(2)),
+                Ok(None) if begin.elapsed() < self.patience => thread::sleep(Duration::from_millis(2)),
                 _ => return None,
             }
         }
@@ -191,6 +191,7 @@ pub(super) struct Pool {
     program: Program,
     timeout: Duration,
     most: usize,
+    settings: Processes,
     state: Mutex<State>,
     freed: Condvar,
 }
@@ -204,12 +205,16 @@ struct State {
     given_up: Option<Error>,
 }
 
-/// A program that was lost so often is not started again.
-const MOST_FAILURES: usize = 20;
-
 impl Pool {
-    pub fn new(program: Program, most: usize, timeout: Duration) -> Pool {
-        Pool { program, timeout, most: most.max(1), state: Mutex::default(), freed: Condvar::new() }
+    pub fn new(program: Program, most: usize, timeout: Duration, settings: &Processes) -> Pool {
+        Pool {
+            program,
+            timeout,
+            most: most.max(1),
+            settings: settings.clone(),
+            state: Mutex::default(),
+            freed: Condvar::new(),
+        }
     }
 
     /// Processes that may be at work at once.
@@ -221,7 +226,7 @@ impl Pool {
     /// one, is ended, as what it says next may be about anything.
     pub fn ask<T>(&self, request: &str, blame: Blame, read: impl FnOnce(&str) -> Result<T, Error>) -> Result<T, Error> {
         let idle = self.take()?;
-        let started = idle.map_or_else(|| self.program.start(), Ok);
+        let started = idle.map_or_else(|| self.program.start(Duration::from_secs_f64(self.settings.patience)), Ok);
         let mut process = match started {
             Ok(process) => process,
             Err(error) => return Err(self.lost(error, Blame::Program)),
@@ -279,7 +284,9 @@ impl Pool {
         state.busy -= 1;
         if blame == Blame::Program {
             state.failures += 1;
-            if state.failures >= MOST_FAILURES || matches!(error, Error::Silent { .. } | Error::Start { .. }) {
+            if state.failures >= self.settings.most_failures
+                || matches!(error, Error::Silent { .. } | Error::Start { .. })
+            {
                 state.given_up.get_or_insert_with(|| Error::GivenUp(Box::new(error.clone())));
             }
         }

@@ -2,7 +2,7 @@
 //! for those who write models.
 
 use super::Error;
-use crate::gap::{Candidate, Strength};
+use crate::gap::{Candidate, Candidates, Strength};
 use crate::signal::columns::FARTHEST;
 use crate::source::steers;
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ impl Question<'_> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Description {
     pub nuisances: Vec<Nuisance>,
-    pub effects: Vec<Candidate>,
+    pub effects: Candidates,
     /// Of some channels, how closely the model is believed to follow, in their units.
     pub accuracy: BTreeMap<String, f64>,
 }
@@ -281,7 +281,7 @@ mod tests {
     #[test]
     fn a_description_is_read_and_its_mistakes_are_told() {
         let good = description(GOOD).expect("good");
-        assert_eq!((good.effects[0].effect.as_str(), good.nuisances[0].nominal), ("drag", 2.0));
+        assert_eq!((good.effects.first().unwrap().effect.as_str(), good.nuisances[0].nominal), ("drag", 2.0));
         let cases = [
             ("\"nominal\": 2", "\"nominal\": 4", "needs low < high and a nominal value between"),
             ("\"low\": 0", "\"low\": 0.05", "low <= 0 <= high"),

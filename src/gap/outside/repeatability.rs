@@ -7,21 +7,7 @@
 use super::windows::Windows;
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
-
-/// What independent programs and sensors agree to at best, of the range of a channel's means (as in identification).
-const MEANS_AGREE: f64 = 5e-4;
-
-/// Samples of the repeatability.
-const SAMPLES: u64 = 64;
-
-/// Windows that are drawn together, so that what noise remembers stays.
-const BLOCK: usize = 8;
-
-/// Beyond so many deviations a window has a noise of its own, as where a channel jumps.
-const OWN: f64 = 3.0;
-
-/// Slow waves of which a model's inaccuracy is made, half waves over a run.
-const WAVES: usize = 8;
+use crate::gap::settings;
 
 /// The median of the square of a standard normal.
 const MEDIAN_SQUARE: f64 = 0.454_936;
@@ -35,7 +21,7 @@ pub(super) struct Repeatability {
 }
 
 /// What the repeatability of a run is found from.
-pub(super) struct Evidence<'a> {
+pub(super) struct Inputs<'a> {
     pub windows: &'a Windows,
     /// Measured less simulated, a row a channel.
     pub left: &'a [Vec<f64>],
@@ -58,17 +44,17 @@ struct Noise {
 }
 
 impl Repeatability {
-    pub fn new(evidence: &Evidence) -> Repeatability {
-        let count = evidence.windows.count();
-        let means = evidence.windows.means(evidence.left);
-        let halves = evidence.windows.halves(evidence.left);
-        let channels: Vec<Noise> = (0..evidence.left.len())
+    pub fn new(from: &Inputs, settings: &settings::Noise) -> Repeatability {
+        let count = from.windows.count();
+        let means = from.windows.means(from.left);
+        let halves = from.windows.halves(from.left);
+        let channels: Vec<Noise> = (0..from.left.len())
             .map(|c| {
                 let of = |x: &'_ [f64]| x[c * count..(c + 1) * count].to_vec();
-                let agreed = MEANS_AGREE * range(&of(evidence.measured));
+                let agreed = settings.agreement * range(&of(from.measured));
                 let draws = draws(&of(&means), &of(&halves[0]), &of(&halves[1]));
-                let slow = trig::hypot(evidence.accuracy[c].max(agreed), evidence.repeat[c].sqrt());
-                Noise::new(&draws, slow)
+                let slow = trig::hypot(from.accuracy[c].max(agreed), from.repeat[c].sqrt());
+                Noise::new(&draws, slow, settings.own)
             })
             .collect();
         let variance = channels.iter().flat_map(|c| c.deviation.iter().map(|d| d * d + c.slow * c.slow)).collect();
@@ -77,7 +63,7 @@ impl Repeatability {
         };
         Repeatability {
             variance,
-            scatter: (0..SAMPLES).map(|k| sample(&channels, count, k)).collect(),
+            scatter: (0..settings.samples as u64).map(|k| sample(&channels, count, k, settings)).collect(),
             discrepancies: (0..channels.len()).filter(|&c| channels[c].slow > 0.0).map(discrepancy).collect(),
         }
     }
@@ -96,12 +82,12 @@ fn draws(means: &[f64], first: &[f64], second: &[f64]) -> Vec<f64> {
 }
 
 impl Noise {
-    fn new(draws: &[f64], slow: f64) -> Noise {
+    fn new(draws: &[f64], slow: f64, own: f64) -> Noise {
         let mut squares: Vec<f64> = draws.iter().map(|d| d * d).filter(|d| d.is_finite()).collect();
         squares.sort_by(f64::total_cmp);
         let as_built = squares.get(squares.len() / 2).map_or(0.0, |median| median / MEDIAN_SQUARE).sqrt();
-        let own = |d: &f64| if d.abs() > OWN * as_built { d.abs() } else { as_built };
-        let deviation: Vec<f64> = draws.iter().map(own).collect();
+        let deviation = |d: &f64| if d.abs() > own * as_built { d.abs() } else { as_built };
+        let deviation: Vec<f64> = draws.iter().map(deviation).collect();
         let ratio = |(d, deviation): (&f64, &f64)| if *deviation > 0.0 && d.is_finite() { d / deviation } else { 0.0 };
         let mut unit: Vec<f64> = draws.iter().zip(&deviation).map(ratio).collect();
         // What the median missed of the mean square.
@@ -114,9 +100,9 @@ impl Noise {
 
 /// A sample of the repeatability: blocks of draws from other places, with either sign and alike in all channels; and
 /// slow waves as large as the model is inaccurate.
-fn sample(channels: &[Noise], count: usize, number: u64) -> Vec<f64> {
+fn sample(channels: &[Noise], count: usize, number: u64, settings: &settings::Noise) -> Vec<f64> {
     let mut state = 0x6f75_7473_6964_6500 ^ number;
-    let blocks: Vec<(usize, f64)> = (0..count.div_ceil(BLOCK))
+    let blocks: Vec<(usize, f64)> = (0..count.div_ceil(settings.block))
         .map(|_| {
             let from = (uniform(&mut state) * count as f64) as usize;
             (from, if uniform(&mut state) < 0.5 { -1.0 } else { 1.0 })
@@ -124,11 +110,11 @@ fn sample(channels: &[Noise], count: usize, number: u64) -> Vec<f64> {
         .collect();
     let mut all = Vec::with_capacity(channels.len() * count);
     for channel in channels {
-        let waves: Vec<f64> = (0..WAVES).map(|_| normal(&mut state)).collect();
-        let size = channel.slow * (2.0 / WAVES as f64).sqrt();
+        let waves: Vec<f64> = (0..settings.waves).map(|_| normal(&mut state)).collect();
+        let size = channel.slow * (2.0 / settings.waves as f64).sqrt();
         for i in 0..count {
-            let (from, sign) = blocks[i / BLOCK];
-            let noise = sign * channel.deviation[i] * channel.draws[(from + i % BLOCK) % count];
+            let (from, sign) = blocks[i / settings.block];
+            let noise = sign * channel.deviation[i] * channel.draws[(from + i % settings.block) % count];
             let phase = trig::PI * (i as f64 + 0.5) / count as f64;
             let wave: f64 = waves.iter().enumerate().map(|(k, w)| w * trig::cos((k + 1) as f64 * phase)).sum();
             all.push(noise + size * wave);
@@ -150,6 +136,7 @@ mod tests {
     /// White noise over a line that rises, with a jump: the noise is found, and only the jump's window has more.
     #[test]
     fn noise_is_found_beside_trends_and_jumps() {
+        let settings = settings::Noise::default();
         let (count, mut state) = (400, 11);
         let mut half = |i: usize| {
             let jump = if i > 400 { 30.0 } else { 0.0 };
@@ -158,12 +145,14 @@ mod tests {
         let pairs: Vec<(f64, f64)> = (0..count).map(|i| (half(2 * i), half(2 * i + 1))).collect();
         let (first, second): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
         let means: Vec<f64> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
-        let noise = Noise::new(&draws(&means, &first, &second), 0.0);
+        let noise = Noise::new(&draws(&means, &first, &second), 0.0, settings.own);
         let truth = 0.5_f64.sqrt();
         assert!((noise.deviation[10] / truth - 1.0).abs() < 0.1, "{}", noise.deviation[10]);
         assert!(noise.deviation[200] > 5.0, "{}", noise.deviation[200]);
         assert!(noise.deviation.iter().filter(|d| **d > 3.0).count() <= 3);
-        let samples: Vec<f64> = (0..SAMPLES).flat_map(|k| sample(std::slice::from_ref(&noise), count, k)).collect();
+        let samples: Vec<f64> = (0..settings.samples as u64)
+            .flat_map(|k| sample(std::slice::from_ref(&noise), count, k, &settings))
+            .collect();
         let as_built: Vec<f64> = samples.iter().filter(|x| x.abs() < 3.0).map(|x| x * x).collect();
         let found = (as_built.iter().sum::<f64>() / as_built.len() as f64).sqrt();
         assert!((found / truth - 1.0).abs() < 0.15, "{found}");
@@ -171,9 +160,11 @@ mod tests {
 
     #[test]
     fn inaccuracy_is_slow_and_as_large_as_was_said() {
-        let quiet = Noise::new(&[0.0; 200], 2.0);
-        let samples: Vec<Vec<f64>> = (0..SAMPLES).map(|k| sample(std::slice::from_ref(&quiet), 200, k)).collect();
-        let square = samples.iter().flatten().map(|x| x * x).sum::<f64>() / (200.0 * SAMPLES as f64);
+        let settings = settings::Noise::default();
+        let quiet = Noise::new(&[0.0; 200], 2.0, settings.own);
+        let samples: Vec<Vec<f64>> =
+            (0..settings.samples as u64).map(|k| sample(std::slice::from_ref(&quiet), 200, k, &settings)).collect();
+        let square = samples.iter().flatten().map(|x| x * x).sum::<f64>() / (200.0 * settings.samples as f64);
         assert!((square.sqrt() - 2.0).abs() < 0.3, "{square}");
         assert!(samples[0].windows(2).all(|w| (w[1] - w[0]).abs() < 0.5));
     }

@@ -1,23 +1,7 @@
 //! Means over windows in time: the features by which a run is compared with a model.
 
 use super::data::RunPart;
-use crate::gap::{Band, Label};
-
-/// Windows of a part: at most so many, at least so many when the noise remembers long.
-const MOST: f64 = 150.0;
-const LEAST: f64 = 60.0;
-
-/// A window is as many correlation times of the noise long, so that its mean knows little of its neighbours'.
-const CORRELATION_TIMES: f64 = 5.0;
-
-/// Samples that a window holds at least.
-const SAMPLES: usize = 4;
-
-/// Windows without which nothing can be scored.
-const FEWEST: usize = 8;
-
-/// Samples of a part that has enough of them.
-pub(super) const NEEDED: usize = SAMPLES * FEWEST;
+use crate::gap::{Band, Label, settings};
 
 /// Equal stretches of time that cover a part.
 #[derive(Clone, Debug)]
@@ -33,9 +17,9 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// So many windows, or fewer when that would leave fewer than [`SAMPLES`] in each.
-    pub fn new(part: &RunPart, count: usize) -> Windows {
-        let count = count.min(part.time.len() / SAMPLES).max(1);
+    /// So many windows, or fewer when that would leave too few samples in each.
+    pub fn new(part: &RunPart, count: usize, settings: &settings::Windows) -> Windows {
+        let count = count.min(part.time.len() / settings.samples).max(1);
         let (from, to) = part.ends();
         let edge = |half: usize| from + (to - from) * half as f64 / (2 * count) as f64;
         let at = |half: usize| {
@@ -50,11 +34,11 @@ impl Windows {
     }
 
     /// Windows whose length suits the noise in what is left of each channel.
-    pub fn suited(part: &RunPart, left: &[Vec<f64>]) -> Windows {
+    pub fn suited(part: &RunPart, left: &[Vec<f64>], settings: &settings::Windows) -> Windows {
         let samples = part.time.len() as f64;
         let memory = left.iter().map(|x| correlation(x, part.time.len() / 30)).max().unwrap_or(1) as f64;
-        let length = (CORRELATION_TIMES * memory).clamp(samples / MOST, samples / LEAST);
-        Windows::new(part, (samples / length).round() as usize)
+        let length = (settings.correlation_times * memory).clamp(samples / settings.most, samples / settings.least);
+        Windows::new(part, (samples / length).round() as usize, settings)
     }
 
     pub fn count(&self) -> usize {
@@ -143,7 +127,7 @@ mod tests {
         samples[0] = f64::NAN;
         samples[8..14].fill(f64::NAN);
         let run = part(samples.clone());
-        let windows = Windows::new(&run, 10);
+        let windows = Windows::new(&run, 10, &settings::Windows::default());
         let means = windows.means(&run.channels);
         assert_eq!((means[0], means[2]), (4.0, 19.5));
         assert!(means[1].is_nan(), "two samples of eight");
@@ -151,18 +135,19 @@ mod tests {
         let ones = windows.means(&[vec![1.0; 80]]);
         assert!(ones[1].is_nan() && ones[0] == 1.0);
         assert_eq!(windows.labels([&"x".to_owned()].into_iter())[1].from, 3950);
-        assert_eq!(Windows::new(&run, 1000).count(), 20);
+        assert_eq!(Windows::new(&run, 1000, &settings::Windows::default()).count(), 20);
     }
 
     #[test]
     fn windows_are_longer_when_the_noise_remembers_longer() {
+        let settings = settings::Windows::default();
         let mut state = 3;
         let white: Vec<f64> = (0..6000).map(|_| crate::base::random::normal(&mut state)).collect();
         let mut slow = vec![0.0; 6000];
         for i in 1..6000 {
             slow[i] = 0.95 * slow[i - 1] + white[i];
         }
-        let count = |x: &Vec<f64>| Windows::suited(&part(x.clone()), std::slice::from_ref(x)).count();
+        let count = |x: &Vec<f64>| Windows::suited(&part(x.clone()), std::slice::from_ref(x), &settings).count();
         assert_eq!(count(&white), 150);
         // Forgotten to 1/e after 19.5 samples, less as what is slower is left out: 60 to 98 samples a window.
         assert!((61..=100).contains(&count(&slow)), "{}", count(&slow));

@@ -1,63 +1,49 @@
-//! The closer looks: where an effect explains something, signatures are taken again, for few effects are in proportion
-//! to their strengths.
+//! Relinearisation: a signature is a linearisation at one strength, and few effects are in proportion to theirs. Where
+//! an effect explains something, its signature is taken again at the strength that fits, as the steps of Gauss and
+//! Newton's method take slopes anew (Bell and Cathey 1993).
 
 use super::comparison::Comparison;
+use super::ids::CandidateId;
 use super::scored::{self, Scored};
 use super::screen::{self, Runs, Signature, Trial};
-use super::simulator::Candidate;
+use super::simulator::Context;
 use super::tune::Tuner;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How often a closer look is taken, at how many effects, and what share of the gap they must explain.
-const LOOKS: usize = 3;
-const LOOKED_AT: usize = 4;
-const WORTH: f64 = 0.02;
-
-/// Share of the gap that is left at most where an effect leads, so that others are looked for in what it leaves.
-const LEADS: f64 = 0.5;
-
-/// Pairs of which a member that strikes is tried with the other sign: those that are likeliest before.
-const TURNED_PAIRS: usize = 2;
-
-/// Signatures of sensors' effects that are taken again at most: they need no simulation, and what a shift does to a
-/// narrow channel's distribution is in proportion to nothing.
-const SENSORS: usize = 24;
-
-/// Mean square over that of replicate laps from which on something is left to be looked for beside an effect.
-pub const UNSETTLED: f64 = 1.25;
-
-/// How far a strength that fits may be from the one that a signature was taken at, as factors; of a sensor's effect.
-const NEAR: std::ops::Range<f64> = 0.6..1.6;
-const NEAR_SENSOR: std::ops::Range<f64> = 0.9..1.1;
-
 impl Comparison<'_> {
-    /// Looks closer at what explains something, and where there is a gap that one effect does not explain alone, at
-    /// what is beside it.
+    /// With the signatures of what explains something taken again, and where there is a gap that one effect does not
+    /// explain alone, of what is beside it.
     #[must_use]
-    pub fn looked_closer(mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) -> Self {
+    pub fn relinearised(mut self, gap: bool, tell: &mut dyn FnMut(usize, usize)) -> Self {
+        let rounds = self.settings.relinearisation.rounds;
         self.tune();
-        for _ in 0..LOOKS {
-            self.look_closer(None, tell);
+        for _ in 0..rounds {
+            self.relinearise(None, tell);
         }
-        for look in 0..if gap { LOOKS } else { 0 } {
+        for round in 0..if gap { rounds } else { 0 } {
             let Some(leader) = self.leader() else { break };
-            if look == 0 {
+            if round == 0 {
                 self.screen_beside(&leader, tell);
             }
-            self.look_closer(Some(&leader), tell);
+            self.relinearise(Some(&leader), tell);
         }
         self
     }
 
     fn tuner(&self) -> Tuner<'_> {
-        Tuner { simulator: self.simulator, evidence: &self.evidence, signatures: &self.signatures }
+        Tuner {
+            simulator: self.simulator,
+            settings: self.settings,
+            observations: &self.observations,
+            signatures: &self.signatures,
+        }
     }
 
     /// Takes signatures of what costs no simulation at the strengths that fit best.
     fn tune(&mut self) {
         let candidates = self.simulator.candidates();
-        let worth = WORTH * (self.mean_square - 1.0).max(0.0);
+        let worth = self.settings.relinearisation.worth * (self.mean_square - 1.0).max(0.0);
         let cheap = self.singles().into_iter().filter(|j| match j.fitted.hypothesis.signatures[..] {
             [own] => {
                 let Signature { candidate, strength, .. } = self.signatures[own];
@@ -67,7 +53,7 @@ impl Comparison<'_> {
             }
             _ => false,
         });
-        let cheap: Vec<Fitted> = cheap.take(SENSORS).map(|j| j.fitted).collect();
+        let cheap: Vec<Fitted> = cheap.take(self.settings.relinearisation.sensors).map(|j| j.fitted).collect();
         let left = self.residuals();
         for Fitted { hypothesis, strengths, .. } in cheap {
             let tuned = self.tuner().tuned(&hypothesis, &strengths);
@@ -82,23 +68,24 @@ impl Comparison<'_> {
 
     /// Takes signatures again where something is explained: at the strength that fits, as few effects are linear, and
     /// at the places beside. Where another hypothesis leads, in what that one leaves.
-    fn look_closer(&mut self, leader: Option<&Scored>, tell: &mut dyn FnMut(usize, usize)) {
+    fn relinearise(&mut self, leader: Option<&Scored>, tell: &mut dyn FnMut(usize, usize)) {
+        let settings = &self.settings.relinearisation;
         let mut trials: Vec<Trial> = Vec::new();
         // Each strength of an effect where it fits best.
         let mut seen: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
         let mut sensors = 0;
         let candidates = self.simulator.candidates();
         let before = leader.map_or(self.mean_square, |j| j.mean_square);
-        let worth = WORTH * (before - 1.0).max(0.0);
+        let worth = self.settings.relinearisation.worth * (before - 1.0).max(0.0);
         let alone = self.singles().into_iter().filter(|j| j.fitted.strengths.len() == 1);
-        let looked_at = match leader {
+        let explaining = match leader {
             None => alone.collect(),
             Some(leader) => self.with_leader(leader, alone),
         };
         // What may lead instead keeps its signatures: beside the leader it is hardly there, and would be taken far too
         // small.
         let rivals = leader.map(|_| self.leading()).unwrap_or_default();
-        for scored in looked_at.iter().filter(|j| before - j.mean_square > worth) {
+        for scored in explaining.iter().filter(|j| before - j.mean_square > worth) {
             let Fitted { hypothesis, strengths, .. } = &scored.fitted;
             let (Some(own), Some(size)) = (hypothesis.signatures.last(), strengths.last()) else { continue };
             let signature = &self.signatures[*own];
@@ -109,21 +96,21 @@ impl Comparison<'_> {
             sensors += usize::from(candidate.sensor);
             let room = match candidate.sensor {
                 true if self.simulator.applies_sensor_models() => false,
-                true => sensors <= SENSORS,
+                true => sensors <= settings.sensors,
                 false => {
                     let effect = candidate.effect.as_str();
-                    (seen.contains_key(effect) || seen.len() < LOOKED_AT)
+                    (seen.contains_key(effect) || seen.len() < settings.effects)
                         && seen.entry(effect).or_default().insert(signature.strength)
                 }
             };
             if room {
-                trials.extend(again(signature, candidates, *size));
-                trials.extend(at_alternatives(signature, candidates, *size));
+                trials.extend(again(self.context(), signature, *size));
+                trials.extend(at_alternatives(self.context(), signature, *size));
             }
         }
         let left = leader.map_or_else(|| self.residuals(), |j| j.fitted.residuals.clone());
         let of = trials.len();
-        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |done| tell(done, of));
+        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |done| tell(done, of));
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
             screen::keep(&mut self.signatures, signature, &left);
         }
@@ -131,12 +118,12 @@ impl Comparison<'_> {
 
     /// A single effect that explains most of the gap, where it leaves something.
     fn leader(&self) -> Option<Scored> {
-        self.singles().into_iter().next().filter(|j| j.mean_square > UNSETTLED && self.leads(j))
+        self.singles().into_iter().next().filter(|j| j.mean_square > self.settings.selection.unsettled && self.leads(j))
     }
 
     /// Whether it explains most of the gap.
     pub fn leads(&self, scored: &Scored) -> bool {
-        scored.mean_square - 1.0 < LEADS * (self.mean_square - 1.0)
+        scored.mean_square - 1.0 < self.settings.relinearisation.leads * (self.mean_square - 1.0)
     }
 
     /// Effects of which one alone leads.
@@ -150,8 +137,8 @@ impl Comparison<'_> {
     fn screen_beside(&mut self, leader: &Scored, tell: &mut dyn FnMut(usize, usize)) {
         let (candidates, left) = (self.simulator.candidates(), &leader.fitted.residuals);
         let lead = self.leading();
-        let others = |c: usize| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
-        for signature in screen::signatures(self.simulator, &self.evidence, left, others, tell) {
+        let others = |c: CandidateId| !candidates[c].sensor && !lead.contains(candidates[c].effect.as_str());
+        for signature in screen::signatures(self.context(), &self.observations, left, others, tell) {
             // What could not be simulated tells nothing.
             if signature.change.iter().all(|run| run.iter().any(|x| *x != 0.0)) {
                 screen::keep(&mut self.signatures, signature, left);
@@ -187,18 +174,21 @@ impl Comparison<'_> {
                 continue;
             };
             pairs += usize::from(hypothesis.members.len() > 1);
-            if hypothesis.members.len() == 1 || pairs <= TURNED_PAIRS {
-                ways.push((hypothesis, k, Trial { size: -fitting(signature, candidates, *size), ..signature.trial() }));
+            if hypothesis.members.len() == 1 || pairs <= self.settings.relinearisation.turned_pairs {
+                ways.push((
+                    hypothesis,
+                    k,
+                    Trial { size: -fitting(self.context(), signature, *size), ..signature.trial() },
+                ));
             }
         }
         let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
-        let taken = screen::take(self.simulator, &self.evidence, &trials, Runs::All, &mut |_| {});
+        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
         let mut turned = Vec::new();
         for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
             let mut hypothesis = (*hypothesis).clone();
-            hypothesis.signatures[*k] = self.signatures.len();
-            self.signatures.push(signature);
-            turned.push(hypothesis.screened(&self.evidence, &self.signatures, candidates));
+            hypothesis.signatures[*k] = self.signatures.push(signature);
+            turned.push(hypothesis.screened(&self.observations, &self.signatures, candidates));
         }
         (self, turned)
     }
@@ -206,32 +196,34 @@ impl Comparison<'_> {
 
 /// The strength that fits, no smaller than a signature is clear at, as one that is not tells of the simulation's own
 /// chance; but never beyond its bounds.
-fn fitting(signature: &Signature, candidates: &[Candidate], size: f64) -> f64 {
-    let clear = signature.clear() * size.signum();
+fn fitting(context: Context, signature: &Signature, size: f64) -> f64 {
+    let clear = signature.clear(&context.settings.screening) * size.signum();
     let fits = if size.abs() < clear.abs() { clear } else { size };
-    candidates[signature.candidate].strengths[signature.strength].bounded(fits)
+    context.simulator.candidates()[signature.candidate].strengths[signature.strength].bounded(fits)
 }
 
 /// A signature at the strength that fits, where that is another than it was taken at.
-fn again(signature: &Signature, candidates: &[Candidate], size: f64) -> Option<Trial> {
-    let candidate = &candidates[signature.candidate];
-    let (fits, before) = (fitting(signature, candidates, size), signature.size);
+fn again(context: Context, signature: &Signature, size: f64) -> Option<Trial> {
+    let settings = &context.settings.relinearisation;
+    let candidate = &context.simulator.candidates()[signature.candidate];
+    let (fits, before) = (fitting(context, signature, size), signature.size);
     let (near, again) = match candidate.sensor {
         // Between both, as a signature of too much asks for too little, and the other way round.
-        true if fits * before > 0.0 => (NEAR_SENSOR, fits.signum() * (fits * before).sqrt()),
-        true => (NEAR_SENSOR, fits),
-        false => (NEAR, fits),
+        true if fits * before > 0.0 => (&settings.near_sensor, fits.signum() * (fits * before).sqrt()),
+        true => (&settings.near_sensor, fits),
+        false => (&settings.near, fits),
     };
     let there = size != 0.0 && !candidate.strengths[signature.strength].whole();
     (there && !near.contains(&(fits / before))).then_some(Trial { size: again, ..signature.trial() })
 }
 
 /// The same strength at the places beside, of either sign where it has one.
-fn at_alternatives(signature: &Signature, candidates: &[Candidate], size: f64) -> Vec<Trial> {
-    let size = if size == 0.0 { signature.size } else { fitting(signature, candidates, size) };
+fn at_alternatives(context: Context, signature: &Signature, size: f64) -> Vec<Trial> {
+    let candidates = context.simulator.candidates();
+    let size = if size == 0.0 { signature.size } else { fitting(context, signature, size) };
     let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;
-    let places = (0..candidates.len()).filter(|c| candidates[*c].alternative_to == Some(signature.candidate));
-    let at = |candidate: usize| {
+    let places = candidates.ids().filter(|c| candidates[*c].alternative_to == Some(signature.candidate));
+    let at = |candidate: CandidateId| {
         let trial = Trial { candidate, size, ..signature.trial() };
         [Some(trial), signed.then(|| trial.other())].into_iter().flatten()
     };

@@ -6,25 +6,15 @@
 //! priors are put below the features' (augmented least squares, Björck 1996), so that projecting on what [J D] cannot
 //! reach leaves what effects must explain.
 
-use super::likelihood::MOST_DEGREES_OF_FREEDOM;
+use super::ids::{Id, PerRun, RunId};
+use super::settings::{Observations, Settings};
 use super::simulator::{Band, Frame, Laps};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::collections::BTreeMap;
 
-/// Common deviations of the nominal chain's laps that are told apart from each feature's own. Laps with an effect have
-/// as many as stand out: what differs from cart to cart does so in as many ways as there are carts, and explains
-/// nothing across them.
-const MODES: usize = 10;
-
-/// Their variance over a feature's own, at least.
-const STRONG: f64 = 3.0;
-
-/// How often what laps have in common and what each feature has of its own are found from each other.
-const TURNS: usize = 3;
-
 /// A run made ready.
-pub struct Evidence {
+pub struct Observation {
     /// Features that are used.
     rows: Vec<usize>,
     weights: Vec<f64>,
@@ -56,23 +46,23 @@ pub struct Evidence {
     pub degrees_of_freedom: f64,
 }
 
-impl Evidence {
+impl Observation {
     /// From a frame and what every built machine deviates by, each of unit variance.
-    pub fn new(frame: &Frame, as_built: &[Vec<f64>]) -> Evidence {
-        Evidence::with(frame, as_built, &frame.laps)
+    pub fn new(frame: &Frame, as_built: &[Vec<f64>], settings: &Settings) -> Observation {
+        Observation::with(frame, as_built, &frame.laps, settings)
     }
 
     /// Before other laps than the frame's.
-    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps) -> Evidence {
+    pub fn with(frame: &Frame, as_built: &[Vec<f64>], laps: &Laps, settings: &Settings) -> Observation {
         let residual = frame.residual(&frame.nominal);
         let rows: Vec<usize> =
             (0..residual.len()).filter(|k| residual[*k].is_finite() && frame.labels[*k].band != Band::Impact).collect();
-        let (weights, replicate, common) = factors(frame, &rows, laps);
+        let (weights, replicate, common) = factors(frame, &rows, laps, &settings.observations);
         let white = |x: &[f64]| whitened(&rows, &weights, x);
         let (n, p) = (rows.len(), frame.nuisances.len());
         // Mean squares score features as if there were few; what is within the as-built tolerance is known as it is, so
         // that it is not to be had for nothing.
-        let strict = (n as f64 / MOST_DEGREES_OF_FREEDOM).max(1.0).sqrt();
+        let strict = (n as f64 / settings.likelihood.degrees_of_freedom).max(1.0).sqrt();
         let visible = |of: &[Vec<f64>]| -> Vec<DVector<f64>> {
             of.iter().map(|d| white(d)).filter(|d| d.norm_squared() > 1e-12).collect()
         };
@@ -102,7 +92,7 @@ impl Evidence {
         for j in 0..p {
             raw[n + j] = frame.prior[j].0 / frame.prior[j].1;
         }
-        let mut out = Evidence {
+        let mut out = Observation {
             rows,
             weights,
             residual: &raw - &reach * (reach.transpose() * &raw),
@@ -193,7 +183,7 @@ impl Evidence {
     }
 
     /// A projected column of the same run and features with other weights and modes, in these.
-    pub fn carried(&self, from: &Evidence, column: &DVector<f64>) -> DVector<f64> {
+    pub fn carried(&self, from: &Observation, column: &DVector<f64>) -> DVector<f64> {
         let mut long = DVector::zeros(self.raw.len());
         let features = self.rows.len();
         for (k, (own, other)) in self.weights.iter().zip(&from.weights).enumerate() {
@@ -209,7 +199,7 @@ impl Evidence {
     }
 
     /// Logarithm of the determinant of the residual's covariance over that of another, for each feature.
-    pub fn raised(&self, from: &Evidence) -> f64 {
+    pub fn raised(&self, from: &Observation) -> f64 {
         let each = self.weights.iter().zip(&from.weights).map(|(own, other)| 2.0 * trig::ln(other / own));
         (each.sum::<f64>() + self.log_determinant - from.log_determinant) / self.weights.len().max(1) as f64
     }
@@ -226,20 +216,23 @@ impl Evidence {
 }
 
 /// The run of which most is left, for what it can tell.
-pub fn most_off<'a>(evidence: &[Evidence], left: impl IntoIterator<Item = &'a DVector<f64>>) -> usize {
-    let off =
-        evidence.iter().zip(left).map(|(evidence, left)| evidence.degrees_of_freedom * evidence.mean_square(left));
-    off.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(run, _)| run)
+pub fn most_off<'a>(observations: &PerRun<Observation>, left: impl IntoIterator<Item = &'a DVector<f64>>) -> RunId {
+    let off = observations
+        .iter()
+        .zip(left)
+        .map(|(observation, left)| observation.degrees_of_freedom * observation.mean_square(left));
+    observations.ids().zip(off).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(Id::new(0), |(run, _)| run)
 }
 
 /// How much laps have in common over the runs, each a residual a run: their mean correlation, feature by feature; 0
 /// where features are not the same.
-pub fn in_common(frames: &[Frame], evidence: &[Evidence], laps: &[Vec<DVector<f64>>]) -> f64 {
+pub fn in_common(frames: &PerRun<Frame>, observations: &PerRun<Observation>, laps: &[PerRun<DVector<f64>>]) -> f64 {
     let (mut along, mut size) = (0.0, 0.0);
     for lap in laps {
-        let each: Vec<BTreeMap<usize, f64>> = evidence.iter().zip(lap).map(|(e, r)| e.each(r).collect()).collect();
-        for b in 1..each.len() {
-            for a in (0..b).filter(|a| frames[*a].labels == frames[b].labels) {
+        let each: PerRun<BTreeMap<usize, f64>> =
+            observations.iter().zip(lap).map(|(o, r)| o.each(r).collect()).collect();
+        for b in each.ids() {
+            for a in each.ids().take_while(|a| *a < b).filter(|a| frames[*a].labels == frames[b].labels) {
                 let both = || each[a].iter().filter_map(|(k, x)| Some((*x, *each[b].get(k)?)));
                 let sum = |of: fn((f64, f64)) -> f64| both().map(of).sum::<f64>();
                 along += sum(|(x, y)| x * y);
@@ -264,14 +257,19 @@ fn whitened(rows: &[usize], weights: &[f64], features: &[f64]) -> DVector<f64> {
 /// Weights of features by what laps scatter of their own, the laps with these weights, and what they have in common:
 /// modes and a variance of each feature that is none of theirs, in turns (principal factors, Harman 1976), and no less
 /// than the frame's. An effect by which laps scatter in a few ways only explains nothing in others.
-fn factors(frame: &Frame, rows: &[usize], laps: &Laps) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
+fn factors(
+    frame: &Frame,
+    rows: &[usize],
+    laps: &Laps,
+    settings: &Observations,
+) -> (Vec<f64>, Vec<DVector<f64>>, Vec<DVector<f64>>) {
     let mut own: Vec<f64> = rows.iter().map(|&k| laps.variance[k]).collect();
     let raised = rows.iter().any(|&k| laps.variance[k] > frame.laps.variance[k]);
-    let mut turns = if raised { TURNS } else { 0 };
+    let mut turns = if raised { settings.factor_rounds } else { 0 };
     loop {
         let weights = tolerant(frame, rows, own.iter().map(|variance| 1.0 / variance.sqrt()).collect());
         let replicate: Vec<DVector<f64>> = laps.scatter.iter().map(|lap| whitened(rows, &weights, lap)).collect();
-        let common = modes(&replicate, if raised { replicate.len() } else { MODES });
+        let common = modes(&replicate, if raised { replicate.len() } else { settings.modes }, settings.mode_variance);
         if turns == 0 {
             return (weights, replicate, common);
         }
@@ -309,7 +307,8 @@ fn tolerant(frame: &Frame, rows: &[usize], weights: Vec<f64>) -> Vec<f64> {
 ///
 /// Few laps of many features have strong directions by chance: what stands out is beyond the edge of the spectrum of
 /// noise (Marchenko and Pastur 1967), and its variance without what chance adds to it (Paul 2007, spiked covariance).
-fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
+/// None has less than `least` times the variance of a feature's own.
+fn modes(laps: &[DVector<f64>], most: usize, least: f64) -> Vec<DVector<f64>> {
     let count = laps.len();
     if count < 8 {
         return Vec::new();
@@ -328,7 +327,7 @@ fn modes(laps: &[DVector<f64>], most: usize) -> Vec<DVector<f64>> {
         rest -= seen;
         let own = (rest / features).max(1e-12);
         let variance = own * spike(seen / own, ratio);
-        if variance < STRONG {
+        if variance < least {
             break;
         }
         let mut mode = DVector::zeros(laps[0].len());
@@ -356,27 +355,6 @@ fn spike(seen: f64, ratio: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::base::random::normal;
-    use crate::gap::simulator::{Band, Label};
-
-    /// A frame whose features have no nuisances, and what was measured of them.
-    fn bare(measured: Vec<f64>, scatter: Vec<Vec<f64>>) -> Frame {
-        let features = measured.len();
-        let label =
-            |k: usize| Label { channel: "a".into(), band: Band::Track, index: k, from: k as i64, to: k as i64 + 1 };
-        Frame {
-            run: "run".into(),
-            labels: (0..features).map(label).collect(),
-            measured,
-            nominal: vec![0.0; features],
-            laps: Laps { variance: vec![1.0; features], scatter },
-            discrepancies: Vec::new(),
-            built: Vec::new(),
-            slopes: DMatrix::zeros(features, 0),
-            prior: Vec::new(),
-            bounds: Vec::new(),
-            nuisances: Vec::new(),
-        }
-    }
 
     #[test]
     fn what_scatters_one_way_explains_nothing_across_it() {
@@ -386,13 +364,13 @@ mod tests {
         // Twenty features go up and down together, with a variance of 5 each.
         let way = |k: usize| if k < 20 { 5.0_f64.sqrt() } else { 0.0 };
         let measured = noise(features);
-        let frame = bare(measured, (0..laps).map(|_| noise(features)).collect());
+        let frame = Frame::bare(measured, (0..laps).map(|_| noise(features)).collect());
         let lap = |lap: &Vec<f64>, share: f64| lap.iter().enumerate().map(|(k, x)| x + share * way(k)).collect();
         let shares = noise(laps);
         let own = shares.iter().map(|share| share * share).sum::<f64>() / laps as f64;
         let scatter = frame.laps.scatter.iter().zip(shares).map(|(one, share)| lap(one, share)).collect();
         let with = Laps { variance: (0..features).map(|k| 1.0 + own * way(k) * way(k)).collect(), scatter };
-        let own = Evidence::with(&frame, &[], &with);
+        let own = Observation::with(&frame, &[], &with, &Settings::default());
         let along: Vec<f64> = (0..features).map(way).collect();
         let across: Vec<f64> = (0..features).map(|k| if k % 2 == 0 { way(k) } else { -way(k) }).collect();
         let seen = own.column(&across).norm_squared() / 100.0;
@@ -404,7 +382,7 @@ mod tests {
         assert!((1.0..6.0).contains(&seen), "{seen}");
         // ln det of what noise has with one direction of a variance of 100; 36 more, were each feature's variance its
         // own.
-        let more = own.raised(&Evidence::new(&frame, &[])) * features as f64 - trig::ln(101.0);
+        let more = own.raised(&Observation::new(&frame, &[], &Settings::default())) * features as f64 - trig::ln(101.0);
         assert!((-1.0..4.0).contains(&more), "{more}");
     }
 
@@ -424,8 +402,8 @@ mod tests {
         let scatter: Vec<Vec<f64>> = (0..laps).map(|_| lap(&patterns[..ways])).collect();
         let spread = |k: usize| 1.0 + patterns[..ways].iter().map(|p| p[k] * p[k]).sum::<f64>();
         let with = Laps { variance: (0..features).map(spread).collect(), scatter };
-        let frame = bare(lap(&[]), replicate);
-        let own = Evidence::with(&frame, &[], &with);
+        let frame = Frame::bare(lap(&[]), replicate);
+        let own = Observation::with(&frame, &[], &with, &Settings::default());
         let left = |change: &[f64]| own.column(change).norm_squared() / features as f64;
         let (one_of_them, another) = (left(&lap(&patterns[..ways])), lap(&[]));
         let stranger: Vec<f64> = another.iter().zip(&patterns[ways]).map(|(x, p)| x + 5.0 * p).collect();
@@ -438,12 +416,12 @@ mod tests {
         let mut state = 3;
         let mut random = |n: usize| DVector::from_iterator(n, (0..n).map(|_| normal(&mut state)));
         let noise: Vec<DVector<f64>> = (0..laps).map(|_| random(features)).collect();
-        assert!(modes(&noise, MODES).is_empty());
+        assert!(modes(&noise, 10, 3.0).is_empty());
         // One direction in which laps differ with a variance of 40.
         let common = random(features).normalize();
         let shares = random(laps);
         let with = noise.iter().zip(shares.iter()).map(|(lap, share)| lap + &common * (*share * 40.0_f64.sqrt()));
-        let found = modes(&with.collect::<Vec<_>>(), MODES);
+        let found = modes(&with.collect::<Vec<_>>(), 10, 3.0);
         assert_eq!(found.len(), 1);
         // The variance that these laps happen to have, of which chance would make a sixth too much.
         let expected = 40.0 * shares.norm_squared() / (laps - 1) as f64;
