@@ -4,7 +4,7 @@
 //! differs by −y″, so more in the middle and less at its ends. Another radius or turn is another centre line, between
 //! the same straights, which become longer or shorter ([`super::rebuilt`]); where a curve turns more, the next one
 //! turns less. With transitions of length a, curvature comes and goes linearly over a around each of the curve's ends
-//! (a clothoid to the first order in a/R; Hammer 1892), which shifts its middle inwards by a²/(24R).
+//! (a clothoid to the first order in a/R; Esveld 2001), which shifts its middle inwards by a²/(24R).
 //!
 //! Signature: steering forces of one curve; with another heading those of the next one, too; and, as the way between
 //! curves is another, joint_xi as carts pass.
