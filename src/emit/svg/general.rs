@@ -2,8 +2,8 @@
 
 use crate::compiled::Compiled;
 use crate::emit::DrawError;
+use crate::emit::paper::PaperPoint;
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
-use crate::geometry::Point;
 use crate::model::ConstraintKind;
 use crate::solve::Stage;
 
@@ -29,7 +29,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let climbs = plan::climbs(compiled);
     let pieces = &compiled.pieces;
 
-    let inside = Point::new(6.0, 6.0);
+    let inside = PaperPoint::new(6.0, 6.0);
     let mut field = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
     track::occupy(&sheet, line, layout, &mut field);
 
@@ -66,7 +66,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let omitted = labels.omitted;
     svg.push(labels.finish());
     if omitted > 0 {
-        let at = Point::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
+        let at = PaperPoint::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
         let labels = if omitted == 1 { "label" } else { "labels" };
         let text = format!("{omitted} {labels} found no room on this sheet");
         svg.push(text::line(at, text, Height::H18, "quiet"));

@@ -1,12 +1,13 @@
 //! The height profile under the plan: height over arc length, with levels, slopes and vertices.
 
-use super::sheet::{Area, Sheet, path, path_line, rectangle};
+use super::sheet::{Area, Sheet, coordinates, path, path_line, rectangle};
 use super::text::{self, Height};
-use super::xml::{Element, number};
+use super::xml::Element;
 use crate::base::number::trimmed;
 use crate::base::trig;
 use crate::compiled::Compiled;
-use crate::geometry::{Form, Point};
+use crate::emit::paper::PaperPoint;
+use crate::geometry::Form;
 
 /// Height of the profile on paper, mm.
 const TALL: f64 = 44.0;
@@ -37,8 +38,8 @@ impl Chart {
     fn new(sheet: &Sheet, length: f64, (low, high): (f64, f64)) -> Self {
         let (left, top, right, bottom) = ROOM;
         let area = Area {
-            low: sheet.profile.low + Point::new(left, top),
-            high: sheet.profile.high - Point::new(right, bottom),
+            low: sheet.profile.low + PaperPoint::new(left, top),
+            high: sheet.profile.high - PaperPoint::new(right, bottom),
         };
         // From the floor, if that is not far below.
         let base = if low > 0.0 && low <= 2.0 * (high - low) { 0.0 } else { low };
@@ -48,8 +49,8 @@ impl Chart {
         Chart { area, along, up: along * ratio, base, length }
     }
 
-    fn at(&self, s: f64, z: f64) -> Point {
-        Point::new(self.area.low.x + self.along * s, self.area.high.y - self.up * (z - self.base))
+    fn at(&self, s: f64, z: f64) -> PaperPoint {
+        PaperPoint::new(self.area.low.x + self.along * s, self.area.high.y - self.up * (z - self.base))
     }
 
     /// How much taller than long a metre is drawn.
@@ -67,13 +68,12 @@ pub fn profile(sheet: &Sheet, compiled: &Compiled) -> Element {
     let mut group = Element::group("profile").with(rectangle(sheet.profile.low, sheet.profile.high, "rule"));
     let ratio = trimmed(chart.ratio(), 2);
     let title = format!("height over arc length s, m; heights are drawn {ratio} times as large as lengths");
-    group.push(text::line(sheet.profile.low + Point::new(4.0, 4.6), title, Height::H18, "quiet"));
+    group.push(text::line(sheet.profile.low + PaperPoint::new(4.0, 4.6), title, Height::H18, "quiet"));
     group.push(vertices(&chart, compiled));
-    let line: Vec<String> =
-        points.iter().map(|&(s, z)| chart.at(s, z)).map(|p| format!("{} {}", number(p.x), number(p.y))).collect();
+    let line: Vec<String> = points.iter().map(|&(s, z)| coordinates(chart.at(s, z))).collect();
     let line = format!("M{}", line.join("L"));
     let (begin, end) = (chart.at(0.0, chart.base), chart.at(chart.length, chart.base));
-    let floor = format!("L{} {}L{} {}Z", number(end.x), number(end.y), number(begin.x), number(begin.y));
+    let floor = format!("L{}L{}Z", coordinates(end), coordinates(begin));
     group.push(path(&(line.clone() + &floor), "band"));
     group.push(levels(&chart, compiled));
     group.push(path(&line, "edge"));
@@ -115,9 +115,9 @@ fn levels(chart: &Chart, compiled: &Compiled) -> Element {
             group.push(path(&path_line(left, right), "tangent"));
         }
         let label = format!("{} m", trimmed(z, 3));
-        let place = left - Point::new(2.0 + text::width(&label, Height::H18.size(), false), 0.0);
-        group.push(path(&path_line(left - Point::new(1.2, 0.0), left), "dimension"));
-        group.push(text::line(place + Point::new(0.0, Height::H18.capitals() / 2.0), label, Height::H18, ""));
+        let place = left - PaperPoint::new(2.0 + text::width(&label, Height::H18.size(), false), 0.0);
+        group.push(path(&path_line(left - PaperPoint::new(1.2, 0.0), left), "dimension"));
+        group.push(text::line(place + PaperPoint::new(0.0, Height::H18.capitals() / 2.0), label, Height::H18, ""));
     }
     group
 }
@@ -144,12 +144,12 @@ fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
     let mut free = f64::NEG_INFINITY;
     for (s, i) in places {
         let foot = chart.at(s, chart.base);
-        let top = Point::new(foot.x, chart.area.low.y - 1.6);
+        let top = PaperPoint::new(foot.x, chart.area.low.y - 1.6);
         group.push(path(&path_line(foot, top), "tangent"));
         let name = text::fitted(&compiled.layout.vertices[i].name, Height::H18, false, 20.0);
         let half = text::width(&name, Height::H18.size(), false) / 2.0;
         if foot.x - half > free + 1.0 {
-            group.push(text::centred(top - Point::new(0.0, 1.8), 0.0, name, Height::H18, ""));
+            group.push(text::centred(top - PaperPoint::new(0.0, 1.8), 0.0, name, Height::H18, ""));
             free = foot.x + half;
         }
     }
@@ -187,8 +187,9 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
         let steep = chart.ratio() * slope.abs();
         let aside = 1.2 * trig::hypot(1.0, steep) / steep.max(0.2);
         let tall = Height::H18.capitals();
-        let at = chart.at(s, z) + Point::new(aside, if slope > 0.0 { tall } else { 0.0 });
-        let at = Point::new(at.x.min(chart.area.high.x - wide), at.y.clamp(chart.area.low.y, chart.area.high.y - 0.8));
+        let at = chart.at(s, z) + PaperPoint::new(aside, if slope > 0.0 { tall } else { 0.0 });
+        let at =
+            PaperPoint::new(at.x.min(chart.area.high.x - wide), at.y.clamp(chart.area.low.y, chart.area.high.y - 0.8));
         if at.x > free + 1.0 {
             group.push(text::line(at, label, Height::H18, "halo"));
             free = at.x + wide;
@@ -211,8 +212,8 @@ fn axis(chart: &Chart) -> Element {
     let mut rules = path_line(begin, end);
     let mut label = |s: f64, text: String, class: &str| {
         let at = chart.at(s, chart.base);
-        rules += &path_line(at, at + Point::new(0.0, 1.2));
-        group.push(text::centred(at + Point::new(0.0, 3.6), 0.0, text, Height::H18, class));
+        rules += &path_line(at, at + PaperPoint::new(0.0, 1.2));
+        group.push(text::centred(at + PaperPoint::new(0.0, 3.6), 0.0, text, Height::H18, class));
     };
     let mut s = 0.0;
     while (chart.length - s) * chart.along >= APART {

@@ -9,6 +9,7 @@ use super::place::Box;
 use super::*;
 use crate::base::trig;
 use crate::compiled::Compiled;
+use crate::emit::paper::PaperPoint;
 use crate::emit::plan::samples;
 use crate::emit::{DrawError, drawing_files, png, stages_png, stages_svg};
 
@@ -65,12 +66,12 @@ fn texts(tree: &Tree) -> Vec<(String, Box)> {
         let at = |x: f32, y: f32| {
             let mut p = tiny_skia::Point::from_xy(x, y);
             text.abs_transform().map_point(&mut p);
-            Point::new(f64::from(p.x) * mm, f64::from(p.y) * mm)
+            PaperPoint::new(f64::from(p.x) * mm, f64::from(p.y) * mm)
         };
         let (a, b) = (at(bounds.left(), bounds.top()), at(bounds.right(), bounds.top()));
         let c = at(bounds.left(), bounds.bottom());
         let axis = (b - a) * (1.0 / a.distance(b));
-        let half = Point::new(a.distance(b) / 2.0, a.distance(c) / 2.0);
+        let half = PaperPoint::new(a.distance(b) / 2.0, a.distance(c) / 2.0);
         found.push((words, Box { centre: b.lerp(c, 0.5), half, axis }));
     });
     found

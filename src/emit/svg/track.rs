@@ -1,12 +1,13 @@
 //! The track's own lines: band, centre line, arrows, joints, fixed sections, vertices; and the floor around it.
 
 use crate::elements::Piece;
+use crate::emit::paper::{PaperPoint, Projection};
 use crate::emit::plan::{self, Climb, Curve, Mark, MarkKind};
 use crate::geometry::{Point, Track};
 use crate::model::{ConstraintKind, FixKind, Layout};
 
 use super::place::{Box, Field, Layer};
-use super::sheet::{Sheet, path, path_line, polygon};
+use super::sheet::{Sheet, coordinates, path, path_line, polygon};
 use super::symbol::{self, Spot};
 use super::xml::{Element, number};
 
@@ -16,17 +17,16 @@ pub fn curves(sheet: &Sheet, curves: &[Curve]) -> String {
     let mut pen: Option<Point> = None;
     for curve in curves {
         if pen.is_none_or(|p| p.distance(curve.begin()) > 1e-6) {
-            let p = sheet.at(curve.begin());
-            data.push_str(&format!("M{} {}", number(p.x), number(p.y)));
+            data.push_str(&format!("M{}", coordinates(sheet.at(curve.begin()))));
         }
-        let end = sheet.at(curve.end());
+        let end = coordinates(sheet.at(curve.end()));
         match *curve {
-            Curve::Line { .. } => data.push_str(&format!("L{} {}", number(end.x), number(end.y))),
+            Curve::Line { .. } => data.push_str(&format!("L{end}")),
             Curve::Arc { radius, sweep, .. } => {
                 let r = number(sheet.mm(radius));
                 let large = u8::from(sweep.abs() > std::f64::consts::PI);
                 let clockwise = u8::from(sweep < 0.0);
-                data.push_str(&format!("A{r} {r} 0 {large} {clockwise} {} {}", number(end.x), number(end.y)));
+                data.push_str(&format!("A{r} {r} 0 {large} {clockwise} {end}"));
             }
         }
         pen = Some(curve.end());
@@ -155,7 +155,7 @@ pub fn vertices(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut Field
         let at = sheet.at(corner.point);
         crosses.push_str(&symbol::cross(at, 1.5));
         if is_fixed_vertex(layout, i) {
-            let d = |x: f64, y: f64| at + Point::new(x, y) * 2.0;
+            let d = |x: f64, y: f64| at + PaperPoint::new(x, y) * 2.0;
             squares.push_str(&polygon(&[d(-1.0, -1.0), d(1.0, -1.0), d(1.0, 1.0), d(-1.0, 1.0)]));
         }
         field.add(Box::upright(at, 3.6, 3.6), Layer::Solid);
@@ -180,8 +180,8 @@ pub fn spot(sheet: &Sheet, track: &Track, mark: &Mark, width: f64) -> Spot {
     let out = mark.heading - plan::winding(track) * std::f64::consts::FRAC_PI_2;
     Spot {
         at: sheet.at(mark.point),
-        along: sheet.direction(mark.heading),
-        out: sheet.direction(out),
+        along: Projection::direction(mark.heading),
+        out: Projection::direction(out),
         half: sheet.mm(width) / 2.0,
     }
 }
@@ -255,7 +255,7 @@ pub fn arrows(sheet: &Sheet, track: &Track, marks: &[Mark]) -> Element {
         let tips = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8].map(|t| piece.s + t * piece.length + length / 2.0);
         if let Some(s) = tips.into_iter().find(|s| free(*s)) {
             let (p, heading) = track.at(s);
-            data.push_str(&symbol::arrow(sheet.at(p), sheet.direction(heading), LENGTH, 1.8));
+            data.push_str(&symbol::arrow(sheet.at(p), Projection::direction(heading), LENGTH, 1.8));
         }
     }
     let group = Element::group("direction");
@@ -290,7 +290,7 @@ pub fn occupy(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut Field) 
 }
 
 /// Chords of a curve on paper, each over at most 10°.
-fn for_chords(sheet: &Sheet, curve: &Curve, mut each: impl FnMut(Point, Point)) {
+fn for_chords(sheet: &Sheet, curve: &Curve, mut each: impl FnMut(PaperPoint, PaperPoint)) {
     let parts = match curve {
         Curve::Line { .. } => 1,
         Curve::Arc { sweep, .. } => (sweep.abs() / 0.175).ceil().clamp(1.0, 72.0) as usize,

@@ -2,7 +2,10 @@
 
 use super::words::{band, percent, stretch};
 use crate::base::number::{fixed, ticks, trimmed};
+use crate::emit::paper::{PaperPoint, Projection};
 use crate::gap::{Axis, Diagnosis, GapPlace};
+use crate::geometry::Point;
+use crate::report::lap::chart::coordinates;
 use crate::report::lap::lap_track::{LapTrack, PartKind};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
@@ -72,38 +75,29 @@ fn view(track: &LapTrack, places: &[&GapPlace]) -> Markup {
     let lap = track.line.length;
     let values = density(places, lap, PIECES);
     let largest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let at = |s: f64| track.line.at(s).position;
-    let outline: Vec<_> = (0..=400).map(|k| at(lap * f64::from(k) / 400.0)).collect();
-    let bound = |pick: fn(f64, f64) -> f64, axis: usize, start: f64| outline.iter().map(|p| p[axis]).fold(start, pick);
-    let (x0, x1) = (bound(f64::min, 0, f64::INFINITY), bound(f64::max, 0, f64::NEG_INFINITY));
-    let (y0, y1) = (bound(f64::min, 1, f64::INFINITY), bound(f64::max, 1, f64::NEG_INFINITY));
     let margin = 40.0;
-    let scale = ((WIDTH - 2.0 * margin) / (x1 - x0).max(1e-3)).min(420.0 / (y1 - y0).max(1e-3));
+    let (low, high, scale) = track.fit(PaperPoint::new(WIDTH - 2.0 * margin, 420.0));
     // In the middle where the track is higher than wide.
-    let left = 0.5 * (WIDTH - (x1 - x0) * scale);
-    let height = (y1 - y0) * scale + 2.0 * margin + 26.0;
-    let place = |s: f64| {
-        let p = at(s);
-        (left + (p.x - x0) * scale, margin + (y1 - p.y) * scale)
-    };
-    let point = |s: f64| {
-        let (x, y) = place(s);
-        format!("{} {}", fixed(x, 1), fixed(y, 1))
-    };
+    let left = 0.5 * (WIDTH - (high.x - low.x) * scale);
+    let height = (high.y - low.y) * scale + 2.0 * margin + 26.0;
+    let (floor, paper) = (Point::new(low.x, high.y), PaperPoint::new(left, margin));
+    let projection = Projection { floor, paper, scale };
+    let place = |s: f64| projection.at(track.at(s));
+    let point = |s: f64| coordinates(place(s));
     let whole: Vec<String> = (0..=PIECES).map(|k| point(lap * k as f64 / PIECES as f64)).collect();
     let stretch = |from: usize, to: usize| {
         let halves = (2 * from..=2 * to).map(|k| point(lap * k as f64 / (2 * PIECES) as f64));
         format!("M{}", halves.collect::<Vec<_>>().join("L"))
     };
-    let (x, y) = place(0.0);
+    let start = place(0.0);
     // Beside the track, on the side away from the middle.
-    let (cx, cy) = (0.5 * WIDTH, margin + 0.5 * (y1 - y0) * scale);
+    let middle = PaperPoint::new(0.5 * WIDTH, margin + 0.5 * (high.y - low.y) * scale);
     let beside = |s: f64, by: f64| {
-        let ((x, y), (before, after)) = (place(s), (place(s - 0.1), place(s + 0.1)));
-        let (dx, dy) = (after.0 - before.0, after.1 - before.1);
-        let length = (dx * dx + dy * dy).sqrt().max(1e-9);
-        let away = if (x - cx) * dy - (y - cy) * dx >= 0.0 { by } else { -by };
-        (x + away * dy / length, y - away * dx / length)
+        let (p, along) = (place(s), place(s + 0.1) - place(s - 0.1));
+        let length = along.dot(along).sqrt().max(1e-9);
+        let outward = p - middle;
+        let away = if outward.x * along.y - outward.y * along.x >= 0.0 { by } else { -by };
+        PaperPoint::new(p.x + away * along.y / length, p.y - away * along.x / length)
     };
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
@@ -111,13 +105,13 @@ fn view(track: &LapTrack, places: &[&GapPlace]) -> Markup {
             @for (from, to, value) in runs(&values) {
                 path.gap d=(stretch(from, to)) stroke-opacity=(opacity(value, largest)) {}
             }
-            circle cx=(fixed(x, 1)) cy=(fixed(y, 1)) r="5" fill="none" stroke="currentColor" {}
-            @let (lx, ly) = beside(0.0, 20.0);
-            text.number-label x=(fixed(lx, 1)) y=(fixed(ly + 4.0, 1)) text-anchor="middle" { "s = 0" }
+            circle cx=(fixed(start.x, 1)) cy=(fixed(start.y, 1)) r="5" fill="none" stroke="currentColor" {}
+            @let label = beside(0.0, 20.0);
+            text.number-label x=(fixed(label.x, 1)) y=(fixed(label.y + 4.0, 1)) text-anchor="middle" { "s = 0" }
             @for (k, spot) in spots(places, lap).into_iter().enumerate() {
-                @let (px, py) = beside(spot, 20.0);
-                circle.badge cx=(fixed(px, 1)) cy=(fixed(py, 1)) r="9" {}
-                text.badge-text x=(fixed(px, 1)) y=(fixed(py + 4.0, 1)) text-anchor="middle" { (k + 1) }
+                @let p = beside(spot, 20.0);
+                circle.badge cx=(fixed(p.x, 1)) cy=(fixed(p.y, 1)) r="9" {}
+                text.badge-text x=(fixed(p.x, 1)) y=(fixed(p.y + 4.0, 1)) text-anchor="middle" { (k + 1) }
             }
             (key(margin, height - 20.0, largest, Axis::Track))
         }

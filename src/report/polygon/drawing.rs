@@ -3,7 +3,8 @@
 
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
-use crate::emit::svg::sheet::{Area, Extent, Sheet, path, path_line, rectangle};
+use crate::emit::paper::{self, PaperPoint, Projection};
+use crate::emit::svg::sheet::{Area, Extent, Sheet, coordinates, path, path_line, rectangle};
 use crate::emit::svg::strip::field;
 use crate::emit::svg::text::Height;
 use crate::emit::svg::xml::{Element, number};
@@ -38,8 +39,8 @@ pub fn polygon(report: &Report, line: &CentreLine, theme: Theme) -> Result<Strin
     svg.push(sheet.frame());
     svg.push(plan(&sheet, report, line));
     let part = |from: f64, tall: f64| Area {
-        low: panel.low + Point::new(0.0, from),
-        high: Point::new(panel.high.x, panel.low.y + from + tall),
+        low: panel.low + PaperPoint::new(0.0, from),
+        high: PaperPoint::new(panel.high.x, panel.low.y + from + tall),
     };
     svg.push(matrix(report, part(0.0, MATRIX)));
     svg.push(harmonics(report, line, part(MATRIX, HARMONICS)));
@@ -72,8 +73,8 @@ fn outline(line: &CentreLine, from: f64, to: f64) -> Vec<Point> {
 fn polyline(sheet: &Sheet, points: &[Point]) -> String {
     let mut data = String::new();
     for (k, p) in points.iter().enumerate() {
-        let at = sheet.at(*p);
-        data += &format!("{}{} {}", if k == 0 { 'M' } else { 'L' }, number(at.x), number(at.y));
+        data.push(if k == 0 { 'M' } else { 'L' });
+        data += &coordinates(sheet.at(*p));
     }
     data
 }
@@ -110,7 +111,7 @@ fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
     for curve in &report.curves {
         let at = line.at(curve.s_m + curve.length_m / 2.0);
         let spot = sheet.at(Point::new(at.position.x, at.position.y));
-        let normal = Point::new(at.normal.x, -at.normal.y);
+        let normal = Projection::turned(Point::new(at.normal.x, at.normal.y));
         // Towards the outside of the bend, or of the plan where it is nearly straight.
         let turn: f64 = line.stretches[line.stretch_at(curve.s_m + curve.length_m / 2.0)].form.turn();
         let outward = if turn.abs() > 0.3 {
@@ -121,15 +122,15 @@ fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
             -normal
         };
         let away = spot + outward * 8.0;
-        let away = Point::new(away.x.max(sheet.drawing.low.x + 10.0), away.y);
-        group.push(text::centred(away - Point::new(0.0, 1.7), 0.0, curve.name.clone(), Height::H25, "halo bold"));
+        let away = PaperPoint::new(away.x.max(sheet.drawing.low.x + 10.0), away.y);
+        group.push(text::centred(away - PaperPoint::new(0.0, 1.7), 0.0, curve.name.clone(), Height::H25, "halo bold"));
         let share = format!("{} %", fixed(100.0 * curve.share, 0));
-        group.push(text::centred(away + Point::new(0.0, 2.1), 0.0, share, Height::H18, "halo quiet"));
+        group.push(text::centred(away + PaperPoint::new(0.0, 2.1), 0.0, share, Height::H18, "halo quiet"));
     }
     // Direction of travel on the longest straight.
     if let Some(longest) = report.straights.iter().max_by(|a, b| a.length_m.total_cmp(&b.length_m)) {
         let at = line.at(longest.s_m + longest.length_m / 2.0);
-        let along = Point::new(at.tangent.x, -at.tangent.y);
+        let along = Projection::turned(Point::new(at.tangent.x, at.tangent.y));
         let tip = sheet.at(Point::new(at.position.x, at.position.y)) + along * 2.5;
         group.push(path(&symbol::arrow(tip, along, 5.0, 2.6), "arrow"));
     }
@@ -137,9 +138,9 @@ fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
 }
 
 fn heading(area: &Area, title: &str, more: &str) -> Element {
-    let at = area.low + Point::new(4.0, 6.5);
+    let at = area.low + PaperPoint::new(4.0, 6.5);
     Element::group("heading").with(text::line(at, title, Height::H25, "bold")).with(text::line(
-        at + Point::new(0.0, 4.2),
+        at + PaperPoint::new(0.0, 4.2),
         more,
         Height::H18,
         "quiet",
@@ -154,7 +155,7 @@ fn matrix(report: &Report, area: Area) -> Element {
     let named = n <= NAMED;
     let names = report.straights.iter().map(|s| text::width(&s.name, Height::H18.size(), false)).fold(0.0, f64::max);
     let names = if named { names.min(26.0) + 2.0 } else { 2.0 };
-    let from = area.low + Point::new(4.0 + names, 17.5);
+    let from = area.low + PaperPoint::new(4.0 + names, 17.5);
     let wide = ((area.high.x - 5.0 - from.x) / n as f64).min(24.0);
     let tall = ((area.high.y - 4.0 - from.y) / n as f64).min(9.0);
     let most = report.delta_p_mm.iter().flatten().copied().fold(0.0, f64::max);
@@ -162,18 +163,18 @@ fn matrix(report: &Report, area: Area) -> Element {
         let y = from.y + tall * i as f64;
         if named {
             let name = text::fitted(&report.straights[i].name, Height::H18, false, 26.0);
-            let at = Point::new(area.low.x + 4.0, y + tall / 2.0 + Height::H18.capitals() / 2.0);
+            let at = PaperPoint::new(area.low.x + 4.0, y + tall / 2.0 + Height::H18.capitals() / 2.0);
             group.push(text::line(at, name, Height::H18, ""));
-            let top = Point::new(from.x + wide * (i as f64 + 0.5), from.y - 2.6);
+            let top = PaperPoint::new(from.x + wide * (i as f64 + 0.5), from.y - 2.6);
             let name = text::fitted(&report.straights[i].name, Height::H18, false, wide + 1.0);
             group.push(text::centred(top, 0.0, name, Height::H18, ""));
         }
         for (j, value) in row.iter().enumerate() {
-            let low = Point::new(from.x + wide * j as f64, y);
-            let cell = rectangle(low, low + Point::new(wide - 0.3, tall - 0.3), "induction");
+            let low = PaperPoint::new(from.x + wide * j as f64, y);
+            let cell = rectangle(low, low + PaperPoint::new(wide - 0.3, tall - 0.3), "induction");
             group.push(cell.num("fill-opacity", 0.85 * shade(*value, most)));
             if named && tall > 3.4 {
-                let middle = low + Point::new(wide / 2.0, tall / 2.0) - Point::new(0.15, 0.15);
+                let middle = low + PaperPoint::new(wide / 2.0, tall / 2.0) - PaperPoint::new(0.15, 0.15);
                 group.push(text::centred(middle, 0.0, fixed(*value, 2), Height::H18, ""));
             }
         }
@@ -203,18 +204,18 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
     let Ok(phasors) = phasors else { return group };
     let parts = superposed(&course, &phasors, pitch).swap_remove(start);
     let mut at = Phasor::default();
-    let heads: Vec<Point> = std::iter::once(Point::default())
+    let heads: Vec<PaperPoint> = std::iter::once(PaperPoint::default())
         .chain(parts.iter().map(|part| {
             at += part;
-            Point::new(2e3 * at.re, -2e3 * at.im)
+            PaperPoint::new(2e3 * at.re, -2e3 * at.im)
         }))
         .collect();
-    let (low, high) = bounds(heads.iter().copied());
+    let (low, high) = paper::bounds(heads.iter().copied());
     let span = high - low;
-    let room = Area { low: area.low + Point::new(12.0, 15.5), high: area.high - Point::new(22.0, 6.0) };
+    let room = Area { low: area.low + PaperPoint::new(12.0, 15.5), high: area.high - PaperPoint::new(22.0, 6.0) };
     let scale = (room.width() / span.x.max(1e-9)).min(room.height() / span.y.max(1e-9)).min(40.0);
-    let place = |p: Point| (room.low + room.high) * 0.5 + (p - (low + high) * 0.5) * scale;
-    let zero = place(Point::default());
+    let place = |p: PaperPoint| (room.low + room.high) * 0.5 + (p - (low + high) * 0.5) * scale;
+    let zero = place(PaperPoint::default());
     for (k, pair) in heads.windows(2).enumerate() {
         let (tail, head) = (place(pair[0]), place(pair[1]));
         let length = tail.distance(head);
@@ -225,7 +226,7 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
         group.push(path(&path_line(tail, head), "edge"));
         group.push(path(&symbol::arrow(head, along, length.min(2.4), length.min(1.4)), "motor"));
         let name = &report.curves[(start + report.curves.len() - k - 1) % report.curves.len()].name;
-        let side = if along.left().y > 0.0 { -along.left() } else { along.left() };
+        let side = if along.across().y > 0.0 { -along.across() } else { along.across() };
         let name = text::fitted(name, Height::H18, false, 20.0);
         let offset = if k % 2 == 0 { 2.2 } else { -2.2 };
         group.push(text::centred((tail + head) * 0.5 + side * offset, 0.0, name, Height::H18, "halo"));
@@ -233,11 +234,11 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
     group.push(symbol::circle(zero, 1.1, "start"));
     // A bar of a round length.
     let bar = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01].into_iter().find(|mm| mm * scale <= 30.0).unwrap_or(0.01);
-    let end = Point::new(area.high.x - 6.0, area.high.y - 4.0);
-    let begin = end - Point::new(bar * scale, 0.0);
-    let ends = [begin, end].map(|p| path_line(p - Point::new(0.0, 1.0), p + Point::new(0.0, 1.0)));
+    let end = PaperPoint::new(area.high.x - 6.0, area.high.y - 4.0);
+    let begin = end - PaperPoint::new(bar * scale, 0.0);
+    let ends = [begin, end].map(|p| path_line(p - PaperPoint::new(0.0, 1.0), p + PaperPoint::new(0.0, 1.0)));
     group.push(path(&(path_line(begin, end) + &ends.concat()), "rule"));
-    let middle = (begin + end) * 0.5 - Point::new(0.0, 2.6);
+    let middle = (begin + end) * 0.5 - PaperPoint::new(0.0, 2.6);
     group.push(text::centred(middle, 0.0, format!("{} mm", trimmed(bar, 2)), Height::H18, ""));
     group
 }
@@ -245,7 +246,7 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
 fn words(report: &Report, area: Area) -> Element {
     let mut group = Element::group("words").with(rectangle(area.low, area.high, "rule"));
     let wide = area.width() - 8.0;
-    let mut at = area.low + Point::new(4.0, 5.4);
+    let mut at = area.low + PaperPoint::new(4.0, 5.4);
     let last = area.high.y - 2.0;
     for note in &report.notes {
         for line in broken(note, wide) {
@@ -277,26 +278,26 @@ fn broken(note: &str, wide: f64) -> Vec<String> {
 fn legend(sheet: &Sheet, report: &Report) -> Element {
     let low = sheet.strip.low;
     let right = sheet.strip.high.x - strip::TITLE_WIDTH - strip::SCALE_WIDTH;
-    let mut group = Element::group("legend").with(rectangle(low, Point::new(right, sheet.strip.high.y), "rule"));
+    let mut group = Element::group("legend").with(rectangle(low, PaperPoint::new(right, sheet.strip.high.y), "rule"));
     let most = report.straights.iter().map(|s| s.rms_mm).fold(0.0, f64::max);
-    let at = |row: f64| low + Point::new(5.0, 7.0 + 6.4 * row);
+    let at = |row: f64| low + PaperPoint::new(5.0, 7.0 + 6.4 * row);
     let caption = |row: f64, words: &str| {
-        text::line(at(row) + Point::new(17.0, Height::H18.capitals() / 2.0), words, Height::H18, "")
+        text::line(at(row) + PaperPoint::new(17.0, Height::H18.capitals() / 2.0), words, Height::H18, "")
     };
     for k in 0..6 {
-        let from = at(0.0) + Point::new(2.2 * f64::from(k), -1.6);
+        let from = at(0.0) + PaperPoint::new(2.2 * f64::from(k), -1.6);
         let opacity = shade(f64::from(k), 5.0);
-        group.push(rectangle(from, from + Point::new(2.2, 3.2), "induction").num("fill-opacity", opacity));
+        group.push(rectangle(from, from + PaperPoint::new(2.2, 3.2), "induction").num("fill-opacity", opacity));
     }
     group.push(caption(0.0, &format!("straights by rms of ΔP over all starts, to {} mm", fixed(most, 2))));
-    let curve = path_line(at(1.0), at(1.0) + Point::new(13.2, 0.0));
+    let curve = path_line(at(1.0), at(1.0) + PaperPoint::new(13.2, 0.0));
     group.push(path(&curve, "edge").attr("style", "stroke-width:1.2"));
     group.push(caption(1.0, &format!("curves: name, share of `{}`", report.objective)));
-    group.push(path(&symbol::arrow(at(2.0) + Point::new(9.0, 0.0), Point::new(1.0, 0.0), 5.0, 2.6), "arrow"));
+    group.push(path(&symbol::arrow(at(2.0) + PaperPoint::new(9.0, 0.0), PaperPoint::new(1.0, 0.0), 5.0, 2.6), "arrow"));
     group.push(caption(2.0, "direction of travel"));
-    let head = at(3.0) + Point::new(11.0, 0.0);
-    group.push(path(&path_line(at(3.0) + Point::new(2.0, 0.0), head), "edge"));
-    group.push(path(&symbol::arrow(head, Point::new(1.0, 0.0), 2.4, 1.4), "motor"));
+    let head = at(3.0) + PaperPoint::new(11.0, 0.0);
+    group.push(path(&path_line(at(3.0) + PaperPoint::new(2.0, 0.0), head), "edge"));
+    group.push(path(&symbol::arrow(head, PaperPoint::new(1.0, 0.0), 2.4, 1.4), "motor"));
     group.push(caption(3.0, "first harmonic of a curve: size and phase"));
     group.push(text::line(at(4.6), "ΔP: peak to peak of a joint's lead and lag while", Height::H18, "quiet"));
     group.push(text::line(at(5.2), "the first joint moves by one cart (thesis §3.4)", Height::H18, "quiet"));

@@ -3,7 +3,7 @@
 use super::verify::{CHANNELS, Verification, spectrum};
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
-use crate::report::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, frame};
+use crate::report::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, coordinates, frame};
 use crate::report::style::document;
 use crate::signal::{Channel, Run};
 use maud::{Markup, html};
@@ -156,6 +156,6 @@ fn spectra(before: &Run, after: &Run, channel: Channel, passing: f64) -> Markup 
 }
 
 fn line(points: &[(f64, f64)], scale: &Scale) -> String {
-    let at = |p: &(f64, f64)| format!("{} {}", fixed(scale.x(p.0), 1), fixed(scale.y(p.1), 1));
+    let at = |p: &(f64, f64)| coordinates(scale.at(p.0, p.1));
     format!("M{}", points.iter().filter(|p| p.1.is_finite()).map(at).collect::<Vec<_>>().join("L"))
 }
