@@ -10,7 +10,7 @@ use lss::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Side, Uni
 use lss::problem::measures::to_corners;
 use lss::problem::{Problem, Scope};
 use lss::semantics::analyse;
-use lss::solve::sqp::{self, Settings};
+use lss::solve::sqp::{self, SqpSettings};
 use lss::solve::{self, Conflict, Discretise, LineKind, Member, Options, Proof, Stage, Within};
 use lss::source::{Loader, SourceMap, Span};
 
@@ -488,7 +488,7 @@ fn solved_from_elsewhere(layout: &Layout, named: &dyn Fn(Span) -> bool) -> bool 
     let problem = Problem::new(&layout, Scope::Obstacles);
     (101..107u32).any(|seed| {
         let start = lss::problem::perturbed(&layout, &problem, 2.0 + f64::from(seed % 3), u64::from(seed));
-        let end = sqp::minimise(&problem, &start, &Settings::default(), &|_, _, _| {});
+        let end = sqp::minimise(&problem, &start, &SqpSettings::default(), &|_, _, _| {});
         excess(&layout, &to_corners(&end.variables), &|_| true, None) <= MET
     })
 }

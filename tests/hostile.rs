@@ -150,7 +150,7 @@ fn a_parquet_file_of_endless_columns_is_refused() {
     use ::parquet::file::properties::WriterProperties;
     use ::parquet::file::writer::SerializedFileWriter;
     use ::parquet::schema::parser::parse_message_type;
-    use lss::signal::{Problem, parquet};
+    use lss::signal::{DataProblem, parquet};
     use std::sync::Arc;
 
     let names = ["time", "joint_xi", "joint_eta", "joint_zeta", "run_left", "run_right", "temperature"];
@@ -171,13 +171,13 @@ fn a_parquet_file_of_endless_columns_is_refused() {
     writer.close().unwrap();
     assert!(file.as_file().metadata().unwrap().len() < 1 << 20, "a bomb is small");
     let found = parquet::read(file.reopen().unwrap(), file.path()).expect_err("too large");
-    assert!(matches!(found.problem, Problem::TooLong { .. }), "{found}");
+    assert!(matches!(found.problem, DataProblem::TooLong { .. }), "{found}");
 }
 
 /// A sum of such values is infinite, and so is its square.
 #[test]
 fn absurd_numbers_in_a_run_are_refused_in_every_format() {
-    use lss::signal::{Channel, Problem, Run, csv, parquet};
+    use lss::signal::{Channel, DataProblem, Run, csv, parquet};
     use std::path::Path;
 
     for value in [1e308, -1e308, 1.1e9] {
@@ -191,7 +191,7 @@ fn absurd_numbers_in_a_run_are_refused_in_every_format() {
             parquet::read(file.reopen().unwrap(), Path::new("run.parquet")).expect_err("absurd"),
         ];
         for (found, row) in told.iter().zip([3, 2]) {
-            assert!(matches!(found.problem, Problem::Beyond { .. }), "{found}");
+            assert!(matches!(found.problem, DataProblem::Beyond { .. }), "{found}");
             assert_eq!((found.place.row, found.place.column.as_deref()), (Some(row), Some("joint_xi")), "{found}");
         }
     }

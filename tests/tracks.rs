@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::chain_input::{Piece, Simulation, Track};
+use lss::chain_input::{CentreLinePiece, Simulation, Track};
 use lss::compiled::Compiled;
 use lss::semantics::analyse;
 use lss::solve::{self, Options};
@@ -33,12 +33,12 @@ fn fixture(name: &str) -> Track {
 }
 
 /// A piece's kind and its numbers.
-fn numbers(piece: &Piece) -> (&'static str, [f64; 3]) {
+fn numbers(piece: &CentreLinePiece) -> (&'static str, [f64; 3]) {
     match *piece {
-        Piece::Straight { length, slope } => ("straight", [length, slope, 0.0]),
-        Piece::Arc { radius, turn_deg } => ("arc", [radius, turn_deg, 0.0]),
-        Piece::Vertical { radius, slope_from, slope_to } => ("vertical", [radius, slope_from, slope_to]),
-        Piece::Spiral { radius, turn_deg, rise } => ("spiral", [radius, turn_deg, rise]),
+        CentreLinePiece::Straight { length, slope } => ("straight", [length, slope, 0.0]),
+        CentreLinePiece::Arc { radius, turn_deg } => ("arc", [radius, turn_deg, 0.0]),
+        CentreLinePiece::Vertical { radius, slope_from, slope_to } => ("vertical", [radius, slope_from, slope_to]),
+        CentreLinePiece::Spiral { radius, turn_deg, rise } => ("spiral", [radius, turn_deg, rise]),
     }
 }
 

@@ -11,7 +11,7 @@
 
 use super::{Act, Effect, Experiment, Sites, Start, StrengthSearch, Strengths, add_profile, rebuilt, sites};
 use crate::base::trig;
-use crate::chain_input::{Deviations, Piece, Simulation};
+use crate::chain_input::{CentreLinePiece, Deviations, Simulation};
 use crate::model::effect_definitions;
 use std::collections::BTreeMap;
 
@@ -68,7 +68,7 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
         let next = curves.get((strengths.index("curve") + 1) % curves.len()).copied();
         let next = next.filter(|_| curves.len() > 1).map(|(_, a, b)| rebuilt::between(&simulation.track, a, b));
         for piece in &mut simulation.track.elements[pieces.clone()] {
-            if let Piece::Arc { radius, .. } | Piece::Spiral { radius, .. } = piece {
+            if let CentreLinePiece::Arc { radius, .. } | CentreLinePiece::Spiral { radius, .. } = piece {
                 *radius = (*radius + radius_more).max(0.1);
             }
         }

@@ -60,7 +60,7 @@ pub struct Problem {
     pub start: Vec<f64>,
     /// Limits of each variable; fixed where both are alike.
     pub bounds: Vec<Interval>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<ConstraintRow>,
     /// Sections whose heading a `fix` holds.
     pub rotations: Vec<usize>,
     #[serde(skip)]
@@ -80,7 +80,7 @@ pub struct Problem {
 
 /// `low <= function <= high`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ConstraintRow {
     pub function: Function,
     pub low: f64,
     pub high: f64,
@@ -170,7 +170,7 @@ impl Problem {
         let angle = matches!(function, Function::Turn(_));
         let (label, span) = ("penalty".to_owned(), crate::source::Span::new(crate::source::FileId(0), 0, 0));
         let weight = Some(price);
-        self.rows.push(Row { function, low: aim, high: aim, angle, weight, label, span, reason: None });
+        self.rows.push(ConstraintRow { function, low: aim, high: aim, angle, weight, label, span, reason: None });
     }
 
     /// `P3.x`

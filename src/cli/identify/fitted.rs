@@ -2,10 +2,10 @@
 
 use crate::base::json;
 use crate::base::number::{fixed, shortest};
-use crate::chain_input::{Contact, ContactLaw, Simulation, Wheel};
+use crate::chain_input::{ContactLaw, ContactParameters, Simulation, Wheel};
 use crate::cli::cases::Case;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping, restitution};
@@ -19,7 +19,7 @@ use std::path::{Component, Path};
 /// set point is in the name where a layout has several.
 pub fn files(
     cases: &[Case],
-    groups: &[Group],
+    groups: &[RunGroup],
     fits: &[RunFit],
     output: &Path,
 ) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
@@ -54,14 +54,14 @@ pub fn files(
 }
 
 /// What a group's fitted files are called, after what its layout is.
-fn name(layout: &str, group: &Group, groups: &[Group]) -> String {
+fn name(layout: &str, group: &RunGroup, groups: &[RunGroup]) -> String {
     let alone = groups.iter().filter(|g| g.layout == group.layout).count() == 1;
     let part = if alone { String::new() } else { format!("-{}", group.file_part()) };
     format!("{layout}{part}-fitted")
 }
 
 /// What the file is, and whether its values may be believed.
-fn head(layout: &Layout, group: &Group, fits: &[&RunFit]) -> String {
+fn head(layout: &Layout, group: &RunGroup, fits: &[&RunFit]) -> String {
     let runs = fits.len();
     let mut out = format!(
         "// `{}` at {} with the parameters that {runs} measured {} for, by `lss identify`.\n",
@@ -196,7 +196,7 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     out
 }
 
-fn contact_lines(contact: &Contact, e: f64, indent: &str) -> String {
+fn contact_lines(contact: &ContactParameters, e: f64, indent: &str) -> String {
     let unit = if contact.exponent == 1.0 { "N/m".to_owned() } else { format!("N/m^{}", shortest(contact.exponent)) };
     format!(
         "{indent}stiffness = {} {unit}\n{indent}exponent = {}\n{indent}restitution = {}\n",

@@ -7,7 +7,7 @@ use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::Files;
 use crate::geometry::CentreLine;
 use crate::kinematics::closing;
-use crate::kinematics::polygon::{Course, Objective};
+use crate::kinematics::polygon::{Course, PolygonObjective};
 use crate::report::polygon::{Sweep, SweepPoint, rms, summary, sweep_text};
 
 /// The product line, mm.
@@ -44,7 +44,7 @@ impl Polygon {
     }
 }
 
-fn point(line: &CentreLine, pitch: f64, objective: Objective) -> SweepPoint {
+fn point(line: &CentreLine, pitch: f64, objective: PolygonObjective) -> SweepPoint {
     let (carts, left_over) = carts(line, pitch);
     let found = summary(line, pitch, objective).ok();
     let value = found.as_ref().map(|(action, _)| action.value(objective));

@@ -8,11 +8,11 @@ use crate::model::ConstraintKind;
 use crate::solve::Stage;
 
 use super::labels::{self, Labels};
-use super::place::Field;
+use super::place::TakenPaper;
 use super::sheet::Sheet;
 use super::strip::{self, Key};
 use super::text::{self, Height};
-use super::xml::Element;
+use super::xml::XmlElement;
 use super::{Theme, extent, profile, root, track};
 use crate::base::number::trimmed;
 
@@ -30,7 +30,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let pieces = &compiled.pieces;
 
     let inside = PaperPoint::new(6.0, 6.0);
-    let mut field = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    let mut field = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
     track::occupy(&sheet, line, layout, &mut field);
 
     let description = format!(
@@ -124,10 +124,10 @@ fn entries(compiled: &Compiled, marks: &[Mark], climbs: &[Climb]) -> Vec<(Key, S
     entries
 }
 
-fn watermark(sheet: &Sheet) -> Element {
+fn watermark(sheet: &Sheet) -> XmlElement {
     let middle = (sheet.drawing.low + sheet.drawing.high) * 0.5;
     let size = sheet.drawing.width() / 10.0;
-    Element::new("text")
+    XmlElement::new("text")
         .attr("class", "watermark")
         .num("font-size", size)
         .num("x", middle.x)

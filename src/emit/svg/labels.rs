@@ -2,18 +2,18 @@
 //! choice of [`place`](super::place) keeps them off each other and off the track.
 
 use crate::base::trig;
-use crate::elements::{Part, Piece};
+use crate::elements::{OrderedPiece, Part};
 use crate::emit::paper::{PaperPoint, Projection};
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
 use crate::geometry::{PieceKind, Point, Track};
 use crate::model::{Layout, Obstacle};
 
-use super::place::{Box, Candidate, Field, Layer, around};
+use super::place::{LabelCandidate, Layer, PaperBox, TakenPaper, around};
 use super::sheet::{Sheet, path, path_line, reading_angle};
 use super::symbol;
 use super::text::{self, Height};
 use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
-use super::xml::Element;
+use super::xml::XmlElement;
 use crate::base::number::trimmed;
 
 /// How far a label goes from what it names while there is room, mm.
@@ -31,25 +31,25 @@ pub struct Labels<'a> {
     sheet: &'a Sheet,
     track: &'a Track,
     layout: &'a Layout,
-    field: Field,
-    group: Element,
+    field: TakenPaper,
+    group: XmlElement,
     /// Labels that found no place.
     pub omitted: usize,
 }
 
 impl<'a> Labels<'a> {
-    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: Field) -> Self {
-        Labels { sheet, track, layout, field, group: Element::group("labels"), omitted: 0 }
+    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: TakenPaper) -> Self {
+        Labels { sheet, track, layout, field, group: XmlElement::group("labels"), omitted: 0 }
     }
 
-    pub fn finish(self) -> Element {
+    pub fn finish(self) -> XmlElement {
         self.group
     }
 
     /// Places a text at one of its candidates or, where none is free, further away with a leader from an anchor.
-    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate], anchors: &[PaperPoint]) {
+    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[LabelCandidate], anchors: &[PaperPoint]) {
         let size = candidates.first().map_or(PaperPoint::default(), |candidate| candidate.text.half * 2.0);
-        let (near, last): (Vec<Candidate>, Vec<Candidate>) = candidates.iter().partition(|c| c.cost < LAST);
+        let (near, last): (Vec<LabelCandidate>, Vec<LabelCandidate>) = candidates.iter().partition(|c| c.cost < LAST);
         let place = self.field.place(&near).or_else(|| self.field.place_afar(anchors, size));
         let place = place.or_else(|| self.field.place(&last));
         let Some(chosen) = place else {
@@ -73,8 +73,8 @@ impl<'a> Labels<'a> {
         let paper = PaperPoint::new(self.sheet.mm(high.x - low.x), self.sheet.mm(high.y - low.y));
         let mut candidates = Vec::new();
         if obstacle.polygon.contains(middle) && size.x + 2.0 < paper.x && size.y + 1.0 < paper.y {
-            let item = Box::upright(self.sheet.at(middle), size.x, size.y);
-            candidates.push(Candidate::text(item, 0.0));
+            let item = PaperBox::upright(self.sheet.at(middle), size.x, size.y);
+            candidates.push(LabelCandidate::text(item, 0.0));
         }
         let gap = paper.x.min(paper.y) / 2.0 + 1.0;
         for mut candidate in around(self.sheet.at(middle), PaperPoint::new(0.0, -1.0), size, gap, gap + REACH) {
@@ -82,7 +82,7 @@ impl<'a> Labels<'a> {
             candidates.push(candidate);
         }
         self.put(&name, Height::H25, "", &candidates, &[self.sheet.at(middle)]);
-        self.field.add(Box::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
+        self.field.add(PaperBox::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
     }
 
     /// The length of a straight, as a dimension line where there is room for one, and its heading unless it lies
@@ -119,7 +119,7 @@ impl<'a> Labels<'a> {
         self.put(&text, Height::H25, "", &candidates, &[middle + out * half, middle - out * half]);
     }
 
-    fn draw_dimension(&mut self, chosen: &Candidate, a: PaperPoint, b: PaperPoint, along: PaperPoint, text: &str) {
+    fn draw_dimension(&mut self, chosen: &LabelCandidate, a: PaperPoint, b: PaperPoint, along: PaperPoint, text: &str) {
         let Some(line) = chosen.bar else { return };
         let across = line.centre - a.lerp(b, 0.5);
         let (from, to) = (a + across, b + across);
@@ -233,7 +233,7 @@ impl<'a> Labels<'a> {
 
     /// One label for each run of like pieces, on turns or elsewhere: how many of which article. The bill counts the
     /// same pieces.
-    pub fn runs(&mut self, pieces: &[Piece], turns: bool) {
+    pub fn runs(&mut self, pieces: &[OrderedPiece], turns: bool) {
         let n = pieces.len();
         // Begin where an article begins, so that no run is cut at the end of the list.
         let first = (0..n).find(|&i| !same_run(&pieces[(i + n - 1) % n], &pieces[i])).unwrap_or(0);
@@ -270,7 +270,7 @@ impl<'a> Labels<'a> {
             anchors.push(anchor);
             let turned = if straight { beside(anchor, along, side, size, 0.8) } else { Vec::new() };
             let all = turned.into_iter().chain(around(anchor, side, size, 1.0, REACH));
-            candidates.extend(all.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
+            candidates.extend(all.map(|candidate| LabelCandidate { cost: candidate.cost + cost, ..candidate }));
         }
         self.put(text, height, class, &candidates, &anchors);
     }
@@ -281,7 +281,7 @@ impl<'a> Labels<'a> {
     }
 }
 
-fn same_run(a: &Piece, b: &Piece) -> bool {
+fn same_run(a: &OrderedPiece, b: &OrderedPiece) -> bool {
     a.article == b.article && a.place.vertex == b.place.vertex && a.turns() == b.turns()
 }
 
@@ -292,22 +292,22 @@ fn extent(text: &str, height: Height) -> PaperPoint {
 
 /// Text along the track, beside it, shifted by up to a text's length either way. Places further than a few millimetres
 /// get a leader from the anchor.
-fn beside(anchor: PaperPoint, along: PaperPoint, side: PaperPoint, size: PaperPoint, gap: f64) -> Vec<Candidate> {
+fn beside(anchor: PaperPoint, along: PaperPoint, side: PaperPoint, size: PaperPoint, gap: f64) -> Vec<LabelCandidate> {
     let mut candidates = Vec::new();
     for row in 0..3 {
         for shift in [0.0, 0.25, -0.25, 0.5, -0.5, 0.8, -0.8] {
             let across = gap + size.y * (0.5 + f64::from(row));
             let centre = anchor + side * across + along * (shift * size.x);
-            let item = Box { centre, half: size * 0.5, axis: along };
+            let item = PaperBox { centre, half: size * 0.5, axis: along };
             // The nearest point of the text.
             let aside = (-shift * size.x).clamp(-size.x / 2.0, size.x / 2.0);
             let near = centre + along * aside - side * (size.y / 2.0);
             let leader = (near.distance(anchor) > gap + 2.5).then_some((anchor, near));
             let cost = 2.0 * shift.abs() + 4.0 * f64::from(row);
             if leader.is_some() {
-                candidates.push(Candidate { leader, ..Candidate::text(item, cost + 3.0) });
+                candidates.push(LabelCandidate { leader, ..LabelCandidate::text(item, cost + 3.0) });
             }
-            candidates.push(Candidate::text(item, if leader.is_some() { cost + LAST } else { cost }));
+            candidates.push(LabelCandidate::text(item, if leader.is_some() { cost + LAST } else { cost }));
         }
     }
     candidates
@@ -321,7 +321,7 @@ fn dimension_candidates(
     out: PaperPoint,
     half: f64,
     size: PaperPoint,
-) -> Vec<Candidate> {
+) -> Vec<LabelCandidate> {
     let angle = reading_angle(along) * trig::PI / 180.0;
     // Above the line as the text reads.
     let up = PaperPoint::new(trig::sin(angle), -trig::cos(angle));
@@ -330,15 +330,15 @@ fn dimension_candidates(
         for step in 0..6 {
             let offset = 6.5 + 4.5 * f64::from(step);
             let across = side * (half + offset);
-            let line = Box::line(a + across, b + across, 1.0);
+            let line = PaperBox::line(a + across, b + across, 1.0);
             for shift in [0.0, 0.3, -0.3] {
                 let room = (line.half.x - size.x / 2.0 - 2.5).max(0.0);
                 let centre = line.centre + up * (size.y / 2.0 + 0.2) + along * (shift * 2.0 * room);
-                let text = Box { centre, half: size * 0.5, axis: along };
+                let text = PaperBox { centre, half: size * 0.5, axis: along };
                 let cost = side_cost + 3.0 * f64::from(step) + shift.abs();
                 let extension = |p: PaperPoint| (p + side * (half + 1.0), p + across + side * 1.2);
                 let extensions = Some([extension(a), extension(b)]);
-                candidates.push(Candidate { text, bar: Some(line), extensions, leader: None, cost });
+                candidates.push(LabelCandidate { text, bar: Some(line), extensions, leader: None, cost });
             }
         }
     }
@@ -346,7 +346,7 @@ fn dimension_candidates(
 }
 
 /// Every label of a drawing, the most wanted first.
-pub fn all(labels: &mut Labels, pieces: &[Piece], marks: &[Mark], climbs: &[Climb]) {
+pub fn all(labels: &mut Labels, pieces: &[OrderedPiece], marks: &[Mark], climbs: &[Climb]) {
     let layout = labels.layout;
     for obstacle in &layout.obstacles {
         labels.obstacle(obstacle);

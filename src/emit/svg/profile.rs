@@ -1,8 +1,8 @@
 //! The height profile under the plan: height over arc length, with levels, slopes and vertices.
 
-use super::sheet::{Area, Sheet, coordinates, path, path_line, rectangle};
+use super::sheet::{PaperArea, Sheet, coordinates, path, path_line, rectangle};
 use super::text::{self, Height};
-use super::xml::Element;
+use super::xml::XmlElement;
 use crate::base::number::trimmed;
 use crate::base::trig;
 use crate::compiled::Compiled;
@@ -25,7 +25,7 @@ pub fn height(compiled: &Compiled) -> f64 {
 
 /// From arc length (m, from the layout's start) and height (m) to paper.
 struct Chart {
-    area: Area,
+    area: PaperArea,
     /// mm a metre of arc length and of height.
     along: f64,
     up: f64,
@@ -37,7 +37,7 @@ struct Chart {
 impl Chart {
     fn new(sheet: &Sheet, length: f64, (low, high): (f64, f64)) -> Self {
         let (left, top, right, bottom) = ROOM;
-        let area = Area {
+        let area = PaperArea {
             low: sheet.profile.low + PaperPoint::new(left, top),
             high: sheet.profile.high - PaperPoint::new(right, bottom),
         };
@@ -60,12 +60,12 @@ impl Chart {
 }
 
 /// The profile of a layout with levels.
-pub fn profile(sheet: &Sheet, compiled: &Compiled) -> Element {
+pub fn profile(sheet: &Sheet, compiled: &Compiled) -> XmlElement {
     let points = points(compiled);
     let heights = points.iter().map(|p| p.1);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
     let chart = Chart::new(sheet, compiled.length(), (low, high));
-    let mut group = Element::group("profile").with(rectangle(sheet.profile.low, sheet.profile.high, "rule"));
+    let mut group = XmlElement::group("profile").with(rectangle(sheet.profile.low, sheet.profile.high, "rule"));
     let ratio = trimmed(chart.ratio(), 2);
     let title = format!("height over arc length s, m; heights are drawn {ratio} times as large as lengths");
     group.push(text::line(sheet.profile.low + PaperPoint::new(4.0, 4.6), title, Height::H18, "quiet"));
@@ -99,8 +99,8 @@ fn points(compiled: &Compiled) -> Vec<(f64, f64)> {
 }
 
 /// A line at the height of each level, and what it is.
-fn levels(chart: &Chart, compiled: &Compiled) -> Element {
-    let mut group = Element::group("levels");
+fn levels(chart: &Chart, compiled: &Compiled) -> XmlElement {
+    let mut group = XmlElement::group("levels");
     let mut heights: Vec<f64> = compiled.layout.levels.iter().map(|level| level.height).collect();
     heights.push(chart.base);
     heights.sort_by(f64::total_cmp);
@@ -123,8 +123,8 @@ fn levels(chart: &Chart, compiled: &Compiled) -> Element {
 }
 
 /// Where each vertex is, as long as there is room for its name.
-fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
-    let mut group = Element::group("profile-vertices");
+fn vertices(chart: &Chart, compiled: &Compiled) -> XmlElement {
+    let mut group = XmlElement::group("profile-vertices");
     let n = compiled.layout.vertices.len();
     let mut spans: Vec<Option<(f64, f64)>> = vec![None; n];
     let mut s = 0.0;
@@ -157,8 +157,8 @@ fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
 }
 
 /// The slope of each climb beside its middle.
-fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
-    let mut group = Element::group("slopes");
+fn slopes(chart: &Chart, compiled: &Compiled) -> XmlElement {
+    let mut group = XmlElement::group("slopes");
     let mut climbs: Vec<(f64, f64, f64)> = Vec::new();
     for stretch in &compiled.space.line.stretches {
         let slope = match stretch.form {
@@ -199,8 +199,8 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
 }
 
 /// The base line with marks at round arc lengths and at the end.
-fn axis(chart: &Chart) -> Element {
-    let mut group = Element::group("axis");
+fn axis(chart: &Chart) -> XmlElement {
+    let mut group = XmlElement::group("axis");
     let mut step = 1.0;
     for factor in [2.0, 2.5, 2.0].into_iter().cycle() {
         if step * chart.along >= APART || step > chart.length {

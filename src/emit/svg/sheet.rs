@@ -7,7 +7,7 @@ use crate::emit::paper::{PaperPoint, Projection};
 use crate::geometry::Point;
 
 use super::text::{self, Height};
-use super::xml::{Element, number};
+use super::xml::{XmlElement, number};
 
 /// Height of the strip under the drawing, which holds legend, scale bar and title block, mm.
 pub const STRIP: f64 = 56.0;
@@ -29,12 +29,12 @@ const STEPS: [f64; 4] = [1.0, 2.0, 2.5, 5.0];
 
 /// A rectangle on paper, mm, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
+pub struct PaperArea {
     pub low: PaperPoint,
     pub high: PaperPoint,
 }
 
-impl Area {
+impl PaperArea {
     pub fn width(&self) -> f64 {
         self.high.x - self.low.x
     }
@@ -69,10 +69,10 @@ pub struct Sheet {
     /// 1 : scale
     pub scale: f64,
     /// Drawing, height profile under it, notes under that, and the strip under all.
-    pub drawing: Area,
-    pub profile: Area,
-    pub notes: Area,
-    pub strip: Area,
+    pub drawing: PaperArea,
+    pub profile: PaperArea,
+    pub notes: PaperArea,
+    pub strip: PaperArea,
     projection: Projection,
 }
 
@@ -102,17 +102,17 @@ impl Sheet {
     }
 
     fn fit(size: &'static str, width: f64, height: f64, extent: &Extent, span: Point) -> Sheet {
-        let inside = Area { low: PaperPoint::new(20.0, 10.0), high: PaperPoint::new(width - 10.0, height - 10.0) };
-        let strip = Area { low: PaperPoint::new(inside.low.x, inside.high.y - STRIP), high: inside.high };
-        let notes = Area {
+        let inside = PaperArea { low: PaperPoint::new(20.0, 10.0), high: PaperPoint::new(width - 10.0, height - 10.0) };
+        let strip = PaperArea { low: PaperPoint::new(inside.low.x, inside.high.y - STRIP), high: inside.high };
+        let notes = PaperArea {
             low: PaperPoint::new(inside.low.x, strip.low.y - extent.notes.min(0.4 * height)),
             high: PaperPoint::new(inside.high.x, strip.low.y),
         };
-        let profile = Area {
+        let profile = PaperArea {
             low: PaperPoint::new(inside.low.x, notes.low.y - extent.profile),
             high: PaperPoint::new(inside.high.x, notes.low.y),
         };
-        let drawing = Area { low: inside.low, high: PaperPoint::new(inside.high.x, profile.low.y) };
+        let drawing = PaperArea { low: inside.low, high: PaperPoint::new(inside.high.x, profile.low.y) };
         let room = PaperPoint::new(drawing.width() - 2.0 * MARGIN, drawing.height() - 2.0 * MARGIN);
         let needed = (1000.0 * span.x / room.x).max(1000.0 * span.y / room.y);
         let scale = standard_scale(needed);
@@ -125,7 +125,7 @@ impl Sheet {
     }
 
     /// An A3 sheet at a standard scale, with a panel of this width (mm) at the right of its drawing.
-    pub fn beside(extent: &Extent, panel: f64) -> Result<(Sheet, Area), DrawError> {
+    pub fn beside(extent: &Extent, panel: f64) -> Result<(Sheet, PaperArea), DrawError> {
         let span = extent.high - extent.low;
         if !(span.x.is_finite() && span.y.is_finite() && span.x.max(span.y) > 0.0 && span.x.max(span.y) < 1e7) {
             return Err(DrawError::Extent);
@@ -133,7 +133,7 @@ impl Sheet {
         let (size, width, height) = SIZES[0];
         // Fitted to a sheet that ends where the panel begins, and widened by it.
         let mut sheet = Sheet::fit(size, width - panel, height, extent, span);
-        let panel = Area {
+        let panel = PaperArea {
             low: PaperPoint::new(sheet.drawing.high.x, sheet.drawing.low.y),
             high: PaperPoint::new(sheet.drawing.high.x + panel, sheet.drawing.high.y),
         };
@@ -159,9 +159,9 @@ impl Sheet {
     }
 
     /// The frame with its centring marks and reference grid.
-    pub fn frame(&self) -> Element {
-        let mut group = Element::group("sheet");
-        group.push(Element::new("rect").attr("class", "ground").num("width", self.width).num("height", self.height));
+    pub fn frame(&self) -> XmlElement {
+        let mut group = XmlElement::group("sheet");
+        group.push(XmlElement::new("rect").attr("class", "ground").num("width", self.width).num("height", self.height));
         let (low, high) = (self.drawing.low, self.strip.high);
         group.push(rectangle(low, high, "frame"));
         let (outer_low, outer_high) = (low - PaperPoint::new(5.0, 5.0), high + PaperPoint::new(5.0, 5.0));
@@ -223,8 +223,8 @@ fn standard_scale(needed: f64) -> f64 {
     }
 }
 
-pub fn rectangle(low: PaperPoint, high: PaperPoint, class: &str) -> Element {
-    Element::new("rect")
+pub fn rectangle(low: PaperPoint, high: PaperPoint, class: &str) -> XmlElement {
+    XmlElement::new("rect")
         .attr("class", class)
         .num("x", low.x)
         .num("y", low.y)
@@ -232,8 +232,8 @@ pub fn rectangle(low: PaperPoint, high: PaperPoint, class: &str) -> Element {
         .num("height", high.y - low.y)
 }
 
-pub fn path(data: &str, class: &str) -> Element {
-    Element::new("path").attr("class", class).attr("d", data)
+pub fn path(data: &str, class: &str) -> XmlElement {
+    XmlElement::new("path").attr("class", class).attr("d", data)
 }
 
 /// `x y`, as the data of paths have it.

@@ -6,11 +6,11 @@ use crate::emit::{DrawError, plan};
 use crate::geometry::{Corner, Track};
 use crate::solve::Status;
 
-use super::place::{Box, Field, around};
+use super::place::{PaperBox, TakenPaper, around};
 use super::sheet::{Sheet, path, reading_angle};
 use super::strip::{self, Key, field};
 use super::text::{self, Height};
-use super::xml::Element;
+use super::xml::XmlElement;
 use super::{Theme, extent, root, symbol, track};
 use crate::base::number::trimmed;
 
@@ -35,8 +35,8 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     svg.push(sheet.frame());
     svg.push(track::floor(&sheet, layout));
     let inside = PaperPoint::new(6.0, 6.0);
-    let mut area = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
-    let mut group = Element::group("stages");
+    let mut area = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    let mut group = XmlElement::group("stages");
     for (i, (_, line)) in lines.iter().enumerate() {
         let class = format!("stage-{}", i.min(3));
         group.push(path(&(track::curves(&sheet, &plan::side(line, 0.0)) + "Z"), &class));
@@ -45,7 +45,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
         track::occupy(&sheet, line, layout, &mut area);
     }
     svg.push(group);
-    let mut names = Element::group("labels");
+    let mut names = XmlElement::group("labels");
     for obstacle in &layout.obstacles {
         let (low, high) = obstacle.polygon.bounds();
         let at = sheet.at((low + high) * 0.5);
@@ -80,7 +80,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
         field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
         field("vertices", layout.vertices.len().to_string()),
     ]];
-    let lengths = lines.iter().map(|(name, line)| strip::Field {
+    let lengths = lines.iter().map(|(name, line)| strip::TitleField {
         warn: name.ends_with("not feasible"),
         ..field(name.clone(), format!("{} m", trimmed(line.length, 3)))
     });
@@ -90,8 +90,8 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
 }
 
 fn name_at(
-    group: &mut Element,
-    area: &mut Field,
+    group: &mut XmlElement,
+    area: &mut TakenPaper,
     at: PaperPoint,
     prefer: PaperPoint,
     name: &str,
@@ -102,7 +102,7 @@ fn name_at(
         PaperPoint::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
     let mut candidates = around(at, prefer, size, gap, 60.0);
     if gap == 0.0 {
-        candidates.insert(0, super::place::Candidate::text(Box::upright(at, size.x, size.y), -9.0));
+        candidates.insert(0, super::place::LabelCandidate::text(PaperBox::upright(at, size.x, size.y), -9.0));
     }
     if let Some(chosen) = area.place(&candidates) {
         if let Some((a, b)) = chosen.leader {

@@ -5,11 +5,11 @@ use crate::emit::paper::PaperPoint;
 use crate::emit::plan::MarkKind;
 use crate::solve::{Cut, Stage, Status};
 
-use super::place::Box;
-use super::sheet::{Area, Sheet, path, path_line, polygon, rectangle};
+use super::place::PaperBox;
+use super::sheet::{PaperArea, Sheet, path, path_line, polygon, rectangle};
 use super::symbol::{self, Spot};
 use super::text::{self, Height};
-use super::xml::Element;
+use super::xml::XmlElement;
 use crate::base::number::trimmed;
 
 pub const TITLE_WIDTH: f64 = 180.0;
@@ -42,24 +42,24 @@ pub enum Key {
 }
 
 /// A cell of the title block: what it says and how many of the five columns it takes.
-pub struct Field {
+pub struct TitleField {
     pub label: String,
     pub value: String,
     pub columns: usize,
     pub warn: bool,
 }
 
-pub fn field(label: impl Into<String>, value: impl Into<String>) -> Field {
-    Field { label: label.into(), value: value.into(), columns: 1, warn: false }
+pub fn field(label: impl Into<String>, value: impl Into<String>) -> TitleField {
+    TitleField { label: label.into(), value: value.into(), columns: 1, warn: false }
 }
 
 /// Legend entries in columns.
-pub fn legend(sheet: &Sheet, entries: &[(Key, String)]) -> Element {
-    let area = Area {
+pub fn legend(sheet: &Sheet, entries: &[(Key, String)]) -> XmlElement {
+    let area = PaperArea {
         low: sheet.strip.low,
         high: PaperPoint::new(sheet.strip.high.x - TITLE_WIDTH - SCALE_WIDTH, sheet.strip.high.y),
     };
-    let mut group = Element::group("legend").with(rectangle(area.low, area.high, "rule"));
+    let mut group = XmlElement::group("legend").with(rectangle(area.low, area.high, "rule"));
     let rows = ((area.height() - 4.0) / ROW).floor().max(1.0) as usize;
     let columns = entries.len().div_ceil(rows).max(1);
     let wide = (area.width() / columns as f64).min(90.0);
@@ -75,14 +75,14 @@ pub fn legend(sheet: &Sheet, entries: &[(Key, String)]) -> Element {
 }
 
 /// The symbol of a legend entry in 12 mm from `at` on.
-fn key_symbol(key: Key, at: PaperPoint) -> Element {
+fn key_symbol(key: Key, at: PaperPoint) -> XmlElement {
     let along = |x: f64, y: f64| at + PaperPoint::new(x, y);
     let line = |class: &str| path(&path_line(at, along(12.0, 0.0)), class);
     let middle = along(6.0, 0.0);
     let band = |half: f64| {
         let corners = [along(0.0, -half), along(12.0, -half), along(12.0, half), along(0.0, half)];
         let edges = path_line(corners[0], corners[1]) + &path_line(corners[3], corners[2]);
-        Element::group("key").with(path(&polygon(&corners), "band")).with(path(&edges, "edge"))
+        XmlElement::group("key").with(path(&polygon(&corners), "band")).with(path(&edges, "edge"))
     };
     let tick = |reach: f64, class: &str| band(1.3).with(path(&path_line(along(6.0, -reach), along(6.0, reach)), class));
     let sample = |text: &str, height: Height, class: &str| text::centred(middle, 0.0, text, height, class);
@@ -97,12 +97,12 @@ fn key_symbol(key: Key, at: PaperPoint) -> Element {
         Key::Unlisted => sample("3× A", Height::H18, "warn"),
         Key::Vertex => path(&symbol::cross(middle, 1.5), "vertex"),
         Key::FixedVertex => {
-            let square = polygon(&Box::upright(middle, 4.0, 4.0).corners());
-            Element::group("key").with(path(&symbol::cross(middle, 1.5), "vertex")).with(path(&square, "fixed"))
+            let square = polygon(&PaperBox::upright(middle, 4.0, 4.0).corners());
+            XmlElement::group("key").with(path(&symbol::cross(middle, 1.5), "vertex")).with(path(&square, "fixed"))
         }
         Key::FixedSection => {
             let edges = path_line(along(0.0, -1.3), along(12.0, -1.3)) + &path_line(along(0.0, 1.3), along(12.0, 1.3));
-            Element::group("key").with(path(&edges, "fixed"))
+            XmlElement::group("key").with(path(&edges, "fixed"))
         }
         Key::Dimension => {
             let heads = symbol::arrow(along(12.0, 0.6), PaperPoint::new(1.0, 0.0), 2.5, 0.9)
@@ -111,12 +111,12 @@ fn key_symbol(key: Key, at: PaperPoint) -> Element {
                 + &path_line(along(0.0, -1.0), along(0.0, 1.8))
                 + &path_line(along(12.0, -1.0), along(12.0, 1.8));
             let text = text::centred(along(6.0, -1.2), 0.0, "1 ∠ 9°", Height::H18, "");
-            Element::group("key").with(path(&lines, "dimension")).with(path(&heads, "dimension-arrow")).with(text)
+            XmlElement::group("key").with(path(&lines, "dimension")).with(path(&heads, "dimension-arrow")).with(text)
         }
         Key::Radius => sample("R1 9°", Height::H18, ""),
         Key::Wall => {
             let wall = polygon(&[along(0.0, 0.0), along(12.0, 0.0), along(12.0, -1.8), along(0.0, -1.8)]);
-            Element::group("key").with(path(&wall, "wall-hatch")).with(line("wall"))
+            XmlElement::group("key").with(path(&wall, "wall-hatch")).with(line("wall"))
         }
         Key::Obstacle => rectangle(along(0.0, -1.6), along(12.0, 1.6), "obstacle"),
         Key::Clearance => line("clearance"),
@@ -133,20 +133,20 @@ fn key_symbol(key: Key, at: PaperPoint) -> Element {
             let spot = Spot { at: along(6.0, drop), along: along_x, out, half };
             let edges = path_line(along(0.0, drop - 0.7), along(12.0, drop - 0.7))
                 + &path_line(along(0.0, drop + 0.7), along(12.0, drop + 0.7));
-            Element::group("key").with(path(&edges, "edge")).with(symbol::mark(kind, &spot, 10.0).0)
+            XmlElement::group("key").with(path(&edges, "edge")).with(symbol::mark(kind, &spot, 10.0).0)
         }
         Key::Stage(i) => line(["stage-0", "stage-1", "stage-2", "stage-3"][i.min(3)]),
     }
 }
 
 /// A bar of a round length, and the axes.
-pub fn scale_bar(sheet: &Sheet) -> Element {
+pub fn scale_bar(sheet: &Sheet) -> XmlElement {
     let right = sheet.strip.high.x - TITLE_WIDTH;
-    let area = Area {
+    let area = PaperArea {
         low: PaperPoint::new(right - SCALE_WIDTH, sheet.strip.low.y),
         high: PaperPoint::new(right, sheet.strip.high.y),
     };
-    let mut group = Element::group("scale").with(rectangle(area.low, area.high, "rule"));
+    let mut group = XmlElement::group("scale").with(rectangle(area.low, area.high, "rule"));
     group.push(symbol::axes(area.low + PaperPoint::new(8.0, 26.0)));
     // Five parts of 1, 2 or 5 times a power of ten, at most 42 mm in all.
     let most = 42.0 / 5.0 * sheet.scale / 1000.0;
@@ -177,10 +177,10 @@ pub fn scale_bar(sheet: &Sheet) -> Element {
 }
 
 /// The title block: the layout's name over rows of fields.
-pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<Field>]) -> Element {
+pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<TitleField>]) -> XmlElement {
     let low = PaperPoint::new(sheet.strip.high.x - TITLE_WIDTH, sheet.strip.low.y);
     let high = sheet.strip.high;
-    let mut group = Element::group("title-block").with(rectangle(low, high, "frame"));
+    let mut group = XmlElement::group("title-block").with(rectangle(low, high, "frame"));
     let head = 14.0;
     let label = |at: PaperPoint, text: &str| text::line(at + PaperPoint::new(1.8, 3.4), text, Height::H18, "quiet");
     group.push(label(low, subject));
@@ -210,7 +210,7 @@ pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<Field>]) -> E
 }
 
 /// What the title block of a general-arrangement drawing says.
-pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
+pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<TitleField>> {
     let layout = &compiled.layout;
     let status = match compiled.stages.last().map(|stage| stage.status) {
         Some(Status::Infeasible) => "NOT FEASIBLE",
@@ -232,9 +232,9 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
         Some(Cut::Time) => format!("{status}, cut: time"),
         None => status.to_owned(),
     };
-    let status = Field { columns: 2, warn: compiled.failed() || !fits, ..field("status", status) };
+    let status = TitleField { columns: 2, warn: compiled.failed() || !fits, ..field("status", status) };
     let (carts, left) = chain(compiled);
-    let left = Field { columns: 2, warn: !fits, ..field("left over (take-up compensates)", left) };
+    let left = TitleField { columns: 2, warn: !fits, ..field("left over (take-up compensates)", left) };
     vec![
         vec![
             field("length of track", format!("{} m", trimmed(compiled.length(), 3))),
@@ -254,7 +254,7 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<Field>> {
         vec![
             field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
             field("sheet", sheet.size),
-            Field { columns: 3, ..field("units", "m, degrees") },
+            TitleField { columns: 3, ..field("units", "m, degrees") },
         ],
     ]
 }
@@ -279,10 +279,10 @@ fn lines(stage: &Stage) -> usize {
 }
 
 /// The rows that a failed stage violates, in two columns.
-pub fn notes(sheet: &Sheet, stage: &Stage) -> Element {
+pub fn notes(sheet: &Sheet, stage: &Stage) -> XmlElement {
     let area = &sheet.notes;
     let inside = PaperPoint::new(0.6, 0.6);
-    let mut group = Element::group("violations").with(rectangle(area.low + inside, area.high - inside, "warn-box"));
+    let mut group = XmlElement::group("violations").with(rectangle(area.low + inside, area.high - inside, "warn-box"));
     let count = stage.violations.len();
     let rows = if count == 1 { "1 row is".to_owned() } else { format!("{count} rows are") };
     let head = format!("NOT FEASIBLE: {rows} violated, by at most {}", amount(stage.max_violation, "m"));

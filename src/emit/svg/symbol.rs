@@ -4,9 +4,9 @@ use crate::base::trig;
 use crate::emit::paper::PaperPoint;
 use crate::emit::plan::MarkKind;
 
-use super::place::Box;
+use super::place::PaperBox;
 use super::sheet::{path, path_line, polygon};
-use super::xml::Element;
+use super::xml::XmlElement;
 
 /// A place on the centre line, on paper.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +29,8 @@ impl Spot {
         [self.point(-along, from), self.point(along, from), self.point(along, to), self.point(-along, to)]
     }
 
-    fn taken(&self, along: f64, from: f64, to: f64) -> Box {
-        Box {
+    fn taken(&self, along: f64, from: f64, to: f64) -> PaperBox {
+        PaperBox {
             centre: self.point(0.0, (from + to) / 2.0),
             half: PaperPoint::new(along, (to - from).abs() / 2.0),
             axis: self.along,
@@ -39,7 +39,7 @@ impl Spot {
 }
 
 /// A symbol and the paper it takes. Motors lie along the track and are drawn with it.
-pub fn mark(kind: MarkKind, spot: &Spot, pitch: f64) -> (Element, Box) {
+pub fn mark(kind: MarkKind, spot: &Spot, pitch: f64) -> (XmlElement, PaperBox) {
     let h = spot.half;
     match kind {
         MarkKind::Start => {
@@ -49,7 +49,7 @@ pub fn mark(kind: MarkKind, spot: &Spot, pitch: f64) -> (Element, Box) {
         MarkKind::Photocell => {
             let beam = path_line(spot.point(0.0, -h - 1.5), spot.point(0.0, h + 1.5));
             let eye = spot.point(0.0, h + 2.5);
-            let mut group = Element::group("photocell-mark").with(path(&beam, "photocell"));
+            let mut group = XmlElement::group("photocell-mark").with(path(&beam, "photocell"));
             group.push(circle(eye, 1.0, "photocell"));
             group.push(path(&path_line(spot.point(-0.8, -h - 1.5), spot.point(0.8, -h - 1.5)), "photocell"));
             (group, spot.taken(1.2, -h - 1.7, h + 3.7))
@@ -79,8 +79,8 @@ pub fn mark(kind: MarkKind, spot: &Spot, pitch: f64) -> (Element, Box) {
     }
 }
 
-pub fn circle(centre: PaperPoint, radius: f64, class: &str) -> Element {
-    Element::new("circle").attr("class", class).num("cx", centre.x).num("cy", centre.y).num("r", radius)
+pub fn circle(centre: PaperPoint, radius: f64, class: &str) -> XmlElement {
+    XmlElement::new("circle").attr("class", class).num("cx", centre.x).num("cy", centre.y).num("r", radius)
 }
 
 /// A filled arrow head with its tip at `tip`.
@@ -97,9 +97,9 @@ pub fn cross(at: PaperPoint, half: f64) -> String {
 }
 
 /// The directions of x and y on the floor.
-pub fn axes(at: PaperPoint) -> Element {
+pub fn axes(at: PaperPoint) -> XmlElement {
     let (x, y) = (at + PaperPoint::new(12.0, 0.0), at - PaperPoint::new(0.0, 12.0));
-    let mut group = Element::group("axes");
+    let mut group = XmlElement::group("axes");
     group.push(path(&(path_line(at, x) + &path_line(at, y)), "rule"));
     let tips = arrow(x, PaperPoint::unit(0.0), 2.5, 1.4) + &arrow(y, PaperPoint::unit(-trig::FRAC_PI_2), 2.5, 1.4);
     group.push(path(&tips, "dimension-arrow"));

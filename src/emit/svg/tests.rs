@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use resvg::usvg::{Group, Node, Text, Tree};
 
-use super::place::Box;
+use super::place::PaperBox;
 use super::*;
 use crate::base::trig;
 use crate::compiled::Compiled;
@@ -45,7 +45,7 @@ fn write_samples() {
 }
 
 /// Every text but the watermark with its box in mm, as usvg lays it out.
-fn texts(tree: &Tree) -> Vec<(String, Box)> {
+fn texts(tree: &Tree) -> Vec<(String, PaperBox)> {
     fn walk(group: &Group, each: &mut impl FnMut(&Text)) {
         for node in group.children() {
             match node {
@@ -72,7 +72,7 @@ fn texts(tree: &Tree) -> Vec<(String, Box)> {
         let c = at(bounds.left(), bounds.bottom());
         let axis = (b - a) * (1.0 / a.distance(b));
         let half = PaperPoint::new(a.distance(b) / 2.0, a.distance(c) / 2.0);
-        found.push((words, Box { centre: b.lerp(c, 0.5), half, axis }));
+        found.push((words, PaperBox { centre: b.lerp(c, 0.5), half, axis }));
     });
     found
 }
@@ -121,7 +121,7 @@ fn no_text_is_over_the_track() {
             let (p, heading) = compiled.track.at(i as f64 * 0.25);
             for across in [-1.0, -0.5, 0.0, 0.5, 1.0] {
                 let at = sheet.at(p + Point::unit(heading).left() * (across * half));
-                let dot = Box::upright(at, 0.01, 0.01);
+                let dot = PaperBox::upright(at, 0.01, 0.01);
                 for (text, item) in &found {
                     assert!(!item.meets(&dot), "{name}: `{text}` over the band at {p:?}");
                 }

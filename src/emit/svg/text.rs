@@ -2,7 +2,7 @@
 
 use crate::emit::paper::PaperPoint;
 
-use super::xml::Element;
+use super::xml::XmlElement;
 
 /// Advance widths of U+0020 to U+007E, 2048 units an em.
 #[rustfmt::skip]
@@ -96,13 +96,13 @@ pub fn fitted(text: &str, height: Height, bold: bool, room: f64) -> String {
 }
 
 /// A line of text that begins at `at` (its base line). `class` adds to the height's.
-pub fn line(at: PaperPoint, text: impl Into<String>, height: Height, class: &str) -> Element {
+pub fn line(at: PaperPoint, text: impl Into<String>, height: Height, class: &str) -> XmlElement {
     let class = if class.is_empty() { height.class().to_owned() } else { format!("{} {class}", height.class()) };
-    Element::new("text").attr("class", class).num("x", at.x).num("y", at.y).text(text)
+    XmlElement::new("text").attr("class", class).num("x", at.x).num("y", at.y).text(text)
 }
 
 /// A line of text centred on `centre`, turned by `angle` degrees (clockwise on paper).
-pub fn centred(centre: PaperPoint, angle: f64, text: impl Into<String>, height: Height, class: &str) -> Element {
+pub fn centred(centre: PaperPoint, angle: f64, text: impl Into<String>, height: Height, class: &str) -> XmlElement {
     let base = centre + PaperPoint::new(0.0, height.capitals() / 2.0);
     let element = line(base, text, height, &format!("middle {class}"));
     if angle == 0.0 {

@@ -19,7 +19,7 @@ use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
-use crate::identify::{Model, Parameter, Settings};
+use crate::identify::{FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
 use force_slope::{ForceSlopes, Impact, Profile};
@@ -87,7 +87,7 @@ impl Chains {
         width: Width,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Result<Chains, (String, String)> {
-        let settings = Settings { seed, steps: nominal::STEPS, threads: 1, ..Settings::default() };
+        let settings = FitSettings { seed, steps: nominal::STEPS, threads: 1, ..FitSettings::default() };
         // More runs than threads at a time, so that none is left to a single one in the end.
         let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
             let found = fitted(subject, &settings, width).map_err(|why| (subject.name.clone(), why));
@@ -129,7 +129,7 @@ impl Chains {
             let effect = |effect: &Effect| {
                 let as_built = effect.strengths().map(|(s, fitted)| (s.name.to_owned(), fitted.as_built));
                 let strengths = as_built.chain([("draw".to_owned(), draw as f64 + 1.0)]).collect();
-                input::Effect { name: effect.name().to_owned(), strengths }
+                input::DeclaredEffect { name: effect.name().to_owned(), strengths }
             };
             self.simulated(run, &[], AS_BUILT.map(effect).to_vec(), false)
         });
@@ -186,17 +186,23 @@ impl Chains {
     }
 
     /// The effect of a candidate, as a simulation input has it.
-    fn effect(&self, applied: &Applied) -> input::Effect {
+    fn effect(&self, applied: &Applied) -> input::DeclaredEffect {
         let candidate = &self.candidates[applied.candidate];
         let fitted = candidate.strengths.iter().zip(&applied.strengths).map(|(s, x)| (s.name.clone(), *x));
-        input::Effect {
+        input::DeclaredEffect {
             name: candidate.effect.clone(),
             strengths: fitted.chain(candidate.fixed.iter().cloned()).collect(),
         }
     }
 
     /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
-    fn simulated(&self, run: usize, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
+    fn simulated(
+        &self,
+        run: usize,
+        step: &[f64],
+        effects: Vec<input::DeclaredEffect>,
+        sensor: bool,
+    ) -> Option<Vec<f64>> {
         let passes = if step.is_empty() { SIGNATURE_PASSES } else { PASSES };
         let fitted = &self.runs[run];
         let chain = fitted.with(effects.clone()).simulation;
@@ -215,7 +221,7 @@ impl Chains {
         &self,
         run: usize,
         step: &[f64],
-        effects: Vec<input::Effect>,
+        effects: Vec<input::DeclaredEffect>,
         passes: f64,
     ) -> Option<(Model, Coordinates, Ensemble)> {
         let fitted = &self.runs[run];
@@ -326,7 +332,7 @@ impl Simulator for Chains {
 
 impl FittedRun {
     /// The model with effects.
-    fn with(&self, effects: Vec<input::Effect>) -> Model {
+    fn with(&self, effects: Vec<input::DeclaredEffect>) -> Model {
         let mut model = self.model.clone();
         model.simulation.effects = effects;
         model

@@ -9,7 +9,7 @@ use crate::dynamics::Width;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, land};
 use crate::identify::study::Subject;
-use crate::identify::{Measured, Model, Parameter, Settings};
+use crate::identify::{FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
 
 /// Steps of a run's fit: enough to get the nuisances near, as the diagnosis moves them along.
@@ -19,7 +19,7 @@ pub const STEPS: usize = 3;
 const FEW: usize = 5;
 
 /// Fits the nominal model to a run.
-pub fn fitted(subject: &Subject, settings: &Settings, width: Width) -> Result<FittedRun, String> {
+pub fn fitted(subject: &Subject, settings: &FitSettings, width: Width) -> Result<FittedRun, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let mut simulation = subject.simulation.clone();

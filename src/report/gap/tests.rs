@@ -1,13 +1,13 @@
 use super::*;
 use crate::base::trig;
-use crate::chain_input::Piece;
+use crate::chain_input::CentreLinePiece;
 use crate::gap::random_reports::{hold, report};
 use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap};
 use std::collections::BTreeMap;
 
 fn oval() -> Track {
-    let straight = || Piece::Straight { length: 30.0, slope: 0.0 };
-    let arc = || Piece::Arc { radius: 4.0, turn_deg: 180.0 };
+    let straight = || CentreLinePiece::Straight { length: 30.0, slope: 0.0 };
+    let arc = || CentreLinePiece::Arc { radius: 4.0, turn_deg: 180.0 };
     Track { name: "oval".into(), start: [0.0; 4], elements: vec![straight(), arc(), straight(), arc()] }
 }
 

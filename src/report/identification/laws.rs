@@ -3,12 +3,12 @@
 use super::name;
 use crate::base::number::fixed;
 use crate::chain_input::ContactLaw;
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping};
 use maud::{Markup, html};
 
-pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[Group]) -> Markup {
+pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[RunGroup]) -> Markup {
     html! {
         h2 { "Laws" }
         p { "At equal stiffness, exponent and approach speed all laws but Kelvin and Voigt's are one law in other coordinates: what χ one finds, "
@@ -22,7 +22,7 @@ pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[Group]) -> Markup 
     }
 }
 
-fn table(laws: &[(ContactLaw, &[RunFit])], group: &Group) -> Markup {
+fn table(laws: &[(ContactLaw, &[RunFit])], group: &RunGroup) -> Markup {
     html! {
         div.scroll { table {
             thead { tr {

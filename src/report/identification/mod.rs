@@ -7,7 +7,7 @@ mod laws;
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::ContactLaw;
 use crate::identify::Parameter;
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::{Warning, warning};
 use crate::identify::study::{Estimate, RunFit};
 use crate::report::style::document;
@@ -19,10 +19,10 @@ use maud::{Markup, html};
 const OPEN: usize = 3;
 
 /// The page of a study: laws in the order they were fitted, each with its runs; `groups` are the runs by set point.
-pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Group]) -> String {
+pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[RunGroup]) -> String {
     let Some((law, fits)) = laws.first() else { return document("Identification", "", &html! {}) };
-    let of = |group: &Group| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&RunFit>>();
-    let bands: Vec<(&Group, Vec<&RunFit>)> =
+    let of = |group: &RunGroup| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&RunFit>>();
+    let bands: Vec<(&RunGroup, Vec<&RunFit>)> =
         groups.iter().map(|group| (group, of(group))).filter(|(_, fits)| !fits.is_empty()).collect();
     let limits: Vec<f64> = fits.iter().map(|fit| fit.goodness.limit.objective).collect();
     let limit = limits.iter().copied().fold(f64::INFINITY, f64::min);
@@ -76,12 +76,12 @@ fn bounds(p: Parameter) -> Vec<f64> {
 }
 
 /// A heading for a set point, where there are several.
-fn heading(groups: &[(&Group, Vec<&RunFit>)], group: &Group) -> String {
+fn heading(groups: &[(&RunGroup, Vec<&RunFit>)], group: &RunGroup) -> String {
     let others = groups.iter().map(|(other, _)| *other);
     if groups.len() > 1 { format!("{}, {}", group.short(others), group.set_point()) } else { String::new() }
 }
 
-fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
+fn objectives(groups: &[(&RunGroup, Vec<&RunFit>)]) -> Vec<Band> {
     let row = |fit: &&RunFit| IntervalRow {
         name: fit.run.clone(),
         value: fit.objective,
@@ -90,7 +90,7 @@ fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
         hollow: false,
         warned: !fit.fits(),
     };
-    let band = |(group, fits): &(&Group, Vec<&RunFit>)| Band {
+    let band = |(group, fits): &(&RunGroup, Vec<&RunFit>)| Band {
         name: heading(groups, group),
         quartiles: quartiles(fits.iter().map(|fit| fit.objective)),
         rows: fits.iter().map(row).collect(),
@@ -98,7 +98,7 @@ fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
     groups.iter().map(band).collect()
 }
 
-fn estimates(groups: &[(&Group, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
+fn estimates(groups: &[(&RunGroup, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
     let row = |fit: &&RunFit| {
         let e = fit.parameters.get(p.name())?;
         let held = e.at_bound && e.fitted;
@@ -111,7 +111,7 @@ fn estimates(groups: &[(&Group, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
             warned: held,
         })
     };
-    let band = |(group, fits): &(&Group, Vec<&RunFit>)| {
+    let band = |(group, fits): &(&RunGroup, Vec<&RunFit>)| {
         let values = fits.iter().filter_map(|fit| fit.parameters.get(p.name())).map(|e| e.value);
         Band { name: heading(groups, group), quartiles: quartiles(values), rows: fits.iter().filter_map(row).collect() }
     };

@@ -11,7 +11,7 @@ pub use hotspot::{Hotspot, hotspots};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::report::style::document;
-use crate::signal::measures::{Section, Statistics, by_section, statistics};
+use crate::signal::measures::{Statistics, TrackSection, by_section, statistics};
 use crate::signal::order::order_spectrum;
 use crate::signal::spectrum::welch;
 use crate::signal::{Channel, Run, SupportLoad, position, rainflow};
@@ -167,7 +167,8 @@ fn pitch(simulation: &Simulation) -> f64 {
 fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
     let parts: Vec<&lap_track::TrackPart> =
         track.parts.iter().filter(|part| part.kind != lap_track::PartKind::Straight).collect();
-    let bounds: Vec<Section> = parts.iter().map(|p| Section { name: p.name.clone(), from: p.from, to: p.to }).collect();
+    let bounds: Vec<TrackSection> =
+        parts.iter().map(|p| TrackSection { name: p.name.clone(), from: p.from, to: p.to }).collect();
     let columns: Vec<(Channel, Vec<Option<Statistics>>)> =
         [Channel::SteerLeft, Channel::SteerRight, Channel::RunLeft, Channel::RunRight, Channel::JointXi]
             .into_iter()

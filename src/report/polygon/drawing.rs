@@ -4,14 +4,14 @@
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
 use crate::emit::paper::{self, PaperPoint, Projection};
-use crate::emit::svg::sheet::{Area, Extent, Sheet, coordinates, path, path_line, rectangle};
+use crate::emit::svg::sheet::{Extent, PaperArea, Sheet, coordinates, path, path_line, rectangle};
 use crate::emit::svg::strip::field;
 use crate::emit::svg::text::Height;
-use crate::emit::svg::xml::{Element, number};
+use crate::emit::svg::xml::{XmlElement, number};
 use crate::emit::svg::{Theme, root, strip, symbol, text};
 use crate::geometry::{CentreLine, Point, bounds};
 use crate::kinematics::polygon::{Course, CurvePhasor, Phasor, curve_phasor, superposed};
-use crate::report::polygon::Report;
+use crate::report::polygon::PolygonReport;
 
 /// Width of the panel at the right, mm.
 const PANEL: f64 = 172.0;
@@ -27,7 +27,7 @@ const ROW: f64 = 3.7;
 ///
 /// # Errors
 /// [`DrawError::Extent`] when the sheet cannot show the track.
-pub fn polygon(report: &Report, line: &CentreLine, theme: Theme) -> Result<String, DrawError> {
+pub fn polygon(report: &PolygonReport, line: &CentreLine, theme: Theme) -> Result<String, DrawError> {
     let (low, high) = bounds(outline(line, 0.0, line.length).into_iter());
     let extent = Extent { low, high, length: line.length, sections: 1, band: 1.0, notes: 0.0, profile: 0.0 };
     let (sheet, panel) = Sheet::beside(&extent, PANEL)?;
@@ -38,7 +38,7 @@ pub fn polygon(report: &Report, line: &CentreLine, theme: Theme) -> Result<Strin
     let mut svg = root(&sheet, theme, &format!("{}: polygon action", report.layout), &description);
     svg.push(sheet.frame());
     svg.push(plan(&sheet, report, line));
-    let part = |from: f64, tall: f64| Area {
+    let part = |from: f64, tall: f64| PaperArea {
         low: panel.low + PaperPoint::new(0.0, from),
         high: PaperPoint::new(panel.high.x, panel.low.y + from + tall),
     };
@@ -84,8 +84,8 @@ fn shade(value: f64, most: f64) -> f64 {
     if most > 0.0 { (0.08 + 0.92 * value / most).clamp(0.0, 1.0) } else { 0.08 }
 }
 
-fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
-    let mut group = Element::group("plan");
+fn plan(sheet: &Sheet, report: &PolygonReport, line: &CentreLine) -> XmlElement {
+    let mut group = XmlElement::group("plan");
     let whole = outline(line, 0.0, line.length);
     group.push(path(&(polyline(sheet, &whole) + "Z"), "rule"));
     let most = report.straights.iter().map(|s| s.rms_mm).fold(0.0, f64::max);
@@ -137,9 +137,9 @@ fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
     group
 }
 
-fn heading(area: &Area, title: &str, more: &str) -> Element {
+fn heading(area: &PaperArea, title: &str, more: &str) -> XmlElement {
     let at = area.low + PaperPoint::new(4.0, 6.5);
-    Element::group("heading").with(text::line(at, title, Height::H25, "bold")).with(text::line(
+    XmlElement::group("heading").with(text::line(at, title, Height::H25, "bold")).with(text::line(
         at + PaperPoint::new(0.0, 4.2),
         more,
         Height::H18,
@@ -148,8 +148,8 @@ fn heading(area: &Area, title: &str, more: &str) -> Element {
 }
 
 /// Rows are starts, columns straights; the darker the rougher.
-fn matrix(report: &Report, area: Area) -> Element {
-    let mut group = Element::group("matrix").with(rectangle(area.low, area.high, "rule"));
+fn matrix(report: &PolygonReport, area: PaperArea) -> XmlElement {
+    let mut group = XmlElement::group("matrix").with(rectangle(area.low, area.high, "rule"));
     group.push(heading(&area, "ΔP, mm", "rows: where the chain starts; columns: where it is measured"));
     let n = report.delta_p_mm.len();
     let named = n <= NAMED;
@@ -183,7 +183,7 @@ fn matrix(report: &Report, area: Area) -> Element {
 }
 
 /// The row with the largest value: where the chain starts there.
-fn roughest(report: &Report) -> usize {
+fn roughest(report: &PolygonReport) -> usize {
     let square = |row: &Vec<f64>| row.iter().map(|x| x * x).sum::<f64>();
     (0..report.delta_p_mm.len())
         .max_by(|a, b| square(&report.delta_p_mm[*a]).total_cmp(&square(&report.delta_p_mm[*b])))
@@ -192,8 +192,8 @@ fn roughest(report: &Report) -> usize {
 
 /// The curves' first harmonics, one at the head of the other: from the middle to each head is what the straight behind
 /// it has.
-fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
-    let mut group = Element::group("harmonics").with(rectangle(area.low, area.high, "rule"));
+fn harmonics(report: &PolygonReport, line: &CentreLine, area: PaperArea) -> XmlElement {
+    let mut group = XmlElement::group("harmonics").with(rectangle(area.low, area.high, "rule"));
     let start = roughest(report);
     let from = report.straights.get(start).map_or("", |s| &s.name);
     let more = "head to tail; from the ring's middle to a head: ΔP of the straight behind it";
@@ -212,7 +212,7 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
         .collect();
     let (low, high) = paper::bounds(heads.iter().copied());
     let span = high - low;
-    let room = Area { low: area.low + PaperPoint::new(12.0, 15.5), high: area.high - PaperPoint::new(22.0, 6.0) };
+    let room = PaperArea { low: area.low + PaperPoint::new(12.0, 15.5), high: area.high - PaperPoint::new(22.0, 6.0) };
     let scale = (room.width() / span.x.max(1e-9)).min(room.height() / span.y.max(1e-9)).min(40.0);
     let place = |p: PaperPoint| (room.low + room.high) * 0.5 + (p - (low + high) * 0.5) * scale;
     let zero = place(PaperPoint::default());
@@ -243,8 +243,8 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
     group
 }
 
-fn words(report: &Report, area: Area) -> Element {
-    let mut group = Element::group("words").with(rectangle(area.low, area.high, "rule"));
+fn words(report: &PolygonReport, area: PaperArea) -> XmlElement {
+    let mut group = XmlElement::group("words").with(rectangle(area.low, area.high, "rule"));
     let wide = area.width() - 8.0;
     let mut at = area.low + PaperPoint::new(4.0, 5.4);
     let last = area.high.y - 2.0;
@@ -275,10 +275,11 @@ fn broken(note: &str, wide: f64) -> Vec<String> {
     lines
 }
 
-fn legend(sheet: &Sheet, report: &Report) -> Element {
+fn legend(sheet: &Sheet, report: &PolygonReport) -> XmlElement {
     let low = sheet.strip.low;
     let right = sheet.strip.high.x - strip::TITLE_WIDTH - strip::SCALE_WIDTH;
-    let mut group = Element::group("legend").with(rectangle(low, PaperPoint::new(right, sheet.strip.high.y), "rule"));
+    let mut group =
+        XmlElement::group("legend").with(rectangle(low, PaperPoint::new(right, sheet.strip.high.y), "rule"));
     let most = report.straights.iter().map(|s| s.rms_mm).fold(0.0, f64::max);
     let at = |row: f64| low + PaperPoint::new(5.0, 7.0 + 6.4 * row);
     let caption = |row: f64, words: &str| {
@@ -304,7 +305,7 @@ fn legend(sheet: &Sheet, report: &Report) -> Element {
     group
 }
 
-fn fields(sheet: &Sheet, report: &Report) -> Vec<Vec<strip::Field>> {
+fn fields(sheet: &Sheet, report: &PolygonReport) -> Vec<Vec<strip::TitleField>> {
     let square = |x: f64| format!("{} mm²", fixed(x, 2));
     let v = &report.values;
     vec![
@@ -333,7 +334,7 @@ mod tests {
     use crate::compiled::fixture::compile;
     use crate::emit::png;
     use crate::geometry::Form;
-    use crate::kinematics::polygon::Objective;
+    use crate::kinematics::polygon::PolygonObjective;
     use crate::model::instances;
     use crate::report::polygon::Names;
 
@@ -341,7 +342,8 @@ mod tests {
         let simulation = Simulation::new(compiled);
         let line = simulation.track.centre_line();
         let names = Names::of(compiled);
-        let report = Report::new(&simulation.name, &line, 1.25, Objective::All, &names).expect("a report");
+        let report =
+            PolygonReport::new(&simulation.name, &line, 1.25, PolygonObjective::All, &names).expect("a report");
         polygon(&report, &line, theme).expect("drawn")
     }
 

@@ -4,7 +4,7 @@ use crate::base::trig;
 use crate::geometry::{Point, Track};
 use crate::model::{Formula, Layout};
 use crate::problem::measures::{radius, to_corners, x, y};
-use crate::problem::{Function, Problem, Row};
+use crate::problem::{ConstraintRow, Function, Problem};
 
 /// Slack on angles and lengths that come from text, rad or m.
 const SLACK: f64 = 1e-9;
@@ -169,7 +169,7 @@ fn turn_limits(problem: &Problem, vertex: usize, step: f64) -> (i32, i32) {
 
 /// Whether `require heading` allows a section's heading, rad.
 fn headings_asked(problem: &Problem, section: usize, heading: f64) -> bool {
-    let asked = |row: &&Row| matches!(row.function, Function::Formula(Formula::Heading(i)) if i == section);
+    let asked = |row: &&ConstraintRow| matches!(row.function, Function::Formula(Formula::Heading(i)) if i == section);
     problem.rows.iter().filter(asked).all(|row| {
         let aim = if row.low.is_finite() && row.high.is_finite() { (row.low + row.high) / 2.0 } else { 0.0 };
         let heading = aim + trig::wrap(heading - aim);

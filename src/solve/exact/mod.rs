@@ -22,7 +22,7 @@ mod tariff;
 pub use tariff::worth;
 
 use super::options::Discretised;
-use super::sqp::{Settings, Solution};
+use super::sqp::{Solution, SqpSettings};
 use super::{Certificate, Counted, Stop, Violation, discrete};
 use crate::geometry::{Point, bounds};
 use crate::model::Layout;
@@ -46,7 +46,7 @@ pub fn discretise(
     layout: &Layout,
     problem: &Problem,
     start: &Solution,
-    settings: &Settings,
+    settings: &SqpSettings,
     effort: &Effort,
 ) -> Discretised {
     let rough = discrete::discretise(layout, problem, start, settings);
