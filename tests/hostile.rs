@@ -67,7 +67,8 @@ proptest! {
         seed in 0..SEEDS.len(),
         edits in prop::collection::vec((any::<prop::sample::Index>(), 0..4u8, 0..WORDS.len()), 1..6),
     ) {
-        let mut words: Vec<String> = SEEDS[seed].split_inclusive([' ', '\n', ',', '(', ')']).map(str::to_string).collect();
+        let ends = [' ', '\n', ',', '(', ')'];
+        let mut words: Vec<String> = SEEDS[seed].split_inclusive(ends).map(str::to_string).collect();
         for (at, what, word) in edits {
             let at = at.index(words.len());
             match what {
@@ -87,7 +88,8 @@ proptest! {
 /// A loop with that many vertices on a circle, and lines in it.
 fn circle(vertices: usize, more: &str) -> String {
     let mut text = String::from(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout big {\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  width 1.2 m\n",
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout big {\n  catalog standard\n  cart tilt_tray\n  \
+         speed 2 m/s\n  width 1.2 m\n",
     );
     for i in 0..vertices {
         let angle = i as f64 / vertices as f64 * std::f64::consts::TAU;

@@ -121,8 +121,8 @@ fn arcs_that_meet_directly_come_back() {
     let vertices: String = corners.iter().enumerate().map(|(i, at)| format!("  vertex V{i} {at}\n")).collect();
     // The diagonal is as long as its two tangents: 4 tan 22.5° √2.
     let text = format!(
-        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout l {{\n  catalog thesis\n  cart tilt_tray(length: 1250 mm)\n  \
-         speed 2 m/s\n  width 1 m\n{}  optimise nothing\n}}\n",
+        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout l {{\n  catalog thesis\n  \
+         cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1 m\n{}  optimise nothing\n}}\n",
         vertices.replace(&format!("{t} m"), &format!("{} m", 2.0 * t / trig::hypot(1.0, 1.0)))
     );
     let (layout, found) = layout("l.lss", &text);

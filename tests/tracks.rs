@@ -106,9 +106,10 @@ fn elements_of_raised_tracks_stand_where_their_arc_length_says() {
 
 fn said(heights: &str) -> Vec<String> {
     let text = format!(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  \
-         width 1.2 m\n  vertex P1 (0 m, 0 m) radius 4 m\n  vertex P2 (40 m, 0 m) radius 4 m\n  vertex P3 (40 m, 20 m) radius 4 m\n  \
-         vertex P4 (0 m, 20 m) radius 4 m\n{heights}\n  optimise nothing\n}}\n"
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  cart tilt_tray\n  \
+         speed 2 m/s\n  \
+         width 1.2 m\n  vertex P1 (0 m, 0 m) radius 4 m\n  vertex P2 (40 m, 0 m) radius 4 m\n  \
+         vertex P3 (40 m, 20 m) radius 4 m\n  vertex P4 (0 m, 20 m) radius 4 m\n{heights}\n  optimise nothing\n}}\n"
     )
     .replace("tilt_tray\n  speed", "tilt_tray(length: 1250 mm)\n  speed");
     compile(&text).heights.iter().map(|d| format!("{:?} {}", d.code, d.message)).collect()

@@ -35,8 +35,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{}e{power}", trimmed(scaled, digits - 1))
 }
 
-/// With so many significant digits as a person reads them: never in powers of ten, no more than nine decimals, and `unknown` for what is
-/// no number.
+/// With so many significant digits as a person reads them: never in powers of ten, no more than nine decimals, and
+/// `unknown` for what is no number.
 pub fn decimal(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return "unknown".to_owned();

@@ -142,9 +142,12 @@ pub fn markdown(score: &Score) -> String {
     let levels: Vec<String> = StrengthLevel::ALL.iter().map(|l| l.name().to_owned()).collect();
     let _ = write!(
         out,
-        "Shares have Wilson's intervals, means those of 2000 bootstrap samples. Levels are {}: under 3, 3 to 10 and over 10 times the\n\
-         distance of two replicate laps. An effect's rank is among all effects, no gap and unknown; both effects of a pair must be\n\
-         found, each ranked without the other. By group, effects that an answer says it cannot tell apart count as one.\n",
+        "Shares have Wilson's intervals, means those of 2000 bootstrap samples. Levels are {}: under 3, 3 to 10 and \
+         over 10 times the\n\
+         distance of two replicate laps. An effect's rank is among all effects, no gap and unknown; both effects of a \
+         pair must be\n\
+         found, each ranked without the other. By group, effects that an answer says it cannot tell apart count as \
+         one.\n",
         levels.join(", ")
     );
     out

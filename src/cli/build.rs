@@ -313,7 +313,8 @@ fn told_of(found: &Found, folder: &Path) {
     match found {
         Found::Whole => {}
         Found::Interrupted { new, old } => report::warning(&format!(
-            "{folder} holds parts of two builds, as a build was stopped while it wrote: {} {} new, {} {} not; all are written anew",
+            "{folder} holds parts of two builds, as a build was stopped while it wrote: {} {} new, {} {} not; all are \
+             written anew",
             new.join(", "),
             if new.len() == 1 { "is" } else { "are" },
             old.join(", "),

@@ -57,7 +57,8 @@ pub fn identifiability(
         let wider = (unknown[(i, i)] / known[(i, i)]).sqrt();
         if wider > 1.5 && share[i] < NOTHING {
             said.push(format!(
-                "{} is told apart from the floor of approach speeds only because that is taken as known: otherwise its interval would be {} times as wide",
+                "{} is told apart from the floor of approach speeds only because that is taken as known: otherwise its \
+                 interval would be {} times as wide",
                 p.name(),
                 trimmed(wider, 1)
             ));

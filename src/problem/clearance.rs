@@ -1,9 +1,9 @@
 //! Clearance rows: the signed distance of an [`Approach`] or a [`Meeting`] with its derivatives.
 //!
-//! A row stays valid while the nearest point slides from one part of the track to the next, because the signed
-//! distance to a smooth curve is itself smooth there: every evaluation picks the part beside the corner anew among
-//! the neighbours of the part the row was found at. What it picked is a [`ClearanceForm`], which other readers of the problem
-//! share.
+//! A row stays valid while the nearest point slides from one part of the track to the next, because the signed distance
+//! to a smooth curve is itself smooth there: every evaluation picks the part beside the corner anew among the
+//! neighbours of the part the row was found at. What it picked is a [`ClearanceForm`], which other readers of the
+//! problem share.
 
 use super::expansion::Expansion;
 use super::jet::{Jet, Vector};

@@ -91,9 +91,9 @@ impl Campaign {
     ///
     /// # Errors
     ///
-    /// [`DataProblem::UnknownKey`], [`DataProblem::MissingKey`] and [`DataProblem::WrongValue`] with the key and its line;
-    /// [`DataProblem::MissingRun`], [`DataProblem::DuplicateRun`], [`DataProblem::NoRuns`]; and what [`Sidecar::read`] says when
-    /// the layout has to be found there.
+    /// [`DataProblem::UnknownKey`], [`DataProblem::MissingKey`] and [`DataProblem::WrongValue`] with the key and its
+    /// line; [`DataProblem::MissingRun`], [`DataProblem::DuplicateRun`], [`DataProblem::NoRuns`]; and what
+    /// [`Sidecar::read`] says when the layout has to be found there.
     pub fn read(path: &Path) -> Result<Campaign, RunError> {
         let (campaign, refused) = Campaign::read_each(path)?;
         match refused.into_iter().next() {
@@ -312,7 +312,8 @@ fn found(folder: &Path) -> std::io::Result<Vec<Listed>> {
 mod tests {
     use super::*;
 
-    const SIDECAR: &str = "layout = \"lines/b.lss\"\nsensor_cart = 1\nspeed_setpoint = 2\ntrigger_position = 0\nlowpass = 100\nlaps = 1\n";
+    const SIDECAR: &str = "layout = \"lines/b.lss\"\nsensor_cart = 1\nspeed_setpoint = 2\ntrigger_position = 0\n\
+                           lowpass = 100\nlaps = 1\n";
 
     /// A folder with these files.
     fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
@@ -332,7 +333,8 @@ mod tests {
 
     #[test]
     fn runs_take_their_layout_from_the_entry_the_campaign_or_the_sidecar() {
-        let list = "[[run]]\nfile = \"one.csv\"\nlayout = \"a.lss\"\nspeed = 2\ntension = 1e3\n\n[[run]]\nfile = \"sub/two.parquet\"\n";
+        let list = "[[run]]\nfile = \"one.csv\"\nlayout = \"a.lss\"\nspeed = 2\ntension = 1e3\n\n[[run]]\n\
+                    file = \"sub/two.parquet\"\n";
         let files = [
             ("campaign.toml", list),
             ("one.csv", ""),
@@ -395,7 +397,8 @@ mod tests {
             ),
             (
                 format!("{run}weather = \"dry\""),
-                "campaign.toml, row 3, `weather`: there is no such key\n  help: remove it; keys are file, layout, speed, tension",
+                "campaign.toml, row 3, `weather`: there is no such key\n  \
+                 help: remove it; keys are file, layout, speed, tension",
             ),
             ("run = 3".into(), "campaign.toml, row 1, `run`: the value is not tables, each headed by [[run]]"),
             ("run = [3]".into(), "campaign.toml, row 1, `run`: the value is not tables, each headed by [[run]]"),
@@ -409,11 +412,13 @@ mod tests {
             ),
             (
                 format!("{run}layout = \"a.lss\"\n{}", run.replace("one", "none")),
-                "campaign.toml, row 5, `file`: there is no file none.csv\n  help: paths are seen from the campaign's folder",
+                "campaign.toml, row 5, `file`: there is no file none.csv\n  \
+                 help: paths are seen from the campaign's folder",
             ),
             (
                 format!("layout = \"a.lss\"\n{run}{run}"),
-                "campaign.toml, row 5, `file`: the run has the same name as one.csv\n  help: a run is known by its file's name",
+                "campaign.toml, row 5, `file`: the run has the same name as one.csv\n  \
+                 help: a run is known by its file's name",
             ),
             (run.to_owned(), "one.csv: there is no sidecar one.toml\n  help: write it with layout"),
             ("[[run]\n".into(), "campaign.toml, row 1: is malformed: "),

@@ -246,7 +246,8 @@ mod tests {
         let within = |most| table(&mut BufReader::new(Cursor::new(text)), Path::new("run.csv"), &pick, most);
         assert!(within(6).is_ok());
         let told = within(5).expect_err("too long").to_string();
-        let expected = "run.csv, row 5: the run has more than 5 numbers, in 2 columns: that is the limit\n  help: split the file into runs of 2 rows or fewer";
+        let expected = "run.csv, row 5: the run has more than 5 numbers, in 2 columns: that is the limit\n  \
+                        help: split the file into runs of 2 rows or fewer";
         assert!(told.starts_with(expected), "{told}");
     }
 

@@ -157,7 +157,9 @@ impl RunError {
         match &self.problem {
             DataProblem::Unreadable(_) => "check the path and its permissions".to_owned(),
             DataProblem::OutsideRoot(root) => InputError::OutsideRoot(root.clone()).help().to_owned(),
-            DataProblem::TooLarge(_) => "split it into several runs, or leave out channels that are not needed".to_owned(),
+            DataProblem::TooLarge(_) => {
+                "split it into several runs, or leave out channels that are not needed".to_owned()
+            }
             DataProblem::Foreign { help, .. } => (*help).to_owned(),
             DataProblem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
             DataProblem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
@@ -209,7 +211,8 @@ impl RunError {
                 "a run is known by its file's name without the ending: rename one of the two".to_owned()
             }
             DataProblem::NoRuns => {
-                "add [[run]] with file = \"run-01.csv\" to campaign.toml, or put data files with their sidecars into the folder"
+                "add [[run]] with file = \"run-01.csv\" to campaign.toml, or put data files with their sidecars into \
+                 the folder"
                     .to_owned()
             }
             DataProblem::OtherTimeBase => "export all channels with one rate, on one time base".to_owned(),

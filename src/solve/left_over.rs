@@ -80,8 +80,9 @@ fn mm(metres: f64) -> String {
 /// pairs.
 pub(super) fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
     let held = |i: usize| {
-        layout.constraints.iter().any(|c| {
-            matches!(&c.kind, ConstraintKind::FixSection { target, kinds } if target.from == i && kinds.contains(&FixKind::Length))
+        layout.constraints.iter().any(|c| match &c.kind {
+            ConstraintKind::FixSection { target, kinds } => target.from == i && kinds.contains(&FixKind::Length),
+            _ => false,
         })
     };
     let n = track.corners.len();

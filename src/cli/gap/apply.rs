@@ -50,7 +50,8 @@ fn effect(finding: &Finding) -> DeclaredEffect {
 
 fn text(layout: &str, import: &str, effects: &[&Finding]) -> String {
     let mut out = format!(
-        "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\nlayout {layout}_gap from {layout} {{\n"
+        "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\n\
+         layout {layout}_gap from {layout} {{\n"
     );
     for finding in effects {
         let strength = finding.strength.iter().map(|(name, a)| {

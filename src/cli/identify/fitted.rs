@@ -95,8 +95,16 @@ fn head(layout: &Layout, group: &RunGroup, fits: &[&RunFit]) -> String {
 fn law_note(law: ContactLaw) -> String {
     match law {
         ContactLaw::HerbertMcwhannell => String::new(),
-        ContactLaw::KelvinVoigt => "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
-        _ => "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
+        ContactLaw::KelvinVoigt => concat!(
+            "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, ",
+            "their\n// meaning is not. The simulation input beside this file has the law.\n",
+        )
+        .to_owned(),
+        _ => concat!(
+            "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and ",
+            "McWhannell's.\n",
+        )
+        .to_owned(),
     }
 }
 
@@ -165,7 +173,10 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     let [ahead, above] = cart.centre_of_mass_m.map(shortest);
     let _ = writeln!(
         out,
-        "cart fitted_cart {{\n  length = {} m\n  mass = {} kg\n  inertia = ({roll} kg*m^2, {pitch} kg*m^2, {yaw} kg*m^2)\n  centre_of_mass = ({ahead} m, {above} m)\n  steering = fitted_steering\n  running = fitted_running\n  joint = fitted_joint\n  motor_height = {} m\n  tension = {} N\n}}\n",
+        "cart fitted_cart {{\n  length = {} m\n  mass = {} kg\n  \
+         inertia = ({roll} kg*m^2, {pitch} kg*m^2, {yaw} kg*m^2)\n  centre_of_mass = ({ahead} m, {above} m)\n  \
+         steering = fitted_steering\n  running = fitted_running\n  joint = fitted_joint\n  \
+         motor_height = {} m\n  tension = {} N\n}}\n",
         shortest(cart.length_m),
         shortest(cart.mass_kg),
         shortest(cart.motor_height_m),
@@ -174,7 +185,8 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     let controller = &simulation.controller;
     let _ = writeln!(
         out,
-        "controller fitted_controller {{\n  proportional = {} N*s/m\n  integral = {} N/m\n  derivative = {} N*s^2/m\n  period = {} s\n}}\n",
+        "controller fitted_controller {{\n  proportional = {} N*s/m\n  integral = {} N/m\n  derivative = {} N*s^2/m\n  \
+         period = {} s\n}}\n",
         shortest(controller.proportional_n_s_per_m),
         shortest(controller.integral_n_per_m),
         shortest(controller.derivative_n_s2_per_m),
@@ -182,7 +194,8 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     );
     let _ = writeln!(
         out,
-        "layout {}_fitted from {} {{\n  cart fitted_cart\n  controller fitted_controller\n  speed {} m/s\n  chain tension {} N",
+        "layout {}_fitted from {} {{\n  cart fitted_cart\n  controller fitted_controller\n  speed {} m/s\n  \
+         chain tension {} N",
         layout.name,
         layout.name,
         shortest(simulation.chain.speed_m_s),

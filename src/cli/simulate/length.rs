@@ -36,13 +36,15 @@ impl CartLength {
         };
         let why = match (fits, take_up) {
             (Some(false), Some(take_up)) => format!(
-                "{over}, beyond the take-up of {}; carts of a length that closes the chain under its tension are simulated",
+                "{over}, beyond the take-up of {}; carts of a length that closes the chain under its tension are \
+                 simulated",
                 mm(take_up)
             ),
             (Some(true), Some(take_up)) => {
                 let take_up = mm(take_up);
                 format!(
-                    "{over}, within the take-up of {take_up}; each takes its share of it, less what the tension stretches a joint by"
+                    "{over}, within the take-up of {take_up}; each takes its share of it, less what the tension \
+                     stretches a joint by"
                 )
             }
             _ => format!("{over}; carts of a length that closes the chain under its tension are simulated"),

@@ -1,8 +1,8 @@
 //! The few tables and entities of a DXF R2000 file (AutoCAD 2000 DXF Reference), as text and the same bytes each
 //! time: handles are counted, and there are no dates.
 //!
-//! Written here, because a drawing needs few kinds of records, and the crate for DXF, with which tests read it back, is a
-//! second opinion on them only as long as it is not the writer, too.
+//! Written here, because a drawing needs few kinds of records, and the crate for DXF, with which tests read it back, is
+//! a second opinion on them only as long as it is not the writer, too.
 
 use std::fmt::Write;
 

@@ -123,7 +123,8 @@ fn key(x: f64, y: f64, largest: f64, axis: Axis) -> Markup {
     html! {
         @for k in 0..32 {
             @let share = f64::from(k) / 31.0;
-            rect.gap-fill x=(fixed(x + f64::from(k) * 5.0, 1)) y=(fixed(y, 1)) width="5" height="10" fill-opacity=(opacity(share, 1.0)) {}
+            rect.gap-fill x=(fixed(x + f64::from(k) * 5.0, 1)) y=(fixed(y, 1)) width="5" height="10"
+                fill-opacity=(opacity(share, 1.0)) {}
         }
         text.number-label x=(fixed(x + 168.0, 1)) y=(fixed(y + 9.0, 1)) {
             "0 … " (percent(largest)) " of the gap per " (if axis == Axis::Track { "metre" } else { "second" })
@@ -172,25 +173,30 @@ fn strip(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis
     let step = extent / PIECES as f64;
     html! {
         figure {
-            figcaption { b { "Channel by channel" } ", share of the gap over " (if axis == Axis::Track { "arc length, m" } else { "time, s" })
+            figcaption { b { "Channel by channel" } ", share of the gap over "
+                (if axis == Axis::Track { "arc length, m" } else { "time, s" })
                 @if track.is_some() { "; shaded above: curves, ramps and spirals" } }
             svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
                 @for part in track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != PartKind::Straight) {
-                    rect class=(part.kind.class()) x=(fixed(x(part.from), 1)) y="0" width=(fixed(x(part.to) - x(part.from), 1)) height="8" {}
+                    rect class=(part.kind.class()) x=(fixed(x(part.from), 1)) y="0"
+                        width=(fixed(x(part.to) - x(part.from), 1)) height="8" {}
                 }
                 @for (k, ((channel, share), values)) in rows.iter().zip(&columns).enumerate() {
                     @let y = top + ROW * k as f64;
                     text.name x=(LEFT - 10.0) y=(fixed(y + 13.0, 1)) text-anchor="end" { (channel) }
                     rect.row x=(LEFT) y=(fixed(y, 1)) width=(WIDTH - LEFT - RIGHT) height=(ROW - 4.0) {}
                     @for (from, to, value) in runs(values) {
-                        rect.gap-fill x=(fixed(x(from as f64 * step), 1)) y=(fixed(y, 1)) width=(fixed(x((to - from) as f64 * step) - LEFT, 1))
+                        rect.gap-fill x=(fixed(x(from as f64 * step), 1)) y=(fixed(y, 1))
+                            width=(fixed(x((to - from) as f64 * step) - LEFT, 1))
                             height=(ROW - 4.0) fill-opacity=(opacity(value, largest)) {}
                     }
                     text.value x=(WIDTH - RIGHT + 8.0) y=(fixed(y + 13.0, 1)) { (percent(*share)) }
                 }
                 @for t in ticks(0.0, extent, 12.0) {
                     line.axis x1=(fixed(x(t), 1)) x2=(fixed(x(t), 1)) y1=(top) y2=(fixed(bottom, 1)) {}
-                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" { (trimmed(t, 3)) " " (axis.unit()) }
+                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" {
+                        (trimmed(t, 3)) " " (axis.unit())
+                    }
                 }
                 (key(LEFT, bottom + 28.0, largest, axis))
             }
@@ -232,8 +238,12 @@ fn worst(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis
                     td.number { (percent(p.share)) }
                     td { (p.channel) }
                     td { @if whole(p) { @if axis == Axis::Track { "all along the track" } @else { "all the time" } }
-                        @else { (stretch(p.extent.ends().0, p.extent.ends().1, axis)) @if let Some(name) = part(p) { ", " (name) } } }
-                    td { @if axis == Axis::Track { (p.band) @if !band(&p.band, axis).is_empty() { ": " } } (band(&p.band, axis)) }
+                        @else { (stretch(p.extent.ends().0, p.extent.ends().1, axis))
+                            @if let Some(name) = part(p) { ", " (name) } } }
+                    td {
+                        @if axis == Axis::Track { (p.band) @if !band(&p.band, axis).is_empty() { ": " } }
+                        (band(&p.band, axis))
+                    }
                 }
             } }
         } }
@@ -264,7 +274,11 @@ fn table(places: &[&GapPlace]) -> Markup {
     let rest = 1.0 - total(&|_| true);
     html! {
         h3 { "By channel and kind of deviation" }
-        @if rest > 0.005 { p.quiet { "The " (places.len()) " largest parts are counted. Smaller ones hold the other " (percent(rest)) "." } }
+        @if rest > 0.005 {
+            p.quiet {
+                "The " (places.len()) " largest parts are counted. Smaller ones hold the other " (percent(rest)) "."
+            }
+        }
         div.scroll { table.heat {
             thead { tr { th { "channel" } @for b in &bands { th.number { (b) } } th.number { "sum" } } }
             tbody {
@@ -273,13 +287,20 @@ fn table(places: &[&GapPlace]) -> Markup {
                         td { (channel) }
                         @for b in &bands {
                             @let share = shares.get(&(*channel, *b)).copied().unwrap_or(0.0);
-                            @if share > 0.0 { td.number style=(heat(share)) { (percent(share)) } } @else { td.number.quiet { "–" } }
+                            @if share > 0.0 {
+                                td.number style=(heat(share)) { (percent(share)) }
+                            } @else {
+                                td.number.quiet { "–" }
+                            }
                         }
                         td.number { (percent(*all)) }
                     }
                 }
                 @if channels.len() > 1 {
-                    tr.sum { td { "sum" } @for b in &bands { td.number { (percent(total(&|k| k.1 == *b))) } } td.number { (percent(total(&|_| true))) } }
+                    tr.sum {
+                        td { "sum" } @for b in &bands { td.number { (percent(total(&|k| k.1 == *b))) } }
+                        td.number { (percent(total(&|_| true))) }
+                    }
                 }
             }
         } }

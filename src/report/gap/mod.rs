@@ -42,7 +42,9 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         }
         @if !diagnosis.runs.is_empty() {
             figure {
-                figcaption { b { "Gap of each run" } ", mean square residual over that of repeated measurements: 1 is none" }
+                figcaption {
+                    b { "Gap of each run" } ", mean square residual over that of repeated measurements: 1 is none"
+                }
                 (bars::runs(&diagnosis.runs, changed))
             }
         }
@@ -101,7 +103,9 @@ fn claims<'a>(diagnosis: &'a Diagnosis, named: &[&'a Finding]) -> Vec<&'a Findin
 fn strengths(named: &[&Finding]) -> Markup {
     html! {
         div.scroll { table {
-            thead { tr { th { "effect" } th { "where" } th { "strength" } th.number { "value" } th { "90 % interval" } } }
+            thead {
+                tr { th { "effect" } th { "where" } th { "strength" } th.number { "value" } th { "90 % interval" } }
+            }
             tbody { @for finding in named {
                 @for (k, (name, strength)) in finding.strength.iter().enumerate() {
                     @let (value, interval) = amount(strength);
@@ -127,7 +131,9 @@ fn closed_by_channel(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !channels.is_empty() {
             p.note { "By channel: "
-                @for (k, (channel, closed)) in channels.iter().enumerate() { @if k > 0 { ", " } (channel) " " (percent(*closed)) } "." }
+                @for (k, (channel, closed)) in channels.iter().enumerate() {
+                    @if k > 0 { ", " } (channel) " " (percent(*closed))
+                } "." }
         }
     }
 }
@@ -156,7 +162,13 @@ fn overlays(diagnosis: &Diagnosis) -> Markup {
     let changed = charts.iter().any(|(changed, _)| *changed);
     html! {
         @if drawn {
-            h2 { @if changed { "Before and after, in the channels that differ most" } @else { "Measured and simulated, in the channels that differ most" } }
+            h2 {
+                @if changed {
+                    "Before and after, in the channels that differ most"
+                } @else {
+                    "Measured and simulated, in the channels that differ most"
+                }
+            }
             (overlay::legend(changed))
             @for (_, chart) in &charts { (chart) }
         }
@@ -186,7 +198,8 @@ fn repeatability(diagnosis: &Diagnosis) -> Markup {
         @if !diagnosis.repeatability.is_empty() {
             h2 { "Repeatability" }
             p { @if diagnosis.axis == Axis::Track {
-                    "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart means). "
+                    "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart \
+                     means). "
                 } @else {
                     "The same measured again would be this far apart (root mean square of the means over windows). "
                 } "It counts as no gap: "
@@ -196,7 +209,9 @@ fn repeatability(diagnosis: &Diagnosis) -> Markup {
         }
         @if !diagnosis.runs.is_empty() {
             @let high = diagnosis.runs.iter().map(|r| r.replicate_high).filter(|x| x.is_finite()).fold(0.0, f64::max);
-            @if high > 0.0 { p.note { "95 % of repeated measurements stay under " (trimmed(high, 2)) " times its mean square." } }
+            @if high > 0.0 {
+                p.note { "95 % of repeated measurements stay under " (trimmed(high, 2)) " times its mean square." }
+            }
         }
     }
 }

@@ -32,15 +32,21 @@ pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Ru
         @for warning in fits.iter().filter_map(warning) { (told(&warning)) }
         @if laws.len() > 1 { (laws::comparison(laws, groups)) }
         h2 { "Objective" }
-        p { "Root mean square of the residuals, each over the deviation of replicate laps: 1 is as near as two laps are to each other. Dotted: 1, and the "
+        p { "Root mean square of the residuals, each over the deviation of replicate laps: 1 is as near as two laps \
+             are to each other. Dotted: 1, and the "
             (if limits.len() > 1 { "least" } else { "" }) " limit that repeatability allows." }
         (intervals(&objectives(&bands), &[1.0, limit]))
         h2 { "Parameters, " (name(*law)) }
-        p { "A dot and a bar a run: the estimate and its 90 % interval. Hollow: not fitted by this run. Shaded, where a set point has three "
-            "runs or more: from the lower to the upper quartile of its runs, with their median. No set points are mixed. Dotted: the bounds of a restitution." }
+        p { "A dot and a bar a run: the estimate and its 90 % interval. Hollow: not fitted by this run. Shaded, where \
+             a set point has three "
+            "runs or more: from the lower to the upper quartile of its runs, with their median. No set points are \
+             mixed. Dotted: the bounds of a restitution." }
         @for p in Parameter::ALL {
             figure {
-                figcaption { b { (p.name()) } @if !p.unit().is_empty() { ", " (p.unit()) } @if shared.contains(&p) { ", shared by all runs" } }
+                figcaption {
+                    b { (p.name()) } @if !p.unit().is_empty() { ", " (p.unit()) }
+                    @if shared.contains(&p) { ", shared by all runs" }
+                }
                 (parameter(&estimates(&bands, p), p))
             }
         }
@@ -170,11 +176,19 @@ fn run(fit: &RunFit) -> Markup {
     html! {
         h3 { (fit.run) }
         p { "Objective " (fixed(fit.objective, 3)) " (limit " (fixed(fit.goodness.limit.objective, 3)) ", "
-            (trimmed(fit.goodness.limit.degrees_of_freedom, 0)) " effective degrees of freedom), " (fixed(fit.laps, 2)) " laps, "
+            (trimmed(fit.goodness.limit.degrees_of_freedom, 0)) " effective degrees of freedom), " (fixed(fit.laps, 2))
+            " laps, "
             (fit.simulations) " simulations in " (fit.steps) " steps"
-            @if fit.filled + fit.masked > 0 { "; lost samples: " (fit.filled) " bridged, " (fit.masked) " left out" } "." }
+            @if fit.filled + fit.masked > 0 {
+                "; lost samples: " (fit.filled) " bridged, " (fit.masked) " left out"
+            } "." }
         div.scroll { table {
-            thead { tr { th { "parameter" } th { "value" } th { "90 % interval" } th { "" } th { "damping" } th { "achieved" } th { "strongest correlation" } } }
+            thead {
+                tr {
+                    th { "parameter" } th { "value" } th { "90 % interval" } th { "" } th { "damping" }
+                    th { "achieved" } th { "strongest correlation" }
+                }
+            }
             tbody { @for p in Parameter::ALL { @if let Some(e) = fit.parameters.get(p.name()) {
                 tr {
                     td { (p.name()) }
@@ -197,7 +211,9 @@ fn run(fit: &RunFit) -> Markup {
         @if !fit.identifiability.is_empty() { ul { @for line in &fit.identifiability { li { (line) } } } }
         @if !fit.misfits.is_empty() {
             p { "Farther from the model than twice the repeatability: "
-                @for (k, (what, x)) in fit.misfits.iter().enumerate() { @if k > 0 { ", " } (what) " (" (fixed(*x, 1)) ")" } "." }
+                @for (k, (what, x)) in fit.misfits.iter().enumerate() {
+                    @if k > 0 { ", " } (what) " (" (fixed(*x, 1)) ")"
+                } "." }
         }
     }
 }

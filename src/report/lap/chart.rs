@@ -150,16 +150,21 @@ pub fn spectrum(spectrum: &Spectrum, marks: &[(&str, f64, bool)]) -> Markup {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
             @for t in decades {
                 line.axis x1=(LEFT) x2=(WIDTH - 8.0) y1=(fixed(scale.y(t), 1)) y2=(fixed(scale.y(t), 1)) {}
-                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(t) + 4.0, 1)) text-anchor="end" { (trimmed(trig::pow(10.0, t), 6)) }
+                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(t) + 4.0, 1)) text-anchor="end" {
+                    (trimmed(trig::pow(10.0, t), 6))
+                }
             }
             @for f in [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0] {
                 @if log(f) > scale.from && log(f) < scale.to {
-                    text.tick x=(fixed(scale.x(log(f)), 1)) y=(HEIGHT - 6.0) text-anchor="middle" { (trimmed(f, 1)) " Hz" }
+                    text.tick x=(fixed(scale.x(log(f)), 1)) y=(HEIGHT - 6.0) text-anchor="middle" {
+                        (trimmed(f, 1)) " Hz"
+                    }
                 }
             }
             @for (name, f, passing) in marks {
                 @if log(*f) > scale.from && log(*f) < scale.to {
-                    line class=(if *passing { "mark" } else { "dotted" }) x1=(fixed(scale.x(log(*f)), 1)) x2=(fixed(scale.x(log(*f)), 1))
+                    line class=(if *passing { "mark" } else { "dotted" }) x1=(fixed(scale.x(log(*f)), 1))
+                        x2=(fixed(scale.x(log(*f)), 1))
                         y1=(TOP + 10.0) y2=(HEIGHT - BELOW) {}
                     // To either side, as cart passing and a ring mode may lie near each other.
                     @let (side, anchor) = if *passing { (-3.0, "end") } else { (3.0, "start") };
@@ -200,7 +205,8 @@ pub fn supports(track: &LapTrack, supports: &[SupportLoad], of: impl Fn(&Support
             (frame(&scale, "m"))
             @for support in supports {
                 @let (least, most) = of(support);
-                rect.fill x=(fixed(scale.x(support.s) - width / 2.0, 1)) y=(fixed(scale.y(most), 1)) width=(fixed(width, 1))
+                rect.fill x=(fixed(scale.x(support.s) - width / 2.0, 1)) y=(fixed(scale.y(most), 1))
+                    width=(fixed(width, 1))
                     height=(fixed((scale.y(least) - scale.y(most)).max(1.0), 1)) {}
             }
         }

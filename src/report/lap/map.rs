@@ -98,7 +98,9 @@ fn view(track: &LapTrack, stations: &[f64], channel: Channel, samples: &[f64]) -
                     fill=(colour(f64::from(k) / 63.0)) {}
             }
             text.number-label x=(margin) y=(fixed(height - 4.0, 1)) { (trimmed(low, 0)) }
-            text.number-label x=(margin + 256.0) y=(fixed(height - 4.0, 1)) text-anchor="end" { (trimmed(high, 0)) " " (channel.unit()) }
+            text.number-label x=(margin + 256.0) y=(fixed(height - 4.0, 1)) text-anchor="end" {
+                (trimmed(high, 0)) " " (channel.unit())
+            }
         }
     }
 }

@@ -155,7 +155,8 @@ fn words(cases: &[Case], best: &str) -> String {
     }
     let worse: Vec<&str> = after.iter().filter(|c| c.ratio >= 1.0).map(|c| c.name.as_str()).collect();
     if !worse.is_empty() {
-        out += " The kinematic measure is no promise: what else moves the chain (motors, closing, ring modes) is not in it.";
+        out += " The kinematic measure is no promise: what else moves the chain (motors, closing, ring modes) is not \
+                in it.";
     }
     out
 }

@@ -35,8 +35,9 @@ struct Group {
 ///
 /// # Errors
 ///
-/// The first of what [`DataProblem`] lists, with the number of the sample and the channel. [`DataProblem::OtherTimeBase`] for a
-/// channel outside the group that holds most, unless its times are the same ones: to resample would be to guess.
+/// The first of what [`DataProblem`] lists, with the number of the sample and the channel.
+/// [`DataProblem::OtherTimeBase`] for a channel outside the group that holds most, unless its times are the same ones:
+/// to resample would be to guess.
 pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
     let torn = |why: Torn| RunError::new(file, DataProblem::Malformed(why));
     let blocks = Blocks::new(data).map_err(torn)?;
@@ -185,7 +186,8 @@ mod tests {
         let cases: [(&[u8], &str); 6] = [
             (
                 include_bytes!("../../../tests/fixtures/mdf4/rates.mf4"),
-                "run.mf4, `temperature`: the channel is written in a group with another time base\n  help: export all channels with one rate, on one time base",
+                "run.mf4, `temperature`: the channel is written in a group with another time base\n  \
+                 help: export all channels with one rate, on one time base",
             ),
             (
                 include_bytes!("../../../tests/fixtures/mdf4/foreign.mf4"),

@@ -73,8 +73,8 @@ pub fn discretise(
     let incumbent = fits.then(|| (rough.variables.clone(), task.worth(&rough.variables))).filter(|i| i.1.is_finite());
     let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
     if !problem.keepouts.is_empty() {
-        let beside = "every straight and curve passes an obstacle on its side, but where another strand runs between them in \
-                      the written or the built layout";
+        let beside = "every straight and curve passes an obstacle on its side, but where another strand runs between \
+                      them in the written or the built layout";
         assumed.push(beside.to_owned());
     }
     let mut found = match aim {
