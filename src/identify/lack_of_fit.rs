@@ -3,8 +3,8 @@
 use super::goodness::Stretch;
 use super::parameter::Parameter;
 use super::study::RunFit;
-use super::words::list;
 use crate::base::number::{fixed, trimmed};
+use crate::base::words::list;
 use serde::Serialize;
 
 /// Kinds of features that are named, at most.
@@ -33,7 +33,7 @@ pub fn warning(fit: &RunFit) -> Option<Warning> {
     let bounds = at_bounds(fit);
     let held = (!bounds.is_empty()).then(|| {
         let at = if bounds.len() == 1 { "is at its bound" } else { "are at their bounds" };
-        format!("{} {at}", list(&bounds))
+        format!("{} {at}", list(&bounds, "and"))
     });
     if fit.fits() {
         return held.map(|held| Warning {

@@ -4,6 +4,7 @@ use super::Rule;
 use super::nearest::nearest;
 use super::origin::Edit;
 use super::tree::{DeclarationKind, FixKind, Goal, SideWord};
+use crate::base::words::list;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use pest::error::{Error, ErrorVariant, InputLocation};
@@ -138,11 +139,7 @@ impl Failure {
             let end = phrases.remove(end);
             phrases.push(end);
         }
-        match phrases.split_last() {
-            None => "something else".to_string(),
-            Some((only, [])) => only.clone(),
-            Some((last, others)) => format!("{} or {last}", others.join(", ")),
-        }
+        if phrases.is_empty() { "something else".to_owned() } else { list(&phrases, "or") }
     }
 
     /// The keywords that could stand here.

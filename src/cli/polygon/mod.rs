@@ -12,7 +12,7 @@ use crate::kinematics::polygon::{PolygonObjective, Unsuited};
 use crate::report::polygon;
 use crate::report::polygon::{Names, PolygonReport};
 use crate::source::shown;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Show the polygon action of a layout: how much its chain leads and lags on each straight, and which curves cancel.
@@ -87,7 +87,7 @@ impl Polygon {
         }
         report::print(&match self.format {
             OutputFormat::Json => report.short_json(),
-            OutputFormat::Text => polygon::text(&report) + &written_to(self.output.as_deref()),
+            OutputFormat::Text => polygon::text(&report) + &report::written_to(self.output.as_deref()),
         });
         Outcome::Clean
     }
@@ -116,9 +116,4 @@ fn files(report: &PolygonReport, line: &CentreLine) -> Result<Files, DrawError> 
     files.push("polygon.svg", polygon::drawing(report, line, svg::Theme::Adaptive)?);
     files.push("polygon.png", png::render(&polygon::drawing(report, line, svg::Theme::Light)?)?);
     Ok(files)
-}
-
-/// The folder as a reader of messages sees it.
-fn written_to(folder: Option<&Path>) -> String {
-    folder.map_or_else(String::new, |folder| format!("  written to {}\n", shown(folder)))
 }

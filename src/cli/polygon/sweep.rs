@@ -1,6 +1,6 @@
 //! `lss polygon FILE --sweep cart.length`: the product line's carts on one track.
 
-use super::{Polygon, Subject, written_to};
+use super::{Polygon, Subject};
 use crate::base::json;
 use crate::base::number::tidy;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
@@ -38,7 +38,7 @@ impl Polygon {
         }
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(&sweep).unwrap_or_default() + "\n",
-            OutputFormat::Text => sweep_text(&sweep) + &written_to(self.output.as_deref()),
+            OutputFormat::Text => sweep_text(&sweep) + &report::written_to(self.output.as_deref()),
         });
         Outcome::Clean
     }

@@ -1,6 +1,6 @@
 //! `lss polygon FILE --verify`: the layout before and after, run in the dynamic model.
 
-use super::{Polygon, written_to};
+use super::Polygon;
 use crate::base::json;
 use crate::chain_input::Simulation;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, read, report};
@@ -106,7 +106,7 @@ impl Polygon {
         }
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(&verification).unwrap_or_default() + "\n",
-            OutputFormat::Text => verify_text(&verification) + &written_to(self.output.as_deref()),
+            OutputFormat::Text => verify_text(&verification) + &report::written_to(self.output.as_deref()),
         });
         Outcome::Clean
     }

@@ -120,11 +120,8 @@ fn fraction(curve: &PlanCurve, p: Point) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::samples::polygon;
     use super::*;
-
-    fn polygon(points: &[(f64, f64)]) -> Polygon {
-        Polygon::new(points.iter().map(|&(x, y)| Point::new(x, y)).collect()).expect("simple")
-    }
 
     fn length(curves: &[PlanCurve]) -> f64 {
         curves.iter().map(PlanCurve::length).sum()

@@ -11,12 +11,13 @@ mod words;
 
 use super::lap::lap_track::LapTrack;
 use crate::base::number::{decimal, trimmed};
+use crate::base::words::list;
 use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
 use crate::report::style::document;
 use crate::signal::Channel;
 use maud::{Markup, html};
-use words::{amount, heading, list, percent, plain};
+use words::{amount, heading, percent, plain};
 
 /// Findings at least this probable are present, as the verdict has it.
 const PRESENT: f64 = 0.5;
@@ -74,7 +75,7 @@ fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
             _ => plain(&finding.name),
         }
     };
-    let all = || heading(&list(&named.iter().map(with_group).collect::<Vec<_>>()));
+    let all = || heading(&list(&named.iter().map(with_group).collect::<Vec<_>>(), "and"));
     match (diagnosis.verdict, diagnosis.has_gap()) {
         (Verdict::None, false) => "No gap".to_owned(),
         (Verdict::None, true) => "No gap established".to_owned(),
@@ -85,7 +86,7 @@ fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
         (_, true) => format!("{}: the best of the known effects", all()),
         (_, false) => format!(
             "Within repeatability, but like {}",
-            plain(&list(&named.iter().map(with_group).collect::<Vec<_>>()))
+            plain(&list(&named.iter().map(with_group).collect::<Vec<_>>(), "and"))
         ),
     }
 }
@@ -182,7 +183,7 @@ fn groups(diagnosis: &Diagnosis) -> Markup {
         @if !shown.is_empty() {
             h2 { "Not told apart by these runs" }
             ul { @for group in shown {
-                li { b { (list(&group.members.iter().map(|m| plain(m)).collect::<Vec<_>>())) }
+                li { b { (list(&group.members.iter().map(|m| plain(m)).collect::<Vec<_>>(), "and")) }
                     @if !group.experiment.is_empty() { ": " (group.experiment) } }
             } }
         }

@@ -3,6 +3,7 @@
 use super::{CurveReport, Straight, angle};
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
+use crate::base::words::list;
 use crate::kinematics::polygon::{Action, Phasor, PolygonObjective};
 
 /// A curve this far below its most has ends that cancel.
@@ -62,7 +63,7 @@ fn alone(curves: &[CurveReport]) -> Option<String> {
     } else {
         "do little by themselves, because their ends cancel"
     };
-    (!quiet.is_empty()).then(|| format!("{} {verb}.", list(&quiet)))
+    (!quiet.is_empty()).then(|| format!("{} {verb}.", list(&quiet, "and")))
 }
 
 /// Neighbours that cancel or add.
@@ -108,10 +109,10 @@ fn weight(curves: &[CurveReport], objective: PolygonObjective) -> Vec<String> {
     let less: Vec<String> = order.iter().rev().filter(|c| c.share < -SHARE).take(3).map(said).collect();
     let mut out = Vec::new();
     if !most.is_empty() {
-        out.push(format!("Most of `{}` comes from {}.", objective.name(), list(&most)));
+        out.push(format!("Most of `{}` comes from {}.", objective.name(), list(&most, "and")));
     }
     if !less.is_empty() {
-        out.push(format!("{} make{} it less.", list(&less), if less.len() == 1 { "s" } else { "" }));
+        out.push(format!("{} make{} it less.", list(&less, "and"), if less.len() == 1 { "s" } else { "" }));
     }
     out
 }
@@ -123,13 +124,4 @@ fn beyond_first(action: &Action, objective: PolygonObjective) -> Option<String> 
         let percent = fixed(100.0 * (1.0 - first / value), 0);
         format!("First harmonics are mostly cancelled: {percent} % of `{}` lies beyond them.", objective.name())
     })
-}
-
-/// `a`, `a and b`, `a, b and c`.
-fn list(items: &[String]) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }

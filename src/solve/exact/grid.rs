@@ -3,7 +3,7 @@
 use crate::base::trig;
 use crate::geometry::{Point, Track};
 use crate::model::{Formula, Layout};
-use crate::problem::measures::{radius, to_corners, x, y};
+use crate::problem::measures::{to_corners, x, y};
 use crate::problem::{ConstraintRow, Function, Problem};
 
 /// Slack on angles and lengths that come from text, rad or m.
@@ -70,7 +70,7 @@ impl Grid {
         let stage = |k: usize| (first + k) % n;
         let signs: Vec<i32> = (0..n).map(|k| problem.signs[stage(k)] as i32).collect();
         let turns: Vec<(i32, i32)> = (0..n).map(|k| turn_limits(problem, stage(k), step)).collect();
-        let radii: Vec<Vec<f64>> = (0..n).map(|k| radii(layout, problem, stage(k))).collect();
+        let radii: Vec<Vec<f64>> = (0..n).map(|k| problem.radii(layout, stage(k))).collect();
         if turns.iter().any(|t| t.0 > t.1) || radii.iter().any(Vec::is_empty) {
             return Err(NoGrid::Empty);
         }
@@ -175,15 +175,6 @@ fn headings_asked(problem: &Problem, section: usize, heading: f64) -> bool {
         let heading = aim + trig::wrap(heading - aim);
         row.low - SLACK <= heading && heading <= row.high + SLACK
     })
-}
-
-fn radii(layout: &Layout, problem: &Problem, vertex: usize) -> Vec<f64> {
-    let bound = problem.bounds[radius(vertex)];
-    if bound.low == bound.high {
-        return vec![bound.low];
-    }
-    let within = |r: &f64| *r >= bound.low - SLACK && *r <= bound.high + SLACK;
-    layout.catalog.curve.radii.iter().copied().filter(within).collect()
 }
 
 /// The centre line at some variables.
