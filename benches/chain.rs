@@ -6,7 +6,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::chain_input::{Piece, Simulation, Track};
+use lss::chain_input::{CentreLinePiece, Simulation, Track};
 use lss::dynamics::integrate::{Integrator, Verlet};
 use lss::dynamics::{Chain, PACK, Plan, Width, parameters};
 use lss::effects::{self, simulate, simulate_all};
@@ -168,7 +168,8 @@ fn stadium(carts: usize) -> Simulation {
     let mut simulation = reference();
     let radius: f64 = 3.0;
     let straight = (carts as f64 * 1.2501 - std::f64::consts::TAU * radius) / 2.0;
-    let half = [Piece::Straight { length: straight, slope: 0.0 }, Piece::Arc { radius, turn_deg: 180.0 }];
+    let half =
+        [CentreLinePiece::Straight { length: straight, slope: 0.0 }, CentreLinePiece::Arc { radius, turn_deg: 180.0 }];
     let elements = [half.clone(), half].concat();
     simulation.track = Track { name: "stadium".into(), start: [0.0; 4], elements };
     let lap = 2.0 * straight + std::f64::consts::TAU * radius;

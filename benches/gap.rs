@@ -10,7 +10,7 @@
 mod track;
 
 use lss::base::random::normal;
-use lss::chain_input::{Effect, Simulation};
+use lss::chain_input::{DeclaredEffect, Simulation};
 use lss::dynamics::{End, Plan, Width};
 use lss::effects::simulate;
 use lss::gap::chain::Chains;
@@ -76,7 +76,7 @@ fn measured(nominal: &Simulation, number: usize, (speed, tension): (f64, f64)) -
     let mut real = simulation.clone();
     let strengths = [("height", 2e-3), ("at", 0.3 * real.track.centre_line().length), ("rail", 3.0)];
     let strengths = strengths.map(|(name, x)| (name.to_owned(), x)).into();
-    real.effects = vec![Effect { name: "rail_step".to_owned(), strengths }];
+    real.effects = vec![DeclaredEffect { name: "rail_step".to_owned(), strengths }];
     let plan = Plan { laps: 1, settle: 30.0, step: Some(5e-4), ..Plan::default() };
     let outcome = simulate(&real, &plan, Width::widest(), &mut |_| true).expect("a chain");
     assert_eq!(outcome.end, End::Complete);

@@ -14,7 +14,7 @@ use lss::compiled::Compiled;
 use lss::dynamics::{Plan, Width};
 use lss::effects::simulate_all;
 use lss::geometry::{Point, Track};
-use lss::kinematics::polygon::{Course, Objective, action};
+use lss::kinematics::polygon::{Course, PolygonObjective, action};
 use lss::model::{Goal, Layout};
 use lss::problem::{Problem, Scope, perturbed};
 use lss::signal::Channel;
@@ -89,7 +89,7 @@ fn correlation() {
         .collect();
     println!("\nSpearman's rank correlation of polygon action with the dynamic model's forces");
     println!("{:<12} {:<12} {:>8} {:>12}", "objective", "channel", "sd", "at passing");
-    for objective in Objective::EACH {
+    for objective in PolygonObjective::EACH {
         let kinematic: Vec<f64> = actions.iter().map(|a| a.value(objective)).collect();
         for channel in [Channel::JointXi, Channel::SteerLeft, Channel::SteerRight] {
             let of = |f: &dyn Fn(&lss::dynamics::Outcome) -> f64| -> Vec<f64> { laps.iter().map(f).collect() };
@@ -108,13 +108,13 @@ fn correlation() {
             );
         }
     }
-    let spread = |objective: Objective| {
+    let spread = |objective: PolygonObjective| {
         let mut all: Vec<f64> = actions.iter().map(|a| 1e6 * a.value(objective)).collect();
         all.sort_by(f64::total_cmp);
         (all[0], all[all.len() / 2], all[all.len() - 1])
     };
     println!("\nleast, median and largest polygon action, mm²");
-    for objective in Objective::EACH {
+    for objective in PolygonObjective::EACH {
         let (low, middle, high) = spread(objective);
         println!("{:<12} {low:>9.2} {middle:>9.2} {high:>9.2}", objective.name());
     }

@@ -77,7 +77,7 @@ fn rough_starts() {
         let run = |seed| {
             let start = perturbed(&layout, &problem, 1.5, seed);
             let clock = Instant::now();
-            let solution = sqp::minimise(&problem, &start, &sqp::Settings::default(), &|_, _, _| {});
+            let solution = sqp::minimise(&problem, &start, &sqp::SqpSettings::default(), &|_, _, _| {});
             (clock.elapsed().as_secs_f64() * 1e3, solution.iterations)
         };
         let mut runs: Vec<(f64, usize)> = (1..=20).map(run).collect();

@@ -74,7 +74,8 @@ fn threads_do_not_change_a_certificate() {
 /// A loop of five curves around a long obstacle, with a column beside its slanted section.
 fn five(more: &str) -> Layout {
     layout(&format!(
-        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout five {{\n  catalog thesis\n  cart tilt_tray(length: 1250 mm)\n  \
+        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout five {{\n  catalog thesis\n  \
+         cart tilt_tray(length: 1250 mm)\n  \
          speed 2 m/s\n  width 1.2 m\n  vertex P1 (3 m, 3 m) radius 4 m\n  vertex P2 (37.3 m, 4 m) radius 4 m\n  \
          vertex P3 (36 m, 17 m) radius 4 m\n  vertex P4 (20 m, 23 m) radius 4 m\n  vertex P5 (3 m, 17 m) radius 4 m\n  \
          fix all P5..P1\n  building [(0 m, 0 m), (40 m, 0 m), (40 m, 26 m), (0 m, 26 m)]\n  \

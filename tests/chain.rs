@@ -3,7 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::chain_input::{Piece, Simulation, Track};
+use lss::chain_input::{CentreLinePiece, Simulation, Track};
 use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
 use lss::dynamics::{Chain, End, EnsemblePlan, Method, PACK, Plan, TroubleKind, Width, parameters};
 use lss::effects::{self, run_ensemble, simulate, simulate_all};
@@ -43,7 +43,7 @@ fn lossless(simulation: &Simulation) -> Simulation {
 /// The reference chain on a circle of `radius`, with as many carts as close there.
 fn circle(radius: f64) -> Simulation {
     let mut simulation = input("reference");
-    let elements = vec![Piece::Arc { radius, turn_deg: 360.0 }];
+    let elements = vec![CentreLinePiece::Arc { radius, turn_deg: 360.0 }];
     simulation.track = Track { name: "circle".into(), start: [0.0; 4], elements };
     simulation.motors.s_m.clear();
     with(&simulation, &[("cart.length_m", 1.25)])

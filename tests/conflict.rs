@@ -10,14 +10,15 @@ use lss::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Side, Uni
 use lss::problem::measures::to_corners;
 use lss::problem::{Problem, Scope};
 use lss::semantics::analyse;
-use lss::solve::sqp::{self, Settings};
+use lss::solve::sqp::{self, SqpSettings};
 use lss::solve::{self, Conflict, Discretise, LineKind, Member, Options, Proof, Stage, Within};
 use lss::source::{Loader, SourceMap, Span};
 
 /// A layout of four vertices, by what is said about it.
 fn hall(statements: &str) -> String {
     format!(
-        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout hall {{\n  catalog thesis\n  cart tilt_tray(length: 1250 mm)\n  \
+        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout hall {{\n  catalog thesis\n  \
+         cart tilt_tray(length: 1250 mm)\n  \
          speed 2 m/s\n  width 1.2 m\n  vertex P1 (3 m, 3 m) radius 4 m\n  vertex P2 (57 m, 3 m) radius 4 m\n  \
          vertex P3 (57 m, 27 m) radius 4 m\n  vertex P4 (3 m, 27 m) radius 4 m\n{statements}\n  optimise length\n}}\n"
     )
@@ -51,8 +52,8 @@ type Told = (&'static str, &'static [(&'static str, &'static str)], &'static str
 const CONFLICTS: [Told; 5] = [
     // A section of 20 m along x over 15 m: turned by acos(15/20) it would end 13.229 m beside.
     (
-        "  fix rotation P1..P2\n  require length(P1..P2) >= 20 m\n  require x(P2) - x(P1) <= 15 m \"the lift shaft\"\n  \
-         require length(P3..P4) >= 10 m",
+        "  fix rotation P1..P2\n  require length(P1..P2) >= 20 m\n  \
+         require x(P2) - x(P1) <= 15 m \"the lift shaft\"\n  require length(P3..P4) >= 10 m",
         &[
             ("fix rotation P1..P2", "13.229 m off its written place would do"),
             ("require length(P1..P2) >= 20 m", "5 m less would do"),
@@ -199,7 +200,8 @@ fn what_rules_something_out_is_not_called_implied() {
 /// The layout of README, with chutes that are longer than the hall.
 fn readme(straight: &str, fixed: &str) -> String {
     format!(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout hall {{\n  catalog standard\n  cart tilt_tray(length: 1250 mm)\n  \
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout hall {{\n  catalog standard\n  \
+         cart tilt_tray(length: 1250 mm)\n  \
          speed 2.0 m/s\n  width 1.2 m\n  vertex P1 (3 m, 3 m) radius 3 m\n  vertex P2 (37 m, 3 m) radius 3 m\n  \
          vertex P3 (37 m, 17 m) radius 3 m\n  vertex P4 (3 m, 17 m) radius 3 m\n  \
          building [(0 m, 0 m), (40 m, 0 m), (40 m, 20 m), (0 m, 20 m)]\n  \
@@ -252,7 +254,8 @@ fn walls_can_be_what_is_in_conflict() {
 #[test]
 fn the_side_of_an_obstacle_is_said() {
     let statements = "  obstacle rack [(20 m, 4.3 m), (30 m, 4.3 m), (30 m, 10 m), (20 m, 10 m)] clearance 0.2 m\n  \
-                      obstacle pit [(22 m, 1.4 m), (28 m, 1.4 m), (28 m, 3 m), (22 m, 3 m)] clearance 0.3 m\n  pass pit right";
+                      obstacle pit [(22 m, 1.4 m), (28 m, 1.4 m), (28 m, 3 m), (22 m, 3 m)] clearance 0.3 m\n  \
+                      pass pit right";
     let (sources, layout) = check(&hall(statements));
     let said = solve::diagnose(&layout, &continuous(&layout));
     let named = lines(&sources, &said[0]);
@@ -488,7 +491,7 @@ fn solved_from_elsewhere(layout: &Layout, named: &dyn Fn(Span) -> bool) -> bool 
     let problem = Problem::new(&layout, Scope::Obstacles);
     (101..107u32).any(|seed| {
         let start = lss::problem::perturbed(&layout, &problem, 2.0 + f64::from(seed % 3), u64::from(seed));
-        let end = sqp::minimise(&problem, &start, &Settings::default(), &|_, _, _| {});
+        let end = sqp::minimise(&problem, &start, &SqpSettings::default(), &|_, _, _| {});
         excess(&layout, &to_corners(&end.variables), &|_| true, None) <= MET
     })
 }
@@ -535,7 +538,8 @@ fn contradiction(numbers: &mut Numbers) -> String {
             // The band needs 1.4 m between the wall and the rack.
             let low = 0.3 + by / 6.0;
             format!(
-                "  building [(0 m, 0 m), (60 m, 0 m), (60 m, 30 m), (0 m, 30 m)]\n  obstacle rack [(20 m, {low} m), (30 m, {low} m), \
+                "  building [(0 m, 0 m), (60 m, 0 m), (60 m, 30 m), (0 m, 30 m)]\n  \
+                 obstacle rack [(20 m, {low} m), (30 m, {low} m), \
                  (30 m, 10 m), (20 m, 10 m)] clearance 0.2 m\n  pass rack left\n"
             )
         }

@@ -297,7 +297,9 @@ proptest! {
 
 proptest! {
     #[test]
-    fn a_wider_track_touches_more(track in loops(), star in stars(), hand in hands(), narrow in 0.0..2.0, more in 0.0..2.0) {
+    fn a_wider_track_touches_more(
+        track in loops(), star in stars(), hand in hands(), narrow in 0.0..2.0, more in 0.0..2.0,
+    ) {
         let area = |half| contact_area(&track, half, hand, &star.polygon(), hand);
         prop_assert!(area(narrow) <= area(narrow + more) + 1e-9);
     }

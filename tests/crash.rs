@@ -268,8 +268,8 @@ import json, sys
 for line in sys.stdin:
     asked = json.loads(line)
     if asked["request"] == "describe":
-        say = {"nuisances": [], "effects": [{"name": "offset", "strengths": [{"name": "x", "trial": 0.1, "low": -9, "high": 9}]}],
-               "accuracy": {"x": 0.01}}
+        strength = {"name": "x", "trial": 0.1, "low": -9, "high": 9}
+        say = {"nuisances": [], "effects": [{"name": "offset", "strengths": [strength]}], "accuracy": {"x": 0.01}}
     else:
         offset = sum(e["strengths"]["x"] for e in asked["effects"])
         t = [0.5 * i for i in range(100)]

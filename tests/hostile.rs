@@ -67,7 +67,8 @@ proptest! {
         seed in 0..SEEDS.len(),
         edits in prop::collection::vec((any::<prop::sample::Index>(), 0..4u8, 0..WORDS.len()), 1..6),
     ) {
-        let mut words: Vec<String> = SEEDS[seed].split_inclusive([' ', '\n', ',', '(', ')']).map(str::to_string).collect();
+        let ends = [' ', '\n', ',', '(', ')'];
+        let mut words: Vec<String> = SEEDS[seed].split_inclusive(ends).map(str::to_string).collect();
         for (at, what, word) in edits {
             let at = at.index(words.len());
             match what {
@@ -87,7 +88,8 @@ proptest! {
 /// A loop with that many vertices on a circle, and lines in it.
 fn circle(vertices: usize, more: &str) -> String {
     let mut text = String::from(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout big {\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  width 1.2 m\n",
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout big {\n  catalog standard\n  cart tilt_tray\n  \
+         speed 2 m/s\n  width 1.2 m\n",
     );
     for i in 0..vertices {
         let angle = i as f64 / vertices as f64 * std::f64::consts::TAU;
@@ -150,7 +152,7 @@ fn a_parquet_file_of_endless_columns_is_refused() {
     use ::parquet::file::properties::WriterProperties;
     use ::parquet::file::writer::SerializedFileWriter;
     use ::parquet::schema::parser::parse_message_type;
-    use lss::signal::{Problem, parquet};
+    use lss::signal::{DataProblem, parquet};
     use std::sync::Arc;
 
     let names = ["time", "joint_xi", "joint_eta", "joint_zeta", "run_left", "run_right", "temperature"];
@@ -171,13 +173,13 @@ fn a_parquet_file_of_endless_columns_is_refused() {
     writer.close().unwrap();
     assert!(file.as_file().metadata().unwrap().len() < 1 << 20, "a bomb is small");
     let found = parquet::read(file.reopen().unwrap(), file.path()).expect_err("too large");
-    assert!(matches!(found.problem, Problem::TooLong { .. }), "{found}");
+    assert!(matches!(found.problem, DataProblem::TooLong { .. }), "{found}");
 }
 
 /// A sum of such values is infinite, and so is its square.
 #[test]
 fn absurd_numbers_in_a_run_are_refused_in_every_format() {
-    use lss::signal::{Channel, Problem, Run, csv, parquet};
+    use lss::signal::{Channel, DataProblem, Run, csv, parquet};
     use std::path::Path;
 
     for value in [1e308, -1e308, 1.1e9] {
@@ -191,7 +193,7 @@ fn absurd_numbers_in_a_run_are_refused_in_every_format() {
             parquet::read(file.reopen().unwrap(), Path::new("run.parquet")).expect_err("absurd"),
         ];
         for (found, row) in told.iter().zip([3, 2]) {
-            assert!(matches!(found.problem, Problem::Beyond { .. }), "{found}");
+            assert!(matches!(found.problem, DataProblem::Beyond { .. }), "{found}");
             assert_eq!((found.place.row, found.place.column.as_deref()), (Some(row), Some("joint_xi")), "{found}");
         }
     }

@@ -9,7 +9,7 @@ use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic};
 use lss::emit::dxf;
 use lss::geometry::{Point, Track};
-use lss::import::{self, Options, Plan, Unit};
+use lss::import::{self, LengthUnit, Options, Plan};
 use lss::model::Layout;
 use lss::semantics::analyse;
 use lss::solve;
@@ -121,8 +121,8 @@ fn arcs_that_meet_directly_come_back() {
     let vertices: String = corners.iter().enumerate().map(|(i, at)| format!("  vertex V{i} {at}\n")).collect();
     // The diagonal is as long as its two tangents: 4 tan 22.5° √2.
     let text = format!(
-        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout l {{\n  catalog thesis\n  cart tilt_tray(length: 1250 mm)\n  \
-         speed 2 m/s\n  width 1 m\n{}  optimise nothing\n}}\n",
+        "use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout l {{\n  catalog thesis\n  \
+         cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1 m\n{}  optimise nothing\n}}\n",
         vertices.replace(&format!("{t} m"), &format!("{} m", 2.0 * t / trig::hypot(1.0, 1.0)))
     );
     let (layout, found) = layout("l.lss", &text);
@@ -169,7 +169,7 @@ fn polylines_with_bulges_in_millimetres() {
     };
     let (plan, layout, said) = imported(&fixture("polyline_mm.dxf"), &options);
     assert!(said.is_empty(), "{said:#?}");
-    assert_eq!(plan.unit, Unit::Millimetre);
+    assert_eq!(plan.unit, LengthUnit::Millimetre);
     // Each half circle of 4 m becomes two right angles.
     expect(&plan, &[(6.0, 0.0, 4.0), (34.0, 0.0, 4.0), (34.0, 8.0, 4.0), (6.0, 8.0, 4.0)], 1e-9);
     assert!((plan.length - (40.0 + 8.0 * trig::PI)).abs() < 1e-9);
@@ -189,7 +189,7 @@ fn r12_polylines_in_inches() {
     let (plan, said) = read(&text, &Options::default());
     assert!(plan.is_none());
     assert_eq!(said.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::E0802]);
-    let options = Options { unit: Some(Unit::Inch), ..Options::default() };
+    let options = Options { unit: Some(LengthUnit::Inch), ..Options::default() };
     let (plan, layout, _) = imported(&text, &options);
     expect(&plan, &RACE, 1e-6);
     assert!((layout.building.expect("a building").polygon.area() - 38.0 * 28.0).abs() < 1e-6);
@@ -220,7 +220,8 @@ fn loose_pieces_with_gaps_are_healed() {
     assert_eq!(said.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::W0801]);
     assert_eq!(plan.healed.dropped, 1);
     // Vertices away from the S are whole millimetres again, and turns right angles.
-    let whole = |v: &import::Vertex| (v.corner.point.x * 1e3).fract() == 0.0 && (v.corner.point.y * 1e3).fract() == 0.0;
+    let whole =
+        |v: &import::DrawnVertex| (v.corner.point.x * 1e3).fract() == 0.0 && (v.corner.point.y * 1e3).fract() == 0.0;
     assert!(plan.vertices.iter().filter(|v| whole(v)).count() >= 4, "{:?}", plan.vertices);
     assert!(plan.healed.gaps > 8 && plan.healed.largest_gap < 3e-4 && plan.healed.largest_shift < 4e-4, "{plan:#?}");
     // With less tolerance the gaps are a mistake that says where and how wide.
@@ -290,7 +291,7 @@ fn damaged_drawings_give_messages() {
             }
             let options = Options {
                 centre_line: if name == "loose_mm.dxf" { "0".into() } else { "TRACK_CENTRE".into() },
-                unit: Some(Unit::Millimetre),
+                unit: Some(LengthUnit::Millimetre),
                 radius: Some(1.0),
                 ..Options::default()
             };
@@ -314,7 +315,7 @@ fn blocks_that_insert_each_other_without_end_are_refused() {
         text += "0\nENDBLK\n";
     }
     text += "0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nB0\n10\n0\n20\n0\n0\nENDSEC\n0\nEOF\n";
-    let (plan, said) = read(&text, &Options { unit: Some(Unit::Metre), ..Options::default() });
+    let (plan, said) = read(&text, &Options { unit: Some(LengthUnit::Metre), ..Options::default() });
     assert!(plan.is_none());
     assert!(said.iter().any(|d| d.code == Code::E0309), "{said:#?}");
 }

@@ -40,8 +40,8 @@ fn layout(vertices: &[(&str, f64, f64, f64)], rest: &str) -> String {
     let vertices: String =
         vertices.iter().map(|(name, x, y, r)| format!("  vertex {name} ({x} m, {y} m) radius {r} m\n")).collect();
     format!(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  cart tilt_tray(length: 500 mm)\n  \
-         speed 2 m/s\n  width 0.8 m\n{vertices}{rest}\n}}\n"
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  \
+         cart tilt_tray(length: 500 mm)\n  speed 2 m/s\n  width 0.8 m\n{vertices}{rest}\n}}\n"
     )
 }
 

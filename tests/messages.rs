@@ -149,8 +149,10 @@ fn the_nearest_effect_is_named_first() {
 fn a_crossing_loop_gets_one_message() {
     // Written row by row, not in driving order.
     let vertices = LAYOUT.find("  vertex P1").unwrap()..LAYOUT.find("  building").unwrap();
-    let rows = "  vertex P1 (3 m, 3 m) radius 3 m\n  vertex P2 (37 m, 17 m) radius 3 m\n  vertex P3 (20 m, 3 m) radius 3 m\n  \
-                vertex P4 (3 m, 17 m) radius 3 m\n  vertex P5 (37 m, 3 m) radius 3 m\n  vertex P6 (20 m, 17 m) radius 3 m\n\n";
+    let rows = "  vertex P1 (3 m, 3 m) radius 3 m\n  vertex P2 (37 m, 17 m) radius 3 m\n  \
+                vertex P3 (20 m, 3 m) radius 3 m\n  \
+                vertex P4 (3 m, 17 m) radius 3 m\n  vertex P5 (37 m, 3 m) radius 3 m\n  \
+                vertex P6 (20 m, 17 m) radius 3 m\n\n";
     let said = checked(&LAYOUT[vertices], rows);
     assert_eq!(said.matches("E0405").count(), 1, "{said}");
     assert!(said.contains("are the vertices in driving order?"), "{said}");
@@ -172,7 +174,9 @@ fn a_fixed_section_through_an_obstacle_or_out_of_the_building_is_told_by_check()
     let said = checked("building [(0 m, 0 m), (40 m, 0 m), (40 m, 20 m), (0 m, 20 m)]", wall);
     assert!(said.contains("`P1..P2` is fixed too near to the building"), "{said}");
     // Two fixed vertices hold the section between them, too.
-    let both = "obstacle column [(19 m, 2 m), (21 m, 2 m), (21 m, 5 m), (19 m, 5 m)] clearance 0.5 m\n  fix P1\n  fix P2\n\n  optimise";
-    let old = "obstacle column [(19 m, 8 m), (21 m, 8 m), (21 m, 10 m), (19 m, 10 m)] clearance 0.5 m\n  fix all P1..P2\n\n  optimise";
+    let both = "obstacle column [(19 m, 2 m), (21 m, 2 m), (21 m, 5 m), (19 m, 5 m)] clearance 0.5 m\n  fix P1\n  \
+                fix P2\n\n  optimise";
+    let old = "obstacle column [(19 m, 8 m), (21 m, 8 m), (21 m, 10 m), (19 m, 10 m)] clearance 0.5 m\n  \
+               fix all P1..P2\n\n  optimise";
     assert!(checked(old, both).contains("`P1..P2` is fixed and runs through obstacle `column`"));
 }

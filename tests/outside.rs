@@ -47,7 +47,8 @@ for line in sys.stdin:
         if mode == "no effects": say(good | {"effects": []})
         if mode == "bytes": sys.stdout.buffer.write(b"\xff\n"); sys.stdout.flush()
         if mode == "endless": sys.stdout.write("x" * (1 << 28)); sys.stdout.flush(); time.sleep(60)
-        if mode == "huge": say(good | {"effects": [{"name": "a", "strengths": [{"name": "x", "trial": 1, "low": 0, "high": 1e308}]}]})
+        huge = {"name": "x", "trial": 1, "low": 0, "high": 1e308}
+        if mode == "huge": say(good | {"effects": [{"name": "a", "strengths": [huge]}]})
         if mode == "no newline": sys.stdout.write("{"); sys.stdout.flush(); sys.exit(0)
         say(good)
         if mode == "chatty": say("done")

@@ -29,7 +29,8 @@ fn oven(folder: &Path, name: &str, lines: &str) -> PathBuf {
     let text = fs::read_to_string(root().join("examples/outside/model.py")).expect("the example");
     let before = "    asked = json.loads(line)\n";
     assert!(text.contains(before));
-    let find = "    effects = {e['name']: e['strengths'] for e in asked.get('effects', [])}\n    area = effects.get('radiation', {}).get('area', 0)\n";
+    let find = "    effects = {e['name']: e['strengths'] for e in asked.get('effects', [])}\n    \
+                area = effects.get('radiation', {}).get('area', 0)\n";
     let script = folder.join(format!("{name}.py"));
     fs::write(&script, text.replacen(before, &format!("{before}{find}{lines}\n"), 1)).expect("written");
     script
@@ -62,7 +63,8 @@ fn an_effect_that_crashes_is_silent_or_says_nothing_finite_is_not_ruled_out() {
         ),
         (
             "null",
-            "    if area: print(json.dumps({'time': inputs(asked['run']['file'])[0], 'channels': {'temperature': [None] * len(inputs(asked['run']['file'])[0])}}), flush=True); continue",
+            "    if area: print(json.dumps({'time': inputs(asked['run']['file'])[0], 'channels': {'temperature': \
+             [None] * len(inputs(asked['run']['file'])[0])}}), flush=True); continue",
             "says nothing finite",
         ),
     ];

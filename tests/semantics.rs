@@ -35,8 +35,10 @@ const HEAD: &str = "use std.carts.tilt_tray\nuse std.tracks.standard\n";
 /// A sound layout with more statements in it.
 fn with(statements: &str) -> String {
     format!(
-        "{HEAD}layout test {{\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  width 1.2 m\n  vertex A (0 m, 0 m) radius 4 m\n  \
-         vertex B (40 m, 0 m) radius 4 m\n  vertex C (40 m, 20 m) radius 4 m\n  vertex D (0 m, 20 m) radius 4 m\n{statements}\n}}\n"
+        "{HEAD}layout test {{\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  width 1.2 m\n  \
+         vertex A (0 m, 0 m) radius 4 m\n  \
+         vertex B (40 m, 0 m) radius 4 m\n  vertex C (40 m, 20 m) radius 4 m\n  vertex D (0 m, 20 m) radius 4 m\n\
+         {statements}\n}}\n"
     )
 }
 
@@ -62,17 +64,25 @@ fn sides_follow_the_written_layout() {
 #[test]
 fn the_printed_model_is_the_same_model() {
     let everything = with(
-        "  turns 10 deg .. 90 deg\n  radii 3 m .. 7 m\n  building [(-5 m, -5 m), (-5 m, 30 m), (60 m, 30 m), (60 m, -5 m)] clearance 0.5 m\n  \
-         obstacle pillar [(10 m, 8 m), (11 m, 8 m), (11 m, 9 m)] clearance 30 cm\n  pass pillar either\n  fix all A..B\n  \
-         fix rotation, length straight(B..C)\n  fix D\n  fix radius D\n  require 12 m <= length(C..D) / 2 + 3 m \"chutes \\\"east\\\"\"\n  \
+        "  turns 10 deg .. 90 deg\n  radii 3 m .. 7 m\n  \
+         building [(-5 m, -5 m), (-5 m, 30 m), (60 m, 30 m), (60 m, -5 m)] clearance 0.5 m\n  \
+         obstacle pillar [(10 m, 8 m), (11 m, 8 m), (11 m, 9 m)] clearance 30 cm\n  pass pillar either\n  \
+         fix all A..B\n  \
+         fix rotation, length straight(B..C)\n  fix D\n  fix radius D\n  \
+         require 12 m <= length(C..D) / 2 + 3 m \"chutes \\\"east\\\"\"\n  \
          require min(radius(A), 2 * radius(B)) - x(C) / 4 < abs(y(C) - 3 m)\n  require heading(A..B) == 0 deg\n  \
-         require -angle(C) >= -80 deg\n  require sqrt(length(A..B) * (radius(A) + 1 m) + 2 m^2) <= 30 m\n  require distance(C, pillar) >= 2 m\n  \
-         require distance(A, C) / distance(C, building) <= 100\n  require 3 m <= radius(C) <= 6 m\n  equal radius(A), radius(B), radius(C)\n  \
-         mirror A, D about y = 10 m\n  level A..B 3 m\n  ramp B..C from 1 m slope 10 % radius 6 m\n  start on A..B at 3 m\n  \
-         photocell on A..B at 1 m\n  induction west on C..D at 6 m\n  chutes row on C..D from 2 m every 1.25 m count 12\n  \
-         motors on A..B from 2 m every 3 m count 4\n  motors on C..D from 1 m every 4 m count 2\n  supports every 2.5 m\n  \
-         sensor_cart at cart 7\n  chain tension 600 N\n  chain closes within 20 mm\n  effect joint_clearance(gap: 0.05 mm)\n  \
-         optimise 0.7 * polygon_action + 0.3 * cost within length + 0.5 %",
+         require -angle(C) >= -80 deg\n  require sqrt(length(A..B) * (radius(A) + 1 m) + 2 m^2) <= 30 m\n  \
+         require distance(C, pillar) >= 2 m\n  \
+         require distance(A, C) / distance(C, building) <= 100\n  require 3 m <= radius(C) <= 6 m\n  \
+         equal radius(A), radius(B), radius(C)\n  \
+         mirror A, D about y = 10 m\n  level A..B 3 m\n  ramp B..C from 1 m slope 10 % radius 6 m\n  \
+         start on A..B at 3 m\n  \
+         photocell on A..B at 1 m\n  induction west on C..D at 6 m\n  \
+         chutes row on C..D from 2 m every 1.25 m count 12\n  \
+         motors on A..B from 2 m every 3 m count 4\n  motors on C..D from 1 m every 4 m count 2\n  \
+         supports every 2.5 m\n  \
+         sensor_cart at cart 7\n  chain tension 600 N\n  chain closes within 20 mm\n  \
+         effect joint_clearance(gap: 0.05 mm)\n  optimise 0.7 * polygon_action + 0.3 * cost within length + 0.5 %",
     );
     for text in [include_str!("../examples/thesis10.lss"), &everything] {
         let (sources, analysis) = check(&[("main.lss", text)]);
@@ -124,7 +134,8 @@ fn defaults_are_the_declared_ones() {
 fn a_variant_changes_only_what_it_names() {
     let base = with("  induction west on A..B at 6 m\n  motors 8 evenly\n  fix length A..B");
     let text = format!(
-        "{base}layout wide from test {{\n  speed 2.5 m/s\n  turns 5 deg .. 90 deg\n  vertex C (40 m, 20 m) radius 5 m\n  induction west on A..B at 9 m\n  \
+        "{base}layout wide from test {{\n  speed 2.5 m/s\n  turns 5 deg .. 90 deg\n  \
+         vertex C (40 m, 20 m) radius 5 m\n  induction west on A..B at 9 m\n  \
          motors on A..B from 1 m every 2 m count 3\n  fix radius A\n}}\nlayout wider from wide {{\n  width 1.4 m\n}}\n"
     );
     let (sources, analysis) = check(&[("main.lss", &text)]);
@@ -145,8 +156,10 @@ fn a_variant_changes_only_what_it_names() {
 #[test]
 fn parameters_and_lets() {
     let text = format!(
-        "{HEAD}let aisle = 2 * 1.2 m\nlayout base(long: 40 m, reach: aisle * 5) {{\n  catalog standard\n  cart tilt_tray(length: 750 mm)\n  \
-         let half = reach / 2\n  speed 120 m/min\n  width 1200 mm\n  vertex A (0 m, 0 m) radius 4 m\n  vertex B (long, 0 m) radius 4 m\n  \
+        "{HEAD}let aisle = 2 * 1.2 m\nlayout base(long: 40 m, reach: aisle * 5) {{\n  catalog standard\n  \
+         cart tilt_tray(length: 750 mm)\n  \
+         let half = reach / 2\n  speed 120 m/min\n  width 1200 mm\n  vertex A (0 m, 0 m) radius 4 m\n  \
+         vertex B (long, 0 m) radius 4 m\n  \
          vertex C (long, reach) radius 4 m\n  vertex D (0 m, half + half)\n}}\nlayout other from base(long: 60 m)\n"
     );
     let (sources, analysis) = check(&[("main.lss", &text)]);
@@ -193,7 +206,8 @@ const STATEMENTS: &[(&str, &[&str])] = &[
     ("building [(5 m, -5 m), (60 m, -5 m), (60 m, 30 m), (5 m, 30 m)]", &["E0407"]),
     // A wall across a straight: every tangent point lies inside.
     (
-        "building [(-9 m, -9 m), (20 m, -9 m), (20 m, 2 m), (21 m, 2 m), (21 m, -9 m), (60 m, -9 m), (60 m, 30 m), (-9 m, 30 m)]",
+        "building [(-9 m, -9 m), (20 m, -9 m), (20 m, 2 m), (21 m, 2 m), (21 m, -9 m), (60 m, -9 m), (60 m, 30 m), (-9 \
+         m, 30 m)]",
         &["E0407"],
     ),
     ("start on A..B at 33 m", &["E0409"]),
@@ -300,8 +314,8 @@ fn contact_stiffness_follows_its_exponent() {
 fn what_cannot_be_built_yet_is_said() {
     let said = |more: &str| -> Vec<String> {
         let layout = built(&with(&format!(
-            "  obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\n  pass o either\n  level A..B 3 m\n  ramp B..C\n  chain closes within 5 mm\n  \
-             effect joint_clearance(gap: 0.05 mm)\n  optimise {more}"
+            "  obstacle o [(9 m, 8 m), (10 m, 8 m), (10 m, 9 m)]\n  pass o either\n  level A..B 3 m\n  ramp B..C\n  \
+             chain closes within 5 mm\n  effect joint_clearance(gap: 0.05 mm)\n  optimise {more}"
         )));
         lss::solve::unsupported(&layout).into_iter().map(|d| d.message).collect()
     };

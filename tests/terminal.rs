@@ -141,7 +141,8 @@ fn the_answers_of_a_model_are_escaped() {
     for (k, answer) in [
         "\u{1b}[2J not JSON",
         "{\"error\": \"\\u001b[2J\\nerror: b\\u202e\"}",
-        "{\"effects\": [{\"name\": \"\\u001b[2J\", \"strengths\": [{\"name\": \"a\", \"trial\": 1, \"low\": 0, \"high\": 1}]}]}",
+        "{\"effects\": [{\"name\": \"\\u001b[2J\", \"strengths\": [{\"name\": \"a\", \"trial\": 1, \"low\": 0, \
+         \"high\": 1}]}]}",
         "{\"effects\": [], \"\\u202e\\nerror: b\": 1}",
     ]
     .iter()

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::chain_input::{Piece, Simulation, Track};
+use lss::chain_input::{CentreLinePiece, Simulation, Track};
 use lss::compiled::Compiled;
 use lss::semantics::analyse;
 use lss::solve::{self, Options};
@@ -33,12 +33,12 @@ fn fixture(name: &str) -> Track {
 }
 
 /// A piece's kind and its numbers.
-fn numbers(piece: &Piece) -> (&'static str, [f64; 3]) {
+fn numbers(piece: &CentreLinePiece) -> (&'static str, [f64; 3]) {
     match *piece {
-        Piece::Straight { length, slope } => ("straight", [length, slope, 0.0]),
-        Piece::Arc { radius, turn_deg } => ("arc", [radius, turn_deg, 0.0]),
-        Piece::Vertical { radius, slope_from, slope_to } => ("vertical", [radius, slope_from, slope_to]),
-        Piece::Spiral { radius, turn_deg, rise } => ("spiral", [radius, turn_deg, rise]),
+        CentreLinePiece::Straight { length, slope } => ("straight", [length, slope, 0.0]),
+        CentreLinePiece::Arc { radius, turn_deg } => ("arc", [radius, turn_deg, 0.0]),
+        CentreLinePiece::Vertical { radius, slope_from, slope_to } => ("vertical", [radius, slope_from, slope_to]),
+        CentreLinePiece::Spiral { radius, turn_deg, rise } => ("spiral", [radius, turn_deg, rise]),
     }
 }
 
@@ -106,9 +106,10 @@ fn elements_of_raised_tracks_stand_where_their_arc_length_says() {
 
 fn said(heights: &str) -> Vec<String> {
     let text = format!(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  cart tilt_tray\n  speed 2 m/s\n  \
-         width 1.2 m\n  vertex P1 (0 m, 0 m) radius 4 m\n  vertex P2 (40 m, 0 m) radius 4 m\n  vertex P3 (40 m, 20 m) radius 4 m\n  \
-         vertex P4 (0 m, 20 m) radius 4 m\n{heights}\n  optimise nothing\n}}\n"
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout l {{\n  catalog standard\n  cart tilt_tray\n  \
+         speed 2 m/s\n  \
+         width 1.2 m\n  vertex P1 (0 m, 0 m) radius 4 m\n  vertex P2 (40 m, 0 m) radius 4 m\n  \
+         vertex P3 (40 m, 20 m) radius 4 m\n  vertex P4 (0 m, 20 m) radius 4 m\n{heights}\n  optimise nothing\n}}\n"
     )
     .replace("tilt_tray\n  speed", "tilt_tray(length: 1250 mm)\n  speed");
     compile(&text).heights.iter().map(|d| format!("{:?} {}", d.code, d.message)).collect()

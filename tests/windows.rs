@@ -11,7 +11,7 @@ use lss::chain_input::Simulation;
 use lss::dynamics::{Plan, Width};
 use lss::effects::simulate;
 use lss::identify::fit::fit;
-use lss::identify::{Measured, Model, Parameter, Settings};
+use lss::identify::{FitSettings, Measured, Model, Parameter};
 use lss::signal::{Channel, Run};
 
 const LAYOUT: &str = "benches/identify/layouts/oval.lss";
@@ -47,7 +47,7 @@ fn objective(simulation: &Simulation, run: &Run) -> Result<f64, String> {
     let measured = Measured::new(run, simulation, simulation.chain.track_length_m)?;
     let mut model = Model::new(simulation, simulation.contact_law, &measured, Width::widest());
     let truth = Parameter::ALL.map(|p| model.coordinate(p, p.get(simulation)));
-    let settings = Settings { steps: 0, threads: 2, ..Settings::default() };
+    let settings = FitSettings { steps: 0, threads: 2, ..FitSettings::default() };
     fit(&mut model, &measured, Some(truth), &settings).map(|fit| fit.objective)
 }
 

@@ -15,7 +15,7 @@ use lss::chain_input::{ContactLaw, Simulation};
 use lss::dynamics::{End, Method, Plan, Width};
 use lss::effects::simulate;
 use lss::identify::study::{RunFit, Subject, fit_run};
-use lss::identify::{COUNT, Parameter, Settings};
+use lss::identify::{COUNT, FitSettings, Parameter};
 use lss::signal::{Run, csv};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -87,7 +87,7 @@ fn measure(nominal: &Simulation, truth: &[f64; COUNT], case: u64, state: &mut u6
 }
 
 fn fitted(subject: &Subject, seed: u64) -> RunFit {
-    let settings = Settings { seed, ..Settings::default() };
+    let settings = FitSettings { seed, ..FitSettings::default() };
     fit_run(subject, ContactLaw::default(), None, &settings, Width::widest(), String::new()).expect("a fit")
 }
 

@@ -9,5 +9,6 @@ pub mod random;
 pub mod student;
 pub mod trig;
 pub mod unique;
+pub mod words;
 
 pub use program::program;

@@ -22,6 +22,11 @@ pub fn shortest(value: f64) -> String {
     format!("{}", normal(value))
 }
 
+/// A length (m) in mm to a tenth, with its unit: `12.5 mm`.
+pub fn tenths_of_mm(metres: f64) -> String {
+    format!("{} mm", trimmed(1e3 * metres, 1))
+}
+
 /// With so many significant digits, in powers of ten where it is very small or large: `0.00123`, `1.2e-7`.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -35,8 +40,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{}e{power}", trimmed(scaled, digits - 1))
 }
 
-/// With so many significant digits as a person reads them: never in powers of ten, no more than nine decimals, and `unknown` for what is
-/// no number.
+/// With so many significant digits as a person reads them: never in powers of ten, no more than nine decimals, and
+/// `unknown` for what is no number.
 pub fn decimal(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return "unknown".to_owned();

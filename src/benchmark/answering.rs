@@ -48,7 +48,7 @@ impl std::error::Error for Trouble {}
 
 /// How far it is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step<'a> {
+pub struct AnsweringStep<'a> {
     pub case: &'a str,
     /// From 0.
     pub number: usize,
@@ -79,7 +79,7 @@ pub fn answer(
     folder: &Path,
     program: &str,
     diagnose: &dyn Fn(&Path, &Path) -> Result<(), String>,
-    watch: &mut dyn FnMut(Step) -> bool,
+    watch: &mut dyn FnMut(AnsweringStep) -> bool,
 ) -> Result<String, Trouble> {
     let facts = facts(folder)?;
     // Beside nothing that belongs to the challenge.
@@ -105,12 +105,12 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    fn all(&self, facts: &Facts, watch: &mut dyn FnMut(Step) -> bool) -> Result<(), Trouble> {
+    fn all(&self, facts: &Facts, watch: &mut dyn FnMut(AnsweringStep) -> bool) -> Result<(), Trouble> {
         let of = facts.cases.len();
         let mut before: Vec<Before> = facts.cases.iter().map(|case| self.before(case)).collect::<Result<_, _>>()?;
         let mut checked = before.iter().all(|b| *b == Before::Kept);
         for (number, case) in facts.cases.iter().enumerate() {
-            if !watch(Step { case, number, of, before: before[number] }) {
+            if !watch(AnsweringStep { case, number, of, before: before[number] }) {
                 return Err(Trouble::Stopped);
             }
             if before[number] == Before::Kept {
@@ -119,7 +119,7 @@ impl Asked<'_> {
                     continue;
                 }
                 before.iter_mut().filter(|b| **b == Before::Kept).for_each(|b| *b = Before::Contradicted);
-                watch(Step { case, number, of, before: before[number] });
+                watch(AnsweringStep { case, number, of, before: before[number] });
             }
             self.keep(case, &self.answered(case)?)?;
         }
@@ -299,7 +299,7 @@ pub fn child(case: &Path, out: &Path) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::benchmark::key::{Case, CaseKind, Level, Truth};
+    use crate::benchmark::key::{Case, CaseKind, StrengthLevel, Truth};
     use std::cell::RefCell;
 
     fn challenge(folder: &Path) {
@@ -314,7 +314,7 @@ mod tests {
             kind: CaseKind::One,
             truth: vec![truth.clone()],
             strength_over_floor: 5.0,
-            level: Some(Level::Medium),
+            level: Some(StrengthLevel::Medium),
             oracle: None,
             about: String::new(),
         };
@@ -375,7 +375,7 @@ mod tests {
                 fs::write(out.join(ANSWER), text).map_err(|e| e.to_string())
             };
             let mut said = Vec::new();
-            let watch = &mut |step: Step| {
+            let watch = &mut |step: AnsweringStep| {
                 said.push(step.before);
                 true
             };

@@ -3,7 +3,7 @@
 use crate::base::trig;
 use crate::benchmark::draw::{add, pick};
 use crate::benchmark::source::{Source, chain, sign};
-use crate::chain_input::{Deviations, Piece, Simulation, Track};
+use crate::chain_input::{CentreLinePiece, Deviations, Simulation, Track};
 use crate::effects::sites::curves;
 
 /// An arc between two level straights.
@@ -73,9 +73,9 @@ fn corner(track: &Track, from: f64, to: f64) -> Option<Corner> {
         let (begin, end) = (s, s + piece.form().length());
         s = end;
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
-        if let (true, Piece::Arc { radius, turn_deg }) = (near(begin, from) && near(end, to), piece) {
+        if let (true, CentreLinePiece::Arc { radius, turn_deg }) = (near(begin, from) && near(end, to), piece) {
             let pieces = [(k + n - 1) % n, k, (k + 1) % n];
-            let level = |k: usize| matches!(track.elements[k], Piece::Straight { slope: 0.0, .. });
+            let level = |k: usize| matches!(track.elements[k], CentreLinePiece::Straight { slope: 0.0, .. });
             let corner = Corner { pieces, radius: *radius, turn: turn_deg.to_radians() };
             return (level(pieces[0]) && level(pieces[2])).then_some(corner);
         }
@@ -88,8 +88,8 @@ fn tangent(radius: f64, turn: f64) -> f64 {
     radius * trig::tan(0.5 * turn.abs())
 }
 
-fn lengthen(piece: &mut Piece, by: f64) {
-    if let Piece::Straight { length, .. } = piece {
+fn lengthen(piece: &mut CentreLinePiece, by: f64) {
+    if let CentreLinePiece::Straight { length, .. } = piece {
         *length += by;
     }
 }
@@ -97,7 +97,7 @@ fn lengthen(piece: &mut Piece, by: f64) {
 /// With a larger radius between the same straights, which lose as much as the tangents win.
 fn widen(track: &mut Track, Corner { pieces: [before, arc, behind], radius, turn }: Corner, more: f64) {
     let lost = tangent(more, turn);
-    track.elements[arc] = Piece::Arc { radius: radius + more, turn_deg: turn.to_degrees() };
+    track.elements[arc] = CentreLinePiece::Arc { radius: radius + more, turn_deg: turn.to_degrees() };
     lengthen(&mut track.elements[before], -lost);
     lengthen(&mut track.elements[behind], -lost);
 }
@@ -118,7 +118,7 @@ fn turn(track: &mut Track, one: Corner, other: Corner, more: f64) {
     let straight = whole - tangent(one.radius, a) - tangent(other.radius, b);
     lengthen(&mut track.elements[one.pieces[2]], straight - between);
     for (corner, turn) in [(one, a), (other, b)] {
-        track.elements[corner.pieces[1]] = Piece::Arc { radius: corner.radius, turn_deg: turn.to_degrees() };
+        track.elements[corner.pieces[1]] = CentreLinePiece::Arc { radius: corner.radius, turn_deg: turn.to_degrees() };
     }
 }
 

@@ -1,6 +1,6 @@
 //! Makes a challenge.
 
-use super::key::{Case, CaseKind, Facts, Key, Level};
+use super::key::{Case, CaseKind, Facts, Key, StrengthLevel};
 use super::reality::{Changes, Reality, distances, measured};
 use super::sources::{MACHINE, SENSORS, UNKNOWN, machine, sensor, unknown};
 use super::tracks::{self, Planned};
@@ -25,17 +25,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const MIX: [(CaseKind, usize); 5] =
     [(CaseKind::One, 40), (CaseKind::Pair, 15), (CaseKind::None, 15), (CaseKind::Unknown, 15), (CaseKind::Sensor, 15)];
 /// Of ten effects.
-const LEVELS: [Level; 10] = [
-    Level::Weak,
-    Level::Weak,
-    Level::Medium,
-    Level::Medium,
-    Level::Medium,
-    Level::Medium,
-    Level::Strong,
-    Level::Strong,
-    Level::Strong,
-    Level::Strong,
+const LEVELS: [StrengthLevel; 10] = [
+    StrengthLevel::Weak,
+    StrengthLevel::Weak,
+    StrengthLevel::Medium,
+    StrengthLevel::Medium,
+    StrengthLevel::Medium,
+    StrengthLevel::Medium,
+    StrengthLevel::Strong,
+    StrengthLevel::Strong,
+    StrengthLevel::Strong,
+    StrengthLevel::Strong,
 ];
 /// Of eight cases, the numbers of their tracks: the long ones take long.
 const TRACKS: [usize; 8] = [0, 0, 1, 1, 2, 2, 3, 4];
@@ -63,7 +63,7 @@ struct Wish {
     name: String,
     kind: CaseKind,
     /// Numbers of its sources, each with a level.
-    sources: Vec<(usize, Level)>,
+    sources: Vec<(usize, StrengthLevel)>,
     track: usize,
     seed: u64,
     method: Method,
@@ -217,7 +217,7 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
     let mut state = wish.seed.wrapping_add(attempt.wrapping_mul(0x9e37_79b9));
     let nominal = &track.simulation;
     let reality = Reality::new(nominal, wish.method, &mut state);
-    let sources: Vec<(Source, Level)> = wish
+    let sources: Vec<(Source, StrengthLevel)> = wish
         .sources
         .iter()
         .map(|(which, level)| {
@@ -274,7 +274,7 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
         kind: wish.kind,
         truth: sources.iter().zip(&strengths).map(|((source, _), (x, _))| source.truth(*x)).collect(),
         strength_over_floor: weakest.unwrap_or(0.0),
-        level: weakest.map(Level::of),
+        level: weakest.map(StrengthLevel::of),
         oracle,
         about: format!("{}, {:?}", track.file, wish.method),
     };
@@ -282,11 +282,11 @@ fn make(wish: &Wish, track: &Planned, attempt: u64) -> Option<(Case, Vec<Recorde
 }
 
 /// Strength over the repeatability that a level asks for.
-fn wanted(level: Level, state: &mut u64) -> f64 {
+fn wanted(level: StrengthLevel, state: &mut u64) -> f64 {
     match level {
-        Level::Weak => draw_log(state, 1.5, 3.0),
-        Level::Medium => draw_log(state, 3.0, 10.0),
-        Level::Strong => draw_log(state, 10.0, 40.0),
+        StrengthLevel::Weak => draw_log(state, 1.5, 3.0),
+        StrengthLevel::Medium => draw_log(state, 3.0, 10.0),
+        StrengthLevel::Strong => draw_log(state, 10.0, 40.0),
     }
 }
 
@@ -388,8 +388,9 @@ mod tests {
             .flat_map(|w| w.sources.iter().map(|s| s.0))
             .collect();
         assert!((0..MACHINE).all(|k| machine.iter().filter(|m| **m == k).count() >= 4));
-        let ones: Vec<Level> = found.iter().filter(|w| w.kind == CaseKind::One).map(|w| w.sources[0].1).collect();
-        assert!(ones.iter().filter(|l| **l == Level::Weak).count().abs_diff(9) <= 1);
+        let ones: Vec<StrengthLevel> =
+            found.iter().filter(|w| w.kind == CaseKind::One).map(|w| w.sources[0].1).collect();
+        assert!(ones.iter().filter(|l| **l == StrengthLevel::Weak).count().abs_diff(9) <= 1);
         assert!(found.iter().filter(|w| w.kind == CaseKind::Pair).all(|w| w.sources[0].0 != w.sources[1].0));
         assert_eq!(wishes(&order(120)), found);
         assert_ne!(wishes(&Order { seed: 5, ..order(120) }), found);

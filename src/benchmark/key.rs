@@ -42,7 +42,7 @@ impl CaseKind {
 /// Strength over the repeatability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Level {
+pub enum StrengthLevel {
     /// Under 3 times the repeatability.
     Weak,
     /// 3 to 10 times.
@@ -51,22 +51,22 @@ pub enum Level {
     Strong,
 }
 
-impl Level {
-    pub const ALL: [Level; 3] = [Level::Weak, Level::Medium, Level::Strong];
+impl StrengthLevel {
+    pub const ALL: [StrengthLevel; 3] = [StrengthLevel::Weak, StrengthLevel::Medium, StrengthLevel::Strong];
 
     pub fn of(strength_over_floor: f64) -> Self {
         match strength_over_floor {
-            x if x < 3.0 => Level::Weak,
-            x if x <= 10.0 => Level::Medium,
-            _ => Level::Strong,
+            x if x < 3.0 => StrengthLevel::Weak,
+            x if x <= 10.0 => StrengthLevel::Medium,
+            _ => StrengthLevel::Strong,
         }
     }
 
     pub fn name(self) -> &'static str {
         match self {
-            Level::Weak => "weak",
-            Level::Medium => "medium",
-            Level::Strong => "strong",
+            StrengthLevel::Weak => "weak",
+            StrengthLevel::Medium => "medium",
+            StrengthLevel::Strong => "strong",
         }
     }
 }
@@ -93,7 +93,7 @@ pub struct Case {
     /// What the effects do to the two-cart means over the repeatability: two replicate laps' root mean square distance,
     /// in the channel in which that is most. 0 without effects.
     pub strength_over_floor: f64,
-    pub level: Option<Level>,
+    pub level: Option<StrengthLevel>,
     /// Gap closed by the true effect at its true strength, with the true nuisances.
     pub oracle: Option<f64>,
     /// Layout, and how its runs were integrated, in words.
@@ -139,7 +139,7 @@ pub struct Named {
     pub name: String,
     pub group: String,
     pub probability: Option<f64>,
-    pub strength: BTreeMap<String, Interval>,
+    pub strength: BTreeMap<String, StrengthInterval>,
     pub gap_closed: Option<f64>,
     pub gap_closed_placebo: Option<f64>,
     pub fixed: BTreeMap<String, f64>,
@@ -148,7 +148,7 @@ pub struct Named {
 /// A strength of an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub struct Interval {
+pub struct StrengthInterval {
     pub value: Option<f64>,
     pub low: Option<f64>,
     pub high: Option<f64>,

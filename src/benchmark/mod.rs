@@ -22,8 +22,8 @@ pub mod table;
 mod tests;
 mod tracks;
 
-pub use key::{Answer, Case, CaseKind, Facts, GapPart, Interval, Key, Level, Named, Truth};
-pub use score::{Accuracy, Line, Score, ScoreRow, score};
+pub use key::{Answer, Case, CaseKind, Facts, GapPart, Key, Named, StrengthInterval, StrengthLevel, Truth};
+pub use score::{Accuracy, CaseRow, Score, ScoreRow, score};
 pub use scored_case::{Rank, ScoredCase};
 pub use statistics::{Bin, Mean, Share};
 

@@ -1,6 +1,6 @@
 //! The table of a challenge: what answers are worth, from key and answers alone.
 
-use super::key::{Answer, Case, CaseKind, Level};
+use super::key::{Answer, Case, CaseKind, StrengthLevel};
 use super::scored_case::{ScoredCase, score_case};
 use super::statistics::{Bin, Mean, Share, area, brier, calibration, mean};
 use crate::effects::LIBRARY;
@@ -42,7 +42,7 @@ pub struct Score {
     pub closed_oracle: Option<Mean>,
     pub closed_placebo: Option<Mean>,
     pub closed_black_box: Option<Mean>,
-    pub each: Vec<Line>,
+    pub each: Vec<CaseRow>,
 }
 
 /// How often the truth is first, and among the first three.
@@ -64,12 +64,12 @@ pub struct ScoreRow {
 
 /// One case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Line {
+pub struct CaseRow {
     pub name: String,
     pub kind: CaseKind,
     pub truth: Vec<String>,
     pub strength_over_floor: f64,
-    pub level: Option<Level>,
+    pub level: Option<StrengthLevel>,
     pub answered: bool,
     #[serde(flatten)]
     pub scored: ScoredCase,
@@ -83,7 +83,7 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
     let some = |keep: &dyn Fn(&Case) -> bool| -> Accuracy {
         accuracy(&all.iter().filter(|(c, _)| keep(c)).map(|(_, j)| j).collect::<Vec<_>>())
     };
-    let clear = |c: &Case| matches!(c.level, Some(Level::Medium | Level::Strong));
+    let clear = |c: &Case| matches!(c.level, Some(StrengthLevel::Medium | StrengthLevel::Strong));
     let values = |of: &dyn Fn(&Case, &ScoredCase) -> Option<f64>| {
         mean(&all.iter().filter_map(|(c, j)| of(c, j)).collect::<Vec<_>>())
     };
@@ -103,7 +103,7 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
             .into_iter()
             .map(|kind| ScoreRow { name: kind.name().to_owned(), accuracy: some(&|c| c.kind == kind) })
             .collect(),
-        by_level: Level::ALL
+        by_level: StrengthLevel::ALL
             .into_iter()
             .map(|level| ScoreRow {
                 name: level.name().to_owned(),
@@ -135,7 +135,7 @@ pub fn score(cases: &[Case], answers: &BTreeMap<String, Answer>) -> Score {
         closed_black_box: values(&|c, j| j.closed_black_box.filter(|_| c.kind.nameable() && j.closed.is_some())),
         each: all
             .iter()
-            .map(|(case, scored)| Line {
+            .map(|(case, scored)| CaseRow {
                 name: case.name.clone(),
                 kind: case.kind,
                 truth: case.truth.iter().map(|t| t.effect.clone()).collect(),

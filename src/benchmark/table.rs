@@ -1,7 +1,7 @@
 //! A score as text for the terminal and as Markdown for the documentation.
 
-use super::key::Level;
-use super::score::{Accuracy, Line, Score, ScoreRow};
+use super::key::StrengthLevel;
+use super::score::{Accuracy, CaseRow, Score, ScoreRow};
 use super::statistics::{Mean, Share};
 use crate::base::number::{fixed, trimmed};
 use crate::effects::LIBRARY;
@@ -75,11 +75,11 @@ fn cases(score: &Score) -> Cells {
     let head = ["case", "kind", "truth", "over the repeatability", "first", "second", "on the truth", "rank"]
         .map(str::to_owned)
         .to_vec();
-    let said = |line: &Line, k: usize| match line.scored.first.get(k) {
+    let said = |line: &CaseRow, k: usize| match line.scored.first.get(k) {
         Some((name, p)) if line.answered => format!("{name} {}", fixed(*p, 2)),
         _ => "–".to_owned(),
     };
-    let each = |line: &Line| {
+    let each = |line: &CaseRow| {
         vec![
             line.name.clone(),
             line.kind.name().to_owned(),
@@ -139,12 +139,15 @@ pub fn markdown(score: &Score) -> String {
         }
         out.push('\n');
     }
-    let levels: Vec<String> = Level::ALL.iter().map(|l| l.name().to_owned()).collect();
+    let levels: Vec<String> = StrengthLevel::ALL.iter().map(|l| l.name().to_owned()).collect();
     let _ = write!(
         out,
-        "Shares have Wilson's intervals, means those of 2000 bootstrap samples. Levels are {}: under 3, 3 to 10 and over 10 times the\n\
-         distance of two replicate laps. An effect's rank is among all effects, no gap and unknown; both effects of a pair must be\n\
-         found, each ranked without the other. By group, effects that an answer says it cannot tell apart count as one.\n",
+        "Shares have Wilson's intervals, means those of 2000 bootstrap samples. Levels are {}: under 3, 3 to 10 and \
+         over 10 times the\n\
+         distance of two replicate laps. An effect's rank is among all effects, no gap and unknown; both effects of a \
+         pair must be\n\
+         found, each ranked without the other. By group, effects that an answer says it cannot tell apart count as \
+         one.\n",
         levels.join(", ")
     );
     out

@@ -1,4 +1,4 @@
-use super::key::{GapPart, Interval, Named};
+use super::key::{GapPart, Named, StrengthInterval};
 use super::*;
 use crate::gap::Verdict;
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ fn case(name: &str, kind: CaseKind, truth: &[&str], strength_over_floor: f64) ->
         fixed: [("at".to_owned(), 10.0)].into(),
         place: Some((10.0, 12.0)),
     });
-    let level = (strength_over_floor > 0.0).then(|| Level::of(strength_over_floor));
+    let level = (strength_over_floor > 0.0).then(|| StrengthLevel::of(strength_over_floor));
     Case {
         name: name.into(),
         kind,
@@ -23,7 +23,7 @@ fn case(name: &str, kind: CaseKind, truth: &[&str], strength_over_floor: f64) ->
 }
 
 fn named(name: &str, group: &str, probability: f64, interval: (f64, f64), at: f64) -> Named {
-    let interval = Interval { value: Some(1.0), low: Some(interval.0), high: Some(interval.1) };
+    let interval = StrengthInterval { value: Some(1.0), low: Some(interval.0), high: Some(interval.1) };
     Named {
         name: name.into(),
         group: group.into(),
@@ -130,7 +130,7 @@ fn a_table_shows_every_case() {
 fn cases_on_a_given_layout_hold_it_without_its_effects() {
     let mut given = super::tracks::all().unwrap().remove(0).simulation;
     let strengths = [("gap".to_owned(), 1e-4)].into();
-    given.effects = vec![crate::chain_input::Effect { name: "joint_clearance".into(), strengths }];
+    given.effects = vec![crate::chain_input::DeclaredEffect { name: "joint_clearance".into(), strengths }];
     let planned = super::tracks::Planned::given(given.clone());
     given.effects.clear();
     let read: crate::chain_input::Simulation = serde_json::from_slice(&planned.text).unwrap();

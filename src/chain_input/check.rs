@@ -3,7 +3,7 @@
 //! Ranges of single parameters are for dynamics to judge, which knows what it can integrate. Here is what every reader
 //! relies on: the track's elements are elements, and chain, motors and sensor belong to that track.
 
-use super::{Piece, Simulation};
+use super::{CentreLinePiece, Simulation};
 use crate::base::number::shortest;
 use crate::source::steers;
 use serde_json::Value;
@@ -158,19 +158,19 @@ impl Found {
                 }
             };
             let (turn, slopes) = match *piece {
-                Piece::Straight { length, slope } => {
+                CentreLinePiece::Straight { length, slope } => {
                     low("length", length);
                     (0.0, vec![("slope", slope)])
                 }
-                Piece::Arc { radius, turn_deg } => {
+                CentreLinePiece::Arc { radius, turn_deg } => {
                     low("radius", radius);
                     (turn_deg, vec![])
                 }
-                Piece::Vertical { radius, slope_from, slope_to } => {
+                CentreLinePiece::Vertical { radius, slope_from, slope_to } => {
                     low("radius", radius);
                     (0.0, vec![("slope_from", slope_from), ("slope_to", slope_to)])
                 }
-                Piece::Spiral { radius, turn_deg, .. } => {
+                CentreLinePiece::Spiral { radius, turn_deg, .. } => {
                     low("radius", radius);
                     (turn_deg, vec![])
                 }
@@ -395,7 +395,8 @@ mod tests {
             (&[("chain.pitch_m", Value::Null)], " is not a simulation input: invalid type: null, expected f64"),
             (
                 &[("chain.pitch_m", (-1).into()), ("cart.mass_kg", 0.into())],
-                ", `chain.pitch_m`: -1 is not above 0, as a pitch is\n  help: write it in the unit that the name ends in\n  also `cart.mass_kg`: ",
+                ", `chain.pitch_m`: -1 is not above 0, as a pitch is\n  \
+                 help: write it in the unit that the name ends in\n  also `cart.mass_kg`: ",
             ),
         ];
         for (changes, expected) in cases {

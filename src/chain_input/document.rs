@@ -1,4 +1,5 @@
-//! What stands in `simulation.json`. The doc comments are the schema's descriptions.
+//! What stands in `simulation.json`. The doc comments are the schema's descriptions; messages and schema keep the names
+//! that `rename` says.
 
 use crate::geometry::{CentreLine, Form};
 use schemars::JsonSchema;
@@ -20,7 +21,7 @@ pub struct Simulation {
     /// The law that damps every contact.
     pub contact_law: ContactLaw,
     /// The chain as a whole.
-    pub chain: Chain,
+    pub chain: ChainInput,
     /// Every cart.
     pub cart: Cart,
     /// A pair of wheels that guides the cart between the rails.
@@ -38,7 +39,7 @@ pub struct Simulation {
     /// Distance between supports, m; `null` when the layout places none.
     pub supports_every_m: Option<f64>,
     /// Effects beyond the nominal model.
-    pub effects: Vec<Effect>,
+    pub effects: Vec<DeclaredEffect>,
 }
 
 /// A closed centre line as a list of elements.
@@ -50,13 +51,13 @@ pub struct Track {
     /// x, y, z (m) and heading (rad) at arc length 0.
     pub start: [f64; 4],
     /// In driving order from there.
-    pub elements: Vec<Piece>,
+    pub elements: Vec<CentreLinePiece>,
 }
 
 /// A piece of the centre line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Piece {
+#[serde(rename = "Piece", tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum CentreLinePiece {
     /// A straight.
     Straight {
         /// Along the slope, m.
@@ -91,14 +92,18 @@ pub enum Piece {
     },
 }
 
-impl Piece {
+impl CentreLinePiece {
     /// The piece as geometry knows it.
     pub fn form(&self) -> Form {
         match *self {
-            Piece::Straight { length, slope } => Form::Straight { length, slope },
-            Piece::Arc { radius, turn_deg } => Form::Arc { radius, turn: turn_deg.to_radians() },
-            Piece::Vertical { radius, slope_from, slope_to } => Form::Vertical { radius, slope_from, slope_to },
-            Piece::Spiral { radius, turn_deg, rise } => Form::Spiral { radius, turn: turn_deg.to_radians(), rise },
+            CentreLinePiece::Straight { length, slope } => Form::Straight { length, slope },
+            CentreLinePiece::Arc { radius, turn_deg } => Form::Arc { radius, turn: turn_deg.to_radians() },
+            CentreLinePiece::Vertical { radius, slope_from, slope_to } => {
+                Form::Vertical { radius, slope_from, slope_to }
+            }
+            CentreLinePiece::Spiral { radius, turn_deg, rise } => {
+                Form::Spiral { radius, turn: turn_deg.to_radians(), rise }
+            }
         }
     }
 }
@@ -106,7 +111,7 @@ impl Piece {
 impl Track {
     /// The centre line in space.
     pub fn centre_line(&self) -> CentreLine {
-        let forms: Vec<Form> = self.elements.iter().map(Piece::form).collect();
+        let forms: Vec<Form> = self.elements.iter().map(CentreLinePiece::form).collect();
         CentreLine::new(self.start, &forms)
     }
 }
@@ -139,8 +144,8 @@ pub enum ContactLaw {
 
 /// The chain of carts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Chain {
+#[serde(rename = "Chain", deny_unknown_fields)]
+pub struct ChainInput {
     /// Number of carts: the whole number whose pitch comes nearest to the cart's length.
     pub carts: usize,
     /// Distance between joints as the cart family has it, m.
@@ -194,15 +199,15 @@ pub struct Wheel {
     /// Clearance to the rail (g_s), or to its upper surface (g_u), m.
     pub gap_m: f64,
     /// Of the wheel on the rail.
-    pub contact: Contact,
+    pub contact: ContactParameters,
     /// c_rr
     pub rolling_resistance: f64,
 }
 
 /// F = K δⁿ (1 + χ(e) δ̇ / v₀).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Contact {
+#[serde(rename = "Contact", deny_unknown_fields)]
+pub struct ContactParameters {
     /// K, N/mⁿ.
     pub stiffness_n_per_m_n: f64,
     /// n
@@ -218,9 +223,9 @@ pub struct Joint {
     /// The joint's name.
     pub name: String,
     /// Along ξ.
-    pub axial: Contact,
+    pub axial: ContactParameters,
     /// Along η and ζ, each on its own.
-    pub radial: Contact,
+    pub radial: ContactParameters,
     /// Floor of the approach speed in every contact law, v_min, m/s.
     pub approach_floor_m_s: f64,
 }
@@ -275,8 +280,8 @@ pub struct Sensor {
 
 /// An effect beyond the nominal model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Effect {
+#[serde(rename = "Effect", deny_unknown_fields)]
+pub struct DeclaredEffect {
     /// The effect's name.
     pub name: String,
     /// Its strengths by name, in SI units.

@@ -1,7 +1,8 @@
 //! The simulation of a compiled layout.
 
 use super::{
-    Cart, Chain, Contact, ContactLaw, Controller, Effect, Joint, Motors, Piece, Sensor, Simulation, Track, Wheel,
+    Cart, CentreLinePiece, ChainInput, ContactLaw, ContactParameters, Controller, DeclaredEffect, Joint, Motors,
+    Sensor, Simulation, Track, Wheel,
 };
 use crate::base::number::tidy;
 use crate::base::trig;
@@ -21,7 +22,7 @@ impl Simulation {
             track: Track::new(compiled),
             gravity_m_s2: GRAVITY,
             contact_law: ContactLaw::HerbertMcwhannell,
-            chain: Chain::new(compiled),
+            chain: ChainInput::new(compiled),
             cart: Cart {
                 name: cart.name.clone(),
                 length_m: cart.length,
@@ -68,7 +69,7 @@ impl Simulation {
 impl Simulation {
     /// Writes anew what of the chain follows from track, cart and number of carts.
     pub fn derive(&mut self) {
-        let forms: Vec<Form> = self.track.elements.iter().map(Piece::form).collect();
+        let forms: Vec<Form> = self.track.elements.iter().map(CentreLinePiece::form).collect();
         let (length, pitch) = (forms.iter().map(Form::length).sum::<f64>(), self.cart.length_m);
         let chord_excess: f64 = forms.iter().map(|form| chord_excess(form, pitch)).sum();
         self.chain.pitch_m = pitch;
@@ -78,7 +79,7 @@ impl Simulation {
     }
 }
 
-impl Chain {
+impl ChainInput {
     fn new(compiled: &Compiled) -> Self {
         let layout = &compiled.layout;
         let pitch = layout.cart.length;
@@ -86,7 +87,7 @@ impl Chain {
         let chord_excess: f64 = compiled.space.legs.iter().map(|leg| chord_excess(&leg.form, pitch)).sum();
         let path = length - chord_excess;
         let carts = (path / pitch).round();
-        Chain {
+        ChainInput {
             carts: carts as usize,
             pitch_m: pitch,
             track_length_m: tidy(length),
@@ -130,12 +131,16 @@ fn wheel(wheel: &model::Wheel) -> Wheel {
     }
 }
 
-fn contact(contact: &model::Contact) -> Contact {
-    Contact { stiffness_n_per_m_n: contact.stiffness, exponent: contact.exponent, restitution: contact.restitution }
+fn contact(contact: &model::ContactParameters) -> ContactParameters {
+    ContactParameters {
+        stiffness_n_per_m_n: contact.stiffness,
+        exponent: contact.exponent,
+        restitution: contact.restitution,
+    }
 }
 
-fn effect(effect: &model::Effect) -> Effect {
-    Effect { name: effect.name.clone(), strengths: effect.strengths.iter().cloned().collect() }
+fn effect(effect: &model::DeclaredEffect) -> DeclaredEffect {
+    DeclaredEffect { name: effect.name.clone(), strengths: effect.strengths.iter().cloned().collect() }
 }
 
 #[cfg(test)]
@@ -172,7 +177,7 @@ mod tests {
             .elements
             .iter()
             .map(|e| match e {
-                Piece::Straight { length, .. } => *length,
+                CentreLinePiece::Straight { length, .. } => *length,
                 curve => curve.form().turn().to_degrees(),
             })
             .collect();
@@ -223,7 +228,9 @@ mod tests {
         assert!(gap < 1e-9 && angle < 1e-9);
         // The third section leads back along -x at the top, from x = 16.3.
         assert!((x - 14.6).abs() < 1e-9 && (y - 10.7).abs() < 1e-9);
-        assert!(matches!(read.track.elements[0], Piece::Straight { length, .. } if (length - 10.6).abs() < 1e-9));
+        assert!(
+            matches!(read.track.elements[0], CentreLinePiece::Straight { length, .. } if (length - 10.6).abs() < 1e-9)
+        );
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! The element list of the simulator, from arc length 0 on.
 
-use super::{Piece, Track};
+use super::{CentreLinePiece, Track};
 use crate::base::number::tidy;
 use crate::base::trig;
 use crate::compiled::Compiled;
 use crate::elements::{Element, Sequence, Shape, merged};
 use crate::geometry::{Form, Point};
-use crate::model::{Layout, Place};
+use crate::model::{Layout, StraightPlace};
 
 impl Track {
     /// The elements from the layout's start on, with the pieces of one straight or one turn as one. The straight on
@@ -72,7 +72,7 @@ impl Track {
 
 /// Where a place lies in the sequence, m: past the first element of its straight or, where that has no length, of the
 /// curve behind it.
-fn arc_length(place: Place, layout: &Layout, sequence: &Sequence) -> f64 {
+fn arc_length(place: StraightPlace, layout: &Layout, sequence: &Sequence) -> f64 {
     let begins = |e: &&Element| match e.shape {
         Shape::Straight { .. } => e.vertex == place.section,
         Shape::Curve { .. } => e.vertex == layout.next(place.section),
@@ -83,10 +83,12 @@ fn arc_length(place: Place, layout: &Layout, sequence: &Sequence) -> f64 {
 /// A solver's tolerance, m.
 const NEAR: f64 = 1e-6;
 
-fn piece(shape: Shape) -> Piece {
+fn piece(shape: Shape) -> CentreLinePiece {
     match shape {
-        Shape::Straight { length, .. } => Piece::Straight { length: tidy(length), slope: 0.0 },
-        Shape::Curve { radius, turn } => Piece::Arc { radius: tidy(radius), turn_deg: tidy(turn.to_degrees()) },
+        Shape::Straight { length, .. } => CentreLinePiece::Straight { length: tidy(length), slope: 0.0 },
+        Shape::Curve { radius, turn } => {
+            CentreLinePiece::Arc { radius: tidy(radius), turn_deg: tidy(turn.to_degrees()) }
+        }
     }
 }
 
@@ -108,15 +110,15 @@ fn joined(forms: &[Form]) -> Vec<Form> {
     out
 }
 
-fn spatial(form: Form) -> Piece {
+fn spatial(form: Form) -> CentreLinePiece {
     match form {
-        Form::Straight { length, slope } => Piece::Straight { length: tidy(length), slope: tidy(slope) },
-        Form::Arc { radius, turn } => Piece::Arc { radius: tidy(radius), turn_deg: tidy(turn.to_degrees()) },
+        Form::Straight { length, slope } => CentreLinePiece::Straight { length: tidy(length), slope: tidy(slope) },
+        Form::Arc { radius, turn } => CentreLinePiece::Arc { radius: tidy(radius), turn_deg: tidy(turn.to_degrees()) },
         Form::Vertical { radius, slope_from, slope_to } => {
-            Piece::Vertical { radius: tidy(radius), slope_from: tidy(slope_from), slope_to: tidy(slope_to) }
+            CentreLinePiece::Vertical { radius: tidy(radius), slope_from: tidy(slope_from), slope_to: tidy(slope_to) }
         }
         Form::Spiral { radius, turn, rise } => {
-            Piece::Spiral { radius: tidy(radius), turn_deg: tidy(turn.to_degrees()), rise: tidy(rise) }
+            CentreLinePiece::Spiral { radius: tidy(radius), turn_deg: tidy(turn.to_degrees()), rise: tidy(rise) }
         }
     }
 }

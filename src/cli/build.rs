@@ -1,6 +1,6 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
-use super::progress::Line;
+use super::progress::ProgressLine;
 use super::read::{Read, read, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
 use crate::cli::read::loose;
@@ -207,7 +207,7 @@ impl Build {
         let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed())
             .then(|| emit::freedom::Table::new(&compiled, &sources));
         let pareto = (self.emit == Some(Emit::Pareto) && !compiled.failed()).then(|| {
-            let line = Line::new();
+            let line = ProgressLine::new();
             let trades = solve::pareto(layout, &self.options(), &|progress| line.show(progress));
             line.finish();
             Pareto::new(layout, &trades)
@@ -250,7 +250,7 @@ impl Build {
     }
 
     fn solve(&self, layout: &Layout) -> Compiled {
-        let line = Line::new();
+        let line = ProgressLine::new();
         let stages = solve::solve(layout, &self.options(), &|progress| line.show(progress));
         line.finish();
         Compiled::new(layout.clone(), stages)
@@ -313,7 +313,8 @@ fn told_of(found: &Found, folder: &Path) {
     match found {
         Found::Whole => {}
         Found::Interrupted { new, old } => report::warning(&format!(
-            "{folder} holds parts of two builds, as a build was stopped while it wrote: {} {} new, {} {} not; all are written anew",
+            "{folder} holds parts of two builds, as a build was stopped while it wrote: {} {} new, {} {} not; all are \
+             written anew",
             new.join(", "),
             if new.len() == 1 { "is" } else { "are" },
             old.join(", "),

@@ -5,7 +5,7 @@ use super::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
 use crate::base::number::{significant, trimmed};
 use crate::base::trig;
 use crate::emit::Files;
-use crate::import::{self, Options, Plan, Unit, as_name};
+use crate::import::{self, LengthUnit, Options, Plan, as_name};
 use crate::semantics::analyse;
 use crate::source::{self, DRAWING_LIMIT, InputError, LoadError, Loader, SourceMap, shown};
 use serde::Serialize;
@@ -36,8 +36,8 @@ pub struct Import {
     #[arg(long, value_name = "LAYER", default_value = "OBSTACLES")]
     obstacles: Vec<String>,
     /// Unit of the drawing, such as mm, m or in, instead of the one that the file states.
-    #[arg(long, value_name = "UNIT", value_parser = Unit::parse)]
-    unit: Option<Unit>,
+    #[arg(long, value_name = "UNIT", value_parser = LengthUnit::parse)]
+    unit: Option<LengthUnit>,
     /// Largest gap that is closed, and farthest that the line may be moved.
     #[arg(long, value_name = "LENGTH", default_value = "1mm", value_parser = positive)]
     tolerance: f64,

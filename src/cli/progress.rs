@@ -6,12 +6,12 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 /// Shows stage, iteration, length and violation.
-pub struct Line(Option<ProgressBar>);
+pub struct ProgressLine(Option<ProgressBar>);
 
-impl Line {
+impl ProgressLine {
     pub fn new() -> Self {
         if !std::io::stderr().is_terminal() {
-            return Line(None);
+            return ProgressLine(None);
         }
         let bar = ProgressBar::new(3).with_style(
             ProgressStyle::with_template("{spinner} [{bar:12}] {msg}")
@@ -19,7 +19,7 @@ impl Line {
                 .progress_chars("=> "),
         );
         bar.enable_steady_tick(Duration::from_millis(100));
-        Line(Some(bar))
+        ProgressLine(Some(bar))
     }
 
     pub fn show(&self, progress: Progress) {

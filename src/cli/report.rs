@@ -3,8 +3,9 @@
 use super::MessageFormat;
 use crate::diagnostic::text::Style;
 use crate::diagnostic::{Diagnostic, json, text};
-use crate::source::{SourceMap, visible};
+use crate::source::{SourceMap, shown, visible};
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 
 /// Writes diagnostics to a stream. Text is coloured on a terminal, unless NO_COLOR is set.
 pub fn diagnostics(out: &mut dyn Write, sources: &SourceMap, diagnostics: &[Diagnostic], format: MessageFormat) {
@@ -25,6 +26,11 @@ pub fn diagnostics(out: &mut dyn Write, sources: &SourceMap, diagnostics: &[Diag
     }
     // A reader that went away (`lss check | head`) is no error of ours.
     let _ = out.write_all(said.as_bytes());
+}
+
+/// Where files went, as a line under a report; nothing where none were written.
+pub fn written_to(folder: Option<&Path>) -> String {
+    folder.map_or_else(String::new, |folder| format!("  written to {}\n", shown(folder)))
 }
 
 /// A one-line error without a place in a source.

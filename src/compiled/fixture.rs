@@ -2,7 +2,7 @@
 
 use crate::compiled::Compiled;
 use crate::geometry::Track;
-use crate::model::{Layout, Place, fixture};
+use crate::model::{Layout, StraightPlace, fixture};
 use crate::solve::{Stage, Status};
 
 /// The layout as written.
@@ -24,6 +24,6 @@ pub fn compile(layout: Layout) -> Compiled {
 }
 
 /// A place on the straight of a section.
-pub fn on(section: usize, at: f64) -> Place {
-    Place { section, at, span: fixture::span() }
+pub fn on(section: usize, at: f64) -> StraightPlace {
+    StraightPlace { section, at, span: fixture::span() }
 }

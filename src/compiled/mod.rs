@@ -7,7 +7,7 @@ mod station;
 pub use station::Station;
 
 use crate::diagnostic::Diagnostic;
-use crate::elements::{self, Bill, Piece, Sequence, Space};
+use crate::elements::{self, Bill, OrderedPiece, Sequence, Space};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Hand, Outline, Track};
 use crate::kinematics::{Fit, fit};
@@ -16,7 +16,7 @@ use crate::solve::{Stage, Status};
 
 /// How the track's band meets an obstacle, or the building's outside.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Contact {
+pub struct ContactArea {
     /// The obstacle's name, or `building`.
     pub name: String,
     /// Overlap of the region (without clearance) with what lies within the left and right track side (thesis
@@ -43,12 +43,12 @@ pub struct Compiled {
     /// What of the layout's heights cannot be built, or not from the catalogue.
     pub heights: Vec<Diagnostic>,
     /// What the bill counts, in driving order.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<OrderedPiece>,
     pub bill: Bill,
     /// The whole number of carts that fits best, and what it leaves over; `None` where no chain closes.
     pub chain: Option<Fit>,
     /// Contact areas and clearances per obstacle, in the order of `layout.obstacles`, then the building.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<ContactArea>,
     /// Floor covered by the track's band, m².
     pub footprint: f64,
 }
@@ -98,7 +98,7 @@ impl Compiled {
     }
 }
 
-fn contacts(layout: &Layout, track: &Track) -> Vec<Contact> {
+fn contacts(layout: &Layout, track: &Track) -> Vec<ContactArea> {
     let half = layout.width.value / 2.0;
     let sides = [Hand::Left, Hand::Right].map(|hand| Outline::side(track, half, hand));
     let clearance = |region: Region| region.distance(track) - half;
@@ -106,13 +106,19 @@ fn contacts(layout: &Layout, track: &Track) -> Vec<Contact> {
         let lies = if o.side == Side::Right { Hand::Right } else { Hand::Left };
         let [area_left, area_right] = [0, 1].map(|k| sides[k].contact(&o.polygon, lies));
         let region = Region { polygon: o.polygon.clone(), outside: false, lies: lies.sign() };
-        Contact { name: o.name.clone(), area_left, area_right, clearance: clearance(region), required: o.clearance }
+        ContactArea { name: o.name.clone(), area_left, area_right, clearance: clearance(region), required: o.clearance }
     };
     let building = |b: &crate::model::Building| {
         let [area_left, area_right] = [0, 1].map(|k| sides[k].area_outside(&b.polygon));
         let lies = if sides[0].orientation() < 0 { 1.0 } else { -1.0 };
         let region = Region { polygon: b.polygon.clone(), outside: true, lies };
-        Contact { name: "building".into(), area_left, area_right, clearance: clearance(region), required: b.clearance }
+        ContactArea {
+            name: "building".into(),
+            area_left,
+            area_right,
+            clearance: clearance(region),
+            required: b.clearance,
+        }
     };
     layout.obstacles.iter().map(obstacle).chain(layout.building.iter().map(building)).collect()
 }

@@ -4,7 +4,7 @@ use crate::base::number::tidy;
 use crate::base::trig;
 use crate::compiled::Compiled;
 use crate::geometry::{Piece, PieceKind, Point};
-use crate::model::{Motors, Place, Row};
+use crate::model::{Motors, PlaceRow, StraightPlace};
 
 /// A place on the centre line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ impl Compiled {
     }
 
     /// Where a place lies.
-    pub fn station(&self, place: Place) -> Station {
+    pub fn station(&self, place: StraightPlace) -> Station {
         self.station_at(self.past_first_vertex(place) - self.start())
     }
 
@@ -43,8 +43,8 @@ impl Compiled {
     }
 
     /// The places of a row.
-    pub fn stations(&self, row: &Row) -> Vec<Station> {
-        let place = |i: usize| Place { at: row.place.at + row.every * i as f64, ..row.place };
+    pub fn stations(&self, row: &PlaceRow) -> Vec<Station> {
+        let place = |i: usize| StraightPlace { at: row.place.at + row.every * i as f64, ..row.place };
         (0..row.count).map(|i| self.station(place(i))).collect()
     }
 
@@ -84,7 +84,7 @@ impl Compiled {
         if self.length() - s < 1e-9 { 0.0 } else { s }
     }
 
-    fn past_first_vertex(&self, place: Place) -> f64 {
+    fn past_first_vertex(&self, place: StraightPlace) -> f64 {
         let begin = if self.raised() {
             self.space.section(place.section, &self.layout)
         } else {
@@ -99,7 +99,7 @@ mod tests {
     use crate::base::trig;
     use crate::compiled::fixture::{compile, on};
     use crate::geometry::Point;
-    use crate::model::{Motors, Row, fixture};
+    use crate::model::{Motors, PlaceRow, fixture};
 
     #[test]
     fn stations_count_from_the_start() {
@@ -125,7 +125,7 @@ mod tests {
         for (j, motor) in compile(layout.clone()).motors().iter().enumerate() {
             assert!((motor.s - (j as f64 + 0.5) * lap / 4.0).abs() < 1e-9);
         }
-        layout.equipment.motors = Motors::Rows(vec![Row { place: on(0, 1.0), every: 2.5, count: 3 }]);
+        layout.equipment.motors = Motors::Rows(vec![PlaceRow { place: on(0, 1.0), every: 2.5, count: 3 }]);
         let s: Vec<f64> = compile(layout).motors().iter().map(|m| m.s).collect();
         assert_eq!(s, [1.0, 3.5, 6.0]);
     }

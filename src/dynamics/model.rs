@@ -140,7 +140,7 @@ impl Model {
         }
         let law = simulation.contact_law;
         let (mass, tension) = (simulation.cart.mass_kg, simulation.chain.tension_n);
-        let damped = |contact: &input::Contact, load: f64| damped(law, contact, load, mass);
+        let damped = |contact: &input::ContactParameters, load: f64| damped(law, contact, load, mass);
         let axial = damped(&simulation.joint.axial, tension);
         let stretch =
             crate::base::trig::pow(tension.abs() / axial.stiffness, 1.0 / axial.exponent) + 0.5 * deviations.clearance;
@@ -270,11 +270,11 @@ fn rows(list: &[f64], carts: usize) -> Vec<PackRow> {
     (0..carts.div_ceil(PACK)).map(|pack| std::array::from_fn(|lane| value(pack * PACK + lane))).collect()
 }
 
-fn tangent_of(contact: &input::Contact, load: f64) -> f64 {
+fn tangent_of(contact: &input::ContactParameters, load: f64) -> f64 {
     tangent(contact.stiffness_n_per_m_n, contact.exponent, load)
 }
 
-fn damped(law: ContactLaw, contact: &input::Contact, load: f64, mass: f64) -> Damped {
+fn damped(law: ContactLaw, contact: &input::ContactParameters, load: f64, mass: f64) -> Damped {
     let (stiffness, exponent, e) = (contact.stiffness_n_per_m_n, contact.exponent, contact.restitution);
     Damped {
         stiffness,
@@ -290,7 +290,7 @@ fn check(simulation: &Simulation) -> Result<(), Unfit> {
     let (cart, joint) = (&simulation.cart, &simulation.joint);
     let (steering, running) = (&simulation.steering_wheel, &simulation.running_wheel);
     let (motors, control, sensor) = (&simulation.motors, &simulation.controller, &simulation.sensor);
-    let contact = |name: &str, c: &input::Contact| {
+    let contact = |name: &str, c: &input::ContactParameters| {
         [
             (format!("{name}.stiffness_n_per_m_n"), c.stiffness_n_per_m_n, 0.0, 1e15, true),
             (format!("{name}.exponent"), c.exponent, 1.0, 3.0, false),

@@ -4,14 +4,14 @@
 //! differs by −y″, so more in the middle and less at its ends. Another radius or turn is another centre line, between
 //! the same straights, which become longer or shorter ([`super::rebuilt`]); where a curve turns more, the next one
 //! turns less. With transitions of length a, curvature comes and goes linearly over a around each of the curve's ends
-//! (a clothoid to the first order in a/R; Hammer 1892), which shifts its middle inwards by a²/(24R).
+//! (a clothoid to the first order in a/R; Esveld 2001), which shifts its middle inwards by a²/(24R).
 //!
 //! Signature: steering forces of one curve; with another heading those of the next one, too; and, as the way between
 //! curves is another, joint_xi as carts pass.
 
 use super::{Act, Effect, Experiment, Sites, Start, StrengthSearch, Strengths, add_profile, rebuilt, sites};
 use crate::base::trig;
-use crate::chain_input::{Deviations, Piece, Simulation};
+use crate::chain_input::{CentreLinePiece, Deviations, Simulation};
 use crate::model::effect_definitions;
 use std::collections::BTreeMap;
 
@@ -68,7 +68,7 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
         let next = curves.get((strengths.index("curve") + 1) % curves.len()).copied();
         let next = next.filter(|_| curves.len() > 1).map(|(_, a, b)| rebuilt::between(&simulation.track, a, b));
         for piece in &mut simulation.track.elements[pieces.clone()] {
-            if let Piece::Arc { radius, .. } | Piece::Spiral { radius, .. } = piece {
+            if let CentreLinePiece::Arc { radius, .. } | CentreLinePiece::Spiral { radius, .. } = piece {
                 *radius = (*radius + radius_more).max(0.1);
             }
         }

@@ -1,5 +1,5 @@
 //! Carts of unequal length: each is longer by what chance would give, evenly within ± the deviation, and all together
-//! by nothing, as the take-up holds the tension (Conwell and Johnson 1995: chain wear is uneven pitch).
+//! by nothing, as the take-up holds the tension (American Chain Association 2006: wear lengthens the pitch).
 //!
 //! Signature: fluctuation of joint_xi and steering forces at less than the carts' passing.
 

@@ -1,7 +1,7 @@
 //! A centre line of which a curve was built otherwise: straights near it become longer or shorter, so that it closes.
 
 use crate::base::trig;
-use crate::chain_input::{Piece, Track};
+use crate::chain_input::{CentreLinePiece, Track};
 use nalgebra::{Matrix2, Vector2};
 use std::ops::Range;
 
@@ -24,12 +24,12 @@ pub fn between(track: &Track, from: f64, to: f64) -> Range<usize> {
 }
 
 /// Lets a curve turn more to the left, each of its pieces in proportion.
-pub fn turn_more(pieces: &mut [Piece], degrees: f64) {
-    let turn = |piece: &Piece| piece.form().turn();
+pub fn turn_more(pieces: &mut [CentreLinePiece], degrees: f64) {
+    let turn = |piece: &CentreLinePiece| piece.form().turn();
     let whole: f64 = pieces.iter().map(|p| turn(p).abs()).sum();
     for piece in pieces {
         let share = turn(piece).abs() / whole.max(1e-9);
-        if let Piece::Arc { turn_deg, .. } | Piece::Spiral { turn_deg, .. } = piece {
+        if let CentreLinePiece::Arc { turn_deg, .. } | CentreLinePiece::Spiral { turn_deg, .. } = piece {
             *turn_deg += degrees * share;
         }
     }
@@ -45,7 +45,7 @@ pub fn close(track: &mut Track, changed: &[Range<usize>]) {
         let from = |curve: &Range<usize>| ((k + n - curve.end % n) % n).min((curve.start + n - 1 - k) % n);
         changed.iter().map(from).min().unwrap_or(0)
     };
-    let level = |k: &usize| matches!(track.elements[*k], Piece::Straight { slope: 0.0, .. });
+    let level = |k: &usize| matches!(track.elements[*k], CentreLinePiece::Straight { slope: 0.0, .. });
     let mut straights: Vec<usize> = (0..n).filter(level).collect();
     straights.sort_by_key(|k| (away(*k), *k));
     let end = open(track, &headings);
@@ -58,7 +58,7 @@ pub fn close(track: &mut Track, changed: &[Range<usize>]) {
         let more: Vec<f64> = along.iter().map(|u| u.dot(&pull)).collect();
         if straights.iter().zip(&more).all(|(k, more)| track.elements[*k].form().length() + more >= SHORTEST) {
             for (k, more) in straights.iter().zip(more) {
-                if let Piece::Straight { length, .. } = &mut track.elements[*k] {
+                if let CentreLinePiece::Straight { length, .. } = &mut track.elements[*k] {
                     *length += more;
                 }
             }
@@ -84,7 +84,7 @@ fn headings(track: &Track) -> Vec<f64> {
 
 /// From the track's begin to its end, in its plan, m.
 fn open(track: &Track, headings: &[f64]) -> Vector2<f64> {
-    let chord = |(piece, heading): (&Piece, &f64)| {
+    let chord = |(piece, heading): (&CentreLinePiece, &f64)| {
         let form = piece.form();
         let half = 0.5 * form.turn();
         direction(heading + half) * if half == 0.0 { form.run() } else { form.run() * trig::sin(half) / half }
@@ -98,10 +98,10 @@ mod tests {
 
     /// 20 m by 12 m with corners of 4 m, beginning in the middle of a long side.
     fn rectangle() -> Track {
-        let straight = |length: f64| Piece::Straight { length, slope: 0.0 };
-        let corner = Piece::Arc { radius: 4.0, turn_deg: 90.0 };
+        let straight = |length: f64| CentreLinePiece::Straight { length, slope: 0.0 };
+        let corner = CentreLinePiece::Arc { radius: 4.0, turn_deg: 90.0 };
         let elements = [6.0, 4.0, 12.0, 4.0].map(straight).into_iter().flat_map(|s| [s, corner.clone()]);
-        let elements: Vec<Piece> = elements.chain([straight(6.0)]).collect();
+        let elements: Vec<CentreLinePiece> = elements.chain([straight(6.0)]).collect();
         Track { name: "rectangle".into(), start: [10.0, 0.0, 0.0, 0.0], elements }
     }
 
@@ -114,7 +114,7 @@ mod tests {
         let mut track = rectangle();
         let corner = between(&track, 6.0, 6.0 + 2.0 * trig::PI);
         assert_eq!(corner, 1..2);
-        track.elements[1] = Piece::Arc { radius: 4.3, turn_deg: 90.0 };
+        track.elements[1] = CentreLinePiece::Arc { radius: 4.3, turn_deg: 90.0 };
         close(&mut track, &[corner]);
         assert!((length(&track, 0) - 5.7).abs() < 1e-12 && (length(&track, 2) - 3.7).abs() < 1e-12);
         assert!(track.centre_line().closure.0 < 1e-12);
@@ -146,11 +146,11 @@ mod tests {
     fn where_no_straight_can_give_it_stays_open() {
         let mut track = rectangle();
         for piece in &mut track.elements {
-            if let Piece::Straight { slope, .. } = piece {
+            if let CentreLinePiece::Straight { slope, .. } = piece {
                 *slope = 0.01;
             }
         }
-        track.elements[1] = Piece::Arc { radius: 5.0, turn_deg: 90.0 };
+        track.elements[1] = CentreLinePiece::Arc { radius: 5.0, turn_deg: 90.0 };
         let corner = 1..2;
         close(&mut track, &[corner]);
         assert!(track.centre_line().closure.0 > 0.9);

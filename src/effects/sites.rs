@@ -1,6 +1,6 @@
 //! Where effects may sit in a layout.
 
-use crate::chain_input::{Piece, Simulation};
+use crate::chain_input::{CentreLinePiece, Simulation};
 use crate::signal::{Channel, FORCES};
 
 /// A place of an effect: what says it, in words and in numbers.
@@ -38,7 +38,7 @@ pub fn curves(simulation: &Simulation) -> Vec<(usize, f64, f64)> {
     let mut open = false;
     for piece in &simulation.track.elements {
         let end = s + piece.form().length();
-        let bends = matches!(piece, Piece::Arc { .. } | Piece::Spiral { .. });
+        let bends = matches!(piece, CentreLinePiece::Arc { .. } | CentreLinePiece::Spiral { .. });
         match found.last_mut() {
             Some(last) if bends && open => last.2 = end,
             _ if bends => found.push((found.len() + 1, s, end)),

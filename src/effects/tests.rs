@@ -14,7 +14,7 @@ fn nominal() -> Simulation {
 fn with(name: &str, strengths: &[(&str, f64)]) -> Simulation {
     let mut simulation = nominal();
     let strengths = strengths.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect();
-    simulation.effects.push(crate::chain_input::Effect { name: name.to_owned(), strengths });
+    simulation.effects.push(crate::chain_input::DeclaredEffect { name: name.to_owned(), strengths });
     simulation
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::sequence::{degrees, millimetres};
-use super::{Part, Piece};
+use super::{OrderedPiece, Part};
 use crate::model::Layout;
 use serde::Serialize;
 
@@ -41,8 +41,8 @@ pub struct Bill {
 /// Lengths that differ by less than a micrometre have the same article number and stand on one line. A piece cut to a
 /// stock length (which happens when a cut costs no surcharge) is still a line of its own. Special pieces, which the
 /// catalogue does not have, are priced by its rates as an estimate.
-pub fn bill(pieces: &[Piece], layout: &Layout) -> Bill {
-    let mut counts: BTreeMap<Key, (usize, &Piece)> = BTreeMap::new();
+pub fn bill(pieces: &[OrderedPiece], layout: &Layout) -> Bill {
+    let mut counts: BTreeMap<Key, (usize, &OrderedPiece)> = BTreeMap::new();
     for piece in pieces {
         counts.entry(Key::of(&piece.part.turned(), piece.in_catalog)).or_insert((0, piece)).0 += 1;
     }
@@ -56,7 +56,7 @@ pub fn bill(pieces: &[Piece], layout: &Layout) -> Bill {
 }
 
 /// What pieces cost together before prices are rounded to the cent, EUR. [`bill`] rounds the price of each piece.
-pub fn price(pieces: &[Piece], layout: &Layout) -> f64 {
+pub fn price(pieces: &[OrderedPiece], layout: &Layout) -> f64 {
     pieces.iter().map(|piece| rates(&piece.part, layout).0).sum()
 }
 
@@ -76,7 +76,7 @@ fn rates(part: &Part, layout: &Layout) -> (f64, f64) {
     (price.of(length) + surcharge, mass.of(length))
 }
 
-fn line(count: usize, piece: &Piece, layout: &Layout) -> BillLine {
+fn line(count: usize, piece: &OrderedPiece, layout: &Layout) -> BillLine {
     let special = if piece.in_catalog { "" } else { ", special" };
     let part = piece.part.turned();
     let description = match part {
@@ -149,7 +149,7 @@ mod tests {
     use crate::geometry::Track;
     use crate::model::fixture;
 
-    fn pieces(layout: &Layout) -> Vec<Piece> {
+    fn pieces(layout: &Layout) -> Vec<OrderedPiece> {
         let sequence = super::super::sequence(&Track::new(&layout.corners()), layout);
         let (space, _) = super::super::Space::new(layout, &sequence);
         super::super::pieces(&sequence, &space, layout)

@@ -16,7 +16,7 @@ const CLOSED: f64 = 1e-11;
 
 /// A whole straight or a whole turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
+pub struct CourseRun {
     /// Straights are not cut yet: `cut` is false.
     pub shape: Shape,
     pub vertex: usize,
@@ -31,7 +31,7 @@ pub struct Run {
 pub struct Course {
     pub begin: Point,
     pub heading: f64,
-    pub runs: Vec<Run>,
+    pub runs: Vec<CourseRun>,
 }
 
 impl Course {
@@ -39,7 +39,7 @@ impl Course {
     /// as only a failed solve has) are left as they are, without a straight between them, and the course stays open.
     pub fn new(track: &Track, layout: &Layout) -> Self {
         let catalog = &layout.catalog;
-        let mut runs: Vec<Run> = Vec::with_capacity(track.pieces.len());
+        let mut runs: Vec<CourseRun> = Vec::with_capacity(track.pieces.len());
         let mut overlap = false;
         for piece in &track.pieces {
             runs.push(match piece.kind {
@@ -47,7 +47,7 @@ impl Course {
                     overlap |= piece.length < -SNAP;
                     let length = if piece.length < SNAP { 0.0 } else { piece.length };
                     let shape = Shape::Straight { length, cut: false };
-                    Run { shape, vertex: piece.vertex, steps: None, listed: true }
+                    CourseRun { shape, vertex: piece.vertex, steps: None, listed: true }
                 }
                 PieceKind::Arc { radius, turn, .. } => snap_turn(radius, turn, piece.vertex, catalog),
             });
@@ -75,11 +75,11 @@ impl Course {
     fn close(&mut self, stock: &StraightStock, wanted: Cover) {
         let written = self.runs.clone();
         let mut held: Vec<bool> = Vec::with_capacity(self.runs.len());
-        let straight = |run: &Run| if let Shape::Straight { length, .. } = run.shape { length } else { 0.0 };
+        let straight = |run: &CourseRun| if let Shape::Straight { length, .. } = run.shape { length } else { 0.0 };
         let longest = self.runs.iter().map(straight).fold(0.0, f64::max);
         // A straight may be a hair shorter than the shortest cut or, where cost counts, longer than what fewer pieces
         // make.
-        let unmade = |run: &Run| straight(run) > 0.0 && cover::straight(straight(run), stock, wanted).is_none();
+        let unmade = |run: &CourseRun| straight(run) > 0.0 && cover::straight(straight(run), stock, wanted).is_none();
         let stepped = wanted == Cover::Cheapest || self.runs.iter().any(unmade);
         let steps = stepped.then(|| Steps::new(stock, longest + 2.0 * SNAP)).flatten();
         for run in &mut self.runs {
@@ -119,7 +119,7 @@ impl Course {
             let pull = least_norm((0..held.len()).filter(free).map(|i| headings[i]), self.gap());
             let mut bounded = false;
             let change: Vec<f64> = headings.iter().map(|u| u.dot(pull)).collect();
-            let shortened = |run: &Run, change: f64| run.shape.length() + change;
+            let shortened = |run: &CourseRun, change: f64| run.shape.length() + change;
             for i in 0..held.len() {
                 if !held[i] && shortened(&self.runs[i], change[i]) < 0.0 {
                     self.runs[i].shape = Shape::Straight { length: 0.0, cut: false };
@@ -161,14 +161,14 @@ fn least_norm(units: impl Iterator<Item = Point>, gap: Point) -> Point {
 }
 
 /// The turn at a vertex, on the grid where it is near it.
-fn snap_turn(radius: f64, turn: f64, vertex: usize, catalog: &Catalog) -> Run {
+fn snap_turn(radius: f64, turn: f64, vertex: usize, catalog: &Catalog) -> CourseRun {
     let curve = &catalog.curve;
     let listed = curve.radii.iter().copied().find(|r| (r - radius).abs() <= SNAP);
     let steps = (turn.abs() / curve.angle_step).round();
     let snapped = steps * curve.angle_step;
     let steps = ((snapped - turn.abs()).abs() <= SNAP).then_some(steps as usize);
     let turn = if steps.is_some() { snapped * turn.signum() } else { turn };
-    Run {
+    CourseRun {
         shape: Shape::Curve { radius: listed.unwrap_or(radius), turn },
         vertex,
         steps,
@@ -177,10 +177,10 @@ fn snap_turn(radius: f64, turn: f64, vertex: usize, catalog: &Catalog) -> Run {
 }
 
 /// Lets the turns off the grid take up what snapping the others did to the heading, in equal parts.
-fn spread_heading(runs: &mut [Run]) {
-    let turn = |run: &Run| if let Shape::Curve { turn, .. } = run.shape { turn } else { 0.0 };
+fn spread_heading(runs: &mut [CourseRun]) {
+    let turn = |run: &CourseRun| if let Shape::Curve { turn, .. } = run.shape { turn } else { 0.0 };
     let excess = trig::wrap(runs.iter().map(turn).sum());
-    let off = |run: &Run| matches!(run.shape, Shape::Curve { .. }) && run.steps.is_none();
+    let off = |run: &CourseRun| matches!(run.shape, Shape::Curve { .. }) && run.steps.is_none();
     let count = runs.iter().filter(|r| off(r)).count();
     for run in runs.iter_mut().filter(|r| off(r)) {
         if let Shape::Curve { turn, .. } = &mut run.shape {

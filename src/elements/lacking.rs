@@ -2,7 +2,7 @@
 
 use super::sequence::{degrees, millimetres};
 use super::{Sequence, Shape};
-use crate::base::number;
+use crate::base::{number, words};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
 
@@ -91,11 +91,7 @@ fn metres(length: f64) -> String {
 
 /// `3, 4 or 5`.
 fn list(values: &[f64], show: impl Fn(f64) -> String) -> String {
-    let shown: Vec<String> = values.iter().copied().map(show).collect();
-    match shown.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
-        _ => shown.concat(),
-    }
+    words::list(&values.iter().copied().map(show).collect::<Vec<_>>(), "or")
 }
 
 #[cfg(test)]

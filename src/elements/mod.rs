@@ -16,10 +16,10 @@ mod steps;
 pub use bill::{Bill, BillLine, bill, price};
 pub use cover::Cover;
 pub use lacking::lacking;
-pub use part::{Part, Piece, Place, climbs_lacking, pieces};
+pub use part::{OrderedPiece, Part, PlaceInPlan, climbs_lacking, pieces};
 pub use sequence::sequence;
 pub use space::{Leg, Length, Room, Space, merged, rooms};
-pub use steps::{Step, Steps};
+pub use steps::{PriceStep, Steps};
 
 use crate::base::trig;
 use crate::geometry::Point;

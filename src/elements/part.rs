@@ -80,19 +80,19 @@ impl Part {
 
 /// One orderable piece of the track in space.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct OrderedPiece {
     pub part: Part,
     /// `ST-3000`, `CU-4000-45` as in the sequence; `VC-10000-8S` is the vertical curve of 10 m and 8° that is a sag
     /// (`C`: a crest), `SP-4000-45-400L` the spiral of 4 m and 45° that rises by 400 mm to the left. `X-` is before
     /// what the catalogue lacks.
     pub article: String,
     pub in_catalog: bool,
-    pub place: Place,
+    pub place: PlaceInPlan,
 }
 
 /// Where a piece lies in the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct PlaceInPlan {
     /// Vertex whose section or fillet it belongs to.
     pub vertex: usize,
     /// Arc length of the plan where it begins, m, from vertex 0's outgoing tangent point.
@@ -105,9 +105,9 @@ pub struct Place {
 }
 
 /// The pieces of a track in driving order: its elements where it lies level, else what its legs in space are made of.
-pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece> {
+pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<OrderedPiece> {
     if layout.levels.is_empty() {
-        return sequence.elements.iter().map(|e| Piece::of(e, in_plan(e))).collect();
+        return sequence.elements.iter().map(|e| OrderedPiece::of(e, in_plan(e))).collect();
     }
     let plan = sequence.length().max(f64::MIN_POSITIVE);
     let mut list = Vec::new();
@@ -118,14 +118,14 @@ pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece>
         for (part, article, in_catalog) in parts_of_leg(leg, sequence, layout) {
             let run = part.length() * share;
             let frame = stretch.at(leg.form.along(within));
-            let place = Place {
+            let place = PlaceInPlan {
                 vertex: leg.vertex,
                 s: (s + within).rem_euclid(plan),
                 run,
                 position: Point::new(frame.position.x, frame.position.y),
                 heading: frame.heading(),
             };
-            list.push(Piece { part, article, in_catalog, place });
+            list.push(OrderedPiece { part, article, in_catalog, place });
             within += run;
         }
         s += leg.form.run();
@@ -133,9 +133,9 @@ pub fn pieces(sequence: &Sequence, space: &Space, layout: &Layout) -> Vec<Piece>
     list
 }
 
-impl Piece {
-    fn of(e: &super::Element, place: Place) -> Self {
-        Piece { part: part(e), article: e.article.clone(), in_catalog: e.in_catalog, place }
+impl OrderedPiece {
+    fn of(e: &super::Element, place: PlaceInPlan) -> Self {
+        OrderedPiece { part: part(e), article: e.article.clone(), in_catalog: e.in_catalog, place }
     }
 
     /// Whether it lies on a turn of the plan.
@@ -144,8 +144,8 @@ impl Piece {
     }
 }
 
-fn in_plan(e: &super::Element) -> Place {
-    Place { vertex: e.vertex, s: e.s, run: e.length, position: e.position, heading: e.heading }
+fn in_plan(e: &super::Element) -> PlaceInPlan {
+    PlaceInPlan { vertex: e.vertex, s: e.s, run: e.length, position: e.position, heading: e.heading }
 }
 
 fn part(e: &super::Element) -> Part {
@@ -208,8 +208,8 @@ fn spiral(catalog: &Catalog, radius: f64, turn: f64, rise: f64) -> Vec<(Part, bo
 }
 
 /// A warning for the vertical curves and spirals that the layout's catalogue does not have.
-pub fn climbs_lacking(pieces: &[Piece], layout: &Layout) -> Option<Diagnostic> {
-    let climbs = |p: &&Piece| matches!(p.part, Part::Vertical { .. } | Part::Spiral { .. }) && !p.in_catalog;
+pub fn climbs_lacking(pieces: &[OrderedPiece], layout: &Layout) -> Option<Diagnostic> {
+    let climbs = |p: &&OrderedPiece| matches!(p.part, Part::Vertical { .. } | Part::Spiral { .. }) && !p.in_catalog;
     let mut articles: Vec<&str> = pieces.iter().filter(climbs).map(|p| p.article.as_str()).collect();
     articles.sort_unstable();
     articles.dedup();

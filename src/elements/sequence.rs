@@ -1,6 +1,6 @@
 //! From the course to the pieces in driving order.
 
-use super::course::{Course, Run, SNAP};
+use super::course::{Course, CourseRun, SNAP};
 use super::{Cover, Element, Sequence, Shape, cover};
 use crate::base::{number, trig};
 use crate::geometry::Track;
@@ -32,7 +32,7 @@ pub fn sequence(track: &Track, layout: &Layout) -> Sequence {
 }
 
 /// The pieces of a run, and whether the catalogue has them.
-fn pieces(run: &Run, catalog: &Catalog, wanted: Cover) -> (Vec<Shape>, bool) {
+fn pieces(run: &CourseRun, catalog: &Catalog, wanted: Cover) -> (Vec<Shape>, bool) {
     match run.shape {
         Shape::Straight { length, .. } if length <= 0.0 => (Vec::new(), true),
         Shape::Straight { length, .. } => match cover::straight(length, &catalog.straight, wanted) {

@@ -15,12 +15,12 @@ const MOST: usize = 4_000;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steps {
     /// Ascending.
-    points: Vec<Step>,
+    points: Vec<PriceStep>,
 }
 
 /// A length where the price changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct PriceStep {
     /// m
     pub length: f64,
     /// Pieces and cuts of this very length, EUR; infinite where the stock cannot make it.
@@ -57,24 +57,24 @@ impl Steps {
             }
         }
         parts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let mut points: Vec<Step> = Vec::new();
+        let mut points: Vec<PriceStep> = Vec::new();
         for (low, high, price) in parts {
             match points.last_mut() {
                 // Where two parts meet, both make the length.
                 Some(last) if (last.length - low).abs() <= EXACT => last.price = last.price.min(price),
-                _ => points.push(Step { length: low, price, after: f64::INFINITY }),
+                _ => points.push(PriceStep { length: low, price, after: f64::INFINITY }),
             }
             if high - low > EXACT {
                 if let Some(last) = points.last_mut() {
                     last.after = price;
                 }
-                points.push(Step { length: high, price, after: f64::INFINITY });
+                points.push(PriceStep { length: high, price, after: f64::INFINITY });
             }
         }
         Some(Steps { points })
     }
 
-    pub fn points(&self) -> &[Step] {
+    pub fn points(&self) -> &[PriceStep] {
         &self.points
     }
 
@@ -89,7 +89,7 @@ impl Steps {
     pub fn nearest_cheaper(&self, length: f64, tolerance: f64) -> Option<f64> {
         let first = self.points.partition_point(|p| p.length < length - tolerance);
         let near = self.points[first..].iter().take_while(|p| p.length <= length + tolerance);
-        let plain = |p: &&Step| p.price < p.after || first == 0 || p.price < self.price(p.length - 2.0 * EXACT);
+        let plain = |p: &&PriceStep| p.price < p.after || first == 0 || p.price < self.price(p.length - 2.0 * EXACT);
         let best = near.filter(plain).min_by(|a, b| a.price.total_cmp(&b.price))?;
         best.price.is_finite().then_some(best.length)
     }

@@ -11,6 +11,7 @@ pub mod dxf;
 pub mod freedom;
 pub mod layout;
 pub mod outside;
+pub mod paper;
 pub mod pareto;
 mod plan;
 pub mod png;

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Runs of one layout at one set point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Group {
+pub struct RunGroup {
     /// The layout's file.
     pub layout: String,
     /// Set speed, m/s.
@@ -27,15 +27,19 @@ pub struct SetPoint {
     pub tension: f64,
 }
 
-impl Group {
+impl RunGroup {
     /// The groups by layout, speed and tension; runs in the order they come in.
-    pub fn all(points: &[SetPoint]) -> Vec<Group> {
-        let mut groups: BTreeMap<(&str, u64, u64), Group> = BTreeMap::new();
+    pub fn all(points: &[SetPoint]) -> Vec<RunGroup> {
+        let mut groups: BTreeMap<(&str, u64, u64), RunGroup> = BTreeMap::new();
         for point in points {
             // Both are positive, so that their bits are in their order.
             let key = (point.layout.as_str(), point.speed.to_bits(), point.tension.to_bits());
-            let none =
-                || Group { layout: point.layout.clone(), speed: point.speed, tension: point.tension, runs: Vec::new() };
+            let none = || RunGroup {
+                layout: point.layout.clone(),
+                speed: point.speed,
+                tension: point.tension,
+                runs: Vec::new(),
+            };
             groups.entry(key).or_insert_with(none).runs.push(point.run.clone());
         }
         groups.into_values().collect()
@@ -47,10 +51,10 @@ impl Group {
     }
 
     /// The layout's file without its folder, where no other layout is called the same.
-    pub fn short<'a>(&self, all: impl IntoIterator<Item = &'a Group>) -> String {
+    pub fn short<'a>(&self, all: impl IntoIterator<Item = &'a RunGroup>) -> String {
         let name = |layout: &str| Path::new(layout).file_name().map(|name| name.to_string_lossy().into_owned());
         let own = name(&self.layout);
-        let same = |other: &Group| other.layout != self.layout && name(&other.layout) == own;
+        let same = |other: &RunGroup| other.layout != self.layout && name(&other.layout) == own;
         let alone = !all.into_iter().any(same);
         own.filter(|_| alone).unwrap_or_else(|| self.layout.clone())
     }
@@ -109,11 +113,11 @@ mod tests {
             point("d", "x.lss", 2.0, 900.0),
             point("e", "w.lss", 2.0, 500.0),
         ];
-        let group = |layout: &str| Group { layout: layout.into(), speed: 2.0, tension: 500.0, runs: Vec::new() };
+        let group = |layout: &str| RunGroup { layout: layout.into(), speed: 2.0, tension: 500.0, runs: Vec::new() };
         let all = [group("a/x.lss"), group("b/x.lss"), group("b/y.lss")];
         assert_eq!(all.each_ref().map(|group| group.short(&all)), ["a/x.lss", "b/x.lss", "y.lss"]);
         let told: Vec<(String, Vec<String>)> =
-            Group::all(&points).into_iter().map(|g| (format!("{} {}", g.layout, g.file_part()), g.runs)).collect();
+            RunGroup::all(&points).into_iter().map(|g| (format!("{} {}", g.layout, g.file_part()), g.runs)).collect();
         let expected = [
             ("w.lss 2mps-500N", vec!["e"]),
             ("x.lss 2mps-500N", vec!["b"]),

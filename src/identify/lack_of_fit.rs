@@ -3,8 +3,8 @@
 use super::goodness::Stretch;
 use super::parameter::Parameter;
 use super::study::RunFit;
-use super::words::list;
 use crate::base::number::{fixed, trimmed};
+use crate::base::words::list;
 use serde::Serialize;
 
 /// Kinds of features that are named, at most.
@@ -33,7 +33,7 @@ pub fn warning(fit: &RunFit) -> Option<Warning> {
     let bounds = at_bounds(fit);
     let held = (!bounds.is_empty()).then(|| {
         let at = if bounds.len() == 1 { "is at its bound" } else { "are at their bounds" };
-        format!("{} {at}", list(&bounds))
+        format!("{} {at}", list(&bounds, "and"))
     });
     if fit.fits() {
         return held.map(|held| Warning {
@@ -41,7 +41,8 @@ pub fn warning(fit: &RunFit) -> Option<Warning> {
             message: format!("{held}: the run asks for more than the bound allows, or says too little"),
             what: None,
             place: None,
-            help: "check the layout's nominal value, or hold it with --free; `lss gap diagnose` asks which effect would explain it"
+            help: "check the layout's nominal value, or hold it with --free; `lss gap diagnose` asks which effect \
+                   would explain it"
                 .to_owned(),
         });
     }
@@ -156,7 +157,8 @@ mod tests {
         let told = warning(&fit(1.6, &["k_p"])).expect("a warning").lines();
         assert!(told.starts_with("k_p is at its bound: the run asks for more"), "{told}");
         let told = warning(&fit(10.9, &["speed", "tension"])).expect("a warning").lines();
-        let expected = "the model does not fit: the objective is 10.90, repeatability allows 1.70; speed and tension are at their bounds
+        let expected = "the model does not fit: the objective is 10.90, repeatability allows 1.70; speed and tension \
+                        are at their bounds
   what: means along the track of joint_xi (12 times the repeatability); spectrum of run_left (3 times the repeatability)
   where: mean of joint_xi from 12.5 to 17.5 m (23 deviations)
   help: `lss gap diagnose` asks which effect the model lacks";

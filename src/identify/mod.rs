@@ -29,7 +29,7 @@ pub mod stiffness;
 pub mod study;
 mod words;
 
-pub use fit::{Fit, Settings};
+pub use fit::{Fit, FitSettings};
 pub use goodness::Goodness;
 pub use measured::Measured;
 pub use model::{Coordinates, Model};

@@ -6,7 +6,7 @@
 //! apart; the force at d₀ and n can.
 //!
 //! Intervals are Student's, from the Jacobian J at the solution: covariance s²(JᵀJ)⁻¹ with s² = Σr²/(N − 2) (Seber and
-//! Wild 1989, §2.1), taken for ln K rather than K, which is never below zero.
+//! Wild 2003, §2.1), taken for ln K rather than K, which is never below zero.
 
 use crate::base::student;
 use crate::base::trig::{exp, ln, pow};

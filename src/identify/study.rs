@@ -4,7 +4,7 @@
 //! damping χ, and only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is
 //! another model.
 
-use super::fit::{Fit, Settings, fit};
+use super::fit::{Fit, FitSettings, fit};
 use super::goodness::{Goodness, is_wrong};
 use super::measured::Measured;
 use super::model::{Coordinates, Model};
@@ -156,9 +156,9 @@ impl Subject {
 
 /// What everything a fit depends on hashes to (SHA-256): this program, the run and its chain, the law, the options, and
 /// what the fit started from.
-pub fn key(subject: &Subject, law: ContactLaw, settings: &Settings, held: &str) -> String {
+pub fn key(subject: &Subject, law: ContactLaw, settings: &FitSettings, held: &str) -> String {
     // The answer does not depend on threads.
-    let settings = Settings { threads: 1, ..*settings };
+    let settings = FitSettings { threads: 1, ..*settings };
     sha256(format!("{} {} {law:?} {settings:?} {held}", base::program(), subject.content()).as_bytes())
 }
 
@@ -171,7 +171,7 @@ pub fn fit_run(
     subject: &Subject,
     law: ContactLaw,
     start: Option<(ContactLaw, &Coordinates)>,
-    settings: &Settings,
+    settings: &FitSettings,
     width: Width,
     key: String,
 ) -> Result<RunFit, String> {
@@ -185,7 +185,13 @@ pub fn fit_run(
 
 /// Carries a fit over to another law of the same model. `None` where a restitution would be beyond its bounds, or to or
 /// from Kelvin and Voigt's.
-pub fn carry(subject: &Subject, from: &RunFit, law: ContactLaw, settings: &Settings, width: Width) -> Option<RunFit> {
+pub fn carry(
+    subject: &Subject,
+    from: &RunFit,
+    law: ContactLaw,
+    settings: &FitSettings,
+    width: Width,
+) -> Option<RunFit> {
     let same = |law: ContactLaw| law != ContactLaw::KelvinVoigt;
     if !same(law) || !same(from.law) {
         return None;
@@ -217,7 +223,7 @@ pub fn within(
     subject: &Subject,
     from: &RunFit,
     law: ContactLaw,
-    settings: &Settings,
+    settings: &FitSettings,
     width: Width,
 ) -> Option<Coordinates> {
     if [law, from.law].contains(&ContactLaw::KelvinVoigt) {
@@ -314,7 +320,7 @@ fn fitted(
     model: &Model,
     measured: &Measured,
     found: &Fit,
-    settings: &Settings,
+    settings: &FitSettings,
     key: String,
 ) -> Result<RunFit, String> {
     let goodness = found.goodness.clone().ok_or("the fit has no residuals")?;

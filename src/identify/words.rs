@@ -3,6 +3,7 @@
 use super::parameter::{COUNT, Parameter};
 use super::posterior::correlations;
 use crate::base::number::{fixed, trimmed};
+use crate::base::words::list;
 use nalgebra::DMatrix;
 
 /// Share of the prior's deviation above which a run has said almost nothing.
@@ -40,7 +41,7 @@ pub fn identifiability(
     if !silent.is_empty() {
         said.push(format!(
             "the run says almost nothing of {}: what is given is what was believed before",
-            list(&silent)
+            list(&silent, "and")
         ));
     }
     let together = correlations(&known);
@@ -57,22 +58,14 @@ pub fn identifiability(
         let wider = (unknown[(i, i)] / known[(i, i)]).sqrt();
         if wider > 1.5 && share[i] < NOTHING {
             said.push(format!(
-                "{} is told apart from the floor of approach speeds only because that is taken as known: otherwise its interval would be {} times as wide",
+                "{} is told apart from the floor of approach speeds only because that is taken as known: otherwise its \
+                 interval would be {} times as wide",
                 p.name(),
                 trimmed(wider, 1)
             ));
         }
     }
     said
-}
-
-/// `a`, `a and b`, `a, b and c`.
-pub fn list(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::shapes::{self, Items, Placement, Raw};
 use super::tags::{self, Tag};
-use super::unit::Unit;
+use super::unit::LengthUnit;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Point;
 use crate::source::{FileId, Span};
@@ -17,7 +17,7 @@ const MOST: usize = 200_000;
 /// What of a drawing matters here, in its own unit.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Where the unit stands, or would.
     pub unit_span: Span,
     pub begin: Span,
@@ -107,9 +107,9 @@ fn sections<'t, 'a>(tags: &'t [Tag<'a>]) -> BTreeMap<&'a str, &'t [Tag<'a>]> {
     found
 }
 
-fn unit(header: &[Tag], begin: Span) -> (Option<Unit>, Span) {
+fn unit(header: &[Tag], begin: Span) -> (Option<LengthUnit>, Span) {
     let stated = header.iter().position(|tag| tag.is(9, "$INSUNITS")).and_then(|i| header.get(i + 1));
-    stated.map_or((None, begin), |tag| (tag.int().ok().and_then(Unit::from_header), tag.span))
+    stated.map_or((None, begin), |tag| (tag.int().ok().and_then(LengthUnit::from_header), tag.span))
 }
 
 /// Entities one after the other; the vertices of an old polyline belong to it.

@@ -17,7 +17,7 @@ use crate::source::Span;
 
 /// An imported centre line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct ImportedLine {
     pub track: Track,
     pub start: Option<f64>,
     pub healed: Healed,
@@ -52,7 +52,12 @@ struct Section {
     heading: f64,
 }
 
-pub fn centre_line(ring: &Ring, marks: &[Point], options: &Options, said: &mut Vec<Diagnostic>) -> Option<Line> {
+pub fn centre_line(
+    ring: &Ring,
+    marks: &[Point],
+    options: &Options,
+    said: &mut Vec<Diagnostic>,
+) -> Option<ImportedLine> {
     let mut healed = Healed { dropped: ring.dropped, ..Healed::default() };
     joints(&ring.pieces, &mut healed);
     let origin = ring.pieces.first()?.curve.begin();
@@ -95,7 +100,7 @@ pub fn centre_line(ring: &Ring, marks: &[Point], options: &Options, said: &mut V
     let first = track.straight(0);
     let along = (origin - first.begin).dot(Point::unit(first.heading));
     let inside = along > options.tolerance && along < first.length - options.tolerance;
-    Some(Line { track, start: inside.then_some(along), healed })
+    Some(ImportedLine { track, start: inside.then_some(along), healed })
 }
 
 /// Measures how the pieces meet.

@@ -20,7 +20,7 @@ mod unit;
 mod walk;
 mod write;
 
-pub use unit::Unit;
+pub use unit::LengthUnit;
 pub use write::{as_name, write};
 
 use crate::diagnostic::{Code, Diagnostic};
@@ -43,7 +43,7 @@ pub struct Options {
     pub building: String,
     pub obstacles: Vec<String>,
     /// Instead of the one that the drawing states.
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Largest gap that is closed, and largest distance by which a drawn point may be moved, m.
     pub tolerance: f64,
     /// Drive against the order of the drawing.
@@ -71,14 +71,14 @@ impl Default for Options {
 
 /// A vertex with the name that the drawing gives it, or `P1`, `P2` and so on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Vertex {
+pub struct DrawnVertex {
     pub name: String,
     pub corner: Corner,
 }
 
 /// A polygon of the plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Area {
+pub struct DrawnArea {
     pub name: String,
     /// m
     pub points: Vec<Point>,
@@ -103,15 +103,15 @@ pub struct Healed {
 /// What a drawing says of a layout, in metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    pub unit: Unit,
-    pub vertices: Vec<Vertex>,
+    pub unit: LengthUnit,
+    pub vertices: Vec<DrawnVertex>,
     /// Length of the centre line, m.
     pub length: f64,
     /// Distance from the first section's tangent point at which the drawing begins, m.
     pub start: Option<f64>,
     pub width: f64,
-    pub building: Option<Area>,
-    pub obstacles: Vec<Area>,
+    pub building: Option<DrawnArea>,
+    pub obstacles: Vec<DrawnArea>,
     pub healed: Healed,
 }
 
@@ -184,7 +184,7 @@ fn drawn_width(side: &[Drawn], track: &crate::geometry::Track) -> Option<f64> {
 }
 
 /// Vertices with the texts that our own export writes above them; all or none.
-fn named(corners: &[Corner], items: &shapes::Items, marks: &[Point]) -> Vec<Vertex> {
+fn named(corners: &[Corner], items: &shapes::Items, marks: &[Point]) -> Vec<DrawnVertex> {
     let above = |corner: &Corner| {
         marks.iter().find(|mark| mark.distance(corner.point) < 1e-6)?;
         let over = |text: &&shapes::Label| {
@@ -199,7 +199,7 @@ fn named(corners: &[Corner], items: &shapes::Items, marks: &[Point]) -> Vec<Vert
     if distinct.len() < corners.len() {
         names = (1..=corners.len()).map(|i| format!("P{i}")).collect();
     }
-    names.into_iter().zip(corners).map(|(name, corner)| Vertex { name, corner: *corner }).collect()
+    names.into_iter().zip(corners).map(|(name, corner)| DrawnVertex { name, corner: *corner }).collect()
 }
 
 fn unknown_unit(span: Span) -> Diagnostic {

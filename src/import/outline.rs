@@ -5,7 +5,7 @@
 
 use super::shapes::{Drawn, Items, Label};
 use super::walk::{self, metres, place};
-use super::{Area, BUILDING_CLEARANCE, OBSTACLE_CLEARANCE, Plan, simple, write};
+use super::{BUILDING_CLEARANCE, DrawnArea, OBSTACLE_CLEARANCE, Plan, simple, write};
 use crate::base::number::tidy;
 use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
@@ -32,7 +32,7 @@ struct Outline {
 
 impl Areas<'_> {
     /// The largest outline of the layer.
-    pub fn building(&self, layer: &str, said: &mut Vec<Diagnostic>) -> Option<Area> {
+    pub fn building(&self, layer: &str, said: &mut Vec<Diagnostic>) -> Option<DrawnArea> {
         let mut outlines = self.outlines(layer, false, said);
         outlines.sort_by(|a, b| b.polygon.area().total_cmp(&a.polygon.area()));
         let mut outlines = outlines.into_iter();
@@ -55,14 +55,14 @@ impl Areas<'_> {
         }
         let clearances = self.clearances(&[&largest], BUILDING_CLEARANCE);
         let clearance = clearances.first().copied().unwrap_or(0.0);
-        Some(Area { name: String::new(), points: largest.polygon.points().to_vec(), clearance })
+        Some(DrawnArea { name: String::new(), points: largest.polygon.points().to_vec(), clearance })
     }
 
     /// Every outline of the layers, named by a text in it if there is one.
-    pub fn obstacles(&self, layers: &[String], said: &mut Vec<Diagnostic>) -> Vec<Area> {
+    pub fn obstacles(&self, layers: &[String], said: &mut Vec<Diagnostic>) -> Vec<DrawnArea> {
         let outlines: Vec<Outline> = layers.iter().flat_map(|layer| self.outlines(layer, true, said)).collect();
         let clearances = self.clearances(&outlines.iter().collect::<Vec<_>>(), OBSTACLE_CLEARANCE);
-        let mut areas: Vec<Area> = Vec::with_capacity(outlines.len());
+        let mut areas: Vec<DrawnArea> = Vec::with_capacity(outlines.len());
         for (number, (outline, clearance)) in outlines.iter().zip(clearances).enumerate() {
             let taken = |name: &String| areas.iter().any(|area| area.name == *name);
             let label = self.label(&outline.polygon).map(|label| write::as_name(&label.text, "obstacle"));
@@ -70,7 +70,7 @@ impl Areas<'_> {
                 let numbers = (number + 1..).map(|k| format!("obstacle_{k}"));
                 numbers.into_iter().find(|name| !taken(name)).unwrap_or_default()
             });
-            areas.push(Area { name, points: outline.polygon.points().to_vec(), clearance });
+            areas.push(DrawnArea { name, points: outline.polygon.points().to_vec(), clearance });
         }
         areas
     }

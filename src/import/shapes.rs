@@ -28,7 +28,7 @@ pub struct Drawn {
 
 /// The lines and arcs of an entity, one behind the other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
+pub struct DrawnShape {
     pub layer: String,
     /// Each with the line of the file that it is written on.
     pub curves: Vec<(Curve, Span)>,
@@ -59,7 +59,7 @@ pub struct Unreadable {
 /// Everything that was found, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Items {
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<DrawnShape>,
     pub points: Vec<Mark>,
     pub labels: Vec<Label>,
     pub unreadable: Vec<Unreadable>,
@@ -251,7 +251,7 @@ pub fn read(entity: &Raw, layer: &str, placement: &Placement, wanted: bool, item
                 let placed = curves.iter().map(|(curve, span)| Some((placement.curve(curve)?, *span)));
                 match placed.collect::<Option<Vec<(Curve, Span)>>>() {
                     Some(curves) if curves.is_empty() => {}
-                    Some(curves) => items.shapes.push(Shape { layer: layer.to_string(), curves, directed }),
+                    Some(curves) => items.shapes.push(DrawnShape { layer: layer.to_string(), curves, directed }),
                     None => items.refuse(entity, layer, "an arc in a block that is stretched to an ellipse"),
                 }
             }
@@ -349,7 +349,7 @@ impl Items {
     }
 }
 
-impl Shape {
+impl DrawnShape {
     pub fn pieces(&self) -> Vec<Drawn> {
         self.curves.iter().map(|(curve, span)| Drawn { curve: *curve, span: *span, directed: self.directed }).collect()
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Area, Plan};
+use super::{DrawnArea, Plan};
 use crate::base::number::trimmed;
 use crate::geometry::Point;
 use crate::source::FileId;
@@ -46,7 +46,7 @@ fn point(p: Point) -> String {
     format!("({}, {})", metres(p.x), metres(p.y))
 }
 
-fn area(area: &Area) -> String {
+fn area(area: &DrawnArea) -> String {
     let points: Vec<String> = area.points.iter().map(|p| point(*p)).collect();
     let clearance = if area.clearance > 0.0 { format!(" clearance {}", metres(area.clearance)) } else { String::new() };
     format!("[{}]{clearance}", points.join(", "))

@@ -98,7 +98,7 @@ pub struct SpiralStock {
 
 /// Law of a contact: F = K δⁿ (1 + χ(e) δ̇ / v₀).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Contact {
+pub struct ContactParameters {
     /// K, N/mⁿ
     pub stiffness: f64,
     /// n
@@ -140,7 +140,7 @@ pub struct Wheel {
     pub height: f64,
     /// Clearance to the rail (g_s, or g_u of the upper surface), m.
     pub gap: f64,
-    pub contact: Contact,
+    pub contact: ContactParameters,
     /// c_rr
     pub rolling_resistance: f64,
 }
@@ -148,8 +148,8 @@ pub struct Wheel {
 #[derive(Clone, Debug, Serialize)]
 pub struct Joint {
     pub name: String,
-    pub axial: Contact,
-    pub radial: Contact,
+    pub axial: ContactParameters,
+    pub radial: ContactParameters,
     /// v_min, m/s: floor of the approach speed in every contact law.
     pub approach_floor: f64,
 }

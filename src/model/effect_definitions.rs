@@ -180,7 +180,8 @@ pub const LOAD_DISTRIBUTION: EffectDefinition = EffectDefinition {
         PlaceDefinition {
             name: "on_sensor",
             kind: PlaceKind::Number,
-            about: "1 when all carts are loaded; 2, 3, 4 when the cart before, the one after, or both beside the one with sensors are",
+            about: "1 when all carts are loaded; 2, 3, 4 when the cart before, the one after, or both beside the one \
+                    with sensors are",
             default: 0.0,
         },
         PlaceDefinition { name: "draw", kind: PlaceKind::Number, about: "which others are loaded", default: 1.0 },

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// A place on the straight of a section, measured from the tangent point where the straight begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Place {
+pub struct StraightPlace {
     /// Index of the section's first vertex.
     pub section: usize,
     /// m
@@ -15,9 +15,9 @@ pub struct Place {
 
 /// Places at equal distances on one straight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct PlaceRow {
     /// The first one.
-    pub place: Place,
+    pub place: StraightPlace,
     /// m
     pub every: f64,
     pub count: usize,
@@ -26,8 +26,8 @@ pub struct Row {
 #[derive(Clone, Debug, Serialize)]
 pub struct Equipment {
     /// Where arc length is 0; `None`: the first vertex' outgoing tangent point.
-    pub start: Option<Place>,
-    pub photocell: Option<Place>,
+    pub start: Option<StraightPlace>,
+    pub photocell: Option<StraightPlace>,
     pub inductions: Vec<Induction>,
     pub chutes: Vec<Chutes>,
     pub motors: Motors,
@@ -40,13 +40,13 @@ pub struct Equipment {
 #[derive(Clone, Debug, Serialize)]
 pub struct Induction {
     pub name: String,
-    pub place: Place,
+    pub place: StraightPlace,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub struct Chutes {
     pub name: String,
-    pub row: Row,
+    pub row: PlaceRow,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -56,7 +56,7 @@ pub enum Motors {
     Evenly {
         count: usize,
     },
-    Rows(Vec<Row>),
+    Rows(Vec<PlaceRow>),
 }
 
 /// Height of the track over a run of sections.
@@ -87,7 +87,7 @@ pub struct Ramp {
 }
 
 #[derive(Clone, Debug, Serialize)]
-pub struct Chain {
+pub struct ChainDeclaration {
     /// T₀, N
     pub tension: f64,
     /// Largest left-over that a whole number of carts may have, m; `None`: only reported.
@@ -96,7 +96,7 @@ pub struct Chain {
 
 /// An effect that the layout's simulations include.
 #[derive(Clone, Debug, Serialize)]
-pub struct Effect {
+pub struct DeclaredEffect {
     pub name: String,
     /// Strengths by name, SI.
     pub strengths: Vec<(String, f64)>,

@@ -53,7 +53,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         equipment: equipment(),
         levels: Vec::new(),
         ramps: Vec::new(),
-        chain: Chain { tension: 500.0, closes_within: None },
+        chain: ChainDeclaration { tension: 500.0, closes_within: None },
         effects: Vec::new(),
         objective: Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None },
     }
@@ -103,7 +103,7 @@ fn equipment() -> Equipment {
 }
 
 fn cart() -> Cart {
-    let contact = |stiffness, exponent| Contact { stiffness, exponent, restitution: 0.6 };
+    let contact = |stiffness, exponent| ContactParameters { stiffness, exponent, restitution: 0.6 };
     let wheel = |name: &str, radius, height, gap, stiffness| Wheel {
         name: name.to_owned(),
         radius,

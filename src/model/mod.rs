@@ -61,8 +61,8 @@ pub struct Layout {
     pub equipment: Equipment,
     pub levels: Vec<Level>,
     pub ramps: Vec<Ramp>,
-    pub chain: Chain,
-    pub effects: Vec<Effect>,
+    pub chain: ChainDeclaration,
+    pub effects: Vec<DeclaredEffect>,
     pub objective: Objective,
 }
 

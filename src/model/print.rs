@@ -148,7 +148,7 @@ impl Printer {
         self.text.push('\n');
     }
 
-    fn contact(&mut self, contact: &Contact) {
+    fn contact(&mut self, contact: &ContactParameters) {
         let exponent = if contact.exponent == 1.0 { String::new() } else { format!("^{}", contact.exponent) };
         self.field("stiffness", unit(contact.stiffness, &format!("N/m{exponent}")));
         self.field("exponent", number(contact.exponent));
@@ -224,8 +224,8 @@ impl Printer {
 
     fn equipment(&mut self, layout: &Layout, names: &[&str]) {
         let section = |i: usize| section_text(i, names);
-        let place = |p: &Place| format!("on {} at {}", section(p.section), metres(p.at));
-        let row = |r: &Row| {
+        let place = |p: &StraightPlace| format!("on {} at {}", section(p.section), metres(p.at));
+        let row = |r: &PlaceRow| {
             let (from, every) = (metres(r.place.at), metres(r.every));
             format!("on {} from {from} every {every} count {}", section(r.place.section), r.count)
         };

@@ -1,9 +1,9 @@
 //! Clearance rows: the signed distance of an [`Approach`] or a [`Meeting`] with its derivatives.
 //!
-//! A row stays valid while the nearest point slides from one part of the track to the next, because the signed
-//! distance to a smooth curve is itself smooth there: every evaluation picks the part beside the corner anew among
-//! the neighbours of the part the row was found at. What it picked is a [`Form`], which other readers of the problem
-//! share.
+//! A row stays valid while the nearest point slides from one part of the track to the next, because the signed distance
+//! to a smooth curve is itself smooth there: every evaluation picks the part beside the corner anew among the
+//! neighbours of the part the row was found at. What it picked is a [`ClearanceForm`], which other readers of the
+//! problem share.
 
 use super::expansion::Expansion;
 use super::jet::{Jet, Vector};
@@ -17,7 +17,7 @@ const WINDOW: usize = 2;
 
 /// The closed form of a clearance row where the track runs now.
 #[derive(Clone, Copy, Debug)]
-pub enum Form {
+pub enum ClearanceForm {
     /// Offset of a region's corner from a section's line, towards the side where the region lies.
     CornerAtLine { section: usize, corner: Point, lies: f64 },
     /// The same from the circle of the fillet at a vertex.
@@ -40,13 +40,13 @@ pub enum Spot {
 }
 
 /// The form of an approach to a region.
-pub fn form(region: &Region, approach: &Approach, track: &Track) -> Form {
+pub fn form(region: &Region, approach: &Approach, track: &Track) -> ClearanceForm {
     match approach.feature {
         Feature::Corner(i) => {
             let (corner, lies) = (region.polygon.points()[i], region.lies);
             match nearest_part(track, approach.part, corner) {
-                NearPiece::Straight(section) => Form::CornerAtLine { section, corner, lies },
-                NearPiece::Arc(vertex) => Form::CornerAtCircle { vertex, corner, lies },
+                NearPiece::Straight(section) => ClearanceForm::CornerAtLine { section, corner, lies },
+                NearPiece::Arc(vertex) => ClearanceForm::CornerAtCircle { vertex, corner, lies },
             }
         }
         Feature::Edge(i) => {
@@ -59,13 +59,13 @@ pub fn form(region: &Region, approach: &Approach, track: &Track) -> Form {
                 false if height(fillet.begin) < height(fillet.end) => Spot::Begin,
                 false => Spot::End,
             };
-            Form::ArcOverEdge { vertex, edge, spot }
+            ClearanceForm::ArcOverEdge { vertex, edge, spot }
         }
     }
 }
 
 /// The form of a meeting of the track with itself.
-pub fn own_form(meeting: &Meeting, track: &Track, signs: &[f64]) -> Form {
+pub fn own_form(meeting: &Meeting, track: &Track, signs: &[f64]) -> ClearanceForm {
     let (arc, side) = (meeting.arc, meeting.side);
     match meeting.other {
         NearPiece::Straight(section) => {
@@ -77,22 +77,22 @@ pub fn own_form(meeting: &Meeting, track: &Track, signs: &[f64]) -> Form {
                 false if away(fillet.begin) < away(fillet.end) => Spot::Begin,
                 false => Spot::End,
             };
-            Form::ArcAtLine { arc, section, side, spot }
+            ClearanceForm::ArcAtLine { arc, section, side, spot }
         }
-        NearPiece::Arc(other) => Form::Arcs { arc, other, within: side == signs[other] },
+        NearPiece::Arc(other) => ClearanceForm::Arcs { arc, other, within: side == signs[other] },
     }
 }
 
 /// The signed distance, m, with its derivatives.
-pub fn distance(form: &Form, measures: &Measures, signs: &[f64]) -> Expansion {
+pub fn distance(form: &ClearanceForm, measures: &Measures, signs: &[f64]) -> Expansion {
     match *form {
-        Form::CornerAtLine { section, corner, lies } => {
+        ClearanceForm::CornerAtLine { section, corner, lies } => {
             let [a, b] = measures.section_ends(section);
             let to_corner = Vector { x: Jet::constant(corner.x) - a.x, y: Jet::constant(corner.y) - a.y };
             let jet = (b - a).cross(&to_corner) * measures.sections[section].reciprocal();
             Expansion::from_jet(&jet, &measures.section_variables(section)).scale(lies)
         }
-        Form::CornerAtCircle { vertex, corner, lies } => {
+        ClearanceForm::CornerAtCircle { vertex, corner, lies } => {
             let lateral = measures.at(vertex, |m| {
                 let from =
                     Vector { x: m.centre.x + Jet::constant(-corner.x), y: m.centre.y + Jet::constant(-corner.y) };
@@ -100,7 +100,7 @@ pub fn distance(form: &Form, measures: &Measures, signs: &[f64]) -> Expansion {
             });
             lateral.scale(lies)
         }
-        Form::ArcOverEdge { vertex, edge, spot } => {
+        ClearanceForm::ArcOverEdge { vertex, edge, spot } => {
             let height = |v: Vector<7>| {
                 (v.x + Jet::constant(-edge.begin.x)).scale(edge.normal.x)
                     + (v.y + Jet::constant(-edge.begin.y)).scale(edge.normal.y)
@@ -112,8 +112,8 @@ pub fn distance(form: &Form, measures: &Measures, signs: &[f64]) -> Expansion {
                 Spot::End => height(m.end),
             })
         }
-        Form::ArcAtLine { arc, section, side, spot } => arc_at_line(arc, section, side, spot, measures),
-        Form::Arcs { arc, other, within } => {
+        ClearanceForm::ArcAtLine { arc, section, side, spot } => arc_at_line(arc, section, side, spot, measures),
+        ClearanceForm::Arcs { arc, other, within } => {
             let between = between_centres(arc, other, measures);
             let radius = |v: usize| Expansion::variable(measures.corners[v].radius, measures::radius(v));
             match within {

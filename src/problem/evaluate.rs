@@ -140,7 +140,7 @@ impl Problem {
     }
 
     /// The form of a clearance row where the track runs, and the least distance, m; `None` for listed rows.
-    pub(super) fn clearance(&self, key: RowKey, track: &Track) -> Option<(clearance::Form, f64)> {
+    pub(super) fn clearance(&self, key: RowKey, track: &Track) -> Option<(clearance::ClearanceForm, f64)> {
         match key {
             RowKey::Listed(_) => None,
             RowKey::Clearance(k, feature, part) => {

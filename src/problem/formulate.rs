@@ -2,12 +2,13 @@
 
 use super::formula::Places;
 use super::measures::{radius, to_variables, x, y};
-use super::{Function, Keepout, Problem, Row, Scope};
+use super::{ConstraintRow, Function, Keepout, Problem, Scope};
 use crate::elements::{self, Length};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Point, Track};
 use crate::model::{
-    self, Constraint, ConstraintKind, FixKind, Goal, Heights, Interval, Layout, Motors, Place, Side, Target, Unit,
+    self, Constraint, ConstraintKind, FixKind, Goal, Heights, Interval, Layout, Motors, Side, StraightPlace, Target,
+    Unit,
 };
 use crate::source::Span;
 
@@ -75,8 +76,8 @@ impl Problem {
     /// Equipment needs the straight that it is placed on.
     fn make_room(&mut self, layout: &Layout) {
         let equipment = &layout.equipment;
-        let one = |name: String, place: &Place| (name, *place, 0.0);
-        let along = |name: String, row: &model::Row, length: f64| {
+        let one = |name: String, place: &StraightPlace| (name, *place, 0.0);
+        let along = |name: String, row: &model::PlaceRow, length: f64| {
             (name, row.place, row.every * row.count.saturating_sub(1) as f64 + length)
         };
         let mut wanted = Vec::new();
@@ -106,7 +107,7 @@ impl Problem {
     }
 
     fn row(&mut self, function: Function, low: f64, high: f64, angle: bool, label: String, span: Span) {
-        self.rows.push(Row { function, low, high, angle, weight: None, label, span, reason: None });
+        self.rows.push(ConstraintRow { function, low, high, angle, weight: None, label, span, reason: None });
     }
 
     fn fix(&mut self, variable: usize) {

@@ -5,6 +5,7 @@
 //! minimum of the distance between track and region, which depends on where the track runs, so they are made
 //! from [`Keepout`]s when the problem is evaluated.
 
+mod affine;
 mod aim;
 mod clearance;
 #[cfg(test)]
@@ -28,7 +29,7 @@ pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;
 use crate::geometry::{Piece, Track, self_crossings};
-use crate::model::{Formula, Heights, Interval};
+use crate::model::{Formula, Heights, Interval, Layout};
 use crate::source::Span;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -60,7 +61,7 @@ pub struct Problem {
     pub start: Vec<f64>,
     /// Limits of each variable; fixed where both are alike.
     pub bounds: Vec<Interval>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<ConstraintRow>,
     /// Sections whose heading a `fix` holds.
     pub rotations: Vec<usize>,
     #[serde(skip)]
@@ -80,7 +81,7 @@ pub struct Problem {
 
 /// `low <= function <= high`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct ConstraintRow {
     pub function: Function,
     pub low: f64,
     pub high: f64,
@@ -139,6 +140,18 @@ pub struct Keepout {
 }
 
 impl Problem {
+    /// The catalogue's radii within the limits of a vertex, m; a radius that the layout fixes is the user's own choice.
+    pub fn radii(&self, layout: &Layout, vertex: usize) -> Vec<f64> {
+        // Rounding of limits that come from text, m.
+        const SLACK: f64 = 1e-9;
+        let limits = self.bounds[measures::radius(vertex)];
+        if limits.low == limits.high {
+            return vec![limits.low];
+        }
+        let within = |r: &f64| *r >= limits.low - SLACK && *r <= limits.high + SLACK;
+        layout.catalog.curve.radii.iter().copied().filter(within).collect()
+    }
+
     /// Pairs of pieces that cross or touch, and where neither passes over the other.
     pub fn crossings(&self, track: &Track) -> Vec<(usize, usize)> {
         let mut found = self_crossings(track);
@@ -170,7 +183,7 @@ impl Problem {
         let angle = matches!(function, Function::Turn(_));
         let (label, span) = ("penalty".to_owned(), crate::source::Span::new(crate::source::FileId(0), 0, 0));
         let weight = Some(price);
-        self.rows.push(Row { function, low: aim, high: aim, angle, weight, label, span, reason: None });
+        self.rows.push(ConstraintRow { function, low: aim, high: aim, angle, weight, label, span, reason: None });
     }
 
     /// `P3.x`

@@ -1,6 +1,6 @@
 //! The problem as text, for `--emit problem`.
 
-use super::{Function, Problem, Row};
+use super::{ConstraintRow, Function, Problem};
 use crate::model::Formula;
 use crate::source::SourceMap;
 use std::fmt::Write;
@@ -53,7 +53,7 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
 }
 
 /// A row as text: `length(P7..P8) >= 18`; angles in degrees.
-pub fn relation(problem: &Problem, row: &Row) -> String {
+pub fn relation(problem: &Problem, row: &ConstraintRow) -> String {
     let scale = if row.angle { 180.0 / crate::base::trig::PI } else { 1.0 };
     let name = match &row.function {
         Function::Turn(i) => format!("turn({})", problem.vertices[*i]),

@@ -6,7 +6,7 @@ use crate::emit::bom::Bom;
 use crate::emit::layout::LayoutFile;
 use crate::emit::pareto::Pareto;
 use crate::gap::Diagnosis;
-use crate::report::polygon::{Report, Verification};
+use crate::report::polygon::{PolygonReport, Verification};
 
 /// Names and contents of `docs/schemas/`.
 pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
@@ -15,7 +15,7 @@ pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
         ("simulation.schema.json", json::schema::<Simulation>()),
         ("bom.schema.json", json::schema::<Bom>()),
         ("pareto.schema.json", json::schema::<Pareto>()),
-        ("polygon.schema.json", json::schema::<Report>()),
+        ("polygon.schema.json", json::schema::<PolygonReport>()),
         ("verify.schema.json", json::schema::<Verification>()),
         ("gap.schema.json", json::schema::<Diagnosis>()),
     ]

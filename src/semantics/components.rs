@@ -2,7 +2,7 @@
 //! been reported.
 
 use crate::model::{
-    Cart, Catalog, Contact, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock,
+    Cart, Catalog, ContactParameters, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock,
     VerticalStock, Wheel,
 };
 use crate::semantics::component::Component;
@@ -107,8 +107,8 @@ fn joint(c: &Component) -> Option<Joint> {
     })
 }
 
-fn contact(c: &Component, prefix: &str) -> Option<Contact> {
-    Some(Contact {
+fn contact(c: &Component, prefix: &str) -> Option<ContactParameters> {
+    Some(ContactParameters {
         stiffness: c.number(&format!("{prefix}stiffness"))?,
         exponent: c.number(&format!("{prefix}exponent"))?,
         restitution: c.number(&format!("{prefix}restitution"))?,

@@ -10,11 +10,16 @@ use super::program::{Space, Symbol, repeated};
 use super::scope::{Context, Env};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
-use crate::syntax::tree::{Block, Declaration, Field, Item, Kind, Name, Reference};
+use crate::syntax::tree::{Block, Declaration, DeclarationKind, Field, Item, Name, Reference};
 
 impl<'t> Context<'t> {
     /// The component that a reference names, with its arguments. `None` when it is unknown or calls itself.
-    pub fn component(&self, env: &Rc<Env<'t>>, kind: Kind, reference: &'t Reference) -> Option<Rc<Component>> {
+    pub fn component(
+        &self,
+        env: &Rc<Env<'t>>,
+        kind: DeclarationKind,
+        reference: &'t Reference,
+    ) -> Option<Rc<Component>> {
         let symbol = self.resolve(env.module, Space::Component(kind), &reference.name)?;
         let Item::Declaration(declaration) = self.program.item(symbol) else { return None };
         let args = match &reference.args {
@@ -39,7 +44,15 @@ impl<'t> Context<'t> {
             name.span,
             "not known here",
         );
-        let kinds = [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor];
+        let kinds = [
+            DeclarationKind::Catalog,
+            DeclarationKind::Cart,
+            DeclarationKind::Wheel,
+            DeclarationKind::Joint,
+            DeclarationKind::Motor,
+            DeclarationKind::Controller,
+            DeclarationKind::Sensor,
+        ];
         let mut spaces = kinds.map(Space::Component).into_iter().chain([Space::Let, Space::Layout]);
         let diagnostic = match spaces.find(|other| seen.find(*other, &name.text).is_some()) {
             Some(other) => diagnostic.expected(space.with_article(), other.with_article()).help(format!(
@@ -136,7 +149,7 @@ impl<'t> Context<'t> {
     fn fill_block(
         &self,
         env: &Rc<Env<'t>>,
-        kind: Kind,
+        kind: DeclarationKind,
         prefix: &str,
         block: &'t Block<Field>,
         component: &mut Component,
@@ -178,7 +191,7 @@ impl<'t> Context<'t> {
         sound
     }
 
-    fn unknown_field(&self, kind: Kind, prefix: &str, name: &Name, group: &str) {
+    fn unknown_field(&self, kind: DeclarationKind, prefix: &str, name: &Name, group: &str) {
         let known = || -> Vec<&'static str> {
             let inside = fields(kind).iter().filter_map(|f| f.path.strip_prefix(prefix));
             let mut names: Vec<&'static str> = inside.map(|p| p.split('.').next().unwrap_or(p)).collect();
@@ -207,7 +220,7 @@ impl<'t> Context<'t> {
     }
 
     /// Reports the fields that are missing, all in one message.
-    fn check_missing(&self, kind: Kind, declaration: &Declaration, component: &Component) -> bool {
+    fn check_missing(&self, kind: DeclarationKind, declaration: &Declaration, component: &Component) -> bool {
         if declaration.fields.nodes.iter().any(|n| matches!(n.value, Field::Bad)) {
             return false;
         }

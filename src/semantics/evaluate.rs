@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::dimension::{self, Dimension, UnitError, parse_unit};
 use super::program::Space;
-use super::scope::{Context, Env, Local, Scope, Slot, State};
+use super::scope::{Context, Env, Local, Scope, Slot, SlotState};
 use super::value::{Quantity, RangeValue, Value, negative, product, sum};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Formula;
@@ -194,8 +194,8 @@ impl<'t> Context<'t> {
     pub fn slot(&self, env: &Rc<Env<'t>>, slot: &Slot<'t>, used_at: Span) -> Value {
         let state = slot.state.borrow().clone();
         match state {
-            State::Known(value) => value,
-            State::Busy => {
+            SlotState::Known(value) => value,
+            SlotState::Busy => {
                 self.report(
                     Diagnostic::new(
                         Code::E0216,
@@ -208,10 +208,10 @@ impl<'t> Context<'t> {
                 );
                 Value::Poison
             }
-            State::Unknown => {
-                *slot.state.borrow_mut() = State::Busy;
+            SlotState::Unknown => {
+                *slot.state.borrow_mut() = SlotState::Busy;
                 let value = self.evaluate(Scope { env, geometry: None }, slot.expr);
-                *slot.state.borrow_mut() = State::Known(value.clone());
+                *slot.state.borrow_mut() = SlotState::Known(value.clone());
                 value
             }
         }

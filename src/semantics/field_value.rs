@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Interval;
 use crate::semantics::component::{Component, FieldValue};
 use crate::source::{Span, Spanned};
-use crate::syntax::tree::{Expr, ExprKind, Item, Kind, Name};
+use crate::syntax::tree::{DeclarationKind, Expr, ExprKind, Item, Name};
 
 impl<'t> Context<'t> {
     /// The value, if it is what the field holds; otherwise reported.
@@ -73,7 +73,7 @@ impl<'t> Context<'t> {
     }
 
     /// `steering = NAME` or `steering = NAME(radius: 50 mm)`.
-    fn reference_field(&self, env: &Rc<Env<'t>>, kind: Kind, expr: &'t Expr) -> Option<Rc<Component>> {
+    fn reference_field(&self, env: &Rc<Env<'t>>, kind: DeclarationKind, expr: &'t Expr) -> Option<Rc<Component>> {
         let (name, args) = match &expr.kind {
             ExprKind::Name(text) => (Name { text: text.clone(), span: expr.span }, None),
             ExprKind::Call { name, args } => (name.clone(), Some(args)),
@@ -167,7 +167,7 @@ impl<'t> Context<'t> {
     }
 
     /// Gives each stiffness its dimension, N/m to the power of the exponent beside it.
-    pub fn check_stiffness(&self, kind: Kind, component: &Component, within: Span) -> bool {
+    pub fn check_stiffness(&self, kind: DeclarationKind, component: &Component, within: Span) -> bool {
         let mut sound = true;
         for spec in fields(kind).iter().filter(|f| f.shape == Shape::Stiffness) {
             let Some((value, span)) = component.stiffness(spec.path) else { continue };

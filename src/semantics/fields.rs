@@ -1,6 +1,6 @@
 //! The typed fields of declarations: one table per kind, and nothing about fields is written anywhere else.
 
-use crate::syntax::tree::Kind;
+use crate::syntax::tree::DeclarationKind;
 
 /// What a field holds, with units and bounds in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub(super) enum Shape {
     Stiffness,
     Text,
     /// Another declaration.
-    Reference(Kind),
+    Reference(DeclarationKind),
 }
 
 /// Which values a number may have.
@@ -133,9 +133,9 @@ const CART: &[FieldSpec] = &[
         Required,
         "forward of and above the front joint",
     ),
-    field("steering", Reference(Kind::Wheel), Required, "the steering wheels"),
-    field("running", Reference(Kind::Wheel), Required, "the running wheels"),
-    field("joint", Reference(Kind::Joint), Required, "the joint to the next cart"),
+    field("steering", Reference(DeclarationKind::Wheel), Required, "the steering wheels"),
+    field("running", Reference(DeclarationKind::Wheel), Required, "the running wheels"),
+    field("joint", Reference(DeclarationKind::Joint), Required, "the joint to the next cart"),
     field("motor_height", Number("m", Bounds::between(-5.0, 5.0)), Required, "of the motor force, below the joint"),
     field("tension", Number("N", NOT_NEGATIVE), Optional, "chain tension unless the layout says otherwise"),
 ];
@@ -185,15 +185,15 @@ const SENSOR: &[FieldSpec] = &[
 ];
 
 /// The fields of a kind.
-pub(super) fn fields(kind: Kind) -> &'static [FieldSpec] {
+pub(super) fn fields(kind: DeclarationKind) -> &'static [FieldSpec] {
     match kind {
-        Kind::Catalog => CATALOG,
-        Kind::Cart => CART,
-        Kind::Wheel => WHEEL,
-        Kind::Joint => JOINT,
-        Kind::Motor => MOTOR,
-        Kind::Controller => CONTROLLER,
-        Kind::Sensor => SENSOR,
+        DeclarationKind::Catalog => CATALOG,
+        DeclarationKind::Cart => CART,
+        DeclarationKind::Wheel => WHEEL,
+        DeclarationKind::Joint => JOINT,
+        DeclarationKind::Motor => MOTOR,
+        DeclarationKind::Controller => CONTROLLER,
+        DeclarationKind::Sensor => SENSOR,
     }
 }
 
@@ -207,7 +207,15 @@ mod tests {
 
     #[test]
     fn tables_are_sound() {
-        for kind in [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor] {
+        for kind in [
+            DeclarationKind::Catalog,
+            DeclarationKind::Cart,
+            DeclarationKind::Wheel,
+            DeclarationKind::Joint,
+            DeclarationKind::Motor,
+            DeclarationKind::Controller,
+            DeclarationKind::Sensor,
+        ] {
             let mut paths: Vec<&str> = fields(kind).iter().map(|f| f.path).collect();
             paths.sort_unstable();
             assert!(paths.windows(2).all(|w| w[0] != w[1]), "{kind:?} repeats a field");

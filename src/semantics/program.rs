@@ -8,7 +8,7 @@ use crate::source::{FileId, LoadError, Loader, SIZE_LIMIT, STDLIB, SourceMap, Sp
 use crate::syntax::nearest;
 use crate::syntax::{
     self,
-    tree::{Item, Kind, Name, Tree, Use},
+    tree::{DeclarationKind, Item, Name, Tree, Use},
 };
 
 /// Most files that one compilation may read.
@@ -17,7 +17,7 @@ const MOST_FILES: usize = 500;
 /// Names of different spaces do not meet: a catalogue and a sensor may both be called `standard`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Space {
-    Component(Kind),
+    Component(DeclarationKind),
     Let,
     Layout,
 }
@@ -25,13 +25,13 @@ pub(super) enum Space {
 impl Space {
     pub fn with_article(self) -> &'static str {
         match self {
-            Space::Component(Kind::Catalog) => "a catalog",
-            Space::Component(Kind::Cart) => "a cart",
-            Space::Component(Kind::Wheel) => "a wheel",
-            Space::Component(Kind::Joint) => "a joint",
-            Space::Component(Kind::Motor) => "a motor",
-            Space::Component(Kind::Controller) => "a controller",
-            Space::Component(Kind::Sensor) => "a sensor",
+            Space::Component(DeclarationKind::Catalog) => "a catalog",
+            Space::Component(DeclarationKind::Cart) => "a cart",
+            Space::Component(DeclarationKind::Wheel) => "a wheel",
+            Space::Component(DeclarationKind::Joint) => "a joint",
+            Space::Component(DeclarationKind::Motor) => "a motor",
+            Space::Component(DeclarationKind::Controller) => "a controller",
+            Space::Component(DeclarationKind::Sensor) => "a sensor",
             Space::Let => "a value",
             Space::Layout => "a layout",
         }

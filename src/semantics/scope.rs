@@ -42,11 +42,11 @@ pub(super) struct Context<'t> {
 pub(super) struct Slot<'t> {
     pub name: &'t Name,
     pub expr: &'t Expr,
-    pub state: RefCell<State>,
+    pub state: RefCell<SlotState>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum State {
+pub(super) enum SlotState {
     Unknown,
     /// Being evaluated: met again, it depends on itself.
     Busy,
@@ -97,7 +97,7 @@ impl<'t> Env<'t> {
 
 impl<'t> Slot<'t> {
     pub fn new(item: &'t Let) -> Rc<Self> {
-        Rc::new(Slot { name: &item.name, expr: &item.value, state: RefCell::new(State::Unknown) })
+        Rc::new(Slot { name: &item.name, expr: &item.value, state: RefCell::new(SlotState::Unknown) })
     }
 }
 

@@ -10,7 +10,7 @@
 //! ```
 
 use super::keys::{self, Reader, Table, Text};
-use super::{DataPlace, Problem, Run, RunError, Sidecar, read, sidecar_path};
+use super::{DataPlace, DataProblem, Run, RunError, Sidecar, read, sidecar_path};
 use crate::source::{InputError, Root, SIZE_LIMIT, one_line, root, steers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -91,9 +91,9 @@ impl Campaign {
     ///
     /// # Errors
     ///
-    /// [`Problem::UnknownKey`], [`Problem::MissingKey`] and [`Problem::WrongValue`] with the key and its line;
-    /// [`Problem::MissingRun`], [`Problem::DuplicateRun`], [`Problem::NoRuns`]; and what [`Sidecar::read`] says when
-    /// the layout has to be found there.
+    /// [`DataProblem::UnknownKey`], [`DataProblem::MissingKey`] and [`DataProblem::WrongValue`] with the key and its
+    /// line; [`DataProblem::MissingRun`], [`DataProblem::DuplicateRun`], [`DataProblem::NoRuns`]; and what
+    /// [`Sidecar::read`] says when the layout has to be found there.
     pub fn read(path: &Path) -> Result<Campaign, RunError> {
         let (campaign, refused) = Campaign::read_each(path)?;
         match refused.into_iter().next() {
@@ -116,7 +116,7 @@ impl Campaign {
             let root = Root::of_campaign(&folder).and(path);
             (folder, path.to_owned(), root)
         };
-        if let Some(foreign) = Problem::foreign(&list) {
+        if let Some(foreign) = DataProblem::foreign(&list) {
             return Err(RunError::new(&list, foreign));
         }
         let mut campaign = Campaign { folder, root, ..Campaign::default() };
@@ -133,17 +133,17 @@ impl Campaign {
             if !list.exists()
                 && let Some(alone) = without_sidecar(&campaign.folder).map_err(|why| unreadable(why.into()))?
             {
-                let missing = Problem::MissingSidecar { path: sidecar_path(&alone), keys: &Sidecar::KEYS };
+                let missing = DataProblem::MissingSidecar { path: sidecar_path(&alone), keys: &Sidecar::KEYS };
                 return Err(RunError::new(&alone, missing));
             }
-            return Err(RunError::new(if list.exists() { &list } else { path }, Problem::NoRuns));
+            return Err(RunError::new(if list.exists() { &list } else { path }, DataProblem::NoRuns));
         }
         let mut refused = Vec::new();
         let mut names: BTreeMap<String, PathBuf> = BTreeMap::new();
         for run in listed {
             let name = one_line(&run.file.file_stem().unwrap_or_default().to_string_lossy()).into_owned();
             if let Some(other) = names.insert(name.clone(), run.file.clone()) {
-                return Err(RunError { place: run.place, problem: Problem::DuplicateRun(other) });
+                return Err(RunError { place: run.place, problem: DataProblem::DuplicateRun(other) });
             }
             let file = run.file.clone();
             match run.entry(&name, !campaign.channels.is_empty(), &campaign.root) {
@@ -179,7 +179,7 @@ impl Campaign {
         let mut reader = text.reader(channels);
         for name in names {
             if name.contains(steers) {
-                let problem = Problem::Malformed("the name of a channel holds a control character".to_owned());
+                let problem = DataProblem::Malformed("the name of a channel holds a control character".to_owned());
                 return Err(RunError::new(file, problem).column(&name));
             }
             let unit = |v: &Value| v.as_str().filter(|unit| !unit.contains(steers)).map(str::to_owned);
@@ -234,7 +234,7 @@ impl Listed {
         match root.place(&file) {
             Ok(there) if there.is_file() => {}
             Ok(_) | Err(InputError::Missing(_)) => {
-                return Err(Box::new(RunError { place, problem: Problem::MissingRun(file) }));
+                return Err(Box::new(RunError { place, problem: DataProblem::MissingRun(file) }));
             }
             Err(why) => return Err(Box::new(RunError { place, problem: why.into() })),
         }
@@ -312,7 +312,8 @@ fn found(folder: &Path) -> std::io::Result<Vec<Listed>> {
 mod tests {
     use super::*;
 
-    const SIDECAR: &str = "layout = \"lines/b.lss\"\nsensor_cart = 1\nspeed_setpoint = 2\ntrigger_position = 0\nlowpass = 100\nlaps = 1\n";
+    const SIDECAR: &str = "layout = \"lines/b.lss\"\nsensor_cart = 1\nspeed_setpoint = 2\ntrigger_position = 0\n\
+                           lowpass = 100\nlaps = 1\n";
 
     /// A folder with these files.
     fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
@@ -332,7 +333,8 @@ mod tests {
 
     #[test]
     fn runs_take_their_layout_from_the_entry_the_campaign_or_the_sidecar() {
-        let list = "[[run]]\nfile = \"one.csv\"\nlayout = \"a.lss\"\nspeed = 2\ntension = 1e3\n\n[[run]]\nfile = \"sub/two.parquet\"\n";
+        let list = "[[run]]\nfile = \"one.csv\"\nlayout = \"a.lss\"\nspeed = 2\ntension = 1e3\n\n[[run]]\n\
+                    file = \"sub/two.parquet\"\n";
         let files = [
             ("campaign.toml", list),
             ("one.csv", ""),
@@ -395,7 +397,8 @@ mod tests {
             ),
             (
                 format!("{run}weather = \"dry\""),
-                "campaign.toml, row 3, `weather`: there is no such key\n  help: remove it; keys are file, layout, speed, tension",
+                "campaign.toml, row 3, `weather`: there is no such key\n  \
+                 help: remove it; keys are file, layout, speed, tension",
             ),
             ("run = 3".into(), "campaign.toml, row 1, `run`: the value is not tables, each headed by [[run]]"),
             ("run = [3]".into(), "campaign.toml, row 1, `run`: the value is not tables, each headed by [[run]]"),
@@ -409,11 +412,13 @@ mod tests {
             ),
             (
                 format!("{run}layout = \"a.lss\"\n{}", run.replace("one", "none")),
-                "campaign.toml, row 5, `file`: there is no file none.csv\n  help: paths are seen from the campaign's folder",
+                "campaign.toml, row 5, `file`: there is no file none.csv\n  \
+                 help: paths are seen from the campaign's folder",
             ),
             (
                 format!("layout = \"a.lss\"\n{run}{run}"),
-                "campaign.toml, row 5, `file`: the run has the same name as one.csv\n  help: a run is known by its file's name",
+                "campaign.toml, row 5, `file`: the run has the same name as one.csv\n  \
+                 help: a run is known by its file's name",
             ),
             (run.to_owned(), "one.csv: there is no sidecar one.toml\n  help: write it with layout"),
             ("[[run]\n".into(), "campaign.toml, row 1: is malformed: "),
@@ -435,6 +440,6 @@ mod tests {
         let files = [("a.csv", ""), ("a.toml", "laps = 1"), ("b.csv", ""), ("b.toml", SIDECAR)];
         let (campaign, refused) = Campaign::read_each(folder(&files).path()).expect("a campaign");
         assert_eq!((campaign.runs[0].name.as_str(), refused[0].name.as_str()), ("b", "a"));
-        assert_eq!(refused[0].error.problem, Problem::MissingKey);
+        assert_eq!(refused[0].error.problem, DataProblem::MissingKey);
     }
 }

@@ -1,6 +1,6 @@
 //! Columns of a data file, whatever its format: which there may be, and what holds of all.
 
-use super::{Channel, Problem, RunError};
+use super::{Channel, DataProblem, RunError};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;
@@ -43,17 +43,17 @@ impl Column for Channel {
 pub const MOST_NUMBERS: usize = 200_000_000;
 
 /// That so many rows of columns are within a limit.
-pub(super) fn room(rows: usize, columns: usize, most: usize) -> Result<(), Problem> {
-    if rows.saturating_mul(columns) <= most { Ok(()) } else { Err(Problem::TooLong { limit: most, columns }) }
+pub(super) fn room(rows: usize, columns: usize, most: usize) -> Result<(), DataProblem> {
+    if rows.saturating_mul(columns) <= most { Ok(()) } else { Err(DataProblem::TooLong { limit: most, columns }) }
 }
 
 /// The channel of a column, which is not among those `taken`.
-pub(super) fn channel(name: &str, taken: &[Channel]) -> Result<Channel, Problem> {
+pub(super) fn channel(name: &str, taken: &[Channel]) -> Result<Channel, DataProblem> {
     match Channel::from_name(name) {
-        Some(channel) if taken.contains(&channel) => Err(Problem::DuplicateColumn),
+        Some(channel) if taken.contains(&channel) => Err(DataProblem::DuplicateColumn),
         Some(channel) => Ok(channel),
-        None if name == "time" => Err(Problem::DuplicateColumn),
-        None => Err(Problem::UnknownColumn),
+        None if name == "time" => Err(DataProblem::DuplicateColumn),
+        None => Err(DataProblem::UnknownColumn),
     }
 }
 
@@ -68,38 +68,38 @@ pub(super) fn check<C: Column>(
     let error = |problem, i: usize, column: &str| Err(RunError::new(file, problem).row(row + i).column(column));
     for (i, &found) in time.iter().enumerate() {
         if found.is_nan() {
-            return error(Problem::LostTime, i, "time");
+            return error(DataProblem::LostTime, i, "time");
         }
         if found.is_infinite() {
-            return error(Problem::NotFinite, i, "time");
+            return error(DataProblem::NotFinite, i, "time");
         }
         match i.checked_sub(1).and_then(|b| time.get(b)) {
             Some(&before) if found - before < SHORTEST => {
-                return error(Problem::TimeStandsStill { before, found }, i, "time");
+                return error(DataProblem::TimeStandsStill { before, found }, i, "time");
             }
             _ if found.abs() > LATEST => {
-                return error(Problem::Beyond { found, farthest: LATEST, unit: "s" }, i, "time");
+                return error(DataProblem::Beyond { found, farthest: LATEST, unit: "s" }, i, "time");
             }
             _ => {}
         }
     }
     for (channel, samples) in channels {
         if samples.len() != time.len() {
-            let problem = Problem::Length { expected: time.len(), found: samples.len() };
+            let problem = DataProblem::Length { expected: time.len(), found: samples.len() };
             return Err(RunError::new(file, problem).column(&channel.to_string()));
         }
         for (i, &x) in samples.iter().enumerate() {
             if x.is_infinite() {
-                return error(Problem::NotFinite, i, &channel.to_string());
+                return error(DataProblem::NotFinite, i, &channel.to_string());
             }
             if x.abs() > channel.farthest() {
-                let problem = Problem::Beyond { found: x, farthest: channel.farthest(), unit: channel.unit() };
+                let problem = DataProblem::Beyond { found: x, farthest: channel.farthest(), unit: channel.unit() };
                 return error(problem, i, &channel.to_string());
             }
         }
     }
     if time.len() < 2 {
-        return Err(RunError::new(file, Problem::TooFewSamples));
+        return Err(RunError::new(file, DataProblem::TooFewSamples));
     }
     Ok(())
 }
@@ -109,7 +109,7 @@ pub(super) fn check_trigger(channels: &BTreeMap<Channel, Vec<f64>>, file: &Path,
     let samples = channels.get(&Channel::Trigger).map_or(&[][..], Vec::as_slice);
     match samples.iter().position(|&x| !x.is_nan() && x != 0.0 && x != 1.0) {
         Some(i) => {
-            Err(RunError::new(file, Problem::NotATrigger(samples[i])).row(row + i).column(Channel::Trigger.name()))
+            Err(RunError::new(file, DataProblem::NotATrigger(samples[i])).row(row + i).column(Channel::Trigger.name()))
         }
         None => Ok(()),
     }

@@ -1,6 +1,6 @@
 //! Runs as CSV: a header, a row a sample, an empty field for a lost one.
 
-use super::{Channel, Problem, Run, RunError, columns, digits};
+use super::{Channel, DataProblem, Run, RunError, columns, digits};
 use crate::base::number::shortest;
 use crate::source::InputError;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::path::Path;
 pub type Columns<C = Channel> = (Vec<f64>, BTreeMap<C, Vec<f64>>);
 
 /// Says which channel a column is, given those before it; `None` for one that is passed over, whatever it holds.
-pub type Pick<'a, C> = &'a dyn Fn(&str, &[C]) -> Result<Option<C>, Problem>;
+pub type Pick<'a, C> = &'a dyn Fn(&str, &[C]) -> Result<Option<C>, DataProblem>;
 
 /// The data file. Time keeps every digit; other samples are rounded to seven significant digits and to no finer than a
 /// millionth of their unit, and written with the fewest digits that read back the same.
@@ -41,7 +41,7 @@ pub fn write(run: &Run) -> Vec<u8> {
 ///
 /// # Errors
 ///
-/// The first of what [`Problem`] lists, with its row and column.
+/// The first of what [`DataProblem`] lists, with its row and column.
 pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
     read_from(Cursor::new(bytes), file)
 }
@@ -103,7 +103,7 @@ fn table<C: columns::Column, R: Read + Seek>(
     let mut reader = parser(&mut *source);
     let mut record = ::csv::StringRecord::new();
     if !next(&mut reader, &mut record, file)? {
-        return Err(error(Problem::NoTime));
+        return Err(error(DataProblem::NoTime));
     }
     let width = record.len();
     let (header, taken) = header(&record, file, pick)?;
@@ -114,7 +114,7 @@ fn table<C: columns::Column, R: Read + Seek>(
             break None;
         }
         if record.len() != width {
-            break Some(error(Problem::Length { expected: width, found: record.len() }));
+            break Some(error(DataProblem::Length { expected: width, found: record.len() }));
         }
         if let Err(problem) = columns::room(samples + 1, columns.len(), most) {
             break Some(error(problem));
@@ -129,7 +129,7 @@ fn table<C: columns::Column, R: Read + Seek>(
         }
         if let Some((i, text)) = mistake {
             let name = i.checked_sub(1).and_then(|i| header.get(i)).map_or_else(|| "time".into(), C::to_string);
-            break Some(error(Problem::NotANumber(text.to_owned())).column(&name));
+            break Some(error(DataProblem::NotANumber(text.to_owned())).column(&name));
         }
         samples += 1;
     };
@@ -154,9 +154,9 @@ fn next<R: Read>(
     reader.read_record(record).map_err(|why| {
         let row = why.position().map(|p| p.line() as usize);
         let problem = match why.kind() {
-            ::csv::ErrorKind::Utf8 { .. } => Problem::Malformed("this is not text in UTF-8".to_owned()),
-            ::csv::ErrorKind::Io(why) => Problem::Unreadable(why.to_string()),
-            _ => Problem::Malformed(why.to_string()),
+            ::csv::ErrorKind::Utf8 { .. } => DataProblem::Malformed("this is not text in UTF-8".to_owned()),
+            ::csv::ErrorKind::Io(why) => DataProblem::Unreadable(why.to_string()),
+            _ => DataProblem::Malformed(why.to_string()),
         };
         row.into_iter().fold(RunError::new(file, problem), RunError::row)
     })
@@ -198,7 +198,7 @@ pub(crate) fn line(bytes: &[u8], position: &::csv::Position) -> usize {
 fn header<C: Ord>(record: &::csv::StringRecord, file: &Path, pick: Pick<C>) -> Result<(Vec<C>, Vec<bool>), RunError> {
     let error = |problem| RunError::new(file, problem).row(1);
     if record.get(0).map(str::trim) != Some("time") {
-        return Err(error(Problem::NoTime));
+        return Err(error(DataProblem::NoTime));
     }
     let mut channels = Vec::with_capacity(record.len());
     let mut taken = vec![true];
@@ -246,7 +246,8 @@ mod tests {
         let within = |most| table(&mut BufReader::new(Cursor::new(text)), Path::new("run.csv"), &pick, most);
         assert!(within(6).is_ok());
         let told = within(5).expect_err("too long").to_string();
-        let expected = "run.csv, row 5: the run has more than 5 numbers, in 2 columns: that is the limit\n  help: split the file into runs of 2 rows or fewer";
+        let expected = "run.csv, row 5: the run has more than 5 numbers, in 2 columns: that is the limit\n  \
+                        help: split the file into runs of 2 rows or fewer";
         assert!(told.starts_with(expected), "{told}");
     }
 

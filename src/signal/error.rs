@@ -20,12 +20,12 @@ pub struct DataPlace {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunError {
     pub place: DataPlace,
-    pub problem: Problem,
+    pub problem: DataProblem,
 }
 
 /// What is wrong with a run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Problem {
+pub enum DataProblem {
     /// The file cannot be opened; the reason.
     Unreadable(String),
     /// Another file names it, and it lies outside the project's root (as messages show it).
@@ -111,9 +111,9 @@ pub enum Problem {
     },
 }
 
-impl Problem {
+impl DataProblem {
     /// That a file is a layout or the like, by the ending of its name.
-    pub(super) fn foreign(file: &Path) -> Option<Problem> {
+    pub(super) fn foreign(file: &Path) -> Option<DataProblem> {
         let (what, help) = match file.extension()?.to_str()? {
             "lss" => {
                 ("is a layout", "`lss simulate` makes a run of it (-o DIR); `lss build` and `lss check` read it, too")
@@ -122,12 +122,12 @@ impl Problem {
             "dxf" => ("is a drawing", "`lss import` makes a layout of it"),
             _ => return None,
         };
-        Some(Problem::Foreign { what, help })
+        Some(DataProblem::Foreign { what, help })
     }
 }
 
 impl RunError {
-    pub(super) fn new(file: &Path, problem: Problem) -> Self {
+    pub(super) fn new(file: &Path, problem: DataProblem) -> Self {
         RunError { place: DataPlace { file: file.to_owned(), row: None, column: None }, problem }
     }
 
@@ -148,49 +148,51 @@ impl RunError {
 
     /// Whether the file itself could not be opened, rather than what stands in it being wrong.
     pub fn is_unreadable(&self) -> bool {
-        matches!(self.problem, Problem::Unreadable(_))
+        matches!(self.problem, DataProblem::Unreadable(_))
     }
 
     /// A way out.
     pub fn help(&self) -> String {
         let column = self.place.column.as_deref().unwrap_or_default();
         match &self.problem {
-            Problem::Unreadable(_) => "check the path and its permissions".to_owned(),
-            Problem::OutsideRoot(root) => InputError::OutsideRoot(root.clone()).help().to_owned(),
-            Problem::TooLarge(_) => "split it into several runs, or leave out channels that are not needed".to_owned(),
-            Problem::Foreign { help, .. } => (*help).to_owned(),
-            Problem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
-            Problem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
+            DataProblem::Unreadable(_) => "check the path and its permissions".to_owned(),
+            DataProblem::OutsideRoot(root) => InputError::OutsideRoot(root.clone()).help().to_owned(),
+            DataProblem::TooLarge(_) => {
+                "split it into several runs, or leave out channels that are not needed".to_owned()
+            }
+            DataProblem::Foreign { help, .. } => (*help).to_owned(),
+            DataProblem::UnknownFormat => "name a data file that ends in .csv, .parquet or .mf4".to_owned(),
+            DataProblem::Malformed(_) => match self.place.file.extension().and_then(|e| e.to_str()) {
                 Some("toml") => "write it as TOML in UTF-8: lines of key = value, text in quotes".to_owned(),
                 Some("mf4" | "MF4") => "export the file again as MDF 4.x, finalised and sorted, or as CSV".to_owned(),
                 _ => "write the file again as CSV in UTF-8, or as Parquet with snappy or no compression".to_owned(),
             },
-            Problem::NoTime => "begin the header with `time`, and separate columns by commas".to_owned(),
-            Problem::UnknownColumn => match nearest(column, Channel::ALL.map(Channel::name)) {
+            DataProblem::NoTime => "begin the header with `time`, and separate columns by commas".to_owned(),
+            DataProblem::UnknownColumn => match nearest(column, Channel::ALL.map(Channel::name)) {
                 Some(name) => format!("did you mean `{name}`?"),
                 None => format!("remove it; columns are time, {}", Channel::ALL.map(Channel::name).join(", ")),
             },
-            Problem::DuplicateColumn => "keep one of the two".to_owned(),
-            Problem::TooFewSamples => "a run needs two samples or more".to_owned(),
-            Problem::TooLong { limit, columns } => format!(
+            DataProblem::DuplicateColumn => "keep one of the two".to_owned(),
+            DataProblem::TooFewSamples => "a run needs two samples or more".to_owned(),
+            DataProblem::TooLong { limit, columns } => format!(
                 "split the file into runs of {} rows or fewer, or leave out columns: a run may begin and end anywhere",
                 limit / columns.max(&1)
             ),
-            Problem::Length { .. } => "leave the field of a lost sample empty, but keep its comma".to_owned(),
-            Problem::NotANumber(text) if text.contains(',') => "write decimals with a point".to_owned(),
-            Problem::NotANumber(_) | Problem::NotFinite => {
+            DataProblem::Length { .. } => "leave the field of a lost sample empty, but keep its comma".to_owned(),
+            DataProblem::NotANumber(text) if text.contains(',') => "write decimals with a point".to_owned(),
+            DataProblem::NotANumber(_) | DataProblem::NotFinite => {
                 "leave the field of a lost sample empty, or write NaN".to_owned()
             }
-            Problem::Beyond { .. } => {
+            DataProblem::Beyond { .. } => {
                 "leave the field of a lost sample empty, and export numbers in SI units".to_owned()
             }
-            Problem::NotATrigger(_) => "write 1 while the cart passes the photocell, and 0 elsewhere".to_owned(),
-            Problem::LostTime => "every sample needs its time; remove the row if it is not known".to_owned(),
-            Problem::TimeStandsStill { .. } => {
+            DataProblem::NotATrigger(_) => "write 1 while the cart passes the photocell, and 0 elsewhere".to_owned(),
+            DataProblem::LostTime => "every sample needs its time; remove the row if it is not known".to_owned(),
+            DataProblem::TimeStandsStill { .. } => {
                 "times increase from row to row; split the file where the recording was started again".to_owned()
             }
-            Problem::MissingSidecar { keys, .. } => format!("write it with {}", keys.join(", ")),
-            Problem::MissingKey => match column {
+            DataProblem::MissingSidecar { keys, .. } => format!("write it with {}", keys.join(", ")),
+            DataProblem::MissingKey => match column {
                 "layout" => "add layout = \"FILE.lss\", the path of the layout or of its simulation.json".to_owned(),
                 "sensor_cart" => "add sensor_cart = K, the number of the cart that carries the sensors".to_owned(),
                 "file" => "add file = \"run-01.csv\", the path of the run's data".to_owned(),
@@ -199,22 +201,23 @@ impl RunError {
                 "speed_setpoint" => "add speed_setpoint = V, in m/s".to_owned(),
                 _ => "add trigger_position = S, the metres along the track from its start to the photocell".to_owned(),
             },
-            Problem::WrongValue { .. } => "change the value".to_owned(),
-            Problem::UnknownKey { known } => match nearest(column, known.iter().copied()) {
+            DataProblem::WrongValue { .. } => "change the value".to_owned(),
+            DataProblem::UnknownKey { known } => match nearest(column, known.iter().copied()) {
                 Some(name) => format!("did you mean `{name}`?"),
                 None => format!("remove it; keys are {}", known.join(", ")),
             },
-            Problem::MissingRun(_) => "paths are seen from the campaign's folder".to_owned(),
-            Problem::DuplicateRun(_) => {
+            DataProblem::MissingRun(_) => "paths are seen from the campaign's folder".to_owned(),
+            DataProblem::DuplicateRun(_) => {
                 "a run is known by its file's name without the ending: rename one of the two".to_owned()
             }
-            Problem::NoRuns => {
-                "add [[run]] with file = \"run-01.csv\" to campaign.toml, or put data files with their sidecars into the folder"
+            DataProblem::NoRuns => {
+                "add [[run]] with file = \"run-01.csv\" to campaign.toml, or put data files with their sidecars into \
+                 the folder"
                     .to_owned()
             }
-            Problem::OtherTimeBase => "export all channels with one rate, on one time base".to_owned(),
-            Problem::OtherUnit { expected, .. } => format!("export it in {expected}"),
-            Problem::Undersampled { lowpass_hz, .. } => {
+            DataProblem::OtherTimeBase => "export all channels with one rate, on one time base".to_owned(),
+            DataProblem::OtherUnit { expected, .. } => format!("export it in {expected}"),
+            DataProblem::Undersampled { lowpass_hz, .. } => {
                 format!("sample at {} Hz or more, or give the low-pass that was used", 2.0 * lowpass_hz)
             }
         }
@@ -228,12 +231,12 @@ fn quoted(text: &str) -> String {
     format!("{}{}", one_line(&begin), if begin.len() < text.len() { "..." } else { "" })
 }
 
-impl From<InputError> for Problem {
+impl From<InputError> for DataProblem {
     fn from(why: InputError) -> Self {
         match why {
-            InputError::OutsideRoot(root) => Problem::OutsideRoot(root),
-            InputError::TooLarge { .. } => Problem::TooLarge(why.to_string()),
-            InputError::Missing(why) | InputError::Unreadable(why) => Problem::Unreadable(why),
+            InputError::OutsideRoot(root) => DataProblem::OutsideRoot(root),
+            InputError::TooLarge { .. } => DataProblem::TooLarge(why.to_string()),
+            InputError::Missing(why) | InputError::Unreadable(why) => DataProblem::Unreadable(why),
         }
     }
 }
@@ -251,43 +254,43 @@ impl fmt::Display for DataPlace {
     }
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for DataProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Problem::Unreadable(why) => write!(f, "cannot be read: {why}"),
-            Problem::OutsideRoot(root) => write!(f, "{}", InputError::OutsideRoot(root.clone())),
-            Problem::TooLarge(sizes) => write!(f, "is too large: {sizes}"),
-            Problem::Foreign { what, .. } => write!(f, "{what}, not a run or a campaign"),
-            Problem::UnknownFormat => write!(f, "is none of CSV, Parquet and MDF4"),
-            Problem::Malformed(why) => write!(f, "is malformed: {}", one_line(why)),
-            Problem::NoTime => write!(f, "the first column is not `time`"),
-            Problem::UnknownColumn => write!(f, "there is no such column"),
-            Problem::DuplicateColumn => write!(f, "the column is there twice"),
-            Problem::TooFewSamples => write!(f, "there are fewer than two samples"),
-            Problem::TooLong { limit, columns } => {
+            DataProblem::Unreadable(why) => write!(f, "cannot be read: {why}"),
+            DataProblem::OutsideRoot(root) => write!(f, "{}", InputError::OutsideRoot(root.clone())),
+            DataProblem::TooLarge(sizes) => write!(f, "is too large: {sizes}"),
+            DataProblem::Foreign { what, .. } => write!(f, "{what}, not a run or a campaign"),
+            DataProblem::UnknownFormat => write!(f, "is none of CSV, Parquet and MDF4"),
+            DataProblem::Malformed(why) => write!(f, "is malformed: {}", one_line(why)),
+            DataProblem::NoTime => write!(f, "the first column is not `time`"),
+            DataProblem::UnknownColumn => write!(f, "there is no such column"),
+            DataProblem::DuplicateColumn => write!(f, "the column is there twice"),
+            DataProblem::TooFewSamples => write!(f, "there are fewer than two samples"),
+            DataProblem::TooLong { limit, columns } => {
                 write!(f, "the run has more than {limit} numbers, in {columns} columns: that is the limit")
             }
-            Problem::Length { expected, found } => {
+            DataProblem::Length { expected, found } => {
                 write!(f, "{found} field{} where the first row has {expected}", if *found == 1 { "" } else { "s" })
             }
-            Problem::NotANumber(text) => write!(f, "`{}` is not a number", quoted(text)),
-            Problem::NotFinite => write!(f, "the number is not finite"),
-            Problem::Beyond { found, farthest, unit } => {
+            DataProblem::NotANumber(text) => write!(f, "`{}` is not a number", quoted(text)),
+            DataProblem::NotFinite => write!(f, "the number is not finite"),
+            DataProblem::Beyond { found, farthest, unit } => {
                 write!(f, "{found:e} is beyond ±{}", format!("{farthest:e} {unit}").trim_end())
             }
-            Problem::NotATrigger(value) => write!(f, "{value} is neither 0 nor 1"),
-            Problem::LostTime => write!(f, "the time is missing"),
-            Problem::TimeStandsStill { before, found } => write!(f, "{found} s does not come after {before} s"),
-            Problem::MissingSidecar { path, .. } => write!(f, "there is no sidecar {}", shown(path)),
-            Problem::MissingKey => write!(f, "the key is missing"),
-            Problem::WrongValue { expected } => write!(f, "the value is not {expected}"),
-            Problem::UnknownKey { .. } => write!(f, "there is no such key"),
-            Problem::MissingRun(path) => write!(f, "there is no file {}", shown(path)),
-            Problem::DuplicateRun(other) => write!(f, "the run has the same name as {}", shown(other)),
-            Problem::NoRuns => write!(f, "the campaign has no runs"),
-            Problem::OtherTimeBase => write!(f, "the channel is written in a group with another time base"),
-            Problem::OtherUnit { expected, found } => write!(f, "the unit is {}, not {expected}", quoted(found)),
-            Problem::Undersampled { rate_hz, lowpass_hz } => {
+            DataProblem::NotATrigger(value) => write!(f, "{value} is neither 0 nor 1"),
+            DataProblem::LostTime => write!(f, "the time is missing"),
+            DataProblem::TimeStandsStill { before, found } => write!(f, "{found} s does not come after {before} s"),
+            DataProblem::MissingSidecar { path, .. } => write!(f, "there is no sidecar {}", shown(path)),
+            DataProblem::MissingKey => write!(f, "the key is missing"),
+            DataProblem::WrongValue { expected } => write!(f, "the value is not {expected}"),
+            DataProblem::UnknownKey { .. } => write!(f, "there is no such key"),
+            DataProblem::MissingRun(path) => write!(f, "there is no file {}", shown(path)),
+            DataProblem::DuplicateRun(other) => write!(f, "the run has the same name as {}", shown(other)),
+            DataProblem::NoRuns => write!(f, "the campaign has no runs"),
+            DataProblem::OtherTimeBase => write!(f, "the channel is written in a group with another time base"),
+            DataProblem::OtherUnit { expected, found } => write!(f, "the unit is {}, not {expected}", quoted(found)),
+            DataProblem::Undersampled { rate_hz, lowpass_hz } => {
                 write!(f, "sampled at {rate_hz:.1} Hz, less than twice the low-pass of {lowpass_hz} Hz")
             }
         }

@@ -1,6 +1,6 @@
 //! Keys of a TOML file, taken one by one, with their lines.
 
-use super::{Problem, RunError};
+use super::{DataProblem, RunError};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,14 +19,14 @@ impl<'a> Text<'a> {
     /// UTF-8 with or without a byte order mark; `file` is named in errors.
     pub fn new(bytes: &'a [u8], file: &'a Path) -> Result<Self, RunError> {
         let text =
-            std::str::from_utf8(bytes).map_err(|why| RunError::new(file, Problem::Malformed(why.to_string())))?;
+            std::str::from_utf8(bytes).map_err(|why| RunError::new(file, DataProblem::Malformed(why.to_string())))?;
         Ok(Text { text: text.strip_prefix('\u{feff}').unwrap_or(text), file })
     }
 
     /// The whole file as `T`.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, RunError> {
         toml::from_str(self.text).map_err(|why| {
-            let error = RunError::new(self.file, Problem::Malformed(why.message().to_owned()));
+            let error = RunError::new(self.file, DataProblem::Malformed(why.message().to_owned()));
             match why.span() {
                 Some(span) => error.row(self.line(span.start)),
                 None => error,
@@ -60,7 +60,7 @@ impl Reader<'_> {
         read: impl Fn(&Value) -> Option<T>,
     ) -> Result<T, RunError> {
         self.optional(key, expected, read)?
-            .ok_or_else(|| RunError::new(self.text.file, Problem::MissingKey).column(key))
+            .ok_or_else(|| RunError::new(self.text.file, DataProblem::MissingKey).column(key))
     }
 
     /// A key that may be there.
@@ -72,11 +72,11 @@ impl Reader<'_> {
     ) -> Result<Option<T>, RunError> {
         let Some(value) = self.keys.remove(key) else { return Ok(None) };
         if plain_number(value.get_ref()).is_some_and(|x| x.is_finite() && x.abs() > FARTHEST) {
-            return Err(self.error(Problem::WrongValue { expected: "a number within ±1e12" }, key, &value));
+            return Err(self.error(DataProblem::WrongValue { expected: "a number within ±1e12" }, key, &value));
         }
         match read(value.get_ref()) {
             Some(value) => Ok(Some(value)),
-            None => Err(self.error(Problem::WrongValue { expected }, key, &value)),
+            None => Err(self.error(DataProblem::WrongValue { expected }, key, &value)),
         }
     }
 
@@ -98,12 +98,12 @@ impl Reader<'_> {
     /// That nothing is left; `known` are the keys that there are.
     pub fn finish(self, known: &'static [&'static str]) -> Result<(), RunError> {
         match self.keys.iter().min_by_key(|(_, value)| value.span().start) {
-            Some((key, value)) => Err(self.error(Problem::UnknownKey { known }, key, value)),
+            Some((key, value)) => Err(self.error(DataProblem::UnknownKey { known }, key, value)),
             None => Ok(()),
         }
     }
 
-    fn error(&self, problem: Problem, key: &str, value: &Spanned<Value>) -> RunError {
+    fn error(&self, problem: DataProblem, key: &str, value: &Spanned<Value>) -> RunError {
         RunError::new(self.text.file, problem).column(key).row(self.text.line(value.span().start))
     }
 }

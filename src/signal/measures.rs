@@ -45,13 +45,13 @@ pub fn statistics_of(x: impl Iterator<Item = f64> + Clone) -> Option<Statistics>
 /// A part of the track: from `from` up to `to` in driving direction, in metres of arc length within a lap; over the
 /// layout's start when `to` is less than `from`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Section {
+pub struct TrackSection {
     pub name: String,
     pub from: f64,
     pub to: f64,
 }
 
-impl Section {
+impl TrackSection {
     /// Whether it holds the arc length `s`, which is in [0, lap).
     pub fn holds(&self, s: f64) -> bool {
         if self.from <= self.to { self.from <= s && s < self.to } else { s >= self.from || s < self.to }
@@ -60,8 +60,8 @@ impl Section {
 
 /// Statistics over all passages of each section, `s` being travelled arc length (`Position::s`); `None` for a section
 /// without a sample.
-pub fn by_section(s: &[f64], x: &[f64], lap_length: f64, sections: &[Section]) -> Vec<Option<Statistics>> {
-    let within = |section: &Section| {
+pub fn by_section(s: &[f64], x: &[f64], lap_length: f64, sections: &[TrackSection]) -> Vec<Option<Statistics>> {
+    let within = |section: &TrackSection| {
         let place = s.iter().zip(x).filter(|(s, _)| section.holds(s.rem_euclid(lap_length)));
         statistics(&place.map(|(_, x)| *x).collect::<Vec<_>>())
     };
@@ -121,7 +121,7 @@ mod tests {
     fn sections_gather_every_passage_and_reach_over_the_start() {
         let s: Vec<f64> = (0..40).map(f64::from).map(|i| i - 15.0).collect();
         let x: Vec<f64> = s.iter().map(|s| s.rem_euclid(10.0)).collect();
-        let section = |from, to| Section { name: String::new(), from, to };
+        let section = |from, to| TrackSection { name: String::new(), from, to };
         let found = by_section(&s, &x, 10.0, &[section(2.0, 4.0), section(8.0, 1.0), section(3.5, 3.6)]);
         let read = |i: usize| found[i].map(|f| (f.count, f.min, f.max));
         assert_eq!(read(0), Some((8, 2.0, 3.0)));

@@ -42,7 +42,7 @@ mod warnings;
 pub use campaign::{Campaign, Entry};
 pub use channel::{Channel, FORCES};
 pub use columns::{Column, MOST_NUMBERS};
-pub use error::{DataPlace, Problem, RunError};
+pub use error::{DataPlace, DataProblem, RunError};
 pub use run::Run;
 pub use sidecar::{Sidecar, sidecar_path};
 pub use supports::SupportLoad;

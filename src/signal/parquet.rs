@@ -1,7 +1,7 @@
 //! Runs as Parquet: a column of doubles for time and for each channel, NaN for a lost sample.
 
 use super::csv::{Columns, Pick};
-use super::{Problem, Run, RunError, columns, digits};
+use super::{DataProblem, Run, RunError, columns, digits};
 use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
 use ::parquet::column::page::{Page, PageMetadata, PageReader};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
@@ -54,7 +54,7 @@ pub fn write(run: &Run) -> Result<Vec<u8>, ParquetError> {
 ///
 /// # Errors
 ///
-/// The first of what [`Problem`] lists, with its row and column.
+/// The first of what [`DataProblem`] lists, with its row and column.
 pub fn read<R: ChunkReader + 'static>(data: R, file: &Path) -> Result<Columns, RunError> {
     let columns = read_as(data, file, &|name, taken| columns::channel(name, taken).map(Some))?;
     columns::check_trigger(&columns.1, file, 1)?;
@@ -71,7 +71,8 @@ pub fn read_as<C: columns::Column, R: ChunkReader + 'static>(
     file: &Path,
     pick: Pick<C>,
 ) -> Result<Columns<C>, RunError> {
-    let torn = || RunError::new(file, Problem::Malformed("the decoder stopped at bytes that make no sense".to_owned()));
+    let torn =
+        || RunError::new(file, DataProblem::Malformed("the decoder stopped at bytes that make no sense".to_owned()));
     quietly(|| decode(data, file, pick)).unwrap_or_else(|| Err(torn()))
 }
 
@@ -103,15 +104,15 @@ fn decode<C: columns::Column, R: ChunkReader + 'static>(
     pick: Pick<C>,
 ) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
-    let malformed = |why: ParquetError| error(Problem::Malformed(why.to_string()));
+    let malformed = |why: ParquetError| error(DataProblem::Malformed(why.to_string()));
     let reader = SerializedFileReader::new(Ended(data)).map_err(malformed)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut names = schema.columns().iter().map(|c| c.path().string());
     if names.next().as_deref() != Some("time") {
-        return Err(error(Problem::NoTime));
+        return Err(error(DataProblem::NoTime));
     }
     if schema.columns().iter().any(|c| c.max_rep_level() > 0) {
-        return Err(error(Problem::Malformed("a column holds lists".to_owned())));
+        return Err(error(DataProblem::Malformed("a column holds lists".to_owned())));
     }
     let mut channels: Vec<C> = Vec::new();
     // The columns that are taken, by their place in the file.
@@ -127,7 +128,7 @@ fn decode<C: columns::Column, R: ChunkReader + 'static>(
     for chunk in chunks {
         let (begin, size) = (chunk.data_page_offset(), chunk.compressed_size());
         if backwards(Some(begin)) || backwards(chunk.dictionary_page_offset()) || size < 0 {
-            return Err(error(Problem::Malformed("a column begins before the file".to_owned())));
+            return Err(error(DataProblem::Malformed("a column begins before the file".to_owned())));
         }
     }
     // A column that repeats one value takes some bytes, however long it is.
@@ -147,7 +148,7 @@ fn decode<C: columns::Column, R: ChunkReader + 'static>(
                 ColumnReader::Int32ColumnReader(r) => append(r, column, rows, f64::from),
                 ColumnReader::Int64ColumnReader(r) => append(r, column, rows, |x| x as f64),
                 ColumnReader::BoolColumnReader(r) => append(r, column, rows, |x| f64::from(u8::from(x))),
-                _ => return Err(error(Problem::NotANumber("a column of text".to_owned())).column(&name)),
+                _ => return Err(error(DataProblem::NotANumber("a column of text".to_owned())).column(&name)),
             };
             read.map_err(|why| malformed(why).column(&name))?;
         }
@@ -357,9 +358,9 @@ mod tests {
         let bytes = write(&run()).expect("columns");
         for length in [0, 3, 4, 100, bytes.len() / 2, bytes.len() - 1] {
             let error = back(&bytes[..length]).expect_err("torn");
-            assert!(matches!(error.problem, Problem::Malformed(_)), "{error}");
+            assert!(matches!(error.problem, DataProblem::Malformed(_)), "{error}");
         }
-        assert!(matches!(back(b"time,joint_xi\n0,1\n").expect_err("CSV").problem, Problem::Malformed(_)));
+        assert!(matches!(back(b"time,joint_xi\n0,1\n").expect_err("CSV").problem, DataProblem::Malformed(_)));
     }
 
     /// Any byte may be wrong: that ends in an error or in other numbers, never in a panic.

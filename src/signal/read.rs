@@ -1,6 +1,6 @@
 //! Reads runs from files.
 
-use super::{Problem, Run, RunError, Sidecar, csv, mdf4, parquet};
+use super::{DataProblem, Run, RunError, Sidecar, csv, mdf4, parquet};
 use crate::source::{InputError, Root, input, root};
 use std::fs::File;
 use std::path::Path;
@@ -11,7 +11,7 @@ impl Run {
     ///
     /// # Errors
     ///
-    /// What [`Problem`] lists, with file, row and column.
+    /// What [`DataProblem`] lists, with file, row and column.
     pub fn read(path: &Path) -> Result<Run, RunError> {
         let root = Root::of_campaign(path.parent().unwrap_or(Path::new("")));
         Run::read_as(path, root::open_given(path), &root)
@@ -33,13 +33,13 @@ impl Run {
             Some("csv") => csv::read_from(bounded(data.map_err(unreadable)?, path)?, path)?,
             Some("mf4") => mdf4::read(bounded(data.map_err(unreadable)?, path)?, path)?,
             Some("parquet") => parquet::read(data.map_err(unreadable)?, path)?,
-            _ => return Err(error(Problem::foreign(path).unwrap_or(Problem::UnknownFormat))),
+            _ => return Err(error(DataProblem::foreign(path).unwrap_or(DataProblem::UnknownFormat))),
         };
         let run = Run { time, channels, sidecar: Sidecar::beside(path, root)? };
         let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);
         // Times are decimal numbers, so a rate of exactly twice the low-pass may come out a bit lower.
         if rate_hz < 2.0 * lowpass_hz * (1.0 - 1e-9) {
-            return Err(error(Problem::Undersampled { rate_hz, lowpass_hz }));
+            return Err(error(DataProblem::Undersampled { rate_hz, lowpass_hz }));
         }
         Ok(run)
     }

@@ -1,7 +1,7 @@
 //! The sidecar: what stands beside the data, in TOML.
 
 use super::keys::{self, Text};
-use super::{Problem, RunError};
+use super::{DataProblem, RunError};
 use crate::source::{InputError, Root, SIZE_LIMIT};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -49,14 +49,14 @@ impl Sidecar {
     ///
     /// # Errors
     ///
-    /// [`Problem::MissingSidecar`] of the data file; of the sidecar, [`Problem::Unreadable`], [`Problem::OutsideRoot`],
-    /// [`Problem::TooLarge`] and those of [`Sidecar::read`].
+    /// [`DataProblem::MissingSidecar`] of the data file; of the sidecar, [`DataProblem::Unreadable`],
+    /// [`DataProblem::OutsideRoot`], [`DataProblem::TooLarge`] and those of [`Sidecar::read`].
     pub fn beside(data: &Path, root: &Root) -> Result<Sidecar, RunError> {
         let file = sidecar_path(data);
         match root.read(&file, SIZE_LIMIT) {
             Ok(bytes) => Sidecar::read(&bytes, &file),
             Err(InputError::Missing(_)) => {
-                Err(RunError::new(data, Problem::MissingSidecar { path: file, keys: &Sidecar::KEYS }))
+                Err(RunError::new(data, DataProblem::MissingSidecar { path: file, keys: &Sidecar::KEYS }))
             }
             Err(why) => Err(RunError::unreadable(&file, why)),
         }
@@ -66,8 +66,8 @@ impl Sidecar {
     ///
     /// # Errors
     ///
-    /// [`Problem::Malformed`] for text that is no TOML, [`Problem::MissingKey`] and [`Problem::WrongValue`] with the
-    /// key and its line.
+    /// [`DataProblem::Malformed`] for text that is no TOML, [`DataProblem::MissingKey`] and [`DataProblem::WrongValue`]
+    /// with the key and its line.
     pub fn read(bytes: &[u8], file: &Path) -> Result<Sidecar, RunError> {
         let text = Text::new(bytes, file)?;
         let mut reader = text.reader(text.parse()?);
@@ -121,7 +121,8 @@ hall = 3
         let cases = [
             (
                 WRITTEN.replace("lowpass = 100.0\n", ""),
-                "run-01.toml, `lowpass`: the key is missing\n  help: add lowpass = HZ, the corner of the second-order low-pass before sampling",
+                "run-01.toml, `lowpass`: the key is missing\n  \
+                 help: add lowpass = HZ, the corner of the second-order low-pass before sampling",
             ),
             (
                 WRITTEN.replace("= 2.0", "= \"2\""),

@@ -20,7 +20,8 @@ impl Run {
             // The speed is a mean, so a lap that was recorded to the sample may seem a little short.
             if travelled < 0.995 * lap {
                 said.push(format!(
-                    "the run covers {} of the lap's {} m: nothing can be told of the rest of the track, nor how laps differ",
+                    "the run covers {} of the lap's {} m: nothing can be told of the rest of the track, nor how laps \
+                     differ",
                     number::fixed(travelled, 1),
                     number::fixed(lap, 1)
                 ));

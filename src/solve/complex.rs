@@ -5,7 +5,7 @@
 //! and drawn half-way back towards it for as long as it stays the worst. Linear equalities (`fix length, rotation`)
 //! have no inside to sample from: every point is projected onto them.
 
-use super::sqp::{Settings, Solution, Watch};
+use super::sqp::{Solution, SqpSettings, Watch};
 use crate::base::random::Random;
 use crate::problem::{Evaluation, Function, Problem, RowKey, RowValue};
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +36,7 @@ struct Complex<'p> {
 }
 
 /// Minimises the problem from `start` with a fixed seed. `iterations` of the result counts evaluations.
-pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Watch) -> Solution {
+pub fn minimise(problem: &Problem, start: &[f64], settings: &SqpSettings, watch: Watch) -> Solution {
     minimise_of(problem, start, settings, Draw { seed: 1, most: usize::MAX }, &|at| at.value(), watch)
 }
 
@@ -55,7 +55,7 @@ pub type Value<'v> = &'v dyn Fn(&Evaluation) -> f64;
 pub fn minimise_of(
     problem: &Problem,
     start: &[f64],
-    settings: &Settings,
+    settings: &SqpSettings,
     draw: Draw,
     value: Value,
     watch: Watch,

@@ -5,12 +5,12 @@
 //! straights are re-optimised, the radii are then rounded one by one, and neighbouring turns are searched best
 //! first. The result is a good layout, not a proven best one.
 
-use super::sqp::{self, Settings, Solution};
+use super::sqp::{self, Solution, SqpSettings};
 use crate::base::trig;
 use crate::geometry::Track;
 use crate::model::{Formula, Interval, Layout, Target};
 use crate::problem::measures::{radius, to_corners};
-use crate::problem::{Function, Problem, Row};
+use crate::problem::{ConstraintRow, Function, Problem};
 use std::collections::BTreeSet;
 
 /// Rounds of the saw-tooth: price of a radius off the grid (m a m) and of a turn (m a rad).
@@ -38,11 +38,11 @@ struct Grid<'a> {
     multiples: (i64, i64),
     /// m, ascending, within the layout's limits.
     radii: Vec<f64>,
-    settings: Settings,
+    settings: SqpSettings,
 }
 
 /// Discretises from a continuous optimum. Returns the best solution found, feasible or not.
-pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings: &Settings) -> Solution {
+pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings: &SqpSettings) -> Solution {
     let Some(grid) = Grid::new(layout, problem, settings) else { return start.clone() };
     let mut search = Search { grid: &grid, seen: BTreeSet::new(), open: Vec::new(), best: None, iterations: 0 };
     let mut x = start.variables.clone();
@@ -73,7 +73,7 @@ pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings
 pub fn hold(
     layout: &Layout,
     problem: &Problem,
-    settings: &Settings,
+    settings: &SqpSettings,
     x: &[f64],
     straights: Option<f64>,
 ) -> Option<Solution> {
@@ -83,7 +83,7 @@ pub fn hold(
         let function = Function::Formula(Formula::Sum((0..problem.vertices.len()).map(straight).collect()));
         let (label, span) = ("straights in all".to_owned(), problem.vertex_span(0));
         let high = f64::INFINITY;
-        problem.rows.push(Row { function, low, high, angle: false, weight: None, label, span, reason: None });
+        problem.rows.push(ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None });
     }
     let problem = &problem;
     let grid = Grid::new(layout, problem, settings)?;
@@ -148,7 +148,7 @@ impl Search<'_> {
 }
 
 impl<'a> Grid<'a> {
-    fn new(layout: &Layout, problem: &'a Problem, settings: &Settings) -> Option<Self> {
+    fn new(layout: &Layout, problem: &'a Problem, settings: &SqpSettings) -> Option<Self> {
         let step = layout.catalog.curve.angle_step;
         let turns = layout.turns.value;
         let slack = 1e-9;
@@ -156,7 +156,7 @@ impl<'a> Grid<'a> {
         let limits = layout.radii.value;
         let within = |r: &f64| *r >= limits.low - slack && *r <= limits.high + slack;
         let radii: Vec<f64> = layout.catalog.curve.radii.iter().copied().filter(within).collect();
-        let settings = Settings { radius: 0.5, dearest: 0.0, ..*settings };
+        let settings = SqpSettings { radius: 0.5, dearest: 0.0, ..*settings };
         let circle = (trig::TAU / step).round() as i64;
         let written = Track::new(&to_corners(&problem.start));
         let origin = problem.rotations.first().map_or(0.0, |&i| written.straight(i).heading);

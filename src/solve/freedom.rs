@@ -5,7 +5,7 @@
 //! shortest length by its limit (ibid., §12.9).
 
 use super::Stage;
-use super::sqp::{self, Settings};
+use super::sqp::{self, SqpSettings};
 use crate::base::number::{normal, significant};
 use crate::base::trig::PI;
 use crate::model::{ConstraintKind, Interval, Layout};
@@ -85,7 +85,7 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
     let problem = Problem::new(layout, scope);
     let mut x = to_variables(&stage.corners);
     // From its optimum a stage ends again at once, and says what it ended on. Elsewhere there are no prices.
-    let settings = Settings { radius: 1e-3, ..Settings::default() };
+    let settings = SqpSettings { radius: 1e-3, ..SqpSettings::default() };
     let again = sqp::minimise(&problem, &x, &settings, &|_, _, _| {});
     let moved = x.iter().zip(&again.variables).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let mut multipliers = None;
@@ -273,7 +273,7 @@ mod tests {
                     let keepout = problem.keepouts.iter_mut().find(|k| row.row.contains(&k.name)).unwrap();
                     keepout.distance += by;
                 }
-                let settings = Settings { radius: 0.01, ..Settings::default() };
+                let settings = SqpSettings { radius: 0.01, ..SqpSettings::default() };
                 sqp::minimise(&problem, &to_variables(&stages[1].corners), &settings, &|_, _, _| {}).length
             };
             // It is approached in two places, which move together.

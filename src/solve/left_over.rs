@@ -1,6 +1,6 @@
 //! What a whole number of carts leaves over on a solved layout, where that is more than the take-up compensates.
 
-use crate::base::number::trimmed;
+use crate::base::number::tenths_of_mm;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{CentreLine, Point, Track};
 use crate::kinematics::{Fit, better_length};
@@ -15,15 +15,15 @@ pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Optio
     let pitch = layout.cart.length;
     let (message, label, left) = match found {
         Some(Fit { carts, left_over }) => {
-            let (size, too) = (mm(left_over.abs()), if left_over > 0.0 { "long" } else { "short" });
+            let (size, too) = (tenths_of_mm(left_over.abs()), if left_over > 0.0 { "long" } else { "short" });
             (
-                format!("the chain does not fit: {carts} carts leave {} over", mm(left_over)),
-                format!("for {carts} carts of {}, the track is {size} too {too}", mm(pitch)),
-                format!("{} left over", mm(left_over)),
+                format!("the chain does not fit: {carts} carts leave {} over", tenths_of_mm(left_over)),
+                format!("for {carts} carts of {}, the track is {size} too {too}", tenths_of_mm(pitch)),
+                format!("{} left over", tenths_of_mm(left_over)),
             )
         }
         None => {
-            let label = format!("carts of {}", mm(pitch));
+            let label = format!("carts of {}", tenths_of_mm(pitch));
             ("no chain of these carts closes on this track".to_owned(), label, "no chain that closes".to_owned())
         }
     };
@@ -32,14 +32,17 @@ pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Optio
         (Some(one), None) | (None, Some(one)) => one,
         (None, None) => "give a section some freedom, so that the track can be lengthened".to_owned(),
     };
-    let expected =
-        format!("at most {}, which the take-up of catalogue `{}` compensates", mm(take_up), layout.catalog.name);
+    let expected = format!(
+        "at most {}, which the take-up of catalogue `{}` compensates",
+        tenths_of_mm(take_up),
+        layout.catalog.name
+    );
     Some(Diagnostic::new(Code::W0712, message, layout.cart.span, label).expected(expected, left).help(help))
 }
 
 /// How this track could get a length that closes.
 fn close(layout: &Layout, track: &Track, found: Option<Fit>) -> Option<String> {
-    let closes = format!("`chain closes within {}`", mm(layout.catalog.take_up));
+    let closes = format!("`chain closes within {}`", tenths_of_mm(layout.catalog.take_up));
     if layout.objective.terms.is_empty() {
         return lengthen(layout, track, found?.left_over);
     }
@@ -55,7 +58,11 @@ pub(super) fn lengthen(layout: &Layout, track: &Track, left_over: f64) -> Option
     let (longer, shorter) =
         if left_over > 0.0 { (pitch - left_over, left_over) } else { (-left_over, pitch + left_over) };
     let [a, b] = opposite(layout, track)?.map(|section| layout.section_name(section));
-    Some(format!("lengthen {a} and {b} by {} each, or shorten both by {}", mm(0.5 * longer), mm(0.5 * shorter)))
+    Some(format!(
+        "lengthen {a} and {b} by {} each, or shorten both by {}",
+        tenths_of_mm(0.5 * longer),
+        tenths_of_mm(0.5 * shorter)
+    ))
 }
 
 /// More carts than this are not tried with other lengths: each of them would have to be closed anew.
@@ -69,19 +76,21 @@ fn other(layout: &Layout, line: &CentreLine) -> Option<String> {
         return None;
     }
     let (length, fit) = better_length(line, cart.length, &cart.lengths, layout.catalog.take_up)?;
-    Some(format!("take carts of {}: {} of them leave {} over on this track", mm(length), fit.carts, mm(fit.left_over)))
-}
-
-fn mm(metres: f64) -> String {
-    format!("{} mm", trimmed(1e3 * metres, 1))
+    Some(format!(
+        "take carts of {}: {} of them leave {} over on this track",
+        tenths_of_mm(length),
+        fit.carts,
+        tenths_of_mm(fit.left_over)
+    ))
 }
 
 /// The two sections whose lengths may change and that run against each other most nearly, the longer ones of like
 /// pairs.
 pub(super) fn opposite(layout: &Layout, track: &Track) -> Option<[usize; 2]> {
     let held = |i: usize| {
-        layout.constraints.iter().any(|c| {
-            matches!(&c.kind, ConstraintKind::FixSection { target, kinds } if target.from == i && kinds.contains(&FixKind::Length))
+        layout.constraints.iter().any(|c| match &c.kind {
+            ConstraintKind::FixSection { target, kinds } => target.from == i && kinds.contains(&FixKind::Length),
+            _ => false,
         })
     };
     let n = track.corners.len();

@@ -1,6 +1,6 @@
 //! How a layout is to be solved, and what a solve tells while it goes on.
 
-use super::sqp::{Settings, Solution};
+use super::sqp::{Solution, SqpSettings};
 use super::{Certificate, Stop, Violation};
 use crate::model::Layout;
 use crate::problem::Problem;
@@ -47,7 +47,7 @@ pub struct Progress {
 }
 
 /// Takes a continuous optimum to the catalogue's grid. Stages do not know which method does.
-pub type Discretise = fn(&Layout, &Problem, &Solution, &Settings, &Effort) -> Discretised;
+pub type Discretise = fn(&Layout, &Problem, &Solution, &SqpSettings, &Effort) -> Discretised;
 
 /// A layout on the grid, with what was proven of it.
 #[derive(Clone, Debug)]

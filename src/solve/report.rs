@@ -46,8 +46,10 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
              written and as often around. The best layout found is written, marked NOT FEASIBLE"
         }
         _ => {
-            "that none was found is no proof that there is none. The best layout found is written, marked NOT FEASIBLE: \
-             relaxing one of these lines by at least what it lacks may help, or vertices written nearer to what is wanted"
+            "that none was found is no proof that there is none. The best layout found is written, marked NOT \
+             FEASIBLE: \
+             relaxing one of these lines by at least what it lacks may help, or vertices written nearer to what is \
+             wanted"
         }
     };
     vec![diagnostic.help(help)]

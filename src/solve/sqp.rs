@@ -7,13 +7,13 @@
 
 use super::Stop;
 use super::convex::{ActiveRow, Quadratic, Symmetric, convexify};
-use super::subproblem::{self, LinearRow, Step};
+use super::subproblem::{self, LinearRow, SubproblemSolution};
 use crate::problem::{Evaluation, Problem, RowKey, RowValue};
 use std::collections::BTreeMap;
 
 /// Limits of a run; the defaults are what stages use.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct SqpSettings {
     pub iterations: usize,
     /// First trust radius, m.
     pub radius: f64,
@@ -27,9 +27,9 @@ pub struct Settings {
     pub stop: Stop,
 }
 
-impl Default for Settings {
+impl Default for SqpSettings {
     fn default() -> Self {
-        Settings {
+        SqpSettings {
             iterations: 200,
             radius: 1.0,
             largest_radius: 4.0,
@@ -86,7 +86,7 @@ const STEP: f64 = 1e-9;
 const ROUNDING: f64 = 1e-11;
 
 /// Minimises the problem from `start`.
-pub fn minimise(problem: &Problem, start: &[f64], settings: &Settings, watch: Watch) -> Solution {
+pub fn minimise(problem: &Problem, start: &[f64], settings: &SqpSettings, watch: Watch) -> Solution {
     let mut run = Run::new(problem, start, settings);
     let mut iterations = 0;
     let mut converged = false;
@@ -129,7 +129,7 @@ enum Progress {
 
 struct Run<'p> {
     problem: &'p Problem,
-    settings: &'p Settings,
+    settings: &'p SqpSettings,
     /// Indices of the free variables, and each variable's index among them.
     free: Vec<usize>,
     place: Vec<Option<usize>>,
@@ -143,7 +143,7 @@ struct Run<'p> {
 }
 
 impl<'p> Run<'p> {
-    fn new(problem: &'p Problem, start: &[f64], settings: &'p Settings) -> Self {
+    fn new(problem: &'p Problem, start: &[f64], settings: &'p SqpSettings) -> Self {
         let free = problem.free();
         let mut place = vec![None; problem.bounds.len()];
         free.iter().enumerate().for_each(|(k, &v)| place[v] = Some(k));
@@ -241,7 +241,7 @@ impl<'p> Run<'p> {
         self.radius > STEP
     }
 
-    fn remember(&mut self, rows: &[(RowKey, LinearRow)], step: &Step) {
+    fn remember(&mut self, rows: &[(RowKey, LinearRow)], step: &SubproblemSolution) {
         self.multipliers = rows
             .iter()
             .zip(&step.multipliers)
@@ -250,7 +250,7 @@ impl<'p> Run<'p> {
             .collect();
     }
 
-    fn subproblem(&self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<Step> {
+    fn subproblem(&self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
         let limit = |k: usize, low: bool| {
             let (v, bound) = (self.free[k], self.problem.bounds[self.free[k]]);
             if low { (bound.low - self.x[v]).max(-self.radius) } else { (bound.high - self.x[v]).min(self.radius) }

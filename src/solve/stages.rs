@@ -2,7 +2,7 @@
 //! catalogue's grid.
 
 use super::options::{Discretise, Options, Progress, Solver};
-use super::sqp::{self, Settings, Solution, Watch};
+use super::sqp::{self, Solution, SqpSettings, Watch};
 use super::violations::{as_written, off_grid, stage};
 use super::{Stage, Status, complex, conflict};
 use crate::model::{Layout, Side};
@@ -102,7 +102,7 @@ fn one_way(
     if layout.objective.terms.is_empty() {
         return vec![as_written(&full)];
     }
-    let settings = Settings { stop: options.stop, ..Settings::default() };
+    let settings = SqpSettings { stop: options.stop, ..SqpSettings::default() };
     let run = |stage: &'static str, problem: &Problem, start: &[f64]| {
         let tell: Watch = &|iteration, length, max_violation| {
             watch(Progress { stage, iteration, length, max_violation });
@@ -162,7 +162,7 @@ fn one_way(
 fn again(
     layout: &Layout,
     options: &Options,
-    (scope, settings): (Scope, &Settings),
+    (scope, settings): (Scope, &SqpSettings),
     ended: Solution,
     run: &dyn Fn(&[f64]) -> Solution,
 ) -> Solution {
@@ -176,7 +176,7 @@ fn again(
 }
 
 /// Feasible solutions by length, after them the others by violation.
-fn rank(s: &Solution, settings: &Settings) -> (bool, f64) {
+fn rank(s: &Solution, settings: &SqpSettings) -> (bool, f64) {
     let feasible = s.max_violation <= settings.feasibility;
     (!feasible, if feasible { s.length } else { s.max_violation })
 }
@@ -280,10 +280,10 @@ mod tests {
 
     #[test]
     fn equipment_keeps_its_straight() {
-        use crate::model::{Chutes, Place, Row, fixture::span};
+        use crate::model::{Chutes, PlaceRow, StraightPlace, fixture::span};
         let mut layout = crate::model::fixture::rectangle(40.0, 20.0, 4.0);
-        let place = Place { section: 2, at: 1.0, span: span() };
-        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row: Row { place, every: 1.25, count: 9 } }];
+        let place = StraightPlace { section: 2, at: 1.0, span: span() };
+        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row: PlaceRow { place, every: 1.25, count: 9 } }];
         let stages = solve(&layout, &Options::default(), &quiet);
         let track = Track::new(&stages[2].corners);
         assert_eq!(stages[2].status, Status::Converged);

@@ -16,14 +16,14 @@ pub struct LinearRow {
 }
 
 /// The solution of a subproblem.
-pub struct Step {
+pub struct SubproblemSolution {
     pub d: Vec<f64>,
     /// One a row: positive at its upper limit, negative at its lower.
     pub multipliers: Vec<f64>,
 }
 
 /// Minimises the model within `box_low <= d <= box_high` and the rows. `None` when the numerics fail.
-pub fn solve(model: &Quadratic, box_low: &[f64], box_high: &[f64], rows: &[LinearRow]) -> Option<Step> {
+pub fn solve(model: &Quadratic, box_low: &[f64], box_high: &[f64], rows: &[LinearRow]) -> Option<SubproblemSolution> {
     let n = model.matrix.size;
     let mut table = Table { entries: Vec::new(), b: Vec::new() };
     let mut linear = model.linear.clone();
@@ -89,7 +89,7 @@ pub fn solve(model: &Quadratic, box_low: &[f64], box_high: &[f64], rows: &[Linea
     for (row, constraint, sign) in sides {
         multipliers[row] += sign * solution.z[constraint];
     }
-    Some(Step { d, multipliers })
+    Some(SubproblemSolution { d, multipliers })
 }
 
 /// Which slack variables a row has: for exceeding its upper limit, for falling short of its lower.

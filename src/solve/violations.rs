@@ -1,6 +1,6 @@
 //! What a layout violates, and a solution with that as a stage.
 
-use super::sqp::{Settings, Solution};
+use super::sqp::{Solution, SqpSettings};
 use super::{Stage, Status, Violation};
 use crate::geometry::Track;
 use crate::model::Layout;
@@ -29,7 +29,13 @@ pub(super) fn off_grid(layout: &Layout, problem: &Problem, x: &[f64], tolerance:
     out
 }
 
-pub(super) fn stage(name: &'static str, problem: &Problem, s: &Solution, settings: &Settings, clock: Instant) -> Stage {
+pub(super) fn stage(
+    name: &'static str,
+    problem: &Problem,
+    s: &Solution,
+    settings: &SqpSettings,
+    clock: Instant,
+) -> Stage {
     let violations = violations(problem, &s.variables, settings.feasibility, |_| true);
     let max_violation = violations.iter().map(|v| v.amount).fold(s.max_violation, f64::max);
     let status = match (max_violation <= settings.feasibility, s.converged) {
@@ -62,7 +68,7 @@ pub(super) fn as_written(problem: &Problem) -> Stage {
         }
         RowKey::Clearance(..) | RowKey::Own(..) => false,
     };
-    let violations = violations(problem, &problem.start, Settings::default().feasibility, |key| !from_catalog(key));
+    let violations = violations(problem, &problem.start, SqpSettings::default().feasibility, |key| !from_catalog(key));
     Stage {
         name: "written",
         corners: to_corners(&problem.start),

@@ -75,7 +75,7 @@ impl Builder<'_> {
         let span = self.span_of(&pair);
         let mut parts = pair.into_inner();
         let word = take(&mut parts, Rule::kind)?;
-        let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
+        let kind = DeclarationKind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
         let kind_span = self.span_of(&word);
         let name = self.name(&take(&mut parts, Rule::name)?);
         let (params, from, fields) = self.after_name(parts, span, Rule::fields, Self::fields);

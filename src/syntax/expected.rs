@@ -3,7 +3,8 @@
 use super::Rule;
 use super::nearest::nearest;
 use super::origin::Edit;
-use super::tree::{FixKind, Goal, Kind, SideWord};
+use super::tree::{DeclarationKind, FixKind, Goal, SideWord};
+use crate::base::words::list;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use pest::error::{Error, ErrorVariant, InputLocation};
@@ -138,11 +139,7 @@ impl Failure {
             let end = phrases.remove(end);
             phrases.push(end);
         }
-        match phrases.split_last() {
-            None => "something else".to_string(),
-            Some((only, [])) => only.clone(),
-            Some((last, others)) => format!("{} or {last}", others.join(", ")),
-        }
+        if phrases.is_empty() { "something else".to_owned() } else { list(&phrases, "or") }
     }
 
     /// The keywords that could stand here.
@@ -302,7 +299,7 @@ fn is_keyword(rule: Rule) -> bool {
 /// The keywords that a rule takes. The name of a keyword's rule is `kw_` and the keyword.
 fn words_of(rule: Rule) -> Vec<String> {
     let words: Vec<&str> = match rule {
-        Rule::kind => Kind::ALL.map(Kind::word).to_vec(),
+        Rule::kind => DeclarationKind::ALL.map(DeclarationKind::word).to_vec(),
         Rule::component | Rule::component_kind => vec!["cart", "catalog", "controller", "motor", "sensor"],
         Rule::fix_kind => FixKind::ALL.map(FixKind::word).to_vec(),
         Rule::axis => vec!["x", "y"],

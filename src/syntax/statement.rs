@@ -17,7 +17,7 @@ impl Builder<'_> {
         Some(match rule {
             Rule::component => {
                 let word = take(parts, Rule::component_kind)?;
-                let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
+                let kind = DeclarationKind::ALL.into_iter().find(|kind| kind.word() == word.as_str())?;
                 Statement::Component { kind, reference: self.reference(take(parts, Rule::reference)?)? }
             }
             Rule::speed => Statement::Speed(self.value(parts)?),
@@ -99,13 +99,13 @@ impl Builder<'_> {
         Some(Section { from: self.next_name(&mut names)?, to: self.next_name(&mut names)?, span })
     }
 
-    fn point(&mut self, pair: Pair<Rule>) -> Option<Point> {
+    fn point(&mut self, pair: Pair<Rule>) -> Option<PointExpr> {
         let span = self.span_of(&pair);
         let mut parts = pair.into_inner();
-        Some(Point { x: self.value(&mut parts)?, y: self.value(&mut parts)?, span })
+        Some(PointExpr { x: self.value(&mut parts)?, y: self.value(&mut parts)?, span })
     }
 
-    fn polygon(&mut self, parts: &mut Pairs<Rule>) -> Option<Block<Point>> {
+    fn polygon(&mut self, parts: &mut Pairs<Rule>) -> Option<Block<PointExpr>> {
         let pair = take(parts, Rule::polygon)?;
         Some(self.block(pair, 1, |builder, pair| match pair.as_rule() {
             Rule::point => builder.point(pair),
@@ -113,14 +113,14 @@ impl Builder<'_> {
         }))
     }
 
-    fn place(&mut self, parts: &mut Pairs<Rule>) -> Option<Place> {
+    fn place(&mut self, parts: &mut Pairs<Rule>) -> Option<PlaceExpr> {
         let mut parts = take(parts, Rule::place)?.into_inner();
-        Some(Place { section: self.section(&mut parts)?, at: self.value(&mut parts)? })
+        Some(PlaceExpr { section: self.section(&mut parts)?, at: self.value(&mut parts)? })
     }
 
-    fn row(&mut self, pair: Pair<Rule>) -> Option<Row> {
+    fn row(&mut self, pair: Pair<Rule>) -> Option<RowExpr> {
         let mut parts = pair.into_inner();
-        Some(Row {
+        Some(RowExpr {
             section: self.section(&mut parts)?,
             from: self.value(&mut parts)?,
             every: self.value(&mut parts)?,
@@ -216,7 +216,7 @@ impl Builder<'_> {
         relation
     }
 
-    fn objective(&mut self, pair: Pair<Rule>) -> Option<Objective> {
+    fn objective(&mut self, pair: Pair<Rule>) -> Option<ObjectiveExpr> {
         let span = self.span_of(&pair);
         let mut terms = Vec::new();
         let mut within = None;
@@ -241,7 +241,7 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        Some(Objective { terms, within, span })
+        Some(ObjectiveExpr { terms, within, span })
     }
 }
 

@@ -103,7 +103,7 @@ pub struct Let {
 
 /// What a declaration beside `layout` declares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum DeclarationKind {
     Catalog,
     Cart,
     Wheel,
@@ -116,7 +116,7 @@ pub enum Kind {
 /// `cart heavy(length: 1250 mm) from tilt_tray(length: length) { mass = 52 kg }`. With `from` the body may be absent.
 #[derive(Clone, Debug)]
 pub struct Declaration {
-    pub kind: Kind,
+    pub kind: DeclarationKind,
     pub kind_span: Span,
     pub name: Name,
     pub params: Block<Param>,
@@ -178,23 +178,23 @@ pub enum Statement {
     Let(Let),
     /// `catalog standard`, `cart tilt_tray(length: 1250 mm)`, `motor ...`, `controller ...`, `sensor ...`
     Component {
-        kind: Kind,
+        kind: DeclarationKind,
         reference: Reference,
     },
     Speed(Expr),
     Width(Expr),
     Vertex {
         name: Name,
-        point: Point,
+        point: PointExpr,
         radius: Option<Expr>,
     },
     Building {
-        polygon: Block<Point>,
+        polygon: Block<PointExpr>,
         clearance: Option<Expr>,
     },
     Obstacle {
         name: Name,
-        polygon: Block<Point>,
+        polygon: Block<PointExpr>,
         clearance: Option<Expr>,
     },
     /// `turns 5 deg .. 90 deg`
@@ -256,23 +256,23 @@ pub enum Statement {
         radius: Option<Expr>,
     },
     /// `start on P10..P1 at 3 m`
-    Start(Place),
-    Photocell(Place),
+    Start(PlaceExpr),
+    Photocell(PlaceExpr),
     Induction {
         name: Name,
-        place: Place,
+        place: PlaceExpr,
     },
     /// `chutes row_a on P7..P8 from 2 m every 1.25 m count 12`
     Chutes {
         name: Name,
-        row: Row,
+        row: RowExpr,
     },
     /// `motors 13 evenly`
     MotorsEvenly {
         count: Expr,
     },
     /// `motors on P1..P2 from 2 m every 3 m count 4`
-    MotorsRow(Row),
+    MotorsRow(RowExpr),
     /// `supports every 2.5 m`
     Supports {
         every: Expr,
@@ -287,13 +287,13 @@ pub enum Statement {
     ChainCloses(Expr),
     /// `effect joint_clearance(gap: 0.05 mm)`
     Effect(Reference),
-    Optimise(Objective),
+    Optimise(ObjectiveExpr),
     Bad,
 }
 
 /// `(28.0 m, 1.5 m)`.
 #[derive(Clone, Debug)]
-pub struct Point {
+pub struct PointExpr {
     pub x: Expr,
     pub y: Expr,
     pub span: Span,
@@ -318,14 +318,14 @@ pub struct Target {
 
 /// `on P1..P2 at 6 m`.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct PlaceExpr {
     pub section: Section,
     pub at: Expr,
 }
 
 /// `on P7..P8 from 2 m every 1.25 m count 12`.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct RowExpr {
     pub section: Section,
     pub from: Expr,
     pub every: Expr,
@@ -373,7 +373,7 @@ pub enum Goal {
 
 /// `optimise polygon_action within length + 0.5 %`, `optimise 0.7 * length + 0.3 * cost`.
 #[derive(Clone, Debug)]
-pub struct Objective {
+pub struct ObjectiveExpr {
     /// Weight (1 when not written) and goal.
     pub terms: Vec<(Option<Expr>, Goal, Span)>,
     pub within: Option<(Goal, Expr)>,

@@ -2,19 +2,26 @@
 
 use super::tree::*;
 
-impl Kind {
-    pub const ALL: [Kind; 7] =
-        [Kind::Catalog, Kind::Cart, Kind::Wheel, Kind::Joint, Kind::Motor, Kind::Controller, Kind::Sensor];
+impl DeclarationKind {
+    pub const ALL: [DeclarationKind; 7] = [
+        DeclarationKind::Catalog,
+        DeclarationKind::Cart,
+        DeclarationKind::Wheel,
+        DeclarationKind::Joint,
+        DeclarationKind::Motor,
+        DeclarationKind::Controller,
+        DeclarationKind::Sensor,
+    ];
 
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Catalog => "catalog",
-            Kind::Cart => "cart",
-            Kind::Wheel => "wheel",
-            Kind::Joint => "joint",
-            Kind::Motor => "motor",
-            Kind::Controller => "controller",
-            Kind::Sensor => "sensor",
+            DeclarationKind::Catalog => "catalog",
+            DeclarationKind::Cart => "cart",
+            DeclarationKind::Wheel => "wheel",
+            DeclarationKind::Joint => "joint",
+            DeclarationKind::Motor => "motor",
+            DeclarationKind::Controller => "controller",
+            DeclarationKind::Sensor => "sensor",
         }
     }
 }

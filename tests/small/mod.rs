@@ -131,10 +131,11 @@ pub struct Asked {
 
 pub fn text(small: &Small, asked: &Asked) -> String {
     let mut out = String::from(
-        "use std.carts.tilt_tray\nuse std.tracks.standard\n\ncatalog coarse from standard {\n  straight {\n    cut = 200 mm .. 3 m\n    \
+        "use std.carts.tilt_tray\nuse std.tracks.standard\n\ncatalog coarse from standard {\n  straight {\n    \
+         cut = 200 mm .. 3 m\n    \
          shortest = 200 mm\n  }\n  curve {\n    radii = [2 m, 5 m]\n    angle_step = 15 deg\n    largest = 45 deg\n    \
-         turns = 15 deg .. 120 deg\n  }\n}\n\nlayout small {\n  catalog coarse\n  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  \
-         width 0.6 m\n",
+         turns = 15 deg .. 120 deg\n  }\n}\n\nlayout small {\n  catalog coarse\n  cart tilt_tray(length: 1250 mm)\n  \
+         speed 2 m/s\n  width 0.6 m\n",
     );
     for (i, p) in small.points().iter().enumerate() {
         let _ = writeln!(out, "  vertex P{i} ({:?} m, {:?} m) radius {:?} m", p.x, p.y, small.radii[i]);

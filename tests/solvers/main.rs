@@ -149,7 +149,8 @@ stem = sys.argv[1]
 nl = casadi.NlpBuilder()
 nl.import_nl(stem + ".nl")
 problem = {"x": casadi.veccat(*nl.x), "f": nl.f, "g": casadi.veccat(*nl.g)}
-solver = casadi.nlpsol("solver", "ipopt", problem, {"print_time": 0, "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-10}})
+options = {"print_time": 0, "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-10}}
+solver = casadi.nlpsol("solver", "ipopt", problem, options)
 found = solver(x0=nl.x_init, lbx=nl.x_lb, ubx=nl.x_ub, lbg=nl.g_lb, ubg=nl.g_ub)
 print(solver.stats()["return_status"])
 print(repr(float(found["f"])))

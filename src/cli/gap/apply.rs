@@ -2,7 +2,7 @@
 
 use crate::base::json;
 use crate::base::number::shortest;
-use crate::chain_input::Effect;
+use crate::chain_input::DeclaredEffect;
 use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
@@ -42,15 +42,16 @@ pub fn files(
     Ok(out.into_iter().collect())
 }
 
-fn effect(finding: &Finding) -> Effect {
+fn effect(finding: &Finding) -> DeclaredEffect {
     let strengths = finding.strength.iter().map(|(name, amount)| (name.clone(), amount.value));
     let places = finding.fixed.iter().map(|(name, x)| (name.clone(), *x));
-    Effect { name: finding.name.clone(), strengths: strengths.chain(places).collect() }
+    DeclaredEffect { name: finding.name.clone(), strengths: strengths.chain(places).collect() }
 }
 
 fn text(layout: &str, import: &str, effects: &[&Finding]) -> String {
     let mut out = format!(
-        "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\nlayout {layout}_gap from {layout} {{\n"
+        "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\n\
+         layout {layout}_gap from {layout} {{\n"
     );
     for finding in effects {
         let strength = finding.strength.iter().map(|(name, a)| {

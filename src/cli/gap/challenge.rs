@@ -1,7 +1,7 @@
 //! `lss gap challenge`: campaigns whose effects are withheld, and what the diagnosis makes of them.
 
 use crate::base::json::to_json;
-use crate::benchmark::answering::{Before, Step, answer, child, facts, score_folder};
+use crate::benchmark::answering::{AnsweringStep, Before, answer, child, facts, score_folder};
 use crate::benchmark::generate::{Order, generate};
 use crate::benchmark::{CaseKind, table};
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
@@ -125,7 +125,7 @@ impl Score {
             Err(why) => return could_not("read the challenge", &self.folder, why),
         };
         let bar = progress(cases);
-        let mut watch = |step: Step| {
+        let mut watch = |step: AnsweringStep| {
             match &bar {
                 Some(bar) => {
                     bar.set_position(step.number as u64);

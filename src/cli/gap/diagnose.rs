@@ -131,10 +131,12 @@ impl Diagnose {
                 report::note(&format!("a diagnosis was stopped here: {count} of its simulations are used again"));
             }
             Left::OfOthers => report::note(
-                "a diagnosis was stopped here, but of another version of lss, model, layout, run or seed: nothing of it is used",
+                "a diagnosis was stopped here, but of another version of lss, model, layout, run or seed: nothing of \
+                 it is used",
             ),
             Left::Contradicted(count) => report::warning(&format!(
-                "a diagnosis was stopped here, but asked again the model gives another answer: its {count} simulations are not used"
+                "a diagnosis was stopped here, but asked again the model gives another answer: its {count} simulations \
+                 are not used"
             )),
         }
         known

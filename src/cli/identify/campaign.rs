@@ -9,10 +9,10 @@ use crate::cli::identify::reports::law_name;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, report};
 use crate::dynamics::Width;
 use crate::emit::Files;
-use crate::identify::groups::{Group, SetPoint};
+use crate::identify::groups::{RunGroup, SetPoint};
 use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, RunFit, carry, fit_run};
-use crate::identify::{Measured, Model, Parameter, Settings};
+use crate::identify::{FitSettings, Measured, Model, Parameter};
 use crate::report::identification;
 use crate::source::{SIZE_LIMIT, one_line, root, shown};
 use clap::ValueEnum;
@@ -85,7 +85,7 @@ impl Campaign {
         let threads = limits::threads();
         let free = std::array::from_fn(|k| self.free.is_empty() || self.free.contains(&Parameter::ALL[k]));
         let settings =
-            Settings { free, seed: self.seed, threads: (threads / cases.len()).max(1), ..Settings::default() };
+            FitSettings { free, seed: self.seed, threads: (threads / cases.len()).max(1), ..FitSettings::default() };
         if self.identifiability {
             return self.tell(&cases, &settings, threads, broken);
         }
@@ -125,7 +125,7 @@ impl Campaign {
             bar.finish_and_clear();
         }
         let points: Vec<SetPoint> = cases.iter().map(|case| case.set_point.clone()).collect();
-        let groups = Group::all(&points);
+        let groups = RunGroup::all(&points);
         let reports: Vec<LawReport> =
             done.iter().map(|(law, fits, shared)| LawReport::new(*law, fits, shared)).collect();
         let study = Study::new(&reports, &groups);
@@ -157,8 +157,8 @@ impl Campaign {
     }
 
     /// What the runs can tell, before anything is fitted.
-    fn tell(&self, cases: &[Case], settings: &Settings, threads: usize, broken: bool) -> Outcome {
-        let settings = Settings { steps: 0, ..*settings };
+    fn tell(&self, cases: &[Case], settings: &FitSettings, threads: usize, broken: bool) -> Outcome {
+        let settings = FitSettings { steps: 0, ..*settings };
         let law = self.law.0[0];
         let results = parallel::map(cases, threads, |case| {
             fit_run(&case.subject, law, None, &settings, Width::used(), String::new())
@@ -183,7 +183,7 @@ impl Campaign {
 struct Work<'a> {
     output: &'a Path,
     law: ContactLaw,
-    settings: Settings,
+    settings: FitSettings,
     /// Those of the first law.
     first: Option<&'a [RunFit]>,
     bar: Option<&'a ProgressBar>,
@@ -209,7 +209,7 @@ impl Work<'_> {
                     // Within another law's bounds the run says what it said before: nothing is left to search.
                     let within = start.and_then(|s| study::within(subject, s, self.law, &self.settings, Width::used()));
                     if let Some(at) = within {
-                        let settings = Settings { steps: 0, ..self.settings };
+                        let settings = FitSettings { steps: 0, ..self.settings };
                         return fit_run(
                             subject,
                             self.law,
@@ -288,7 +288,7 @@ impl Work<'_> {
         }
         let pairs: Vec<_> = models.iter().map(|(model, fit)| (model, fit)).collect();
         let shared = combine(names, &pairs).ok_or("what the runs say of shared parameters cannot be combined")?;
-        let settings = Settings {
+        let settings = FitSettings {
             free: std::array::from_fn(|k| self.settings.free[k] && !names.contains(&Parameter::ALL[k])),
             ..self.settings
         };

@@ -2,10 +2,10 @@
 
 use crate::base::json;
 use crate::base::number::{fixed, shortest};
-use crate::chain_input::{Contact, ContactLaw, Simulation, Wheel};
+use crate::chain_input::{ContactLaw, ContactParameters, Simulation, Wheel};
 use crate::cli::cases::Case;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping, restitution};
@@ -19,7 +19,7 @@ use std::path::{Component, Path};
 /// set point is in the name where a layout has several.
 pub fn files(
     cases: &[Case],
-    groups: &[Group],
+    groups: &[RunGroup],
     fits: &[RunFit],
     output: &Path,
 ) -> Result<Vec<(String, Vec<u8>)>, Outcome> {
@@ -54,14 +54,14 @@ pub fn files(
 }
 
 /// What a group's fitted files are called, after what its layout is.
-fn name(layout: &str, group: &Group, groups: &[Group]) -> String {
+fn name(layout: &str, group: &RunGroup, groups: &[RunGroup]) -> String {
     let alone = groups.iter().filter(|g| g.layout == group.layout).count() == 1;
     let part = if alone { String::new() } else { format!("-{}", group.file_part()) };
     format!("{layout}{part}-fitted")
 }
 
 /// What the file is, and whether its values may be believed.
-fn head(layout: &Layout, group: &Group, fits: &[&RunFit]) -> String {
+fn head(layout: &Layout, group: &RunGroup, fits: &[&RunFit]) -> String {
     let runs = fits.len();
     let mut out = format!(
         "// `{}` at {} with the parameters that {runs} measured {} for, by `lss identify`.\n",
@@ -95,8 +95,16 @@ fn head(layout: &Layout, group: &Group, fits: &[&RunFit]) -> String {
 fn law_note(law: ContactLaw) -> String {
     match law {
         ContactLaw::HerbertMcwhannell => String::new(),
-        ContactLaw::KelvinVoigt => "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, their\n// meaning is not. The simulation input beside this file has the law.\n".to_owned(),
-        _ => "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and McWhannell's.\n".to_owned(),
+        ContactLaw::KelvinVoigt => concat!(
+            "// Fitted with Kelvin and Voigt's damper, which a layout does not know: the restitutions are the same, ",
+            "their\n// meaning is not. The simulation input beside this file has the law.\n",
+        )
+        .to_owned(),
+        _ => concat!(
+            "// Fitted with another law of damping: the restitutions here mean the same damping in Herbert and ",
+            "McWhannell's.\n",
+        )
+        .to_owned(),
     }
 }
 
@@ -165,7 +173,10 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     let [ahead, above] = cart.centre_of_mass_m.map(shortest);
     let _ = writeln!(
         out,
-        "cart fitted_cart {{\n  length = {} m\n  mass = {} kg\n  inertia = ({roll} kg*m^2, {pitch} kg*m^2, {yaw} kg*m^2)\n  centre_of_mass = ({ahead} m, {above} m)\n  steering = fitted_steering\n  running = fitted_running\n  joint = fitted_joint\n  motor_height = {} m\n  tension = {} N\n}}\n",
+        "cart fitted_cart {{\n  length = {} m\n  mass = {} kg\n  \
+         inertia = ({roll} kg*m^2, {pitch} kg*m^2, {yaw} kg*m^2)\n  centre_of_mass = ({ahead} m, {above} m)\n  \
+         steering = fitted_steering\n  running = fitted_running\n  joint = fitted_joint\n  \
+         motor_height = {} m\n  tension = {} N\n}}\n",
         shortest(cart.length_m),
         shortest(cart.mass_kg),
         shortest(cart.motor_height_m),
@@ -174,7 +185,8 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     let controller = &simulation.controller;
     let _ = writeln!(
         out,
-        "controller fitted_controller {{\n  proportional = {} N*s/m\n  integral = {} N/m\n  derivative = {} N*s^2/m\n  period = {} s\n}}\n",
+        "controller fitted_controller {{\n  proportional = {} N*s/m\n  integral = {} N/m\n  derivative = {} N*s^2/m\n  \
+         period = {} s\n}}\n",
         shortest(controller.proportional_n_s_per_m),
         shortest(controller.integral_n_per_m),
         shortest(controller.derivative_n_s2_per_m),
@@ -182,7 +194,8 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     );
     let _ = writeln!(
         out,
-        "layout {}_fitted from {} {{\n  cart fitted_cart\n  controller fitted_controller\n  speed {} m/s\n  chain tension {} N",
+        "layout {}_fitted from {} {{\n  cart fitted_cart\n  controller fitted_controller\n  speed {} m/s\n  \
+         chain tension {} N",
         layout.name,
         layout.name,
         shortest(simulation.chain.speed_m_s),
@@ -196,7 +209,7 @@ fn text(layout: &Layout, simulation: &Simulation, import: &str, shift: f64) -> S
     out
 }
 
-fn contact_lines(contact: &Contact, e: f64, indent: &str) -> String {
+fn contact_lines(contact: &ContactParameters, e: f64, indent: &str) -> String {
     let unit = if contact.exponent == 1.0 { "N/m".to_owned() } else { format!("N/m^{}", shortest(contact.exponent)) };
     format!(
         "{indent}stiffness = {} {unit}\n{indent}exponent = {}\n{indent}restitution = {}\n",

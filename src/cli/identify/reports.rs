@@ -2,7 +2,7 @@
 
 use crate::base::number::tidy;
 use crate::chain_input::ContactLaw;
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::{Warning, at_bounds, warning};
 use crate::identify::share::Shared;
 use crate::identify::study::{CONFIDENCE, Estimate, RunFit};
@@ -50,7 +50,7 @@ impl<'a> LawReport<'a> {
     }
 
     /// The fits of a group's runs.
-    pub fn of<'b>(&'b self, group: &'b Group) -> impl Iterator<Item = &'a RunFit> + 'b {
+    pub fn of<'b>(&'b self, group: &'b RunGroup) -> impl Iterator<Item = &'a RunFit> + 'b {
         self.runs.values().copied().filter(|fit| group.has(&fit.run))
     }
 }
@@ -75,7 +75,7 @@ struct LawSummary {
 #[derive(Serialize)]
 struct GroupSummary {
     #[serde(flatten)]
-    group: Group,
+    group: RunGroup,
     /// Of these runs, those that the model does not fit.
     do_not_fit: Vec<String>,
     objective: Spread,
@@ -100,7 +100,7 @@ impl Spread {
 }
 
 impl GroupSummary {
-    fn new(law: &LawReport, group: &Group) -> GroupSummary {
+    fn new(law: &LawReport, group: &RunGroup) -> GroupSummary {
         let parameter = |p: Parameter| {
             let values = law.of(group).filter_map(|fit| fit.parameters.get(p.name())).map(|e| e.value);
             let held = law.of(group).filter(|fit| at_bounds(fit).contains(&p.name())).count();
@@ -116,7 +116,7 @@ impl GroupSummary {
 }
 
 impl Study {
-    pub fn new(laws: &[LawReport], groups: &[Group]) -> Study {
+    pub fn new(laws: &[LawReport], groups: &[RunGroup]) -> Study {
         let summary = |law: &LawReport| {
             let with_fits = groups.iter().filter(|group| law.of(group).next().is_some());
             let summary = LawSummary {

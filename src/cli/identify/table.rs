@@ -3,7 +3,7 @@
 use super::reports::LawReport;
 use crate::base::number::fixed;
 use crate::identify::Parameter;
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::study::RunFit;
 use crate::report::identification::digits;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use std::fmt::Write;
 const ONE_BY_ONE: usize = 3;
 
 /// All laws.
-pub fn text(laws: &[LawReport], groups: &[Group]) -> String {
+pub fn text(laws: &[LawReport], groups: &[RunGroup]) -> String {
     let mut out = String::new();
     for law in laws {
         let carried = law.runs.values().find_map(|f| f.carried_from).is_some();
@@ -77,7 +77,7 @@ fn run(fit: &RunFit) -> String {
 }
 
 /// Median, quartiles and bounds met over the runs of a group.
-fn summary(law: &LawReport, group: &Group) -> String {
+fn summary(law: &LawReport, group: &RunGroup) -> String {
     let fits: Vec<&RunFit> = law.of(group).collect();
     if fits.is_empty() {
         return String::new();

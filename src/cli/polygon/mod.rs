@@ -8,11 +8,11 @@ use crate::base::json;
 use crate::chain_input::Simulation;
 use crate::emit::{DrawError, Files, png, svg};
 use crate::geometry::CentreLine;
-use crate::kinematics::polygon::{Objective, Unsuited};
+use crate::kinematics::polygon::{PolygonObjective, Unsuited};
 use crate::report::polygon;
-use crate::report::polygon::{Names, Report};
+use crate::report::polygon::{Names, PolygonReport};
 use crate::source::shown;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Show the polygon action of a layout: how much its chain leads and lags on each straight, and which curves cancel.
@@ -31,7 +31,7 @@ pub struct Polygon {
     layout: Option<String>,
     /// What counts: every straight from every start, those behind the first three curves, or the last cart.
     #[arg(long, value_enum, default_value_t)]
-    objective: Objective,
+    objective: PolygonObjective,
     /// Try the product line's values of a parameter instead: cart.length, 500 to 1250 mm.
     #[arg(long, value_name = "PARAMETER", value_parser = ["cart.length"])]
     sweep: Option<String>,
@@ -71,7 +71,7 @@ impl Polygon {
         if self.sweep.is_some() {
             return self.sweep(&subject);
         }
-        let found = Report::new(&subject.name, &subject.line, subject.pitch, self.objective, &subject.names);
+        let found = PolygonReport::new(&subject.name, &subject.line, subject.pitch, self.objective, &subject.names);
         let report = match found {
             Ok(report) => report,
             Err(unsuited) => return self.unsuited(unsuited),
@@ -87,7 +87,7 @@ impl Polygon {
         }
         report::print(&match self.format {
             OutputFormat::Json => report.short_json(),
-            OutputFormat::Text => polygon::text(&report) + &written_to(self.output.as_deref()),
+            OutputFormat::Text => polygon::text(&report) + &report::written_to(self.output.as_deref()),
         });
         Outcome::Clean
     }
@@ -110,15 +110,10 @@ impl Polygon {
     }
 }
 
-fn files(report: &Report, line: &CentreLine) -> Result<Files, DrawError> {
+fn files(report: &PolygonReport, line: &CentreLine) -> Result<Files, DrawError> {
     let mut files = Files::default();
     files.push("polygon.json", json::to_json(report));
     files.push("polygon.svg", polygon::drawing(report, line, svg::Theme::Adaptive)?);
     files.push("polygon.png", png::render(&polygon::drawing(report, line, svg::Theme::Light)?)?);
     Ok(files)
-}
-
-/// The folder as a reader of messages sees it.
-fn written_to(folder: Option<&Path>) -> String {
-    folder.map_or_else(String::new, |folder| format!("  written to {}\n", shown(folder)))
 }

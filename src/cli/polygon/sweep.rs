@@ -1,13 +1,13 @@
 //! `lss polygon FILE --sweep cart.length`: the product line's carts on one track.
 
-use super::{Polygon, Subject, written_to};
+use super::{Polygon, Subject};
 use crate::base::json;
 use crate::base::number::tidy;
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::emit::Files;
 use crate::geometry::CentreLine;
 use crate::kinematics::closing;
-use crate::kinematics::polygon::{Course, Objective};
+use crate::kinematics::polygon::{Course, PolygonObjective};
 use crate::report::polygon::{Sweep, SweepPoint, rms, summary, sweep_text};
 
 /// The product line, mm.
@@ -38,13 +38,13 @@ impl Polygon {
         }
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(&sweep).unwrap_or_default() + "\n",
-            OutputFormat::Text => sweep_text(&sweep) + &written_to(self.output.as_deref()),
+            OutputFormat::Text => sweep_text(&sweep) + &report::written_to(self.output.as_deref()),
         });
         Outcome::Clean
     }
 }
 
-fn point(line: &CentreLine, pitch: f64, objective: Objective) -> SweepPoint {
+fn point(line: &CentreLine, pitch: f64, objective: PolygonObjective) -> SweepPoint {
     let (carts, left_over) = carts(line, pitch);
     let found = summary(line, pitch, objective).ok();
     let value = found.as_ref().map(|(action, _)| action.value(objective));

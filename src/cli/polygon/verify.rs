@@ -1,6 +1,6 @@
 //! `lss polygon FILE --verify`: the layout before and after, run in the dynamic model.
 
-use super::{Polygon, written_to};
+use super::Polygon;
 use crate::base::json;
 use crate::chain_input::Simulation;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, read, report};
@@ -9,9 +9,9 @@ use crate::diagnostic::Diagnostic;
 use crate::dynamics::{End, Plan, Width};
 use crate::effects;
 use crate::emit::{Files, stages_png, stages_svg};
-use crate::kinematics::polygon::Objective;
+use crate::kinematics::polygon::PolygonObjective;
 use crate::model::{Goal, Layout};
-use crate::report::polygon::{Case, Names, Report, Values, Verification, case_name, page, verify_text};
+use crate::report::polygon::{Case, Names, PolygonReport, Values, Verification, case_name, page, verify_text};
 use crate::solve::polygon::{Smooth, solve};
 use crate::solve::{Options, Stage, Status, diagnose, discretise, unsupported};
 
@@ -106,7 +106,7 @@ impl Polygon {
         }
         report::print(&match self.format {
             OutputFormat::Json => serde_json::to_string(&verification).unwrap_or_default() + "\n",
-            OutputFormat::Text => verify_text(&verification) + &written_to(self.output.as_deref()),
+            OutputFormat::Text => verify_text(&verification) + &report::written_to(self.output.as_deref()),
         });
         Outcome::Clean
     }
@@ -133,7 +133,7 @@ fn subjects(layout: &Layout) -> Result<Vec<Subject>, Vec<Stage>> {
         Subject { name, simulation: Simulation::new(&compiled), compiled }
     };
     let mut found: Vec<Subject> = Vec::new();
-    for counted in Objective::EACH {
+    for counted in PolygonObjective::EACH {
         let Some(goal) = Smooth::of(&layout.objective) else { continue };
         let mut stages = solve(layout, Smooth { counted, ..goal }, &options, discretise, &|_| ());
         if stages.last().is_none_or(|s| s.status == Status::Infeasible) {
@@ -153,7 +153,7 @@ fn values(subject: &Subject) -> Result<Values, crate::kinematics::polygon::Unsui
     let simulation = &subject.simulation;
     let line = simulation.track.centre_line();
     let names = Names::of(&subject.compiled);
-    let report = Report::new(&simulation.name, &line, simulation.chain.pitch_m, Objective::All, &names)?;
+    let report = PolygonReport::new(&simulation.name, &line, simulation.chain.pitch_m, PolygonObjective::All, &names)?;
     Ok(report.values)
 }
 

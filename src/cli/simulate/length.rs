@@ -1,6 +1,6 @@
 //! Which cart length a simulation used, and why when that is not the product line's.
 
-use crate::base::number::trimmed;
+use crate::base::number::{tenths_of_mm, trimmed};
 use crate::chain_input::Simulation;
 use crate::dynamics::Outcome;
 use crate::kinematics::{Fit, left_over};
@@ -31,18 +31,20 @@ impl CartLength {
         let fits = take_up.map(|take_up| fit.is_some_and(|fit| fit.is_within(take_up)));
         let (carts, length) = (outcome.carts, trimmed(product, 6));
         let over = match left {
-            Some(left) => format!("{carts} carts of {length} m leave {} over", mm(left)),
+            Some(left) => format!("{carts} carts of {length} m leave {} over", tenths_of_mm(left)),
             None => format!("no {carts} carts of {length} m close"),
         };
         let why = match (fits, take_up) {
             (Some(false), Some(take_up)) => format!(
-                "{over}, beyond the take-up of {}; carts of a length that closes the chain under its tension are simulated",
-                mm(take_up)
+                "{over}, beyond the take-up of {}; carts of a length that closes the chain under its tension are \
+                 simulated",
+                tenths_of_mm(take_up)
             ),
             (Some(true), Some(take_up)) => {
-                let take_up = mm(take_up);
+                let take_up = tenths_of_mm(take_up);
                 format!(
-                    "{over}, within the take-up of {take_up}; each takes its share of it, less what the tension stretches a joint by"
+                    "{over}, within the take-up of {take_up}; each takes its share of it, less what the tension \
+                     stretches a joint by"
                 )
             }
             _ => format!("{over}; carts of a length that closes the chain under its tension are simulated"),
@@ -57,8 +59,4 @@ impl CartLength {
         let of = if self.fits == Some(false) { "instead of" } else { "for" };
         format!("  cart length {used:.6} m {of} the product line's {product} m ({away}):\n    {}\n", self.why)
     }
-}
-
-fn mm(metres: f64) -> String {
-    format!("{} mm", trimmed(1e3 * metres, 1))
 }

@@ -12,9 +12,8 @@ use crate::effects;
 use crate::emit::Files;
 use crate::report::lap;
 use crate::signal::{csv, parquet};
-use crate::source::shown;
 use clap::ValueEnum;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Simulate the chain of carts and record what a sensor cart would measure.
@@ -206,9 +205,4 @@ fn assignment(text: &str) -> Result<(String, String), String> {
         }
         _ => Err(format!("{text} is not KEY=VALUE, such as cart.mass_kg=45")),
     }
-}
-
-/// The folder as a reader of messages sees it.
-fn written_to(folder: Option<&Path>) -> String {
-    folder.map_or_else(String::new, |folder| format!("  written to {}\n", shown(folder)))
 }

@@ -2,6 +2,7 @@
 
 use super::length::CartLength;
 use crate::chain_input::Simulation;
+use crate::cli::report::written_to;
 use crate::dynamics::{Outcome, parameters};
 use crate::report::lap::hotspots;
 use crate::signal::Channel;
@@ -84,7 +85,7 @@ pub fn text(simulation: &Simulation, outcome: &Outcome, wall: f64, folder: Optio
     for spot in spots {
         out += &format!("  {spot}\n");
     }
-    out + &super::written_to(folder)
+    out + &written_to(folder)
 }
 
 /// Every parameter with its value.

@@ -7,7 +7,7 @@ mod tests;
 
 use crate::base::trig;
 use crate::compiled::Compiled;
-use crate::emit::plan::{self, Curve, Mark, MarkKind};
+use crate::emit::plan::{self, Mark, MarkKind, PlanCurve};
 use crate::geometry::{PieceKind, Point, bounds};
 
 use writer::{Layer, Writer};
@@ -119,8 +119,8 @@ fn equipment(dxf: &mut Writer, compiled: &Compiled, mark: &Mark, half: f64, heig
             if let [left, right] = &sides
                 && let (Some(a), Some(b), Some(c), Some(d)) = (left.first(), right.first(), left.last(), right.last())
             {
-                dxf.line("MOTORS", Curve::begin(a), Curve::begin(b));
-                dxf.line("MOTORS", Curve::end(c), Curve::end(d));
+                dxf.line("MOTORS", PlanCurve::begin(a), PlanCurve::begin(b));
+                dxf.line("MOTORS", PlanCurve::end(c), PlanCurve::end(d));
             }
         }
         MarkKind::Support => {

@@ -1,13 +1,13 @@
 //! The few tables and entities of a DXF R2000 file (AutoCAD 2000 DXF Reference), as text and the same bytes each
 //! time: handles are counted, and there are no dates.
 //!
-//! Written here, because a drawing needs few kinds of records, and the crate for DXF, with which tests read it back, is a
-//! second opinion on them only as long as it is not the writer, too.
+//! Written here, because a drawing needs few kinds of records, and the crate for DXF, with which tests read it back, is
+//! a second opinion on them only as long as it is not the writer, too.
 
 use std::fmt::Write;
 
 use crate::base::trig;
-use crate::emit::plan::Curve;
+use crate::emit::plan::PlanCurve;
 use crate::geometry::{Point, bounds};
 
 /// A layer: name, AutoCAD colour index, line type, line weight in 0.01 mm.
@@ -150,10 +150,10 @@ impl Writer {
     }
 
     /// A LINE, or an ARC, which DXF draws counter-clockwise whatever the curve's sense.
-    pub fn curve(&mut self, layer: &str, curve: &Curve) {
+    pub fn curve(&mut self, layer: &str, curve: &PlanCurve) {
         match *curve {
-            Curve::Line { begin, end } => self.line(layer, begin, end),
-            Curve::Arc { centre, radius, start, sweep } => {
+            PlanCurve::Line { begin, end } => self.line(layer, begin, end),
+            PlanCurve::Arc { centre, radius, start, sweep } => {
                 self.entity("ARC", layer, "AcDbCircle");
                 self.entities.point(10, centre);
                 self.entities.real(40, radius);

@@ -29,7 +29,7 @@ pub struct LayoutFile {
     /// The cart's name.
     pub cart: String,
     /// How a whole number of carts fits; `null` when no chain of these carts closes.
-    pub chain: Option<Chain>,
+    pub chain: Option<ChainFit>,
     /// In driving order; the loop closes from the last to the first.
     pub vertices: Vec<Vertex>,
     /// Section i leads from vertex i to the next.
@@ -47,7 +47,7 @@ pub struct LayoutFile {
     /// Distance between supports, m; `null` when the layout places none.
     pub supports_every_m: Option<f64>,
     /// How the band meets obstacles and the building.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<ContactArea>,
     /// What the layout asks for, one row each, and the value it has.
     pub constraints: Vec<Constraint>,
     /// The stages of optimisation.
@@ -57,7 +57,7 @@ pub struct LayoutFile {
 /// The chain of carts on the centre line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Chain {
+pub struct ChainFit {
     /// The whole number that fits best.
     pub carts: usize,
     /// Of the product line, m.
@@ -215,7 +215,7 @@ pub enum EquipmentKind {
 /// How the track's band meets an obstacle or the outside of the building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Contact {
+pub struct ContactArea {
     /// The obstacle's name, or `building`.
     pub name: String,
     /// Overlap with the left side of the band, m².

@@ -48,7 +48,7 @@ impl LayoutFile {
             speed_m_s: layout.speed.value,
             catalog: layout.catalog.name.clone(),
             cart: layout.cart.name.clone(),
-            chain: compiled.chain.map(|fit| Chain {
+            chain: compiled.chain.map(|fit| ChainFit {
                 carts: fit.carts,
                 cart_length_m: layout.cart.length,
                 left_over_m: tidy(fit.left_over),
@@ -185,8 +185,8 @@ fn equipment(compiled: &Compiled) -> Vec<Equipment> {
     items
 }
 
-fn contacts(compiled: &Compiled) -> Vec<Contact> {
-    let meeting = |c: &crate::compiled::Contact| Contact {
+fn contacts(compiled: &Compiled) -> Vec<ContactArea> {
+    let meeting = |c: &crate::compiled::ContactArea| ContactArea {
         name: c.name.clone(),
         area_left_m2: tidy(c.area_left),
         area_right_m2: tidy(c.area_right),
@@ -279,7 +279,7 @@ mod tests {
         layout.equipment.start = Some(on(0, 2.0));
         layout.equipment.photocell = Some(on(0, 3.0));
         layout.equipment.inductions.push(Induction { name: "west".to_owned(), place: on(2, 1.0) });
-        let row = Row { place: on(2, 4.0), every: 1.25, count: 2 };
+        let row = PlaceRow { place: on(2, 4.0), every: 1.25, count: 2 };
         layout.equipment.chutes.push(Chutes { name: "row_a".to_owned(), row });
         layout.equipment.motors = Motors::Evenly { count: 1 };
         layout.equipment.supports = Some(Spanned::new(2.5, fixture::span()));

@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn a_row_of_chutes_is_named_once() {
         let mut layout = fixture::rectangle(20.0, 10.0, 3.0);
-        let row = crate::model::Row { place: on(2, 1.0), every: 1.25, count: 7 };
+        let row = crate::model::PlaceRow { place: on(2, 1.0), every: 1.25, count: 7 };
         layout.equipment.chutes = vec![crate::model::Chutes { name: "row_a".to_owned(), row }];
         let marks = marks(&compile(layout));
         let chutes: Vec<&Mark> = marks.iter().filter(|m| m.kind == MarkKind::Chute).collect();

@@ -16,7 +16,7 @@ use crate::geometry::{Piece, PieceKind, Point, Track};
 
 /// A line or a circular arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Curve {
+pub enum PlanCurve {
     Line {
         begin: Point,
         end: Point,
@@ -30,18 +30,18 @@ pub enum Curve {
     },
 }
 
-impl Curve {
+impl PlanCurve {
     pub fn begin(&self) -> Point {
         match *self {
-            Curve::Line { begin, .. } => begin,
-            Curve::Arc { centre, radius, start, .. } => centre + Point::unit(start) * radius,
+            PlanCurve::Line { begin, .. } => begin,
+            PlanCurve::Arc { centre, radius, start, .. } => centre + Point::unit(start) * radius,
         }
     }
 
     pub fn end(&self) -> Point {
         match *self {
-            Curve::Line { end, .. } => end,
-            Curve::Arc { centre, radius, start, sweep } => centre + Point::unit(start + sweep) * radius,
+            PlanCurve::Line { end, .. } => end,
+            PlanCurve::Arc { centre, radius, start, sweep } => centre + Point::unit(start + sweep) * radius,
         }
     }
 
@@ -49,25 +49,25 @@ impl Curve {
     #[cfg(test)]
     pub fn length(&self) -> f64 {
         match *self {
-            Curve::Line { begin, end } => begin.distance(end),
-            Curve::Arc { radius, sweep, .. } => radius * sweep.abs(),
+            PlanCurve::Line { begin, end } => begin.distance(end),
+            PlanCurve::Arc { radius, sweep, .. } => radius * sweep.abs(),
         }
     }
 
     /// The point at the fraction `t` of the curve.
     pub fn at(&self, t: f64) -> Point {
         match *self {
-            Curve::Line { begin, end } => begin.lerp(end, t),
-            Curve::Arc { centre, radius, start, sweep } => centre + Point::unit(start + sweep * t) * radius,
+            PlanCurve::Line { begin, end } => begin.lerp(end, t),
+            PlanCurve::Arc { centre, radius, start, sweep } => centre + Point::unit(start + sweep * t) * radius,
         }
     }
 
     /// The part between two fractions.
-    fn part(&self, from: f64, to: f64) -> Curve {
+    fn part(&self, from: f64, to: f64) -> PlanCurve {
         match *self {
-            Curve::Line { .. } => Curve::Line { begin: self.at(from), end: self.at(to) },
-            Curve::Arc { centre, radius, start, sweep } => {
-                Curve::Arc { centre, radius, start: start + sweep * from, sweep: sweep * (to - from) }
+            PlanCurve::Line { .. } => PlanCurve::Line { begin: self.at(from), end: self.at(to) },
+            PlanCurve::Arc { centre, radius, start, sweep } => {
+                PlanCurve::Arc { centre, radius, start: start + sweep * from, sweep: sweep * (to - from) }
             }
         }
     }
@@ -75,7 +75,7 @@ impl Curve {
     /// Smallest and largest coordinates.
     pub fn bounds(&self) -> (Point, Point) {
         let mut points = vec![self.begin(), self.end()];
-        if let Curve::Arc { centre, radius, start, sweep } = *self {
+        if let PlanCurve::Arc { centre, radius, start, sweep } = *self {
             let quarter = trig::FRAC_PI_2;
             let (from, to) = if sweep < 0.0 { (start + sweep, start) } else { (start, start + sweep) };
             let first = (from / quarter).ceil() as i64;
@@ -88,31 +88,31 @@ impl Curve {
 
 /// The centre line moved to its left by `shift` (m, negative to the right). Arcs that the shift would turn inside
 /// out are left out: the lines beside them then cross. Pieces without length are left out too.
-pub fn side(track: &Track, shift: f64) -> Vec<Curve> {
+pub fn side(track: &Track, shift: f64) -> Vec<PlanCurve> {
     track.pieces.iter().filter_map(|piece| shifted(piece, shift)).collect()
 }
 
-fn shifted(piece: &Piece, shift: f64) -> Option<Curve> {
+fn shifted(piece: &Piece, shift: f64) -> Option<PlanCurve> {
     if piece.length.abs() < 1e-9 {
         return None;
     }
     match piece.kind {
         PieceKind::Straight => {
             let across = Point::unit(piece.heading).left() * shift;
-            Some(Curve::Line { begin: piece.begin + across, end: piece.end + across })
+            Some(PlanCurve::Line { begin: piece.begin + across, end: piece.end + across })
         }
         PieceKind::Arc { centre, radius, turn } => {
             let side = turn.signum();
             let radius = radius - side * shift;
             let start = piece.heading - side * trig::FRAC_PI_2;
-            (radius > 1e-9).then_some(Curve::Arc { centre, radius, start, sweep: turn })
+            (radius > 1e-9).then_some(PlanCurve::Arc { centre, radius, start, sweep: turn })
         }
     }
 }
 
 /// The stretch of the centre line from arc length `s` on (measured from vertex 0's outgoing tangent point), over
 /// `length`, moved to the left by `shift`; all m.
-pub fn stretch(track: &Track, s: f64, length: f64, shift: f64) -> Vec<Curve> {
+pub fn stretch(track: &Track, s: f64, length: f64, shift: f64) -> Vec<PlanCurve> {
     let mut curves = Vec::new();
     let length = length.min(track.length);
     let s = s.rem_euclid(track.length);
@@ -143,7 +143,7 @@ mod tests {
     fn sides_of_a_rectangle_have_the_length_of_its_offset() {
         let track = Track::new(&fixture::rectangle(20.0, 10.0, 3.0).corners());
         for shift in [-0.6, 0.0, 0.6] {
-            let length: f64 = side(&track, shift).iter().map(Curve::length).sum();
+            let length: f64 = side(&track, shift).iter().map(PlanCurve::length).sum();
             assert!((length - (36.0 + 2.0 * trig::PI * (3.0 - shift))).abs() < 1e-9, "{shift}: {length}");
         }
     }
@@ -173,14 +173,14 @@ mod tests {
     fn a_stretch_runs_over_the_end_of_the_loop() {
         let track = Track::new(&fixture::rectangle(20.0, 10.0, 3.0).corners());
         let curves = stretch(&track, track.length - 1.0, 3.0, 0.0);
-        assert!((curves.iter().map(Curve::length).sum::<f64>() - 3.0).abs() < 1e-9);
+        assert!((curves.iter().map(PlanCurve::length).sum::<f64>() - 3.0).abs() < 1e-9);
         assert!(curves[0].begin().distance(track.at(track.length - 1.0).0) < 1e-9);
         assert!(curves[curves.len() - 1].end().distance(track.at(2.0).0) < 1e-9);
     }
 
     #[test]
     fn an_arc_bounds_its_extremes() {
-        let arc = Curve::Arc { centre: Point::new(1.0, 1.0), radius: 2.0, start: 0.0, sweep: -trig::PI };
+        let arc = PlanCurve::Arc { centre: Point::new(1.0, 1.0), radius: 2.0, start: 0.0, sweep: -trig::PI };
         let (low, high) = arc.bounds();
         assert!(low.distance(Point::new(-1.0, -1.0)) < 1e-12 && high.distance(Point::new(3.0, 1.0)) < 1e-12);
     }

@@ -6,23 +6,23 @@
 use crate::base::trig;
 use crate::geometry::{Point, Polygon};
 
-use super::Curve;
+use super::PlanCurve;
 
 /// Fractions nearer than this to an end are no cut.
 const END: f64 = 1e-9;
 
 /// Points outside the polygon at `distance` (m) from it, in counter-clockwise order.
-pub fn outset(polygon: &Polygon, distance: f64) -> Vec<Curve> {
+pub fn outset(polygon: &Polygon, distance: f64) -> Vec<PlanCurve> {
     offset(polygon, distance, 1.0)
 }
 
 /// Points inside the polygon at `distance` (m) from its outline.
-pub fn inset(polygon: &Polygon, distance: f64) -> Vec<Curve> {
+pub fn inset(polygon: &Polygon, distance: f64) -> Vec<PlanCurve> {
     offset(polygon, distance, -1.0)
 }
 
 /// `outward` is +1 outside and -1 inside.
-fn offset(polygon: &Polygon, distance: f64, outward: f64) -> Vec<Curve> {
+fn offset(polygon: &Polygon, distance: f64, outward: f64) -> Vec<PlanCurve> {
     if distance <= 0.0 {
         return Vec::new();
     }
@@ -46,30 +46,32 @@ fn offset(polygon: &Polygon, distance: f64, outward: f64) -> Vec<Curve> {
 }
 
 /// The parallel of each edge, and the arc about each corner on whose side it opens.
-fn raw(polygon: &Polygon, distance: f64, outward: f64) -> Vec<Curve> {
+fn raw(polygon: &Polygon, distance: f64, outward: f64) -> Vec<PlanCurve> {
     let points = polygon.points();
     let n = points.len();
     let mut curves = Vec::with_capacity(2 * n);
     for (i, (a, b)) in polygon.edges().enumerate() {
         let along = b - a;
         let across = along.left() * (-outward * distance / along.norm());
-        curves.push(Curve::Line { begin: a + across, end: b + across });
+        curves.push(PlanCurve::Line { begin: a + across, end: b + across });
         let next = points[(i + 2) % n] - b;
         let turn = trig::atan2(along.cross(next), along.dot(next));
         if turn * outward > 0.0 {
-            curves.push(Curve::Arc { centre: b, radius: distance, start: across.heading(), sweep: turn });
+            curves.push(PlanCurve::Arc { centre: b, radius: distance, start: across.heading(), sweep: turn });
         }
     }
     curves
 }
 
 /// Fractions of `curve` at which it meets `other`.
-fn crossings(curve: &Curve, other: &Curve) -> Vec<f64> {
+fn crossings(curve: &PlanCurve, other: &PlanCurve) -> Vec<f64> {
     let points = match (*curve, *other) {
-        (Curve::Line { begin: a, end: b }, Curve::Line { begin: c, end: d }) => line_line(a, b, c, d),
-        (Curve::Line { begin, end }, Curve::Arc { centre, radius, .. })
-        | (Curve::Arc { centre, radius, .. }, Curve::Line { begin, end }) => line_circle(begin, end, centre, radius),
-        (Curve::Arc { centre: c, radius: r, .. }, Curve::Arc { centre: d, .. }) => equal_circles(c, d, r),
+        (PlanCurve::Line { begin: a, end: b }, PlanCurve::Line { begin: c, end: d }) => line_line(a, b, c, d),
+        (PlanCurve::Line { begin, end }, PlanCurve::Arc { centre, radius, .. })
+        | (PlanCurve::Arc { centre, radius, .. }, PlanCurve::Line { begin, end }) => {
+            line_circle(begin, end, centre, radius)
+        }
+        (PlanCurve::Arc { centre: c, radius: r, .. }, PlanCurve::Arc { centre: d, .. }) => equal_circles(c, d, r),
     };
     points.into_iter().filter_map(|p| fraction(curve, p)).collect()
 }
@@ -105,10 +107,10 @@ fn equal_circles(c: Point, d: Point, radius: f64) -> Vec<Point> {
 }
 
 /// Where on the curve a point of its line or circle lies; `None` when beyond its ends.
-fn fraction(curve: &Curve, p: Point) -> Option<f64> {
+fn fraction(curve: &PlanCurve, p: Point) -> Option<f64> {
     let t = match *curve {
-        Curve::Line { begin, end } => (p - begin).dot(end - begin) / (end - begin).dot(end - begin),
-        Curve::Arc { centre, start, sweep, .. } => {
+        PlanCurve::Line { begin, end } => (p - begin).dot(end - begin) / (end - begin).dot(end - begin),
+        PlanCurve::Arc { centre, start, sweep, .. } => {
             let ahead = (((p - centre).heading() - start) * sweep.signum()).rem_euclid(trig::TAU);
             ahead / sweep.abs()
         }
@@ -118,14 +120,11 @@ fn fraction(curve: &Curve, p: Point) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::samples::polygon;
     use super::*;
 
-    fn polygon(points: &[(f64, f64)]) -> Polygon {
-        Polygon::new(points.iter().map(|&(x, y)| Point::new(x, y)).collect()).expect("simple")
-    }
-
-    fn length(curves: &[Curve]) -> f64 {
-        curves.iter().map(Curve::length).sum()
+    fn length(curves: &[PlanCurve]) -> f64 {
+        curves.iter().map(PlanCurve::length).sum()
     }
 
     #[test]

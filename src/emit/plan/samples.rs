@@ -5,8 +5,8 @@ use crate::compiled::Compiled;
 use crate::compiled::fixture::{compile, on};
 use crate::geometry::{Corner, Point, Polygon, Track};
 use crate::model::{
-    Building, Chutes, Constraint, ConstraintKind, FixKind, Induction, Layout, Level, Motors, Obstacle, Rate, Row, Side,
-    Target, VerticalStock, fixture,
+    Building, Chutes, Constraint, ConstraintKind, FixKind, Induction, Layout, Level, Motors, Obstacle, PlaceRow, Rate,
+    Side, Target, VerticalStock, fixture,
 };
 use crate::solve::{Stage, Status, Violation};
 use crate::source::Spanned;
@@ -104,7 +104,7 @@ pub fn ten_vertices() -> Compiled {
         Induction { name: "west".to_owned(), place: on(0, 5.0) },
         Induction { name: "north".to_owned(), place: on(7, 4.0) },
     ];
-    let row = |section, count| Row { place: on(section, 3.0), every: 1.25, count };
+    let row = |section, count| PlaceRow { place: on(section, 3.0), every: 1.25, count };
     layout.equipment.chutes = vec![
         Chutes { name: "row_a".to_owned(), row: row(1, 18) },
         Chutes { name: "row_b".to_owned(), row: row(5, 12) },
@@ -131,7 +131,7 @@ pub fn crowded() -> Compiled {
         Induction { name: "in_1".to_owned(), place: on(5, 1.0) },
         Induction { name: "in_2".to_owned(), place: on(5, 2.0) },
     ];
-    let row = |section, at, count| Row { place: on(section, at), every: 0.6, count };
+    let row = |section, at, count| PlaceRow { place: on(section, at), every: 0.6, count };
     equipment.chutes = vec![
         Chutes { name: "south".to_owned(), row: row(0, 1.0, 9) },
         Chutes { name: "north".to_owned(), row: row(4, 0.5, 6) },

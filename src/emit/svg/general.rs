@@ -2,17 +2,17 @@
 
 use crate::compiled::Compiled;
 use crate::emit::DrawError;
+use crate::emit::paper::PaperPoint;
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
-use crate::geometry::Point;
 use crate::model::ConstraintKind;
 use crate::solve::Stage;
 
 use super::labels::{self, Labels};
-use super::place::Field;
+use super::place::TakenPaper;
 use super::sheet::Sheet;
 use super::strip::{self, Key};
 use super::text::{self, Height};
-use super::xml::Element;
+use super::xml::XmlElement;
 use super::{Theme, extent, profile, root, track};
 use crate::base::number::trimmed;
 
@@ -29,8 +29,8 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let climbs = plan::climbs(compiled);
     let pieces = &compiled.pieces;
 
-    let inside = Point::new(6.0, 6.0);
-    let mut field = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    let inside = PaperPoint::new(6.0, 6.0);
+    let mut field = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
     track::occupy(&sheet, line, layout, &mut field);
 
     let description = format!(
@@ -66,7 +66,7 @@ pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
     let omitted = labels.omitted;
     svg.push(labels.finish());
     if omitted > 0 {
-        let at = Point::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
+        let at = PaperPoint::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
         let labels = if omitted == 1 { "label" } else { "labels" };
         let text = format!("{omitted} {labels} found no room on this sheet");
         svg.push(text::line(at, text, Height::H18, "quiet"));
@@ -124,10 +124,10 @@ fn entries(compiled: &Compiled, marks: &[Mark], climbs: &[Climb]) -> Vec<(Key, S
     entries
 }
 
-fn watermark(sheet: &Sheet) -> Element {
+fn watermark(sheet: &Sheet) -> XmlElement {
     let middle = (sheet.drawing.low + sheet.drawing.high) * 0.5;
     let size = sheet.drawing.width() / 10.0;
-    Element::new("text")
+    XmlElement::new("text")
         .attr("class", "watermark")
         .num("font-size", size)
         .num("x", middle.x)

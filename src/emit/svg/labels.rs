@@ -2,17 +2,18 @@
 //! choice of [`place`](super::place) keeps them off each other and off the track.
 
 use crate::base::trig;
-use crate::elements::{Part, Piece};
+use crate::elements::{OrderedPiece, Part};
+use crate::emit::paper::{PaperPoint, Projection};
 use crate::emit::plan::{self, Climb, Mark, MarkKind};
 use crate::geometry::{PieceKind, Point, Track};
 use crate::model::{Layout, Obstacle};
 
-use super::place::{Box, Candidate, Field, Layer, around};
+use super::place::{LabelCandidate, Layer, PaperBox, TakenPaper, around};
 use super::sheet::{Sheet, path, path_line, reading_angle};
 use super::symbol;
 use super::text::{self, Height};
 use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
-use super::xml::Element;
+use super::xml::XmlElement;
 use crate::base::number::trimmed;
 
 /// How far a label goes from what it names while there is room, mm.
@@ -30,25 +31,25 @@ pub struct Labels<'a> {
     sheet: &'a Sheet,
     track: &'a Track,
     layout: &'a Layout,
-    field: Field,
-    group: Element,
+    field: TakenPaper,
+    group: XmlElement,
     /// Labels that found no place.
     pub omitted: usize,
 }
 
 impl<'a> Labels<'a> {
-    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: Field) -> Self {
-        Labels { sheet, track, layout, field, group: Element::group("labels"), omitted: 0 }
+    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: TakenPaper) -> Self {
+        Labels { sheet, track, layout, field, group: XmlElement::group("labels"), omitted: 0 }
     }
 
-    pub fn finish(self) -> Element {
+    pub fn finish(self) -> XmlElement {
         self.group
     }
 
     /// Places a text at one of its candidates or, where none is free, further away with a leader from an anchor.
-    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[Candidate], anchors: &[Point]) {
-        let size = candidates.first().map_or(Point::default(), |candidate| candidate.text.half * 2.0);
-        let (near, last): (Vec<Candidate>, Vec<Candidate>) = candidates.iter().partition(|c| c.cost < LAST);
+    fn put(&mut self, text: &str, height: Height, class: &str, candidates: &[LabelCandidate], anchors: &[PaperPoint]) {
+        let size = candidates.first().map_or(PaperPoint::default(), |candidate| candidate.text.half * 2.0);
+        let (near, last): (Vec<LabelCandidate>, Vec<LabelCandidate>) = candidates.iter().partition(|c| c.cost < LAST);
         let place = self.field.place(&near).or_else(|| self.field.place_afar(anchors, size));
         let place = place.or_else(|| self.field.place(&last));
         let Some(chosen) = place else {
@@ -69,19 +70,19 @@ impl<'a> Labels<'a> {
         let size = extent(&name, Height::H25);
         let (low, high) = obstacle.polygon.bounds();
         let middle = (low + high) * 0.5;
-        let paper = Point::new(self.sheet.mm(high.x - low.x), self.sheet.mm(high.y - low.y));
+        let paper = PaperPoint::new(self.sheet.mm(high.x - low.x), self.sheet.mm(high.y - low.y));
         let mut candidates = Vec::new();
         if obstacle.polygon.contains(middle) && size.x + 2.0 < paper.x && size.y + 1.0 < paper.y {
-            let item = Box::upright(self.sheet.at(middle), size.x, size.y);
-            candidates.push(Candidate::text(item, 0.0));
+            let item = PaperBox::upright(self.sheet.at(middle), size.x, size.y);
+            candidates.push(LabelCandidate::text(item, 0.0));
         }
         let gap = paper.x.min(paper.y) / 2.0 + 1.0;
-        for mut candidate in around(self.sheet.at(middle), Point::new(0.0, -1.0), size, gap, gap + REACH) {
+        for mut candidate in around(self.sheet.at(middle), PaperPoint::new(0.0, -1.0), size, gap, gap + REACH) {
             candidate.cost += 5.0;
             candidates.push(candidate);
         }
         self.put(&name, Height::H25, "", &candidates, &[self.sheet.at(middle)]);
-        self.field.add(Box::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
+        self.field.add(PaperBox::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
     }
 
     /// The length of a straight, as a dimension line where there is room for one, and its heading unless it lies
@@ -98,7 +99,7 @@ impl<'a> Labels<'a> {
         let size = extent(&text, Height::H25);
         let (a, b) = (self.sheet.at(piece.begin), self.sheet.at(piece.end));
         let length = self.sheet.mm(piece.length);
-        let along = self.sheet.direction(piece.heading);
+        let along = Projection::direction(piece.heading);
         let half = self.sheet.mm(self.layout.width.value) / 2.0;
         let out = self.out(piece.heading);
         if length > size.x + 3.0 {
@@ -118,13 +119,13 @@ impl<'a> Labels<'a> {
         self.put(&text, Height::H25, "", &candidates, &[middle + out * half, middle - out * half]);
     }
 
-    fn draw_dimension(&mut self, chosen: &Candidate, a: Point, b: Point, along: Point, text: &str) {
+    fn draw_dimension(&mut self, chosen: &LabelCandidate, a: PaperPoint, b: PaperPoint, along: PaperPoint, text: &str) {
         let Some(line) = chosen.bar else { return };
         let across = line.centre - a.lerp(b, 0.5);
         let (from, to) = (a + across, b + across);
         let side = across * (1.0 / across.norm());
         let half = self.sheet.mm(self.layout.width.value) / 2.0;
-        let extension = |p: Point, end: Point| path_line(p + side * (half + 1.0), end + side * 1.2);
+        let extension = |p: PaperPoint, end: PaperPoint| path_line(p + side * (half + 1.0), end + side * 1.2);
         self.group.push(path(&(path_line(from, to) + &extension(a, from) + &extension(b, to)), "dimension"));
         let heads = symbol::arrow(to, along, 2.5, 0.9) + &symbol::arrow(from, -along, 2.5, 0.9);
         self.group.push(path(&heads, "dimension-arrow"));
@@ -149,7 +150,7 @@ impl<'a> Labels<'a> {
                 let angle = outward + shift * fillet.turn;
                 let reach = (fillet.radius + side * half).max(0.0);
                 let anchor = self.sheet.at(fillet.centre + Point::unit(angle) * reach);
-                let prefer = self.sheet.direction(angle) * side;
+                let prefer = Projection::direction(angle) * side;
                 if *shift == 0.0 {
                     anchors.push(anchor);
                 }
@@ -166,10 +167,11 @@ impl<'a> Labels<'a> {
     pub fn vertex(&mut self, vertex: usize) {
         let Some(item) = self.layout.vertices.get(vertex) else { return };
         let name = text::fitted(&item.name, Height::H25, true, LONGEST);
-        let size = Point::new(text::width(&name, Height::H25.size(), true) + PADDING, extent(&name, Height::H25).y);
+        let size =
+            PaperPoint::new(text::width(&name, Height::H25.size(), true) + PADDING, extent(&name, Height::H25).y);
         let fillet = self.track.fillets[vertex];
         let out = self.track.corners[vertex].point - fillet.centre;
-        let prefer = self.sheet.direction(out.heading());
+        let prefer = Projection::direction(out.heading());
         let anchor = self.sheet.at(self.track.corners[vertex].point);
         let candidates = around(anchor, prefer, size, 2.2, REACH);
         let class = if is_fixed_vertex(self.layout, vertex) { "bold fixed-text" } else { "bold" };
@@ -187,7 +189,7 @@ impl<'a> Labels<'a> {
         };
         let text = text::fitted(label, height, false, LONGEST);
         let bold = class == "bold";
-        let size = Point::new(text::width(&text, height.size(), bold) + PADDING, extent(&text, height).y);
+        let size = PaperPoint::new(text::width(&text, height.size(), bold) + PADDING, extent(&text, height).y);
         let middle = Mark { s: mark.s + mark.length / 2.0, ..mark.clone() };
         let (point, heading) = self.track.at(middle.s);
         let spot = spot(self.sheet, self.track, &Mark { point, heading, ..middle }, self.layout.width.value);
@@ -231,7 +233,7 @@ impl<'a> Labels<'a> {
 
     /// One label for each run of like pieces, on turns or elsewhere: how many of which article. The bill counts the
     /// same pieces.
-    pub fn runs(&mut self, pieces: &[Piece], turns: bool) {
+    pub fn runs(&mut self, pieces: &[OrderedPiece], turns: bool) {
         let n = pieces.len();
         // Begin where an article begins, so that no run is cut at the end of the list.
         let first = (0..n).find(|&i| !same_run(&pieces[(i + n - 1) % n], &pieces[i])).unwrap_or(0);
@@ -260,7 +262,7 @@ impl<'a> Labels<'a> {
         let height = Height::H18;
         let size = extent(text, height);
         let half = self.sheet.mm(self.layout.width.value) / 2.0;
-        let (along, out) = (self.sheet.direction(heading), self.out(heading));
+        let (along, out) = (Projection::direction(heading), self.out(heading));
         let (mut candidates, mut anchors) = (Vec::new(), Vec::new());
         // Inside the loop first: dimensions stand outside.
         for (side, cost) in [(-out, 0.0), (out, 0.5)] {
@@ -268,68 +270,75 @@ impl<'a> Labels<'a> {
             anchors.push(anchor);
             let turned = if straight { beside(anchor, along, side, size, 0.8) } else { Vec::new() };
             let all = turned.into_iter().chain(around(anchor, side, size, 1.0, REACH));
-            candidates.extend(all.map(|candidate| Candidate { cost: candidate.cost + cost, ..candidate }));
+            candidates.extend(all.map(|candidate| LabelCandidate { cost: candidate.cost + cost, ..candidate }));
         }
         self.put(text, height, class, &candidates, &anchors);
     }
 
     /// Unit vector on paper out of the loop, across this heading.
-    fn out(&self, heading: f64) -> Point {
-        self.sheet.direction(heading - plan::winding(self.track) * trig::FRAC_PI_2)
+    fn out(&self, heading: f64) -> PaperPoint {
+        Projection::direction(heading - plan::winding(self.track) * trig::FRAC_PI_2)
     }
 }
 
-fn same_run(a: &Piece, b: &Piece) -> bool {
+fn same_run(a: &OrderedPiece, b: &OrderedPiece) -> bool {
     a.article == b.article && a.place.vertex == b.place.vertex && a.turns() == b.turns()
 }
 
 /// Width and height of a label's box, mm.
-fn extent(text: &str, height: Height) -> Point {
-    Point::new(text::width(text, height.size(), false) + PADDING, 1.24 * height.size())
+fn extent(text: &str, height: Height) -> PaperPoint {
+    PaperPoint::new(text::width(text, height.size(), false) + PADDING, 1.24 * height.size())
 }
 
 /// Text along the track, beside it, shifted by up to a text's length either way. Places further than a few millimetres
 /// get a leader from the anchor.
-fn beside(anchor: Point, along: Point, side: Point, size: Point, gap: f64) -> Vec<Candidate> {
+fn beside(anchor: PaperPoint, along: PaperPoint, side: PaperPoint, size: PaperPoint, gap: f64) -> Vec<LabelCandidate> {
     let mut candidates = Vec::new();
     for row in 0..3 {
         for shift in [0.0, 0.25, -0.25, 0.5, -0.5, 0.8, -0.8] {
             let across = gap + size.y * (0.5 + f64::from(row));
             let centre = anchor + side * across + along * (shift * size.x);
-            let item = Box { centre, half: size * 0.5, axis: along };
+            let item = PaperBox { centre, half: size * 0.5, axis: along };
             // The nearest point of the text.
             let aside = (-shift * size.x).clamp(-size.x / 2.0, size.x / 2.0);
             let near = centre + along * aside - side * (size.y / 2.0);
             let leader = (near.distance(anchor) > gap + 2.5).then_some((anchor, near));
             let cost = 2.0 * shift.abs() + 4.0 * f64::from(row);
             if leader.is_some() {
-                candidates.push(Candidate { leader, ..Candidate::text(item, cost + 3.0) });
+                candidates.push(LabelCandidate { leader, ..LabelCandidate::text(item, cost + 3.0) });
             }
-            candidates.push(Candidate::text(item, if leader.is_some() { cost + LAST } else { cost }));
+            candidates.push(LabelCandidate::text(item, if leader.is_some() { cost + LAST } else { cost }));
         }
     }
     candidates
 }
 
 /// Dimension lines parallel to a straight: text above the line, the line with its arrows, two extension lines.
-fn dimension_candidates(a: Point, b: Point, along: Point, out: Point, half: f64, size: Point) -> Vec<Candidate> {
+fn dimension_candidates(
+    a: PaperPoint,
+    b: PaperPoint,
+    along: PaperPoint,
+    out: PaperPoint,
+    half: f64,
+    size: PaperPoint,
+) -> Vec<LabelCandidate> {
     let angle = reading_angle(along) * trig::PI / 180.0;
     // Above the line as the text reads.
-    let up = Point::new(trig::sin(angle), -trig::cos(angle));
+    let up = PaperPoint::new(trig::sin(angle), -trig::cos(angle));
     let mut candidates = Vec::new();
     for (side, side_cost) in [(out, 0.0), (-out, 1.0)] {
         for step in 0..6 {
             let offset = 6.5 + 4.5 * f64::from(step);
             let across = side * (half + offset);
-            let line = Box::line(a + across, b + across, 1.0);
+            let line = PaperBox::line(a + across, b + across, 1.0);
             for shift in [0.0, 0.3, -0.3] {
                 let room = (line.half.x - size.x / 2.0 - 2.5).max(0.0);
                 let centre = line.centre + up * (size.y / 2.0 + 0.2) + along * (shift * 2.0 * room);
-                let text = Box { centre, half: size * 0.5, axis: along };
+                let text = PaperBox { centre, half: size * 0.5, axis: along };
                 let cost = side_cost + 3.0 * f64::from(step) + shift.abs();
-                let extension = |p: Point| (p + side * (half + 1.0), p + across + side * 1.2);
+                let extension = |p: PaperPoint| (p + side * (half + 1.0), p + across + side * 1.2);
                 let extensions = Some([extension(a), extension(b)]);
-                candidates.push(Candidate { text, bar: Some(line), extensions, leader: None, cost });
+                candidates.push(LabelCandidate { text, bar: Some(line), extensions, leader: None, cost });
             }
         }
     }
@@ -337,7 +346,7 @@ fn dimension_candidates(a: Point, b: Point, along: Point, out: Point, half: f64,
 }
 
 /// Every label of a drawing, the most wanted first.
-pub fn all(labels: &mut Labels, pieces: &[Piece], marks: &[Mark], climbs: &[Climb]) {
+pub fn all(labels: &mut Labels, pieces: &[OrderedPiece], marks: &[Mark], climbs: &[Climb]) {
     let layout = labels.layout;
     for obstacle in &layout.obstacles {
         labels.obstacle(obstacle);

@@ -25,11 +25,11 @@ use crate::geometry::{Point, Track, bounds};
 use crate::model::Layout;
 
 use sheet::{Extent, Sheet};
-use xml::{Element, number};
+use xml::{XmlElement, number};
 
 /// The root element with title, description, styles and hatches.
-pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> Element {
-    let mut svg = Element::new("svg")
+pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> XmlElement {
+    let mut svg = XmlElement::new("svg")
         .attr("xmlns", "http://www.w3.org/2000/svg")
         .attr("class", "drawing")
         .attr("width", format!("{}mm", number(sheet.width)))
@@ -37,13 +37,13 @@ pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) 
         .attr("viewBox", format!("0 0 {} {}", number(sheet.width), number(sheet.height)))
         .attr("role", "img")
         .attr("aria-labelledby", "title description")
-        .with(Element::new("title").attr("id", "title").text(title))
-        .with(Element::new("desc").attr("id", "description").text(description));
-    let mut style = Element::new("style");
+        .with(XmlElement::new("title").attr("id", "title").text(title))
+        .with(XmlElement::new("desc").attr("id", "description").text(description));
+    let mut style = XmlElement::new("style");
     style.style(theme::sheet(theme));
     svg.push(style);
     let hatch = |id: &str, spacing: f64, class: &str, line: &str| {
-        Element::new("pattern")
+        XmlElement::new("pattern")
             .attr("id", id)
             .attr("patternUnits", "userSpaceOnUse")
             .num("width", spacing)
@@ -51,7 +51,7 @@ pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) 
             .with(sheet::path(line, class))
     };
     // Lines at 45° that run on from tile to tile.
-    let defs = Element::new("defs")
+    let defs = XmlElement::new("defs")
         .with(hatch("wall-hatch", 1.2, "wall-line", "M-.3 .3L.3 -.3M0 1.2L1.2 0M.9 1.5L1.5 .9"))
         .with(hatch("obstacle-hatch", 2.4, "obstacle-line", "M-.6 .6L.6 -.6M0 2.4L2.4 0M1.8 3L3 1.8"));
     svg.push(defs);

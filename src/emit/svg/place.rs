@@ -1,7 +1,7 @@
 //! Label placement on paper: oriented boxes in a grid of cells, and a greedy choice among candidates.
 
 use crate::base::trig;
-use crate::geometry::Point;
+use crate::emit::paper::PaperPoint;
 
 /// What a box stands for, which decides who may cover it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,43 +16,43 @@ pub enum Layer {
 
 /// A rectangle, turned; mm on paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Box {
-    pub centre: Point,
+pub struct PaperBox {
+    pub centre: PaperPoint,
     /// Half its size along and across the axis.
-    pub half: Point,
+    pub half: PaperPoint,
     /// Unit vector.
-    pub axis: Point,
+    pub axis: PaperPoint,
 }
 
-impl Box {
-    pub fn upright(centre: Point, width: f64, height: f64) -> Self {
-        Box { centre, half: Point::new(width / 2.0, height / 2.0), axis: Point::new(1.0, 0.0) }
+impl PaperBox {
+    pub fn upright(centre: PaperPoint, width: f64, height: f64) -> Self {
+        PaperBox { centre, half: PaperPoint::new(width / 2.0, height / 2.0), axis: PaperPoint::new(1.0, 0.0) }
     }
 
     /// A line from `a` to `b` of this thickness.
-    pub fn line(a: Point, b: Point, thickness: f64) -> Self {
+    pub fn line(a: PaperPoint, b: PaperPoint, thickness: f64) -> Self {
         let length = (b - a).dot(b - a).sqrt();
-        let axis = if length > 0.0 { (b - a) * (1.0 / length) } else { Point::new(1.0, 0.0) };
-        Box { centre: a.lerp(b, 0.5), half: Point::new(length / 2.0, thickness / 2.0), axis }
+        let axis = if length > 0.0 { (b - a) * (1.0 / length) } else { PaperPoint::new(1.0, 0.0) };
+        PaperBox { centre: a.lerp(b, 0.5), half: PaperPoint::new(length / 2.0, thickness / 2.0), axis }
     }
 
-    pub fn corners(&self) -> [Point; 4] {
-        let (u, v) = (self.axis * self.half.x, self.axis.left() * self.half.y);
+    pub fn corners(&self) -> [PaperPoint; 4] {
+        let (u, v) = (self.axis * self.half.x, self.axis.across() * self.half.y);
         [self.centre + u + v, self.centre + u - v, self.centre - u - v, self.centre - u + v]
     }
 
     /// Smallest and largest coordinates.
-    fn bounds(&self) -> (Point, Point) {
-        let (u, v) = (self.axis * self.half.x, self.axis.left() * self.half.y);
-        let reach = Point::new(u.x.abs() + v.x.abs(), u.y.abs() + v.y.abs());
+    fn bounds(&self) -> (PaperPoint, PaperPoint) {
+        let (u, v) = (self.axis * self.half.x, self.axis.across() * self.half.y);
+        let reach = PaperPoint::new(u.x.abs() + v.x.abs(), u.y.abs() + v.y.abs());
         (self.centre - reach, self.centre + reach)
     }
 
     /// Separating axes of two rectangles.
-    pub fn meets(&self, other: &Box) -> bool {
+    pub fn meets(&self, other: &PaperBox) -> bool {
         let between = other.centre - self.centre;
-        [self.axis, self.axis.left(), other.axis, other.axis.left()].into_iter().all(|axis| {
-            let reach = |b: &Box| b.half.x * b.axis.dot(axis).abs() + b.half.y * b.axis.left().dot(axis).abs();
+        [self.axis, self.axis.across(), other.axis, other.axis.across()].into_iter().all(|axis| {
+            let reach = |b: &PaperBox| b.half.x * b.axis.dot(axis).abs() + b.half.y * b.axis.across().dot(axis).abs();
             between.dot(axis).abs() < reach(self) + reach(other)
         })
     }
@@ -60,36 +60,36 @@ impl Box {
 
 /// Where a label may stand.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidate {
-    pub text: Box,
+pub struct LabelCandidate {
+    pub text: PaperBox,
     /// A line that is as much in the way as the text: a dimension line.
-    pub bar: Option<Box>,
+    pub bar: Option<PaperBox>,
     /// Its extension lines, which may cross other lines and symbols at a cost.
-    pub extensions: Option<[(Point, Point); 2]>,
+    pub extensions: Option<[(PaperPoint, PaperPoint); 2]>,
     /// A thin line to what it names, which may cross the same.
-    pub leader: Option<(Point, Point)>,
+    pub leader: Option<(PaperPoint, PaperPoint)>,
     /// Lower is better.
     pub cost: f64,
 }
 
-impl Candidate {
-    pub fn text(text: Box, cost: f64) -> Self {
-        Candidate { text, bar: None, extensions: None, leader: None, cost }
+impl LabelCandidate {
+    pub fn text(text: PaperBox, cost: f64) -> Self {
+        LabelCandidate { text, bar: None, extensions: None, leader: None, cost }
     }
 
-    fn boxes(&self) -> impl Iterator<Item = Box> + use<> {
+    fn boxes(&self) -> impl Iterator<Item = PaperBox> + use<> {
         std::iter::once(self.text).chain(self.bar)
     }
 
-    fn thin(&self) -> impl Iterator<Item = (Point, Point)> + use<> {
+    fn thin(&self) -> impl Iterator<Item = (PaperPoint, PaperPoint)> + use<> {
         self.extensions.into_iter().flatten().chain(self.leader)
     }
 }
 
 /// Taken places of a drawing area.
-pub struct Field {
-    low: Point,
-    high: Point,
+pub struct TakenPaper {
+    low: PaperPoint,
+    high: PaperPoint,
     columns: usize,
     cells: Vec<Vec<u32>>,
     boxes: Vec<Taken>,
@@ -101,17 +101,17 @@ pub struct Field {
 }
 
 struct Taken {
-    item: Box,
+    item: PaperBox,
     layer: Layer,
-    low: Point,
-    high: Point,
+    low: PaperPoint,
+    high: PaperPoint,
 }
 
 /// A leader while it grows.
 struct Leader {
-    anchor: Point,
-    direction: Point,
-    end: Point,
+    anchor: PaperPoint,
+    direction: PaperPoint,
+    end: PaperPoint,
     /// Of what it has crossed.
     cost: f64,
 }
@@ -123,17 +123,17 @@ const ON_LINE: f64 = 12.0;
 const THIN_ON_LINE: f64 = 1.0;
 const THIN_ON_SOLID: f64 = 6.0;
 
-impl Field {
-    pub fn new(low: Point, high: Point) -> Self {
+impl TakenPaper {
+    pub fn new(low: PaperPoint, high: PaperPoint) -> Self {
         let count = |length: f64| (length / CELL).ceil().max(1.0) as usize;
         let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
         let millimetres = |length: f64| length.ceil().max(1.0) as usize;
         let (width, height) = (millimetres(high.x - low.x), millimetres(high.y - low.y));
         let (cells, covered) = (vec![Vec::new(); columns * rows], vec![false; width * height]);
-        Field { low, high, columns, cells, boxes: Vec::new(), covered, width }
+        TakenPaper { low, high, columns, cells, boxes: Vec::new(), covered, width }
     }
 
-    pub fn add(&mut self, item: Box, layer: Layer) {
+    pub fn add(&mut self, item: PaperBox, layer: Layer) {
         let index = self.boxes.len() as u32;
         for cell in self.cells_of(&item) {
             self.cells[cell].push(index);
@@ -145,7 +145,7 @@ impl Field {
         self.boxes.push(Taken { item, layer, low, high });
     }
 
-    fn cover(&mut self, item: &Box) {
+    fn cover(&mut self, item: &PaperBox) {
         let (low, high) = item.bounds();
         let rows = self.covered.len() / self.width;
         let range = |from: f64, to: f64, count: usize| {
@@ -153,8 +153,8 @@ impl Field {
         };
         for row in range(low.y - self.low.y, high.y - self.low.y, rows) {
             for column in range(low.x - self.low.x, high.x - self.low.x, self.width) {
-                let middle = self.low + Point::new(column as f64 + 0.5, row as f64 + 0.5) - item.centre;
-                if middle.dot(item.axis).abs() < item.half.x && middle.dot(item.axis.left()).abs() < item.half.y {
+                let middle = self.low + PaperPoint::new(column as f64 + 0.5, row as f64 + 0.5) - item.centre;
+                if middle.dot(item.axis).abs() < item.half.x && middle.dot(item.axis.across()).abs() < item.half.y {
                     self.covered[row * self.width + column] = true;
                 }
             }
@@ -163,7 +163,7 @@ impl Field {
 
     /// Whether a place along the box's axis is covered. A box that is at least 1.5 mm wide contains the middles of
     /// the square millimetres there; nothing is said of narrower ones.
-    fn is_covered(&self, item: &Box) -> bool {
+    fn is_covered(&self, item: &PaperBox) -> bool {
         // Half a diagonal of a square millimetre.
         const INSET: f64 = 0.75;
         let reach = item.half.x - INSET;
@@ -180,19 +180,19 @@ impl Field {
     }
 
     /// A line, in parts that are not much longer than a cell.
-    pub fn add_line(&mut self, a: Point, b: Point, thickness: f64, layer: Layer) {
+    pub fn add_line(&mut self, a: PaperPoint, b: PaperPoint, thickness: f64, layer: Layer) {
         let parts = (a.distance(b) / (2.0 * CELL)).ceil().clamp(1.0, 1000.0) as usize;
         for i in 0..parts {
             let at = |k: usize| a.lerp(b, k as f64 / parts as f64);
-            self.add(Box::line(at(i), at(i + 1), thickness), layer);
+            self.add(PaperBox::line(at(i), at(i + 1), thickness), layer);
         }
     }
 
     /// Takes the cheapest free candidate; among equals the first.
-    pub fn place(&mut self, candidates: &[Candidate]) -> Option<Candidate> {
-        let mut order: Vec<&Candidate> = candidates.iter().collect();
+    pub fn place(&mut self, candidates: &[LabelCandidate]) -> Option<LabelCandidate> {
+        let mut order: Vec<&LabelCandidate> = candidates.iter().collect();
         order.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let mut best: Option<(f64, Candidate)> = None;
+        let mut best: Option<(f64, LabelCandidate)> = None;
         for candidate in order {
             let most = best.map_or(f64::INFINITY, |(cost, _)| cost);
             if candidate.cost >= most {
@@ -208,7 +208,7 @@ impl Field {
     }
 
     /// An upright text of this size with a leader from one of the anchors, as near as it finds room.
-    pub fn place_afar(&mut self, anchors: &[Point], size: Point) -> Option<Candidate> {
+    pub fn place_afar(&mut self, anchors: &[PaperPoint], size: PaperPoint) -> Option<LabelCandidate> {
         const FARTHEST: f64 = 60.0;
         let directions = directions::<40>();
         // Leaders grow ring by ring; one that a label blocks stays blocked further out.
@@ -218,21 +218,21 @@ impl Field {
                 directions.map(|direction| Leader { anchor: *anchor, direction, end: *anchor, cost: 0.0 })
             })
             .collect();
-        let mut best: Option<(f64, Candidate)> = None;
+        let mut best: Option<(f64, LabelCandidate)> = None;
         let mut distance = 4.0;
         while distance < FARTHEST && best.is_none_or(|(cost, _)| distance < cost) {
             open.retain_mut(|leader| {
                 let end = leader.anchor + leader.direction * distance;
                 let Some(crossed) = self.crossed(leader.end, end) else { return false };
                 (leader.end, leader.cost) = (end, leader.cost + crossed);
-                let half = Point::new(leader.direction.x * size.x / 2.0, leader.direction.y * size.y / 2.0);
-                let text = Candidate::text(Box::upright(end + half, size.x, size.y), distance + leader.cost);
+                let half = PaperPoint::new(leader.direction.x * size.x / 2.0, leader.direction.y * size.y / 2.0);
+                let text = LabelCandidate::text(PaperBox::upright(end + half, size.x, size.y), distance + leader.cost);
                 let least = best.map_or(f64::INFINITY, |(cost, _)| cost);
                 if text.cost < least
                     && let Some(extra) = self.extra_cost(&text)
                     && text.cost + extra < least
                 {
-                    best = Some((text.cost + extra, Candidate { leader: Some((leader.anchor, end)), ..text }));
+                    best = Some((text.cost + extra, LabelCandidate { leader: Some((leader.anchor, end)), ..text }));
                 }
                 text.cost < least
             });
@@ -241,7 +241,7 @@ impl Field {
         best.map(|(_, chosen)| self.take(chosen))
     }
 
-    fn take(&mut self, chosen: Candidate) -> Candidate {
+    fn take(&mut self, chosen: LabelCandidate) -> LabelCandidate {
         for item in chosen.boxes() {
             self.add(item, Layer::Label);
         }
@@ -251,7 +251,7 @@ impl Field {
         chosen
     }
 
-    fn extra_cost(&self, candidate: &Candidate) -> Option<f64> {
+    fn extra_cost(&self, candidate: &LabelCandidate) -> Option<f64> {
         let mut cost = 0.0;
         for item in candidate.boxes() {
             if !self.within(&item) || self.is_covered(&item) {
@@ -266,18 +266,18 @@ impl Field {
     }
 
     /// What a thin line costs by all it crosses; `None` when that is a label.
-    fn crossed(&self, a: Point, b: Point) -> Option<f64> {
-        let layers = self.under(&Box::line(a, b, 0.3), |layer| layer == Layer::Label)?;
+    fn crossed(&self, a: PaperPoint, b: PaperPoint) -> Option<f64> {
+        let layers = self.under(&PaperBox::line(a, b, 0.3), |layer| layer == Layer::Label)?;
         Some(layers.into_iter().map(|layer| if layer == Layer::Solid { THIN_ON_SOLID } else { THIN_ON_LINE }).sum())
     }
 
-    fn within(&self, item: &Box) -> bool {
+    fn within(&self, item: &PaperBox) -> bool {
         let (low, high) = item.bounds();
         low.x >= self.low.x && low.y >= self.low.y && high.x <= self.high.x && high.y <= self.high.y
     }
 
     /// Layers of the boxes that this one meets; `None` as soon as one of them forbids it.
-    fn under(&self, item: &Box, forbids: impl Fn(Layer) -> bool) -> Option<Vec<Layer>> {
+    fn under(&self, item: &PaperBox, forbids: impl Fn(Layer) -> bool) -> Option<Vec<Layer>> {
         let (low, high) = item.bounds();
         let mut met: Vec<u32> = Vec::new();
         for cell in self.cells_of(item) {
@@ -297,7 +297,7 @@ impl Field {
         Some(met.into_iter().map(|index| self.boxes[index as usize].layer).collect())
     }
 
-    fn cells_of(&self, item: &Box) -> impl Iterator<Item = usize> + use<> {
+    fn cells_of(&self, item: &PaperBox) -> impl Iterator<Item = usize> + use<> {
         let (low, high) = item.bounds();
         let rows = self.cells.len() / self.columns;
         let index =
@@ -310,28 +310,28 @@ impl Field {
 }
 
 /// Unit vectors in `N` directions.
-fn directions<const N: usize>() -> [Point; N] {
-    std::array::from_fn(|k| Point::unit(trig::TAU * k as f64 / N as f64))
+fn directions<const N: usize>() -> [PaperPoint; N] {
+    std::array::from_fn(|k| PaperPoint::unit(trig::TAU * k as f64 / N as f64))
 }
 
 /// Upright places around `anchor`, nearest and towards `prefer` first, up to `reach` mm away. Places further than a
 /// few millimetres get a leader from the anchor.
-pub fn around(anchor: Point, prefer: Point, size: Point, gap: f64, reach: f64) -> Vec<Candidate> {
+pub fn around(anchor: PaperPoint, prefer: PaperPoint, size: PaperPoint, gap: f64, reach: f64) -> Vec<LabelCandidate> {
     let directions = directions::<16>();
     let mut candidates = Vec::new();
     let mut distance = gap;
     while distance <= reach {
         for direction in directions {
-            let half = Point::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
+            let half = PaperPoint::new(direction.x * size.x / 2.0, direction.y * size.y / 2.0);
             let centre = anchor + direction * distance + half;
-            let text = Box::upright(centre, size.x, size.y);
+            let text = PaperBox::upright(centre, size.x, size.y);
             let leader = (distance > gap + 2.5).then(|| {
                 let (low, high) = text.bounds();
-                (anchor, Point::new(anchor.x.clamp(low.x, high.x), anchor.y.clamp(low.y, high.y)))
+                (anchor, PaperPoint::new(anchor.x.clamp(low.x, high.x), anchor.y.clamp(low.y, high.y)))
             });
             let turn = 1.0 - direction.dot(prefer);
             let cost = distance - gap + 3.0 * turn + if leader.is_some() { 3.0 } else { 0.0 };
-            candidates.push(Candidate { leader, ..Candidate::text(text, cost) });
+            candidates.push(LabelCandidate { leader, ..LabelCandidate::text(text, cost) });
         }
         distance += if distance < gap + 4.0 { 1.0 } else { 4.0 };
     }
@@ -344,42 +344,42 @@ mod tests {
 
     #[test]
     fn turned_boxes_meet_only_when_they_touch() {
-        let a = Box::upright(Point::new(0.0, 0.0), 10.0, 2.0);
-        let b = Box::line(Point::new(4.0, 4.0), Point::new(8.0, 0.5), 0.5);
+        let a = PaperBox::upright(PaperPoint::new(0.0, 0.0), 10.0, 2.0);
+        let b = PaperBox::line(PaperPoint::new(4.0, 4.0), PaperPoint::new(8.0, 0.5), 0.5);
         assert!(!a.meets(&b) && !b.meets(&a));
-        assert!(a.meets(&Box::line(Point::new(0.0, 4.0), Point::new(6.0, -2.0), 0.5)));
+        assert!(a.meets(&PaperBox::line(PaperPoint::new(0.0, 4.0), PaperPoint::new(6.0, -2.0), 0.5)));
     }
 
     #[test]
     fn crowded_labels_move_aside() {
-        let mut field = Field::new(Point::new(-30.0, -30.0), Point::new(60.0, 30.0));
-        field.add_line(Point::new(0.0, 0.0), Point::new(33.0, 0.0), 1.0, Layer::Solid);
-        let mut placed: Vec<Box> = Vec::new();
+        let mut field = TakenPaper::new(PaperPoint::new(-30.0, -30.0), PaperPoint::new(60.0, 30.0));
+        field.add_line(PaperPoint::new(0.0, 0.0), PaperPoint::new(33.0, 0.0), 1.0, Layer::Solid);
+        let mut placed: Vec<PaperBox> = Vec::new();
         for k in 0..12 {
             // Wider than the way to the next anchor.
-            let anchor = Point::new(3.0 * f64::from(k), 1.0);
-            let candidates = around(anchor, Point::new(0.0, 1.0), Point::new(8.0, 3.0), 1.0, 60.0);
+            let anchor = PaperPoint::new(3.0 * f64::from(k), 1.0);
+            let candidates = around(anchor, PaperPoint::new(0.0, 1.0), PaperPoint::new(8.0, 3.0), 1.0, 60.0);
             let chosen = field.place(&candidates).expect("room");
             assert!(placed.iter().all(|other| !other.meets(&chosen.text)));
             placed.push(chosen.text);
         }
-        assert!(placed[0].centre.distance(Point::new(0.0, 3.5)) < 1e-9, "nearest and preferred first");
+        assert!(placed[0].centre.distance(PaperPoint::new(0.0, 3.5)) < 1e-9, "nearest and preferred first");
     }
 
     #[test]
     fn what_is_covered_is_met() {
-        let mut field = Field::new(Point::new(-5.0, 3.0), Point::new(95.0, 83.0));
-        let turned = |k: usize, half: Point| Box {
-            centre: Point::new((k * 37 % 90) as f64, 5.0 + (k * 53 % 76) as f64),
+        let mut field = TakenPaper::new(PaperPoint::new(-5.0, 3.0), PaperPoint::new(95.0, 83.0));
+        let turned = |k: usize, half: PaperPoint| PaperBox {
+            centre: PaperPoint::new((k * 37 % 90) as f64, 5.0 + (k * 53 % 76) as f64),
             half,
-            axis: Point::unit(k as f64),
+            axis: PaperPoint::unit(k as f64),
         };
         for k in 0..30 {
-            field.add(turned(k, Point::new(6.0, 1.2)), Layer::Solid);
+            field.add(turned(k, PaperPoint::new(6.0, 1.2)), Layer::Solid);
         }
         let mut covered = 0;
         for k in 100..1100 {
-            let item = turned(k, Point::new(4.0, 1.5));
+            let item = turned(k, PaperPoint::new(4.0, 1.5));
             if field.is_covered(&item) {
                 covered += 1;
                 assert!(field.boxes.iter().any(|taken| taken.item.meets(&item)), "{item:?}");
@@ -390,10 +390,18 @@ mod tests {
 
     #[test]
     fn nothing_is_placed_where_nothing_is_free() {
-        let mut field = Field::new(Point::new(0.0, 0.0), Point::new(10.0, 10.0));
-        field.add(Box::upright(Point::new(5.0, 5.0), 9.0, 9.0), Layer::Label);
+        let mut field = TakenPaper::new(PaperPoint::new(0.0, 0.0), PaperPoint::new(10.0, 10.0));
+        field.add(PaperBox::upright(PaperPoint::new(5.0, 5.0), 9.0, 9.0), Layer::Label);
         assert!(
-            field.place(&around(Point::new(5.0, 5.0), Point::new(1.0, 0.0), Point::new(3.0, 2.0), 1.0, 50.0)).is_none()
+            field
+                .place(&around(
+                    PaperPoint::new(5.0, 5.0),
+                    PaperPoint::new(1.0, 0.0),
+                    PaperPoint::new(3.0, 2.0),
+                    1.0,
+                    50.0
+                ))
+                .is_none()
         );
     }
 }

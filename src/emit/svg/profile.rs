@@ -1,12 +1,13 @@
 //! The height profile under the plan: height over arc length, with levels, slopes and vertices.
 
-use super::sheet::{Area, Sheet, path, path_line, rectangle};
+use super::sheet::{PaperArea, Sheet, coordinates, path, path_line, rectangle};
 use super::text::{self, Height};
-use super::xml::{Element, number};
+use super::xml::XmlElement;
 use crate::base::number::trimmed;
 use crate::base::trig;
 use crate::compiled::Compiled;
-use crate::geometry::{Form, Point};
+use crate::emit::paper::PaperPoint;
+use crate::geometry::Form;
 
 /// Height of the profile on paper, mm.
 const TALL: f64 = 44.0;
@@ -24,7 +25,7 @@ pub fn height(compiled: &Compiled) -> f64 {
 
 /// From arc length (m, from the layout's start) and height (m) to paper.
 struct Chart {
-    area: Area,
+    area: PaperArea,
     /// mm a metre of arc length and of height.
     along: f64,
     up: f64,
@@ -36,9 +37,9 @@ struct Chart {
 impl Chart {
     fn new(sheet: &Sheet, length: f64, (low, high): (f64, f64)) -> Self {
         let (left, top, right, bottom) = ROOM;
-        let area = Area {
-            low: sheet.profile.low + Point::new(left, top),
-            high: sheet.profile.high - Point::new(right, bottom),
+        let area = PaperArea {
+            low: sheet.profile.low + PaperPoint::new(left, top),
+            high: sheet.profile.high - PaperPoint::new(right, bottom),
         };
         // From the floor, if that is not far below.
         let base = if low > 0.0 && low <= 2.0 * (high - low) { 0.0 } else { low };
@@ -48,8 +49,8 @@ impl Chart {
         Chart { area, along, up: along * ratio, base, length }
     }
 
-    fn at(&self, s: f64, z: f64) -> Point {
-        Point::new(self.area.low.x + self.along * s, self.area.high.y - self.up * (z - self.base))
+    fn at(&self, s: f64, z: f64) -> PaperPoint {
+        PaperPoint::new(self.area.low.x + self.along * s, self.area.high.y - self.up * (z - self.base))
     }
 
     /// How much taller than long a metre is drawn.
@@ -59,21 +60,20 @@ impl Chart {
 }
 
 /// The profile of a layout with levels.
-pub fn profile(sheet: &Sheet, compiled: &Compiled) -> Element {
+pub fn profile(sheet: &Sheet, compiled: &Compiled) -> XmlElement {
     let points = points(compiled);
     let heights = points.iter().map(|p| p.1);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
     let chart = Chart::new(sheet, compiled.length(), (low, high));
-    let mut group = Element::group("profile").with(rectangle(sheet.profile.low, sheet.profile.high, "rule"));
+    let mut group = XmlElement::group("profile").with(rectangle(sheet.profile.low, sheet.profile.high, "rule"));
     let ratio = trimmed(chart.ratio(), 2);
     let title = format!("height over arc length s, m; heights are drawn {ratio} times as large as lengths");
-    group.push(text::line(sheet.profile.low + Point::new(4.0, 4.6), title, Height::H18, "quiet"));
+    group.push(text::line(sheet.profile.low + PaperPoint::new(4.0, 4.6), title, Height::H18, "quiet"));
     group.push(vertices(&chart, compiled));
-    let line: Vec<String> =
-        points.iter().map(|&(s, z)| chart.at(s, z)).map(|p| format!("{} {}", number(p.x), number(p.y))).collect();
+    let line: Vec<String> = points.iter().map(|&(s, z)| coordinates(chart.at(s, z))).collect();
     let line = format!("M{}", line.join("L"));
     let (begin, end) = (chart.at(0.0, chart.base), chart.at(chart.length, chart.base));
-    let floor = format!("L{} {}L{} {}Z", number(end.x), number(end.y), number(begin.x), number(begin.y));
+    let floor = format!("L{}L{}Z", coordinates(end), coordinates(begin));
     group.push(path(&(line.clone() + &floor), "band"));
     group.push(levels(&chart, compiled));
     group.push(path(&line, "edge"));
@@ -99,8 +99,8 @@ fn points(compiled: &Compiled) -> Vec<(f64, f64)> {
 }
 
 /// A line at the height of each level, and what it is.
-fn levels(chart: &Chart, compiled: &Compiled) -> Element {
-    let mut group = Element::group("levels");
+fn levels(chart: &Chart, compiled: &Compiled) -> XmlElement {
+    let mut group = XmlElement::group("levels");
     let mut heights: Vec<f64> = compiled.layout.levels.iter().map(|level| level.height).collect();
     heights.push(chart.base);
     heights.sort_by(f64::total_cmp);
@@ -115,16 +115,16 @@ fn levels(chart: &Chart, compiled: &Compiled) -> Element {
             group.push(path(&path_line(left, right), "tangent"));
         }
         let label = format!("{} m", trimmed(z, 3));
-        let place = left - Point::new(2.0 + text::width(&label, Height::H18.size(), false), 0.0);
-        group.push(path(&path_line(left - Point::new(1.2, 0.0), left), "dimension"));
-        group.push(text::line(place + Point::new(0.0, Height::H18.capitals() / 2.0), label, Height::H18, ""));
+        let place = left - PaperPoint::new(2.0 + text::width(&label, Height::H18.size(), false), 0.0);
+        group.push(path(&path_line(left - PaperPoint::new(1.2, 0.0), left), "dimension"));
+        group.push(text::line(place + PaperPoint::new(0.0, Height::H18.capitals() / 2.0), label, Height::H18, ""));
     }
     group
 }
 
 /// Where each vertex is, as long as there is room for its name.
-fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
-    let mut group = Element::group("profile-vertices");
+fn vertices(chart: &Chart, compiled: &Compiled) -> XmlElement {
+    let mut group = XmlElement::group("profile-vertices");
     let n = compiled.layout.vertices.len();
     let mut spans: Vec<Option<(f64, f64)>> = vec![None; n];
     let mut s = 0.0;
@@ -144,12 +144,12 @@ fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
     let mut free = f64::NEG_INFINITY;
     for (s, i) in places {
         let foot = chart.at(s, chart.base);
-        let top = Point::new(foot.x, chart.area.low.y - 1.6);
+        let top = PaperPoint::new(foot.x, chart.area.low.y - 1.6);
         group.push(path(&path_line(foot, top), "tangent"));
         let name = text::fitted(&compiled.layout.vertices[i].name, Height::H18, false, 20.0);
         let half = text::width(&name, Height::H18.size(), false) / 2.0;
         if foot.x - half > free + 1.0 {
-            group.push(text::centred(top - Point::new(0.0, 1.8), 0.0, name, Height::H18, ""));
+            group.push(text::centred(top - PaperPoint::new(0.0, 1.8), 0.0, name, Height::H18, ""));
             free = foot.x + half;
         }
     }
@@ -157,8 +157,8 @@ fn vertices(chart: &Chart, compiled: &Compiled) -> Element {
 }
 
 /// The slope of each climb beside its middle.
-fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
-    let mut group = Element::group("slopes");
+fn slopes(chart: &Chart, compiled: &Compiled) -> XmlElement {
+    let mut group = XmlElement::group("slopes");
     let mut climbs: Vec<(f64, f64, f64)> = Vec::new();
     for stretch in &compiled.space.line.stretches {
         let slope = match stretch.form {
@@ -187,8 +187,9 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
         let steep = chart.ratio() * slope.abs();
         let aside = 1.2 * trig::hypot(1.0, steep) / steep.max(0.2);
         let tall = Height::H18.capitals();
-        let at = chart.at(s, z) + Point::new(aside, if slope > 0.0 { tall } else { 0.0 });
-        let at = Point::new(at.x.min(chart.area.high.x - wide), at.y.clamp(chart.area.low.y, chart.area.high.y - 0.8));
+        let at = chart.at(s, z) + PaperPoint::new(aside, if slope > 0.0 { tall } else { 0.0 });
+        let at =
+            PaperPoint::new(at.x.min(chart.area.high.x - wide), at.y.clamp(chart.area.low.y, chart.area.high.y - 0.8));
         if at.x > free + 1.0 {
             group.push(text::line(at, label, Height::H18, "halo"));
             free = at.x + wide;
@@ -198,8 +199,8 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> Element {
 }
 
 /// The base line with marks at round arc lengths and at the end.
-fn axis(chart: &Chart) -> Element {
-    let mut group = Element::group("axis");
+fn axis(chart: &Chart) -> XmlElement {
+    let mut group = XmlElement::group("axis");
     let mut step = 1.0;
     for factor in [2.0, 2.5, 2.0].into_iter().cycle() {
         if step * chart.along >= APART || step > chart.length {
@@ -211,8 +212,8 @@ fn axis(chart: &Chart) -> Element {
     let mut rules = path_line(begin, end);
     let mut label = |s: f64, text: String, class: &str| {
         let at = chart.at(s, chart.base);
-        rules += &path_line(at, at + Point::new(0.0, 1.2));
-        group.push(text::centred(at + Point::new(0.0, 3.6), 0.0, text, Height::H18, class));
+        rules += &path_line(at, at + PaperPoint::new(0.0, 1.2));
+        group.push(text::centred(at + PaperPoint::new(0.0, 3.6), 0.0, text, Height::H18, class));
     };
     let mut s = 0.0;
     while (chart.length - s) * chart.along >= APART {

@@ -3,10 +3,11 @@
 
 use crate::base::trig;
 use crate::emit::DrawError;
+use crate::emit::paper::{PaperPoint, Projection};
 use crate::geometry::Point;
 
 use super::text::{self, Height};
-use super::xml::{Element, number};
+use super::xml::{XmlElement, number};
 
 /// Height of the strip under the drawing, which holds legend, scale bar and title block, mm.
 pub const STRIP: f64 = 56.0;
@@ -28,12 +29,12 @@ const STEPS: [f64; 4] = [1.0, 2.0, 2.5, 5.0];
 
 /// A rectangle on paper, mm, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
-    pub low: Point,
-    pub high: Point,
+pub struct PaperArea {
+    pub low: PaperPoint,
+    pub high: PaperPoint,
 }
 
-impl Area {
+impl PaperArea {
     pub fn width(&self) -> f64 {
         self.high.x - self.low.x
     }
@@ -68,12 +69,11 @@ pub struct Sheet {
     /// 1 : scale
     pub scale: f64,
     /// Drawing, height profile under it, notes under that, and the strip under all.
-    pub drawing: Area,
-    pub profile: Area,
-    pub notes: Area,
-    pub strip: Area,
-    /// Paper position of the floor's origin.
-    origin: Point,
+    pub drawing: PaperArea,
+    pub profile: PaperArea,
+    pub notes: PaperArea,
+    pub strip: PaperArea,
+    projection: Projection,
 }
 
 impl Sheet {
@@ -102,28 +102,30 @@ impl Sheet {
     }
 
     fn fit(size: &'static str, width: f64, height: f64, extent: &Extent, span: Point) -> Sheet {
-        let inside = Area { low: Point::new(20.0, 10.0), high: Point::new(width - 10.0, height - 10.0) };
-        let strip = Area { low: Point::new(inside.low.x, inside.high.y - STRIP), high: inside.high };
-        let notes = Area {
-            low: Point::new(inside.low.x, strip.low.y - extent.notes.min(0.4 * height)),
-            high: Point::new(inside.high.x, strip.low.y),
+        let inside = PaperArea { low: PaperPoint::new(20.0, 10.0), high: PaperPoint::new(width - 10.0, height - 10.0) };
+        let strip = PaperArea { low: PaperPoint::new(inside.low.x, inside.high.y - STRIP), high: inside.high };
+        let notes = PaperArea {
+            low: PaperPoint::new(inside.low.x, strip.low.y - extent.notes.min(0.4 * height)),
+            high: PaperPoint::new(inside.high.x, strip.low.y),
         };
-        let profile = Area {
-            low: Point::new(inside.low.x, notes.low.y - extent.profile),
-            high: Point::new(inside.high.x, notes.low.y),
+        let profile = PaperArea {
+            low: PaperPoint::new(inside.low.x, notes.low.y - extent.profile),
+            high: PaperPoint::new(inside.high.x, notes.low.y),
         };
-        let drawing = Area { low: inside.low, high: Point::new(inside.high.x, profile.low.y) };
-        let room = Point::new(drawing.width() - 2.0 * MARGIN, drawing.height() - 2.0 * MARGIN);
+        let drawing = PaperArea { low: inside.low, high: PaperPoint::new(inside.high.x, profile.low.y) };
+        let room = PaperPoint::new(drawing.width() - 2.0 * MARGIN, drawing.height() - 2.0 * MARGIN);
         let needed = (1000.0 * span.x / room.x).max(1000.0 * span.y / room.y);
         let scale = standard_scale(needed);
         let middle = (drawing.low + drawing.high) * 0.5;
         let centre = (extent.low + extent.high) * 0.5;
-        let origin = middle - Point::new(centre.x, -centre.y) * (1000.0 / scale);
-        Sheet { size, width, height, scale, drawing, profile, notes, strip, origin }
+        let millimetres = 1000.0 / scale;
+        let origin = middle - Projection::turned(centre) * millimetres;
+        let projection = Projection { floor: Point::default(), paper: origin, scale: millimetres };
+        Sheet { size, width, height, scale, drawing, profile, notes, strip, projection }
     }
 
     /// An A3 sheet at a standard scale, with a panel of this width (mm) at the right of its drawing.
-    pub fn beside(extent: &Extent, panel: f64) -> Result<(Sheet, Area), DrawError> {
+    pub fn beside(extent: &Extent, panel: f64) -> Result<(Sheet, PaperArea), DrawError> {
         let span = extent.high - extent.low;
         if !(span.x.is_finite() && span.y.is_finite() && span.x.max(span.y) > 0.0 && span.x.max(span.y) < 1e7) {
             return Err(DrawError::Extent);
@@ -131,9 +133,9 @@ impl Sheet {
         let (size, width, height) = SIZES[0];
         // Fitted to a sheet that ends where the panel begins, and widened by it.
         let mut sheet = Sheet::fit(size, width - panel, height, extent, span);
-        let panel = Area {
-            low: Point::new(sheet.drawing.high.x, sheet.drawing.low.y),
-            high: Point::new(sheet.drawing.high.x + panel, sheet.drawing.high.y),
+        let panel = PaperArea {
+            low: PaperPoint::new(sheet.drawing.high.x, sheet.drawing.low.y),
+            high: PaperPoint::new(sheet.drawing.high.x + panel, sheet.drawing.high.y),
         };
         sheet.width = width;
         sheet.strip.high.x = panel.high.x;
@@ -142,7 +144,7 @@ impl Sheet {
     }
 
     fn fill(&self, span: Point) -> f64 {
-        let room = Point::new(self.drawing.width() - 2.0 * MARGIN, self.drawing.height() - 2.0 * MARGIN);
+        let room = PaperPoint::new(self.drawing.width() - 2.0 * MARGIN, self.drawing.height() - 2.0 * MARGIN);
         (self.mm(span.x) / room.x).max(self.mm(span.y) / room.y)
     }
 
@@ -152,27 +154,21 @@ impl Sheet {
     }
 
     /// A point of the floor on paper.
-    pub fn at(&self, p: Point) -> Point {
-        self.origin + Point::new(p.x, -p.y) * (1000.0 / self.scale)
-    }
-
-    /// The unit vector on paper of a heading on the floor.
-    pub fn direction(&self, heading: f64) -> Point {
-        let u = Point::unit(heading);
-        Point::new(u.x, -u.y)
+    pub fn at(&self, p: Point) -> PaperPoint {
+        self.projection.at(p)
     }
 
     /// The frame with its centring marks and reference grid.
-    pub fn frame(&self) -> Element {
-        let mut group = Element::group("sheet");
-        group.push(Element::new("rect").attr("class", "ground").num("width", self.width).num("height", self.height));
+    pub fn frame(&self) -> XmlElement {
+        let mut group = XmlElement::group("sheet");
+        group.push(XmlElement::new("rect").attr("class", "ground").num("width", self.width).num("height", self.height));
         let (low, high) = (self.drawing.low, self.strip.high);
         group.push(rectangle(low, high, "frame"));
-        let (outer_low, outer_high) = (low - Point::new(5.0, 5.0), high + Point::new(5.0, 5.0));
+        let (outer_low, outer_high) = (low - PaperPoint::new(5.0, 5.0), high + PaperPoint::new(5.0, 5.0));
         group.push(rectangle(outer_low, outer_high, "rule"));
-        let middle = Point::new(self.width / 2.0, self.height / 2.0);
+        let middle = PaperPoint::new(self.width / 2.0, self.height / 2.0);
         let mut rules = String::new();
-        let mut rule = |a: Point, b: Point| {
+        let mut rule = |a: PaperPoint, b: PaperPoint| {
             rules.push_str(&path_line(a, b));
         };
         let fields = |length: f64| 2 * (length / 100.0).round().max(1.0) as usize;
@@ -180,26 +176,26 @@ impl Sheet {
         let column = |i: usize| low.x + (high.x - low.x) * i as f64 / columns as f64;
         let row = |i: usize| low.y + (high.y - low.y) * i as f64 / rows as f64;
         for i in 1..columns {
-            rule(Point::new(column(i), outer_low.y), Point::new(column(i), low.y));
-            rule(Point::new(column(i), high.y), Point::new(column(i), outer_high.y));
+            rule(PaperPoint::new(column(i), outer_low.y), PaperPoint::new(column(i), low.y));
+            rule(PaperPoint::new(column(i), high.y), PaperPoint::new(column(i), outer_high.y));
         }
         for i in 1..rows {
-            rule(Point::new(outer_low.x, row(i)), Point::new(low.x, row(i)));
-            rule(Point::new(high.x, row(i)), Point::new(outer_high.x, row(i)));
+            rule(PaperPoint::new(outer_low.x, row(i)), PaperPoint::new(low.x, row(i)));
+            rule(PaperPoint::new(high.x, row(i)), PaperPoint::new(outer_high.x, row(i)));
         }
         group.push(path(&rules, "rule"));
         let marks = [
-            (Point::new(middle.x, outer_low.y), Point::new(middle.x, low.y + 5.0)),
-            (Point::new(middle.x, high.y), Point::new(middle.x, outer_high.y)),
-            (Point::new(outer_low.x, middle.y), Point::new(low.x + 5.0, middle.y)),
-            (Point::new(high.x - 5.0, middle.y), Point::new(outer_high.x, middle.y)),
+            (PaperPoint::new(middle.x, outer_low.y), PaperPoint::new(middle.x, low.y + 5.0)),
+            (PaperPoint::new(middle.x, high.y), PaperPoint::new(middle.x, outer_high.y)),
+            (PaperPoint::new(outer_low.x, middle.y), PaperPoint::new(low.x + 5.0, middle.y)),
+            (PaperPoint::new(high.x - 5.0, middle.y), PaperPoint::new(outer_high.x, middle.y)),
         ];
         group.push(path(&marks.map(|(a, b)| path_line(a, b)).concat(), "frame"));
         let between = |a: f64, b: f64| (a + b) / 2.0;
         for i in 0..columns {
             let x = between(column(i), column(i + 1));
             for y in [outer_low.y + 2.5, high.y + 2.5] {
-                group.push(text::centred(Point::new(x, y), 0.0, (i + 1).to_string(), Height::H18, "quiet"));
+                group.push(text::centred(PaperPoint::new(x, y), 0.0, (i + 1).to_string(), Height::H18, "quiet"));
             }
         }
         for i in 0..rows {
@@ -207,7 +203,7 @@ impl Sheet {
             let letter = "ABCDEFGHJKLMNPQRSTUVWXYZ".chars().nth(i).unwrap_or('Z').to_string();
             let y = between(row(i), row(i + 1));
             for x in [outer_low.x + 2.5, high.x + 2.5] {
-                group.push(text::centred(Point::new(x, y), 0.0, letter.clone(), Height::H18, "quiet"));
+                group.push(text::centred(PaperPoint::new(x, y), 0.0, letter.clone(), Height::H18, "quiet"));
             }
         }
         group
@@ -227,8 +223,8 @@ fn standard_scale(needed: f64) -> f64 {
     }
 }
 
-pub fn rectangle(low: Point, high: Point, class: &str) -> Element {
-    Element::new("rect")
+pub fn rectangle(low: PaperPoint, high: PaperPoint, class: &str) -> XmlElement {
+    XmlElement::new("rect")
         .attr("class", class)
         .num("x", low.x)
         .num("y", low.y)
@@ -236,28 +232,33 @@ pub fn rectangle(low: Point, high: Point, class: &str) -> Element {
         .num("height", high.y - low.y)
 }
 
-pub fn path(data: &str, class: &str) -> Element {
-    Element::new("path").attr("class", class).attr("d", data)
+pub fn path(data: &str, class: &str) -> XmlElement {
+    XmlElement::new("path").attr("class", class).attr("d", data)
+}
+
+/// `x y`, as the data of paths have it.
+pub fn coordinates(p: PaperPoint) -> String {
+    format!("{} {}", number(p.x), number(p.y))
 }
 
 /// `M a L b`
-pub fn path_line(a: Point, b: Point) -> String {
-    format!("M{} {}L{} {}", number(a.x), number(a.y), number(b.x), number(b.y))
+pub fn path_line(a: PaperPoint, b: PaperPoint) -> String {
+    format!("M{}L{}", coordinates(a), coordinates(b))
 }
 
 /// A closed path through points.
-pub fn polygon(points: &[Point]) -> String {
+pub fn polygon(points: &[PaperPoint]) -> String {
     let mut data = String::new();
     for (i, p) in points.iter().enumerate() {
         data.push(if i == 0 { 'M' } else { 'L' });
-        data.push_str(&format!("{} {}", number(p.x), number(p.y)));
+        data.push_str(&coordinates(*p));
     }
     data.push('Z');
     data
 }
 
 /// Degrees, clockwise on paper, at which text along this paper direction reads from below or from the right.
-pub fn reading_angle(direction: Point) -> f64 {
+pub fn reading_angle(direction: PaperPoint) -> f64 {
     let degrees = trig::atan2(direction.y, direction.x) * 180.0 / trig::PI;
     let turned = if degrees > 90.0 - 1e-6 {
         degrees - 180.0
@@ -309,9 +310,9 @@ mod tests {
 
     #[test]
     fn text_never_stands_on_its_head() {
-        assert_eq!(reading_angle(Point::new(-1.0, 0.0)), 0.0);
-        assert_eq!(reading_angle(Point::new(0.0, 1.0)), -90.0);
-        assert_eq!(reading_angle(Point::new(0.0, -1.0)), -90.0);
-        assert!((reading_angle(Point::new(-1.0, -1.0)) - 45.0).abs() < 1e-9);
+        assert_eq!(reading_angle(PaperPoint::new(-1.0, 0.0)), 0.0);
+        assert_eq!(reading_angle(PaperPoint::new(0.0, 1.0)), -90.0);
+        assert_eq!(reading_angle(PaperPoint::new(0.0, -1.0)), -90.0);
+        assert!((reading_angle(PaperPoint::new(-1.0, -1.0)) - 45.0).abs() < 1e-9);
     }
 }

@@ -1,15 +1,16 @@
 //! The written layout and the stages' results over each other, as the figures of thesis §3.3 show them.
 
 use crate::compiled::Compiled;
+use crate::emit::paper::{PaperPoint, Projection};
 use crate::emit::{DrawError, plan};
-use crate::geometry::{Corner, Point, Track};
+use crate::geometry::{Corner, Track};
 use crate::solve::Status;
 
-use super::place::{Box, Field, around};
+use super::place::{PaperBox, TakenPaper, around};
 use super::sheet::{Sheet, path, reading_angle};
 use super::strip::{self, Key, field};
 use super::text::{self, Height};
-use super::xml::Element;
+use super::xml::XmlElement;
 use super::{Theme, extent, root, symbol, track};
 use crate::base::number::trimmed;
 
@@ -33,9 +34,9 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     let mut svg = root(&sheet, theme, &format!("{}: stages", layout.name), &description);
     svg.push(sheet.frame());
     svg.push(track::floor(&sheet, layout));
-    let inside = Point::new(6.0, 6.0);
-    let mut area = Field::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
-    let mut group = Element::group("stages");
+    let inside = PaperPoint::new(6.0, 6.0);
+    let mut area = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    let mut group = XmlElement::group("stages");
     for (i, (_, line)) in lines.iter().enumerate() {
         let class = format!("stage-{}", i.min(3));
         group.push(path(&(track::curves(&sheet, &plan::side(line, 0.0)) + "Z"), &class));
@@ -44,16 +45,16 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
         track::occupy(&sheet, line, layout, &mut area);
     }
     svg.push(group);
-    let mut names = Element::group("labels");
+    let mut names = XmlElement::group("labels");
     for obstacle in &layout.obstacles {
         let (low, high) = obstacle.polygon.bounds();
         let at = sheet.at((low + high) * 0.5);
         let name = text::fitted(&obstacle.name, Height::H25, false, 70.0);
-        name_at(&mut names, &mut area, at, Point::new(0.0, -1.0), &name, "halo", 0.0);
+        name_at(&mut names, &mut area, at, PaperPoint::new(0.0, -1.0), &name, "halo", 0.0);
     }
     if let Some((_, last)) = lines.last() {
         for (vertex, (corner, fillet)) in layout.vertices.iter().zip(last.corners.iter().zip(&last.fillets)) {
-            let prefer = sheet.direction((corner.point - fillet.centre).heading());
+            let prefer = Projection::direction((corner.point - fillet.centre).heading());
             let name = text::fitted(&vertex.name, Height::H25, false, 70.0);
             name_at(&mut names, &mut area, sheet.at(corner.point), prefer, &name, "halo bold", 1.6);
         }
@@ -79,7 +80,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
         field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
         field("vertices", layout.vertices.len().to_string()),
     ]];
-    let lengths = lines.iter().map(|(name, line)| strip::Field {
+    let lengths = lines.iter().map(|(name, line)| strip::TitleField {
         warn: name.ends_with("not feasible"),
         ..field(name.clone(), format!("{} m", trimmed(line.length, 3)))
     });
@@ -88,12 +89,20 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     Ok(svg.document())
 }
 
-fn name_at(group: &mut Element, area: &mut Field, at: Point, prefer: Point, name: &str, class: &str, gap: f64) {
+fn name_at(
+    group: &mut XmlElement,
+    area: &mut TakenPaper,
+    at: PaperPoint,
+    prefer: PaperPoint,
+    name: &str,
+    class: &str,
+    gap: f64,
+) {
     let size =
-        Point::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
+        PaperPoint::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
     let mut candidates = around(at, prefer, size, gap, 60.0);
     if gap == 0.0 {
-        candidates.insert(0, super::place::Candidate::text(Box::upright(at, size.x, size.y), -9.0));
+        candidates.insert(0, super::place::LabelCandidate::text(PaperBox::upright(at, size.x, size.y), -9.0));
     }
     if let Some(chosen) = area.place(&candidates) {
         if let Some((a, b)) = chosen.leader {

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use resvg::usvg::{Group, Node, Text, Tree};
 
-use super::place::Box;
+use super::place::PaperBox;
 use super::*;
 use crate::base::trig;
 use crate::compiled::Compiled;
+use crate::emit::paper::PaperPoint;
 use crate::emit::plan::samples;
 use crate::emit::{DrawError, drawing_files, png, stages_png, stages_svg};
 
@@ -44,7 +45,7 @@ fn write_samples() {
 }
 
 /// Every text but the watermark with its box in mm, as usvg lays it out.
-fn texts(tree: &Tree) -> Vec<(String, Box)> {
+fn texts(tree: &Tree) -> Vec<(String, PaperBox)> {
     fn walk(group: &Group, each: &mut impl FnMut(&Text)) {
         for node in group.children() {
             match node {
@@ -65,13 +66,13 @@ fn texts(tree: &Tree) -> Vec<(String, Box)> {
         let at = |x: f32, y: f32| {
             let mut p = tiny_skia::Point::from_xy(x, y);
             text.abs_transform().map_point(&mut p);
-            Point::new(f64::from(p.x) * mm, f64::from(p.y) * mm)
+            PaperPoint::new(f64::from(p.x) * mm, f64::from(p.y) * mm)
         };
         let (a, b) = (at(bounds.left(), bounds.top()), at(bounds.right(), bounds.top()));
         let c = at(bounds.left(), bounds.bottom());
         let axis = (b - a) * (1.0 / a.distance(b));
-        let half = Point::new(a.distance(b) / 2.0, a.distance(c) / 2.0);
-        found.push((words, Box { centre: b.lerp(c, 0.5), half, axis }));
+        let half = PaperPoint::new(a.distance(b) / 2.0, a.distance(c) / 2.0);
+        found.push((words, PaperBox { centre: b.lerp(c, 0.5), half, axis }));
     });
     found
 }
@@ -120,7 +121,7 @@ fn no_text_is_over_the_track() {
             let (p, heading) = compiled.track.at(i as f64 * 0.25);
             for across in [-1.0, -0.5, 0.0, 0.5, 1.0] {
                 let at = sheet.at(p + Point::unit(heading).left() * (across * half));
-                let dot = Box::upright(at, 0.01, 0.01);
+                let dot = PaperBox::upright(at, 0.01, 0.01);
                 for (text, item) in &found {
                     assert!(!item.meets(&dot), "{name}: `{text}` over the band at {p:?}");
                 }

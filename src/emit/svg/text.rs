@@ -1,8 +1,8 @@
 //! Text: sizes, and how wide a line of DejaVu Sans is, so that labels can be placed without a font engine.
 
-use crate::geometry::Point;
+use crate::emit::paper::PaperPoint;
 
-use super::xml::Element;
+use super::xml::XmlElement;
 
 /// Advance widths of U+0020 to U+007E, 2048 units an em.
 #[rustfmt::skip]
@@ -96,14 +96,14 @@ pub fn fitted(text: &str, height: Height, bold: bool, room: f64) -> String {
 }
 
 /// A line of text that begins at `at` (its base line). `class` adds to the height's.
-pub fn line(at: Point, text: impl Into<String>, height: Height, class: &str) -> Element {
+pub fn line(at: PaperPoint, text: impl Into<String>, height: Height, class: &str) -> XmlElement {
     let class = if class.is_empty() { height.class().to_owned() } else { format!("{} {class}", height.class()) };
-    Element::new("text").attr("class", class).num("x", at.x).num("y", at.y).text(text)
+    XmlElement::new("text").attr("class", class).num("x", at.x).num("y", at.y).text(text)
 }
 
 /// A line of text centred on `centre`, turned by `angle` degrees (clockwise on paper).
-pub fn centred(centre: Point, angle: f64, text: impl Into<String>, height: Height, class: &str) -> Element {
-    let base = centre + Point::new(0.0, height.capitals() / 2.0);
+pub fn centred(centre: PaperPoint, angle: f64, text: impl Into<String>, height: Height, class: &str) -> XmlElement {
+    let base = centre + PaperPoint::new(0.0, height.capitals() / 2.0);
     let element = line(base, text, height, &format!("middle {class}"));
     if angle == 0.0 {
         return element;

@@ -1,32 +1,32 @@
 //! The track's own lines: band, centre line, arrows, joints, fixed sections, vertices; and the floor around it.
 
-use crate::elements::Piece;
-use crate::emit::plan::{self, Climb, Curve, Mark, MarkKind};
+use crate::elements::OrderedPiece;
+use crate::emit::paper::{PaperPoint, Projection};
+use crate::emit::plan::{self, Climb, Mark, MarkKind, PlanCurve};
 use crate::geometry::{Point, Track};
 use crate::model::{ConstraintKind, FixKind, Layout};
 
-use super::place::{Box, Field, Layer};
-use super::sheet::{Sheet, path, path_line, polygon};
+use super::place::{Layer, PaperBox, TakenPaper};
+use super::sheet::{Sheet, coordinates, path, path_line, polygon};
 use super::symbol::{self, Spot};
-use super::xml::{Element, number};
+use super::xml::{XmlElement, number};
 
 /// Path data of curves on paper; what continues where the last ended is one line.
-pub fn curves(sheet: &Sheet, curves: &[Curve]) -> String {
+pub fn curves(sheet: &Sheet, curves: &[PlanCurve]) -> String {
     let mut data = String::new();
     let mut pen: Option<Point> = None;
     for curve in curves {
         if pen.is_none_or(|p| p.distance(curve.begin()) > 1e-6) {
-            let p = sheet.at(curve.begin());
-            data.push_str(&format!("M{} {}", number(p.x), number(p.y)));
+            data.push_str(&format!("M{}", coordinates(sheet.at(curve.begin()))));
         }
-        let end = sheet.at(curve.end());
+        let end = coordinates(sheet.at(curve.end()));
         match *curve {
-            Curve::Line { .. } => data.push_str(&format!("L{} {}", number(end.x), number(end.y))),
-            Curve::Arc { radius, sweep, .. } => {
+            PlanCurve::Line { .. } => data.push_str(&format!("L{end}")),
+            PlanCurve::Arc { radius, sweep, .. } => {
                 let r = number(sheet.mm(radius));
                 let large = u8::from(sweep.abs() > std::f64::consts::PI);
                 let clockwise = u8::from(sweep < 0.0);
-                data.push_str(&format!("A{r} {r} 0 {large} {clockwise} {} {}", number(end.x), number(end.y)));
+                data.push_str(&format!("A{r} {r} 0 {large} {clockwise} {end}"));
             }
         }
         pen = Some(curve.end());
@@ -35,8 +35,8 @@ pub fn curves(sheet: &Sheet, curves: &[Curve]) -> String {
 }
 
 /// Building and obstacles.
-pub fn floor(sheet: &Sheet, layout: &Layout) -> Element {
-    let mut group = Element::group("floor");
+pub fn floor(sheet: &Sheet, layout: &Layout) -> XmlElement {
+    let mut group = XmlElement::group("floor");
     if let Some(building) = &layout.building {
         let outline = polygon(&building.polygon.points().iter().map(|p| sheet.at(*p)).collect::<Vec<_>>());
         let wall = plan::outset(&building.polygon, 1.8 * sheet.scale / 1000.0);
@@ -59,14 +59,14 @@ pub fn floor(sheet: &Sheet, layout: &Layout) -> Element {
 }
 
 /// The band between its two sides.
-pub fn band(sheet: &Sheet, track: &Track, width: f64) -> Element {
+pub fn band(sheet: &Sheet, track: &Track, width: f64) -> XmlElement {
     let sides: Vec<String> = [0.5, -0.5].iter().map(|k| curves(sheet, &plan::side(track, k * width)) + "Z").collect();
-    Element::group("track").with(path(&sides.concat(), "band")).with(path(&sides.concat(), "edge"))
+    XmlElement::group("track").with(path(&sides.concat(), "band")).with(path(&sides.concat(), "edge"))
 }
 
 /// The band where the track climbs.
-pub fn climbs(sheet: &Sheet, track: &Track, width: f64, climbs: &[Climb]) -> Element {
-    let mut group = Element::group("climbs");
+pub fn climbs(sheet: &Sheet, track: &Track, width: f64, climbs: &[Climb]) -> XmlElement {
+    let mut group = XmlElement::group("climbs");
     for climb in climbs.iter().filter(|climb| !climb.is_level()) {
         let side = |k: f64| plan::stretch(track, climb.s, climb.run, k * width / 2.0);
         group.push(path(&ribbon(sheet, &side(1.0), &side(-1.0)), "climb"));
@@ -75,8 +75,8 @@ pub fn climbs(sheet: &Sheet, track: &Track, width: f64, climbs: &[Climb]) -> Ele
 }
 
 /// The centre line, and the lines through the vertices that its fillets round.
-pub fn centre(sheet: &Sheet, track: &Track) -> Element {
-    let mut group = Element::group("centre-line");
+pub fn centre(sheet: &Sheet, track: &Track) -> XmlElement {
+    let mut group = XmlElement::group("centre-line");
     let mut tangents = String::new();
     for (corner, fillet) in track.corners.iter().zip(&track.fillets) {
         let points = [fillet.begin, corner.point, fillet.end].map(|p| sheet.at(p));
@@ -91,7 +91,7 @@ pub fn centre(sheet: &Sheet, track: &Track) -> Element {
 }
 
 /// Ticks across the band where a piece begins: heavy ones where the article changes.
-pub fn joints(sheet: &Sheet, pieces: &[Piece], width: f64) -> Element {
+pub fn joints(sheet: &Sheet, pieces: &[OrderedPiece], width: f64) -> XmlElement {
     let (mut like, mut change) = (String::new(), String::new());
     let n = pieces.len();
     for (i, piece) in pieces.iter().enumerate() {
@@ -102,7 +102,7 @@ pub fn joints(sheet: &Sheet, pieces: &[Piece], width: f64) -> Element {
         let tick = path_line(sheet.at(at - across * reach), sheet.at(at + across * reach));
         if changes { &mut change } else { &mut like }.push_str(&tick);
     }
-    let mut group = Element::group("joints");
+    let mut group = XmlElement::group("joints");
     for (data, class) in [(like, "joint"), (change, "change")] {
         if !data.is_empty() {
             group.push(path(&data, class));
@@ -135,7 +135,7 @@ pub fn fixed_sections(layout: &Layout) -> Vec<(usize, String)> {
 }
 
 /// Heavy lines along both edges of the fixed sections' straights.
-pub fn fixed(sheet: &Sheet, track: &Track, layout: &Layout) -> Element {
+pub fn fixed(sheet: &Sheet, track: &Track, layout: &Layout) -> XmlElement {
     let mut data = String::new();
     for (section, _) in fixed_sections(layout) {
         let piece = track.straight(section);
@@ -144,23 +144,23 @@ pub fn fixed(sheet: &Sheet, track: &Track, layout: &Layout) -> Element {
             data.push_str(&path_line(sheet.at(piece.begin + across), sheet.at(piece.end + across)));
         }
     }
-    let group = Element::group("fixed-sections");
+    let group = XmlElement::group("fixed-sections");
     if data.is_empty() { group } else { group.with(path(&data, "fixed")) }
 }
 
 /// Crosses at the vertices, in a square where the vertex is fixed.
-pub fn vertices(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut Field) -> Element {
+pub fn vertices(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut TakenPaper) -> XmlElement {
     let (mut crosses, mut squares) = (String::new(), String::new());
     for (i, corner) in track.corners.iter().enumerate() {
         let at = sheet.at(corner.point);
         crosses.push_str(&symbol::cross(at, 1.5));
         if is_fixed_vertex(layout, i) {
-            let d = |x: f64, y: f64| at + Point::new(x, y) * 2.0;
+            let d = |x: f64, y: f64| at + PaperPoint::new(x, y) * 2.0;
             squares.push_str(&polygon(&[d(-1.0, -1.0), d(1.0, -1.0), d(1.0, 1.0), d(-1.0, 1.0)]));
         }
-        field.add(Box::upright(at, 3.6, 3.6), Layer::Solid);
+        field.add(PaperBox::upright(at, 3.6, 3.6), Layer::Solid);
     }
-    let mut group = Element::group("vertices").with(path(&crosses, "vertex"));
+    let mut group = XmlElement::group("vertices").with(path(&crosses, "vertex"));
     if !squares.is_empty() {
         group.push(path(&squares, "fixed"));
     }
@@ -180,15 +180,15 @@ pub fn spot(sheet: &Sheet, track: &Track, mark: &Mark, width: f64) -> Spot {
     let out = mark.heading - plan::winding(track) * std::f64::consts::FRAC_PI_2;
     Spot {
         at: sheet.at(mark.point),
-        along: sheet.direction(mark.heading),
-        out: sheet.direction(out),
+        along: Projection::direction(mark.heading),
+        out: Projection::direction(out),
         half: sheet.mm(width) / 2.0,
     }
 }
 
 /// Motors, inductions, chutes, supports, photocell and start, and the paper they take.
-pub fn equipment(sheet: &Sheet, track: &Track, layout: &Layout, marks: &[Mark], field: &mut Field) -> Element {
-    let mut group = Element::group("equipment");
+pub fn equipment(sheet: &Sheet, track: &Track, layout: &Layout, marks: &[Mark], field: &mut TakenPaper) -> XmlElement {
+    let mut group = XmlElement::group("equipment");
     let width = layout.width.value;
     let order = |kind: MarkKind| match kind {
         MarkKind::Motor => 0,
@@ -223,24 +223,24 @@ fn chute_pitch(sheet: &Sheet, layout: &Layout, mark: &Mark) -> f64 {
 }
 
 /// A closed area between two lines along the track.
-fn ribbon(sheet: &Sheet, left: &[Curve], right: &[Curve]) -> String {
-    let back: Vec<Curve> = right.iter().rev().map(reversed).collect();
+fn ribbon(sheet: &Sheet, left: &[PlanCurve], right: &[PlanCurve]) -> String {
+    let back: Vec<PlanCurve> = right.iter().rev().map(reversed).collect();
     let forth = curves(sheet, left);
     let back = curves(sheet, &back);
     forth + &back.replacen('M', "L", 1) + "Z"
 }
 
-fn reversed(curve: &Curve) -> Curve {
+fn reversed(curve: &PlanCurve) -> PlanCurve {
     match *curve {
-        Curve::Line { begin, end } => Curve::Line { begin: end, end: begin },
-        Curve::Arc { centre, radius, start, sweep } => {
-            Curve::Arc { centre, radius, start: start + sweep, sweep: -sweep }
+        PlanCurve::Line { begin, end } => PlanCurve::Line { begin: end, end: begin },
+        PlanCurve::Arc { centre, radius, start, sweep } => {
+            PlanCurve::Arc { centre, radius, start: start + sweep, sweep: -sweep }
         }
     }
 }
 
 /// Arrow heads on the centre line of the straights that have room for one between the motors.
-pub fn arrows(sheet: &Sheet, track: &Track, marks: &[Mark]) -> Element {
+pub fn arrows(sheet: &Sheet, track: &Track, marks: &[Mark]) -> XmlElement {
     const LENGTH: f64 = 4.0;
     let length = LENGTH * sheet.scale / 1000.0;
     let free = |s: f64| {
@@ -255,15 +255,15 @@ pub fn arrows(sheet: &Sheet, track: &Track, marks: &[Mark]) -> Element {
         let tips = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8].map(|t| piece.s + t * piece.length + length / 2.0);
         if let Some(s) = tips.into_iter().find(|s| free(*s)) {
             let (p, heading) = track.at(s);
-            data.push_str(&symbol::arrow(sheet.at(p), sheet.direction(heading), LENGTH, 1.8));
+            data.push_str(&symbol::arrow(sheet.at(p), Projection::direction(heading), LENGTH, 1.8));
         }
     }
-    let group = Element::group("direction");
+    let group = XmlElement::group("direction");
     if data.is_empty() { group } else { group.with(path(&data, "arrow")) }
 }
 
 /// Registers what labels keep off (the band) and rather keep off (walls, obstacles, clearances, tangents).
-pub fn occupy(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut Field) {
+pub fn occupy(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut TakenPaper) {
     let width = sheet.mm(layout.width.value) + 0.6;
     for curve in plan::side(track, 0.0) {
         for_chords(sheet, &curve, |a, b| field.add_line(a, b, width, Layer::Solid));
@@ -273,12 +273,12 @@ pub fn occupy(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut Field) 
         field.add_line(sheet.at(fillet.begin), at, 0.3, Layer::Line);
         field.add_line(at, sheet.at(fillet.end), 0.3, Layer::Line);
     }
-    let mut line = |curve: &Curve, thickness| {
+    let mut line = |curve: &PlanCurve, thickness| {
         for_chords(sheet, curve, |a, b| field.add_line(a, b, thickness, Layer::Line));
     };
     let outlines = layout.building.iter().map(|b| &b.polygon).chain(layout.obstacles.iter().map(|o| &o.polygon));
     for (begin, end) in outlines.flat_map(|polygon| polygon.edges()) {
-        line(&Curve::Line { begin, end }, 0.7);
+        line(&PlanCurve::Line { begin, end }, 0.7);
     }
     if let Some(building) = &layout.building {
         plan::inset(&building.polygon, building.clearance).iter().for_each(|curve| line(curve, 0.3));
@@ -290,10 +290,10 @@ pub fn occupy(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut Field) 
 }
 
 /// Chords of a curve on paper, each over at most 10°.
-fn for_chords(sheet: &Sheet, curve: &Curve, mut each: impl FnMut(Point, Point)) {
+fn for_chords(sheet: &Sheet, curve: &PlanCurve, mut each: impl FnMut(PaperPoint, PaperPoint)) {
     let parts = match curve {
-        Curve::Line { .. } => 1,
-        Curve::Arc { sweep, .. } => (sweep.abs() / 0.175).ceil().clamp(1.0, 72.0) as usize,
+        PlanCurve::Line { .. } => 1,
+        PlanCurve::Arc { sweep, .. } => (sweep.abs() / 0.175).ceil().clamp(1.0, 72.0) as usize,
     };
     for i in 0..parts {
         let at = |k: usize| sheet.at(curve.at(k as f64 / parts as f64));

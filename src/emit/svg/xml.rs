@@ -8,7 +8,7 @@ use crate::base::number::trimmed;
 
 /// An XML element.
 #[derive(Clone, Debug)]
-pub struct Element {
+pub struct XmlElement {
     name: &'static str,
     attributes: Vec<(&'static str, String)>,
     children: Vec<Node>,
@@ -16,19 +16,19 @@ pub struct Element {
 
 #[derive(Clone, Debug)]
 enum Node {
-    Element(Element),
+    Element(XmlElement),
     Text(String),
     /// A style sheet, which has nothing to escape.
     Style(String),
 }
 
-impl Element {
+impl XmlElement {
     pub fn new(name: &'static str) -> Self {
-        Element { name, attributes: Vec::new(), children: Vec::new() }
+        XmlElement { name, attributes: Vec::new(), children: Vec::new() }
     }
 
     pub fn group(class: &str) -> Self {
-        Element::new("g").attr("class", class)
+        XmlElement::new("g").attr("class", class)
     }
 
     #[must_use]
@@ -49,7 +49,7 @@ impl Element {
     }
 
     #[must_use]
-    pub fn with(mut self, child: Element) -> Self {
+    pub fn with(mut self, child: XmlElement) -> Self {
         self.push(child);
         self
     }
@@ -58,7 +58,7 @@ impl Element {
         self.children.push(Node::Style(sheet));
     }
 
-    pub fn push(&mut self, child: Element) {
+    pub fn push(&mut self, child: XmlElement) {
         self.children.push(Node::Element(child));
     }
 
@@ -123,10 +123,10 @@ mod tests {
 
     #[test]
     fn text_and_attributes_are_escaped() {
-        let root = Element::new("svg")
+        let root = XmlElement::new("svg")
             .attr("a", "<\"&\u{1}")
-            .with(Element::new("text").text("a < b & c"))
-            .with(Element::new("path").num("x", -0.0001));
+            .with(XmlElement::new("text").text("a < b & c"))
+            .with(XmlElement::new("path").num("x", -0.0001));
         assert_eq!(
             root.document(),
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg a=\"&lt;&quot;&amp;\u{fffd}\">\n \

@@ -17,7 +17,7 @@ impl Chains {
     pub(super) fn laps(&self, request: &Request) -> Option<Laps> {
         let settings = &self.settings.ensembles;
         let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
-        let effects: Vec<input::Effect> = machine.map(|e| self.effect(e)).collect();
+        let effects: Vec<input::DeclaredEffect> = machine.map(|e| self.effect(e)).collect();
         if effects.is_empty() {
             return None;
         }
@@ -49,7 +49,7 @@ impl Chains {
     }
 
     /// Carts of a run's chain with effects that are like the one with the sensors.
-    fn like(&self, request: &Request, effects: Vec<input::Effect>) -> Option<(Model, Ensemble)> {
+    fn like(&self, request: &Request, effects: Vec<input::DeclaredEffect>) -> Option<(Model, Ensemble)> {
         let carts = self.runs[request.run].model.simulation.chain.carts as f64;
         let (model, _, mut ensemble) = self.run_ensemble(request.run, &request.step, effects, carts)?;
         let load = deviations_of(&model.simulation).ok()?.1.load;
@@ -61,7 +61,7 @@ impl Chains {
 }
 
 /// The same effects with items on other carts.
-fn with_draw(effects: &[input::Effect], draw: usize) -> Vec<input::Effect> {
+fn with_draw(effects: &[input::DeclaredEffect], draw: usize) -> Vec<input::DeclaredEffect> {
     let mut effects = effects.to_vec();
     for load in effects.iter_mut().filter(|e| e.name == LOAD.name()) {
         load.strengths.insert(DRAW.name.to_owned(), draw as f64);

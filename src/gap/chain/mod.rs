@@ -21,7 +21,7 @@ use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
-use crate::identify::{self, Model, Parameter};
+use crate::identify::{FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
 use force_slope::{ForceSlopes, Impact, Profile};
@@ -78,7 +78,7 @@ impl Chains {
     ) -> Result<Chains, (String, String)> {
         let settings = &settings.chain;
         let steps = settings.ensembles.nominal_steps;
-        let fit = identify::Settings { seed, steps, threads: 1, ..identify::Settings::default() };
+        let fit = FitSettings { seed, steps, threads: 1, ..FitSettings::default() };
         // More runs than threads at a time, so that none is left to a single one in the end.
         let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
             let found = fitted(subject, &fit, settings, width).map_err(|why| (subject.name.clone(), why));
@@ -121,7 +121,7 @@ impl Chains {
             let effect = |effect: &Effect| {
                 let as_built = effect.strengths().map(|(s, fitted)| (s.name.to_owned(), fitted.as_built));
                 let strengths = as_built.chain([("draw".to_owned(), draw as f64 + 1.0)]).collect();
-                input::Effect { name: effect.name().to_owned(), strengths }
+                input::DeclaredEffect { name: effect.name().to_owned(), strengths }
             };
             self.simulated(run, &[], AS_BUILT.map(effect).to_vec(), false)
         });
@@ -178,17 +178,23 @@ impl Chains {
     }
 
     /// The effect of a candidate, as a simulation input has it.
-    fn effect(&self, applied: &Applied) -> input::Effect {
+    fn effect(&self, applied: &Applied) -> input::DeclaredEffect {
         let candidate = &self.candidates[applied.candidate];
         let fitted = candidate.strengths.iter().zip(&applied.strengths).map(|(s, x)| (s.name.clone(), *x));
-        input::Effect {
+        input::DeclaredEffect {
             name: candidate.effect.clone(),
             strengths: fitted.chain(candidate.fixed.iter().cloned()).collect(),
         }
     }
 
     /// Features of a run with nuisances moved and effects added; `sensor` says whether one is a sensor's.
-    fn simulated(&self, run: RunId, step: &[f64], effects: Vec<input::Effect>, sensor: bool) -> Option<Vec<f64>> {
+    fn simulated(
+        &self,
+        run: RunId,
+        step: &[f64],
+        effects: Vec<input::DeclaredEffect>,
+        sensor: bool,
+    ) -> Option<Vec<f64>> {
         let settings = &self.settings.ensembles;
         let passes = if step.is_empty() { settings.signature_passes } else { settings.passes };
         let fitted = &self.runs[run];
@@ -208,7 +214,7 @@ impl Chains {
         &self,
         run: RunId,
         step: &[f64],
-        effects: Vec<input::Effect>,
+        effects: Vec<input::DeclaredEffect>,
         passes: f64,
     ) -> Option<(Model, Coordinates, Ensemble)> {
         let fitted = &self.runs[run];
@@ -324,7 +330,7 @@ impl FittedRun {
     }
 
     /// The model with effects.
-    fn with(&self, effects: Vec<input::Effect>) -> Model {
+    fn with(&self, effects: Vec<input::DeclaredEffect>) -> Model {
         let mut model = self.model.clone();
         model.simulation.effects = effects;
         model

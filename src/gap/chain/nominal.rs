@@ -10,13 +10,13 @@ use crate::gap::settings;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, land};
 use crate::identify::study::Subject;
-use crate::identify::{Measured, Model, Parameter, Settings};
+use crate::identify::{FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
 
 /// Fits the nominal model to a run.
 pub fn fitted(
     subject: &Subject,
-    fit: &Settings,
+    fit: &FitSettings,
     settings: &settings::Chain,
     width: Width,
 ) -> Result<FittedRun, String> {

@@ -2,7 +2,7 @@
 
 use super::Error;
 use crate::base::digest::sha256_of;
-use crate::signal::{Campaign, Entry, Problem, RunError, csv, parquet, read};
+use crate::signal::{Campaign, DataProblem, Entry, RunError, csv, parquet, read};
 use crate::source::shown;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ fn part(entry: &Entry, declared: &BTreeMap<String, String>) -> Result<RunPart, E
     let pick = |name: &str, taken: &[String]| {
         seen.borrow_mut().push(name.to_owned());
         match declared.contains_key(name) {
-            true if taken.iter().any(|t| t == name) => Err(Problem::DuplicateColumn),
+            true if taken.iter().any(|t| t == name) => Err(DataProblem::DuplicateColumn),
             true => Ok(Some(name.to_owned())),
             false => Ok(None),
         }

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct FitSettings {
     /// Which parameters are fitted; the others keep their nominal values.
     pub free: [bool; COUNT],
     pub seed: u64,
@@ -29,9 +29,9 @@ pub struct Settings {
     pub steps: usize,
 }
 
-impl Default for Settings {
+impl Default for FitSettings {
     fn default() -> Self {
-        Settings { free: [true; COUNT], seed: 1, threads: 1, steps: STEPS }
+        FitSettings { free: [true; COUNT], seed: 1, threads: 1, steps: STEPS }
     }
 }
 
@@ -99,7 +99,7 @@ pub fn fit(
     model: &mut Model,
     measured: &Measured,
     start: Option<Coordinates>,
-    settings: &Settings,
+    settings: &FitSettings,
 ) -> Result<Fit, String> {
     land(model, measured, start, settings).map(|(fit, _)| fit)
 }
@@ -113,7 +113,7 @@ pub fn land(
     model: &mut Model,
     measured: &Measured,
     start: Option<Coordinates>,
-    settings: &Settings,
+    settings: &FitSettings,
 ) -> Result<(Fit, Landing), String> {
     let mut fitter = Fitter { measured, settings, simulations: 0, blocks: FeatureAccumulator::blocks(&model.spec) };
     let Begin { mut at, mut repeatability, mut centre } = fitter.begin(model, start).ok_or(LOST)?;
@@ -236,7 +236,7 @@ fn move_by(model: &Model, at: &mut Coordinates, found: &Posterior, share: f64) {
 
 struct Fitter<'a> {
     measured: &'a Measured,
-    settings: &'a Settings,
+    settings: &'a FitSettings,
     simulations: usize,
     blocks: Vec<Block>,
 }

@@ -27,7 +27,7 @@ pub struct Unrolled {
 
 /// A joint: the piece it rides on and its distance from that piece's begin, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joint {
+pub struct JointPosition {
     pub piece: usize,
     pub d: f64,
 }
@@ -37,7 +37,7 @@ pub struct Joint {
 pub struct Landing {
     /// Index in [`Ride::joints`] of the joint that it hangs on.
     pub behind: usize,
-    pub joint: Joint,
+    pub joint: JointPosition,
     /// Its arc length less that of the first joint and the carts between, m.
     pub deviation: f64,
 }
@@ -45,7 +45,7 @@ pub struct Landing {
 /// A chain at one place of its first joint.
 pub struct Ride {
     /// From the first joint on; of the joints on one straight the first and last only.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<JointPosition>,
     /// One a curve.
     pub landings: Vec<Landing>,
 }
@@ -81,7 +81,7 @@ impl Unrolled {
         let stretches = &self.line.stretches;
         let last = stretches.len() - 1;
         let begin = stretches[last].s + front;
-        let mut joint = Joint { piece: last, d: front };
+        let mut joint = JointPosition { piece: last, d: front };
         let mut carts = 0.0;
         let mut joints = vec![joint];
         let mut landings: Vec<Landing> = Vec::with_capacity(self.straights.len());
@@ -111,7 +111,7 @@ impl Unrolled {
     }
 
     /// The joint one chord behind: on the track, or on the line of one piece produced.
-    fn behind(&self, ahead: Joint, pitch: f64, line: Option<usize>) -> Option<Joint> {
+    fn behind(&self, ahead: JointPosition, pitch: f64, line: Option<usize>) -> Option<JointPosition> {
         let stretches = &self.line.stretches;
         let from = stretches[ahead.piece].at(ahead.d).position;
         let mut s = stretches[ahead.piece].s + ahead.d - pitch;
@@ -135,7 +135,7 @@ impl Unrolled {
             }
             s += step;
             if step.abs() < CLOSE {
-                return Some(Joint { piece, d: s - stretches[piece].s });
+                return Some(JointPosition { piece, d: s - stretches[piece].s });
             }
         }
         None

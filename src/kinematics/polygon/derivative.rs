@@ -11,8 +11,8 @@
 //! after joint; lengths and curvatures follow from radii, turns and straights, and those from the vertices (thesis
 //! §3.2).
 
-use super::chain::{Joint, Ride, Unrolled};
-use super::{Course, Objective, STEPS, Unsuited, front, harmonic};
+use super::chain::{JointPosition, Ride, Unrolled};
+use super::{Course, PolygonObjective, STEPS, Unsuited, front, harmonic};
 use crate::base::trig;
 use crate::geometry::{Form, Point, Track};
 use crate::problem::measures::{Measures, radius, to_corners};
@@ -33,7 +33,7 @@ pub struct Gradient {
 ///
 /// # Errors
 /// As [`super::action`].
-pub fn gradient(variables: &[f64], pitch: f64, objective: Objective) -> Result<Gradient, Unsuited> {
+pub fn gradient(variables: &[f64], pitch: f64, objective: PolygonObjective) -> Result<Gradient, Unsuited> {
     let track = Track::new(&to_corners(variables));
     let course = Course::of_track(&track)?;
     course.takes(pitch)?;
@@ -188,9 +188,9 @@ impl Sweep<'_> {
     }
 
     /// Slope of the place of the joint behind, `at` being that of the joint ahead.
-    fn behind(&self, ahead: Joint, behind: Joint, at: &[f64]) -> Vec<f64> {
+    fn behind(&self, ahead: JointPosition, behind: JointPosition, at: &[f64]) -> Vec<f64> {
         let stretches = &self.unrolled.line.stretches;
-        let place = |joint: Joint| stretches[joint.piece].at(joint.d);
+        let place = |joint: JointPosition| stretches[joint.piece].at(joint.d);
         let plane = |v: nalgebra::Vector3<f64>| Point::new(v.x, v.y);
         let front = plane(place(ahead).position);
         let chord = front - plane(place(behind).position);
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn gradients_are_exact() {
         let x = to_variables(&thesis10().corners());
-        for objective in Objective::EACH {
+        for objective in PolygonObjective::EACH {
             let here = gradient(&x, 1.25, objective).expect("a chain");
             let step = 1e-6;
             for k in 0..x.len() {
@@ -275,12 +275,12 @@ mod tests {
         let mut layout = crate::model::fixture::rectangle(8.7, 8.2, 4.0);
         layout.vertices[1].point.y -= 0.4;
         let x = to_variables(&layout.corners());
-        let here = gradient(&x, 1.25, Objective::All).expect("a chain");
+        let here = gradient(&x, 1.25, PolygonObjective::All).expect("a chain");
         for k in 0..x.len() {
             let moved = |by: f64| {
                 let mut y = x.clone();
                 y[k] += by;
-                gradient(&y, 1.25, Objective::All).expect("a chain").smooth
+                gradient(&y, 1.25, PolygonObjective::All).expect("a chain").smooth
             };
             let difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
             assert!((here.smooth_gradient[k] - difference).abs() < 1e-4 * here.smooth, "{k}");

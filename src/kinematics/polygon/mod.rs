@@ -7,7 +7,7 @@
 //!
 //! Curves are in series. What one adds to the next depends on their phase, the length between them modulo the cart, and
 //! two equal curves half a cart apart cancel. A layout of n straights thus has n² values, one for each straight seen
-//! from each starting straight; [`Objective`] says which of them count.
+//! from each starting straight; [`PolygonObjective`] says which of them count.
 //!
 //! - [`Course`]: the centre line as straights and curves in turn,
 //! - [`action`]: ΔP of each straight from each start, by Newton's method on the chords,
@@ -37,7 +37,7 @@ pub const STEPS: usize = 64;
 )]
 #[serde(rename_all = "snake_case")]
 #[clap(rename_all = "snake_case")]
-pub enum Objective {
+pub enum PolygonObjective {
     /// Every straight from every start.
     #[default]
     All,
@@ -47,25 +47,26 @@ pub enum Objective {
     Last,
 }
 
-impl Objective {
+impl PolygonObjective {
     /// The three, in the thesis' order.
-    pub const EACH: [Objective; 3] = [Objective::All, Objective::FirstThree, Objective::Last];
+    pub const EACH: [PolygonObjective; 3] =
+        [PolygonObjective::All, PolygonObjective::FirstThree, PolygonObjective::Last];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Objective::All => "all",
-            Objective::FirstThree => "first_three",
-            Objective::Last => "last",
+            PolygonObjective::All => "all",
+            PolygonObjective::FirstThree => "first_three",
+            PolygonObjective::Last => "last",
         }
     }
 
     /// Whether the straight behind `passed` of `curves` curves counts.
     pub fn counts(self, passed: usize, curves: usize) -> bool {
         match self {
-            Objective::All => true,
-            Objective::FirstThree => passed <= 3,
-            Objective::Last => passed == curves,
+            PolygonObjective::All => true,
+            PolygonObjective::FirstThree => passed <= 3,
+            PolygonObjective::Last => passed == curves,
         }
     }
 }
@@ -83,18 +84,18 @@ pub struct Action {
 
 impl Action {
     /// Sum of the squares of what counts, m².
-    pub fn value(&self, objective: Objective) -> f64 {
+    pub fn value(&self, objective: PolygonObjective) -> f64 {
         sum(&self.delta_p, objective, |x| x * x)
     }
 
     /// The same of the first harmonic, as the peak to peak 2|H| of each, m².
-    pub fn smooth(&self, objective: Objective) -> f64 {
+    pub fn smooth(&self, objective: PolygonObjective) -> f64 {
         sum(&self.first, objective, |h| 4.0 * h.norm_sqr())
     }
 }
 
 /// Σ over what counts of a matrix by starting straight and straight.
-fn sum<T>(matrix: &[Vec<T>], objective: Objective, of: impl Fn(&T) -> f64) -> f64 {
+fn sum<T>(matrix: &[Vec<T>], objective: PolygonObjective, of: impl Fn(&T) -> f64) -> f64 {
     let n = matrix.len();
     let row = |(i, row): (usize, &Vec<T>)| -> f64 {
         row.iter().enumerate().filter(|(j, _)| objective.counts(passed(i, *j, n), n)).map(|(_, x)| of(x)).sum()
@@ -152,7 +153,7 @@ fn front(step: usize, pitch: f64) -> f64 {
 
 /// What an objective would be if the phases of curves were left to chance: each value then the sum of squares of the
 /// curves passed, m².
-pub fn by_chance(curves: &[CurvePhasor], objective: Objective) -> f64 {
+pub fn by_chance(curves: &[CurvePhasor], objective: PolygonObjective) -> f64 {
     let n = curves.len();
     let from = |i: usize| -> f64 {
         let mut sum = 0.0;

@@ -105,10 +105,10 @@ fn objectives_count_from_the_start() {
         delta_p: (0..5).map(|i| (0..5).map(|j| if passed(i, j, 5) == 4 { 1.0 } else { 0.0 }).collect()).collect(),
         first: Vec::new(),
     };
-    assert_eq!(Objective::EACH.map(|o| matrix.value(o)), [5.0, 0.0, 0.0]);
+    assert_eq!(PolygonObjective::EACH.map(|o| matrix.value(o)), [5.0, 0.0, 0.0]);
     let third = |i: usize, j: usize| if passed(i, j, 5) == 3 { 1.0 } else { 0.0 };
     let matrix = Action { delta_p: (0..5).map(|i| (0..5).map(|j| third(i, j)).collect()).collect(), ..matrix };
-    assert_eq!(matrix.value(Objective::FirstThree), 5.0);
+    assert_eq!(matrix.value(PolygonObjective::FirstThree), 5.0);
     assert_eq!((passed(2, 2, 5), passed(2, 1, 5), straight_behind(0, 5, 5)), (5, 1, 0));
 }
 
@@ -133,7 +133,7 @@ fn both_measures_rank_layouts_alike() {
             action(&Course::of_track(&track).expect("a course"), PITCH).expect("a chain")
         })
         .collect();
-    for objective in Objective::EACH {
+    for objective in PolygonObjective::EACH {
         let of = |f: &dyn Fn(&Action) -> f64| ranks(&actions.iter().map(f).collect::<Vec<_>>());
         let (peak, smooth) = (of(&|a| a.value(objective)), of(&|a| a.smooth(objective)));
         let n = actions.len() as f64;
@@ -190,7 +190,7 @@ fn touching_curves_are_told_apart_by_their_bend() {
 fn gradients_and_actions_agree() {
     let x = to_variables(&thesis10().corners());
     let whole = action(&Course::of_track(&Track::new(&to_corners(&x))).expect("a course"), PITCH).expect("a chain");
-    for objective in Objective::EACH {
+    for objective in PolygonObjective::EACH {
         let found = gradient(&x, PITCH, objective).expect("a chain");
         assert!((found.value / whole.value(objective) - 1.0).abs() < 1e-12);
         assert!((found.smooth / whole.smooth(objective) - 1.0).abs() < 1e-12);

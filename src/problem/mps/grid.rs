@@ -1,14 +1,14 @@
 //! The choices of the discrete stage: headings, turns and radii of the catalogue (thesis §3.3, stage 3).
 
 use super::super::Problem;
-use super::super::measures::{radius, to_corners};
+use super::super::measures::to_corners;
 use crate::base::trig;
 use crate::geometry::Track;
 use crate::model::Layout;
 
 /// A heading this far from the grid is not on it, rad.
 const OFF_GRID: f64 = 1e-7;
-/// Rounding of limits, in steps and in m.
+/// Rounding of limits, in steps.
 const SLACK: f64 = 1e-9;
 
 /// Which headings, turns and radii there are to choose from.
@@ -59,7 +59,7 @@ impl Grid {
             fixed: !held.is_empty(),
             headings: written.iter().map(near).collect(),
             turns: ((limits.low / step - SLACK).ceil() as i64, (limits.high / step + SLACK).floor() as i64),
-            radii: (0..n).map(|i| radii(layout, problem, i)).collect(),
+            radii: (0..n).map(|i| problem.radii(layout, i)).collect(),
             winding: ((total / trig::TAU).round() * (trig::TAU / step).round()) as i64,
             off: held.iter().copied().filter(|&i| (written[i] - written[i].round()).abs() * step > OFF_GRID).collect(),
         };
@@ -102,14 +102,4 @@ impl Grid {
             }
         }
     }
-}
-
-/// The catalogue's radii within the limits of a vertex; a radius that the layout fixes is the user's own choice.
-fn radii(layout: &Layout, problem: &Problem, i: usize) -> Vec<f64> {
-    let limits = problem.bounds[radius(i)];
-    if limits.low == limits.high {
-        return vec![limits.low];
-    }
-    let within = |r: &f64| *r >= limits.low - SLACK && *r <= limits.high + SLACK;
-    layout.catalog.curve.radii.iter().copied().filter(within).collect()
 }

@@ -1,5 +1,6 @@
 //! The layout's own rows where they are linear in the columns.
 
+use super::super::affine::Affine;
 use super::super::measures::{x, y};
 use super::super::{Function, relation};
 use super::Writer;
@@ -7,22 +8,7 @@ use super::linear::Sum;
 use crate::base::trig;
 use crate::model::{Formula, Target};
 
-/// Σ k·column + constant.
-#[derive(Clone, Debug, Default)]
-struct Affine {
-    terms: Sum,
-    constant: f64,
-}
-
 impl Affine {
-    fn plus(mut self, k: f64, other: &Affine) -> Self {
-        self.constant += k * other.constant;
-        for (&column, &coefficient) in &other.terms {
-            *self.terms.entry(column).or_insert(0.0) += k * coefficient;
-        }
-        self
-    }
-
     fn of(terms: impl IntoIterator<Item = (usize, f64)>) -> Self {
         Affine { terms: terms.into_iter().collect(), constant: 0.0 }
     }

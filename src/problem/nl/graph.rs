@@ -1,5 +1,6 @@
 //! Expressions as a graph in which equal parts are one node.
 
+use super::super::affine::Affine;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A node of a [`Graph`].
@@ -45,13 +46,6 @@ pub enum Node {
     Number(u64),
     Variable(usize),
     Apply(Operator, Vec<Id>),
-}
-
-/// Σ k·variable + constant.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Affine {
-    pub terms: BTreeMap<usize, f64>,
-    pub constant: f64,
 }
 
 #[derive(Debug, Default)]
@@ -188,15 +182,5 @@ impl Graph {
             }
             Node::Apply(..) => None,
         }
-    }
-}
-
-impl Affine {
-    fn plus(mut self, k: f64, other: &Affine) -> Self {
-        self.constant += k * other.constant;
-        for (&variable, &coefficient) in &other.terms {
-            *self.terms.entry(variable).or_insert(0.0) += k * coefficient;
-        }
-        self
     }
 }

@@ -10,8 +10,9 @@ mod graph;
 mod rows;
 mod shapes;
 
+use super::affine::Affine;
 use super::{Problem, RowKey};
-use graph::{Affine, Graph, Id, Node};
+use graph::{Graph, Id, Node};
 use rows::Frozen;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

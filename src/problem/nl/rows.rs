@@ -4,10 +4,10 @@
 //! which parts of the track a clearance row is about, the full turns of a heading, the part of a polygon's outline that
 //! is nearest to a vertex.
 
-use super::super::clearance::{Form, Spot};
+use super::super::clearance::{ClearanceForm, Spot};
 use super::super::formula::{Nearest, nearest};
 use super::super::measures::to_corners;
-use super::super::{Function, Problem, Row, RowKey};
+use super::super::{ConstraintRow, Function, Problem, RowKey};
 use super::graph::{Graph, Id, Operator, Plane};
 use super::shapes::Shapes;
 use crate::base::trig;
@@ -65,7 +65,7 @@ impl Writer<'_> {
     }
 
     /// `value` is the row's where choices are made.
-    fn listed(&mut self, row: &Row, value: f64) -> Id {
+    fn listed(&mut self, row: &ConstraintRow, value: f64) -> Id {
         match &row.function {
             Function::Turn(i) => self.shapes.vertices[*i].turn,
             Function::Section(i) => self.shapes.sections[*i].length,
@@ -109,13 +109,13 @@ impl Writer<'_> {
         Plane { x: self.graph().number(p.x), y: self.graph().number(p.y) }
     }
 
-    fn clearance(&mut self, form: &Form) -> Id {
+    fn clearance(&mut self, form: &ClearanceForm) -> Id {
         match *form {
-            Form::CornerAtLine { section, corner, lies } => {
+            ClearanceForm::CornerAtLine { section, corner, lies } => {
                 let corner = self.constant(corner);
                 self.beside(section, corner, lies)
             }
-            Form::CornerAtCircle { vertex, corner, lies } => {
+            ClearanceForm::CornerAtCircle { vertex, corner, lies } => {
                 let corner = self.constant(corner);
                 let at = self.shapes.vertices[vertex];
                 let from = self.graph().between(corner, at.centre);
@@ -123,19 +123,19 @@ impl Writer<'_> {
                 let inside = self.graph().subtract(at.radius, out);
                 self.shapes.graph.scale(lies * self.problem.signs[vertex], inside)
             }
-            Form::ArcOverEdge { vertex, edge, spot } => {
+            ClearanceForm::ArcOverEdge { vertex, edge, spot } => {
                 let begin = self.constant(edge.begin);
                 let (point, radius) = self.spot(vertex, spot);
                 let from = self.graph().between(begin, point);
                 let height = self.component(from, edge.normal);
                 self.less(height, radius)
             }
-            Form::ArcAtLine { arc, section, side, spot } => {
+            ClearanceForm::ArcAtLine { arc, section, side, spot } => {
                 let (point, radius) = self.spot(arc, spot);
                 let beside = self.beside(section, point, side);
                 self.less(beside, radius)
             }
-            Form::Arcs { arc, other, within } => {
+            ClearanceForm::Arcs { arc, other, within } => {
                 let (a, b) = (self.shapes.vertices[arc], self.shapes.vertices[other]);
                 let between = self.graph().between(b.centre, a.centre);
                 let between = self.graph().norm(between);

@@ -36,9 +36,12 @@ fn chart(bars: &[Bar]) -> Markup {
                 @let width = bar.share.clamp(0.0, 1.0) * room;
                 text.name x=(LEFT - 10.0) y=(fixed(y + 14.0, 1)) text-anchor="end" { (bar.name) }
                 @if bar.share.is_finite() {
-                    rect class=(bar.class) x=(LEFT) y=(fixed(y + 2.0, 1)) width=(fixed(width.max(1.0), 1)) height=(ROW - 10.0) rx="2" {}
+                    rect class=(bar.class) x=(LEFT) y=(fixed(y + 2.0, 1)) width=(fixed(width.max(1.0), 1))
+                        height=(ROW - 10.0) rx="2" {}
                 }
-                text.value x=(fixed(LEFT + width + 8.0, 1)) y=(fixed(y + 14.0, 1)) { (percent(bar.share)) tspan.quiet { (bar.note) } }
+                text.value x=(fixed(LEFT + width + 8.0, 1)) y=(fixed(y + 14.0, 1)) {
+                    (percent(bar.share)) tspan.quiet { (bar.note) }
+                }
             }
         }
     }
@@ -63,7 +66,8 @@ pub fn probabilities(diagnosis: &Diagnosis) -> Markup {
     html! {
         (chart(&bars))
         @if !rest.is_empty() {
-            p.note { (rest.len()) @if rest.len() == 1 { " more effect, " } @else { " more effects, each " } (percent(highest)) " or less. "
+            p.note { (rest.len()) @if rest.len() == 1 { " more effect, " } @else { " more effects, each " }
+                (percent(highest)) " or less. "
                 "Several effects can be present, so that the bars need not add to 100 %." }
         } @else {
             p.note { "Several effects can be present, so that the bars need not add to 100 %." }
@@ -91,7 +95,8 @@ pub fn closed(diagnosis: &Diagnosis, named: &[&Finding]) -> Markup {
             figure {
                 figcaption { b { "Gap closed" } ", on runs that took no part in the choice" }
                 (chart(&bars))
-                p.note { "With all of it closed, what repeated measurements differ by is left. The placebo is the same effect with as many strengths, its places "
+                p.note { "With all of it closed, what repeated measurements differ by is left. The placebo is the same \
+                          effect with as many strengths, its places "
                     "permuted or its phase scrambled; the black box fits residuals and names nothing." }
             }
         }
@@ -129,7 +134,8 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
                 @let y = ROW * k as f64 + 12.0;
                 text.name x=(LEFT - 10.0) y=(fixed(y + 4.0, 1)) text-anchor="end" { (run.run) }
                 @if run.replicate_high > 0.0 && run.replicate_high.is_finite() {
-                    rect.replicate x=(LEFT) y=(fixed(y - 9.0, 1)) width=(fixed((x(run.replicate_high) - LEFT).max(1.0), 1)) height="18" {}
+                    rect.replicate x=(LEFT) y=(fixed(y - 9.0, 1))
+                        width=(fixed((x(run.replicate_high) - LEFT).max(1.0), 1)) height="18" {}
                 }
                 @if changed { line.way x1=(at(run.before)) x2=(at(run.after)) y1=(fixed(y, 1)) y2=(fixed(y, 1)) {} }
                 circle.before cx=(at(run.before)) cy=(fixed(y, 1)) r="5" {}

@@ -2,7 +2,10 @@
 
 use super::words::{band, percent, stretch};
 use crate::base::number::{fixed, ticks, trimmed};
+use crate::emit::paper::{PaperPoint, Projection};
 use crate::gap::{Axis, Diagnosis, GapPlace};
+use crate::geometry::Point;
+use crate::report::lap::chart::coordinates;
 use crate::report::lap::lap_track::{LapTrack, PartKind};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
@@ -72,38 +75,29 @@ fn view(track: &LapTrack, places: &[&GapPlace]) -> Markup {
     let lap = track.line.length;
     let values = density(places, lap, PIECES);
     let largest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let at = |s: f64| track.line.at(s).position;
-    let outline: Vec<_> = (0..=400).map(|k| at(lap * f64::from(k) / 400.0)).collect();
-    let bound = |pick: fn(f64, f64) -> f64, axis: usize, start: f64| outline.iter().map(|p| p[axis]).fold(start, pick);
-    let (x0, x1) = (bound(f64::min, 0, f64::INFINITY), bound(f64::max, 0, f64::NEG_INFINITY));
-    let (y0, y1) = (bound(f64::min, 1, f64::INFINITY), bound(f64::max, 1, f64::NEG_INFINITY));
     let margin = 40.0;
-    let scale = ((WIDTH - 2.0 * margin) / (x1 - x0).max(1e-3)).min(420.0 / (y1 - y0).max(1e-3));
+    let (low, high, scale) = track.fit(PaperPoint::new(WIDTH - 2.0 * margin, 420.0));
     // In the middle where the track is higher than wide.
-    let left = 0.5 * (WIDTH - (x1 - x0) * scale);
-    let height = (y1 - y0) * scale + 2.0 * margin + 26.0;
-    let place = |s: f64| {
-        let p = at(s);
-        (left + (p.x - x0) * scale, margin + (y1 - p.y) * scale)
-    };
-    let point = |s: f64| {
-        let (x, y) = place(s);
-        format!("{} {}", fixed(x, 1), fixed(y, 1))
-    };
+    let left = 0.5 * (WIDTH - (high.x - low.x) * scale);
+    let height = (high.y - low.y) * scale + 2.0 * margin + 26.0;
+    let (floor, paper) = (Point::new(low.x, high.y), PaperPoint::new(left, margin));
+    let projection = Projection { floor, paper, scale };
+    let place = |s: f64| projection.at(track.at(s));
+    let point = |s: f64| coordinates(place(s));
     let whole: Vec<String> = (0..=PIECES).map(|k| point(lap * k as f64 / PIECES as f64)).collect();
     let stretch = |from: usize, to: usize| {
         let halves = (2 * from..=2 * to).map(|k| point(lap * k as f64 / (2 * PIECES) as f64));
         format!("M{}", halves.collect::<Vec<_>>().join("L"))
     };
-    let (x, y) = place(0.0);
+    let start = place(0.0);
     // Beside the track, on the side away from the middle.
-    let (cx, cy) = (0.5 * WIDTH, margin + 0.5 * (y1 - y0) * scale);
+    let middle = PaperPoint::new(0.5 * WIDTH, margin + 0.5 * (high.y - low.y) * scale);
     let beside = |s: f64, by: f64| {
-        let ((x, y), (before, after)) = (place(s), (place(s - 0.1), place(s + 0.1)));
-        let (dx, dy) = (after.0 - before.0, after.1 - before.1);
-        let length = (dx * dx + dy * dy).sqrt().max(1e-9);
-        let away = if (x - cx) * dy - (y - cy) * dx >= 0.0 { by } else { -by };
-        (x + away * dy / length, y - away * dx / length)
+        let (p, along) = (place(s), place(s + 0.1) - place(s - 0.1));
+        let length = along.dot(along).sqrt().max(1e-9);
+        let outward = p - middle;
+        let away = if outward.x * along.y - outward.y * along.x >= 0.0 { by } else { -by };
+        PaperPoint::new(p.x + away * along.y / length, p.y - away * along.x / length)
     };
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
@@ -111,13 +105,13 @@ fn view(track: &LapTrack, places: &[&GapPlace]) -> Markup {
             @for (from, to, value) in runs(&values) {
                 path.gap d=(stretch(from, to)) stroke-opacity=(opacity(value, largest)) {}
             }
-            circle cx=(fixed(x, 1)) cy=(fixed(y, 1)) r="5" fill="none" stroke="currentColor" {}
-            @let (lx, ly) = beside(0.0, 20.0);
-            text.number-label x=(fixed(lx, 1)) y=(fixed(ly + 4.0, 1)) text-anchor="middle" { "s = 0" }
+            circle cx=(fixed(start.x, 1)) cy=(fixed(start.y, 1)) r="5" fill="none" stroke="currentColor" {}
+            @let label = beside(0.0, 20.0);
+            text.number-label x=(fixed(label.x, 1)) y=(fixed(label.y + 4.0, 1)) text-anchor="middle" { "s = 0" }
             @for (k, spot) in spots(places, lap).into_iter().enumerate() {
-                @let (px, py) = beside(spot, 20.0);
-                circle.badge cx=(fixed(px, 1)) cy=(fixed(py, 1)) r="9" {}
-                text.badge-text x=(fixed(px, 1)) y=(fixed(py + 4.0, 1)) text-anchor="middle" { (k + 1) }
+                @let p = beside(spot, 20.0);
+                circle.badge cx=(fixed(p.x, 1)) cy=(fixed(p.y, 1)) r="9" {}
+                text.badge-text x=(fixed(p.x, 1)) y=(fixed(p.y + 4.0, 1)) text-anchor="middle" { (k + 1) }
             }
             (key(margin, height - 20.0, largest, Axis::Track))
         }
@@ -129,7 +123,8 @@ fn key(x: f64, y: f64, largest: f64, axis: Axis) -> Markup {
     html! {
         @for k in 0..32 {
             @let share = f64::from(k) / 31.0;
-            rect.gap-fill x=(fixed(x + f64::from(k) * 5.0, 1)) y=(fixed(y, 1)) width="5" height="10" fill-opacity=(opacity(share, 1.0)) {}
+            rect.gap-fill x=(fixed(x + f64::from(k) * 5.0, 1)) y=(fixed(y, 1)) width="5" height="10"
+                fill-opacity=(opacity(share, 1.0)) {}
         }
         text.number-label x=(fixed(x + 168.0, 1)) y=(fixed(y + 9.0, 1)) {
             "0 … " (percent(largest)) " of the gap per " (if axis == Axis::Track { "metre" } else { "second" })
@@ -178,25 +173,30 @@ fn strip(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis
     let step = extent / PIECES as f64;
     html! {
         figure {
-            figcaption { b { "Channel by channel" } ", share of the gap over " (if axis == Axis::Track { "arc length, m" } else { "time, s" })
+            figcaption { b { "Channel by channel" } ", share of the gap over "
+                (if axis == Axis::Track { "arc length, m" } else { "time, s" })
                 @if track.is_some() { "; shaded above: curves, ramps and spirals" } }
             svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
                 @for part in track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != PartKind::Straight) {
-                    rect class=(part.kind.class()) x=(fixed(x(part.from), 1)) y="0" width=(fixed(x(part.to) - x(part.from), 1)) height="8" {}
+                    rect class=(part.kind.class()) x=(fixed(x(part.from), 1)) y="0"
+                        width=(fixed(x(part.to) - x(part.from), 1)) height="8" {}
                 }
                 @for (k, ((channel, share), values)) in rows.iter().zip(&columns).enumerate() {
                     @let y = top + ROW * k as f64;
                     text.name x=(LEFT - 10.0) y=(fixed(y + 13.0, 1)) text-anchor="end" { (channel) }
                     rect.row x=(LEFT) y=(fixed(y, 1)) width=(WIDTH - LEFT - RIGHT) height=(ROW - 4.0) {}
                     @for (from, to, value) in runs(values) {
-                        rect.gap-fill x=(fixed(x(from as f64 * step), 1)) y=(fixed(y, 1)) width=(fixed(x((to - from) as f64 * step) - LEFT, 1))
+                        rect.gap-fill x=(fixed(x(from as f64 * step), 1)) y=(fixed(y, 1))
+                            width=(fixed(x((to - from) as f64 * step) - LEFT, 1))
                             height=(ROW - 4.0) fill-opacity=(opacity(value, largest)) {}
                     }
                     text.value x=(WIDTH - RIGHT + 8.0) y=(fixed(y + 13.0, 1)) { (percent(*share)) }
                 }
                 @for t in ticks(0.0, extent, 12.0) {
                     line.axis x1=(fixed(x(t), 1)) x2=(fixed(x(t), 1)) y1=(top) y2=(fixed(bottom, 1)) {}
-                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" { (trimmed(t, 3)) " " (axis.unit()) }
+                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" {
+                        (trimmed(t, 3)) " " (axis.unit())
+                    }
                 }
                 (key(LEFT, bottom + 28.0, largest, axis))
             }
@@ -238,8 +238,12 @@ fn worst(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis
                     td.number { (percent(p.share)) }
                     td { (p.channel) }
                     td { @if whole(p) { @if axis == Axis::Track { "all along the track" } @else { "all the time" } }
-                        @else { (stretch(p.extent.ends().0, p.extent.ends().1, axis)) @if let Some(name) = part(p) { ", " (name) } } }
-                    td { @if axis == Axis::Track { (p.band) @if !band(&p.band, axis).is_empty() { ": " } } (band(&p.band, axis)) }
+                        @else { (stretch(p.extent.ends().0, p.extent.ends().1, axis))
+                            @if let Some(name) = part(p) { ", " (name) } } }
+                    td {
+                        @if axis == Axis::Track { (p.band) @if !band(&p.band, axis).is_empty() { ": " } }
+                        (band(&p.band, axis))
+                    }
                 }
             } }
         } }
@@ -270,7 +274,11 @@ fn table(places: &[&GapPlace]) -> Markup {
     let rest = 1.0 - total(&|_| true);
     html! {
         h3 { "By channel and kind of deviation" }
-        @if rest > 0.005 { p.quiet { "The " (places.len()) " largest parts are counted. Smaller ones hold the other " (percent(rest)) "." } }
+        @if rest > 0.005 {
+            p.quiet {
+                "The " (places.len()) " largest parts are counted. Smaller ones hold the other " (percent(rest)) "."
+            }
+        }
         div.scroll { table.heat {
             thead { tr { th { "channel" } @for b in &bands { th.number { (b) } } th.number { "sum" } } }
             tbody {
@@ -279,13 +287,20 @@ fn table(places: &[&GapPlace]) -> Markup {
                         td { (channel) }
                         @for b in &bands {
                             @let share = shares.get(&(*channel, *b)).copied().unwrap_or(0.0);
-                            @if share > 0.0 { td.number style=(heat(share)) { (percent(share)) } } @else { td.number.quiet { "–" } }
+                            @if share > 0.0 {
+                                td.number style=(heat(share)) { (percent(share)) }
+                            } @else {
+                                td.number.quiet { "–" }
+                            }
                         }
                         td.number { (percent(*all)) }
                     }
                 }
                 @if channels.len() > 1 {
-                    tr.sum { td { "sum" } @for b in &bands { td.number { (percent(total(&|k| k.1 == *b))) } } td.number { (percent(total(&|_| true))) } }
+                    tr.sum {
+                        td { "sum" } @for b in &bands { td.number { (percent(total(&|k| k.1 == *b))) } }
+                        td.number { (percent(total(&|_| true))) }
+                    }
                 }
             }
         } }

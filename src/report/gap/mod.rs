@@ -11,12 +11,13 @@ mod words;
 
 use super::lap::lap_track::LapTrack;
 use crate::base::number::{decimal, trimmed};
+use crate::base::words::list;
 use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
 use crate::report::style::document;
 use crate::signal::Channel;
 use maud::{Markup, html};
-use words::{amount, heading, list, percent, plain};
+use words::{amount, heading, percent, plain};
 
 /// Findings at least this probable are present, as the verdict has it.
 const PRESENT: f64 = 0.5;
@@ -42,7 +43,9 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         }
         @if !diagnosis.runs.is_empty() {
             figure {
-                figcaption { b { "Gap of each run" } ", mean square residual over that of repeated measurements: 1 is none" }
+                figcaption {
+                    b { "Gap of each run" } ", mean square residual over that of repeated measurements: 1 is none"
+                }
                 (bars::runs(&diagnosis.runs, changed))
             }
         }
@@ -72,7 +75,7 @@ fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
             _ => plain(&finding.name),
         }
     };
-    let all = || heading(&list(&named.iter().map(with_group).collect::<Vec<_>>()));
+    let all = || heading(&list(&named.iter().map(with_group).collect::<Vec<_>>(), "and"));
     match (diagnosis.verdict, diagnosis.has_gap()) {
         (Verdict::None, false) => "No gap".to_owned(),
         (Verdict::None, true) => "No gap established".to_owned(),
@@ -83,7 +86,7 @@ fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
         (_, true) => format!("{}: the best of the known effects", all()),
         (_, false) => format!(
             "Within repeatability, but like {}",
-            plain(&list(&named.iter().map(with_group).collect::<Vec<_>>()))
+            plain(&list(&named.iter().map(with_group).collect::<Vec<_>>(), "and"))
         ),
     }
 }
@@ -101,7 +104,9 @@ fn claims<'a>(diagnosis: &'a Diagnosis, named: &[&'a Finding]) -> Vec<&'a Findin
 fn strengths(named: &[&Finding]) -> Markup {
     html! {
         div.scroll { table {
-            thead { tr { th { "effect" } th { "where" } th { "strength" } th.number { "value" } th { "90 % interval" } } }
+            thead {
+                tr { th { "effect" } th { "where" } th { "strength" } th.number { "value" } th { "90 % interval" } }
+            }
             tbody { @for finding in named {
                 @for (k, (name, strength)) in finding.strength.iter().enumerate() {
                     @let (value, interval) = amount(strength);
@@ -127,7 +132,9 @@ fn closed_by_channel(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !channels.is_empty() {
             p.note { "By channel: "
-                @for (k, (channel, closed)) in channels.iter().enumerate() { @if k > 0 { ", " } (channel) " " (percent(*closed)) } "." }
+                @for (k, (channel, closed)) in channels.iter().enumerate() {
+                    @if k > 0 { ", " } (channel) " " (percent(*closed))
+                } "." }
         }
     }
 }
@@ -156,7 +163,13 @@ fn overlays(diagnosis: &Diagnosis) -> Markup {
     let changed = charts.iter().any(|(changed, _)| *changed);
     html! {
         @if drawn {
-            h2 { @if changed { "Before and after, in the channels that differ most" } @else { "Measured and simulated, in the channels that differ most" } }
+            h2 {
+                @if changed {
+                    "Before and after, in the channels that differ most"
+                } @else {
+                    "Measured and simulated, in the channels that differ most"
+                }
+            }
             (overlay::legend(changed))
             @for (_, chart) in &charts { (chart) }
         }
@@ -170,7 +183,7 @@ fn groups(diagnosis: &Diagnosis) -> Markup {
         @if !shown.is_empty() {
             h2 { "Not told apart by these runs" }
             ul { @for group in shown {
-                li { b { (list(&group.members.iter().map(|m| plain(m)).collect::<Vec<_>>())) }
+                li { b { (list(&group.members.iter().map(|m| plain(m)).collect::<Vec<_>>(), "and")) }
                     @if !group.experiment.is_empty() { ": " (group.experiment) } }
             } }
         }
@@ -186,7 +199,8 @@ fn repeatability(diagnosis: &Diagnosis) -> Markup {
         @if !diagnosis.repeatability.is_empty() {
             h2 { "Repeatability" }
             p { @if diagnosis.axis == Axis::Track {
-                    "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart means). "
+                    "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart \
+                     means). "
                 } @else {
                     "The same measured again would be this far apart (root mean square of the means over windows). "
                 } "It counts as no gap: "
@@ -196,7 +210,9 @@ fn repeatability(diagnosis: &Diagnosis) -> Markup {
         }
         @if !diagnosis.runs.is_empty() {
             @let high = diagnosis.runs.iter().map(|r| r.replicate_high).filter(|x| x.is_finite()).fold(0.0, f64::max);
-            @if high > 0.0 { p.note { "95 % of repeated measurements stay under " (trimmed(high, 2)) " times its mean square." } }
+            @if high > 0.0 {
+                p.note { "95 % of repeated measurements stay under " (trimmed(high, 2)) " times its mean square." }
+            }
         }
     }
 }

@@ -2,9 +2,8 @@
 //! stray.
 
 use super::words::{band, percent, scale_of, stretch};
-use crate::base::number::fixed;
 use crate::gap::{Axis, Overlay};
-use crate::report::lap::chart::{HEIGHT, Scale, WIDTH, frame};
+use crate::report::lap::chart::{HEIGHT, Scale, WIDTH, coordinates, frame};
 use maud::{Markup, html};
 
 /// Deviations of repeated measurements that the band is wide to either side.
@@ -100,7 +99,7 @@ impl Panel<'_> {
 }
 
 fn point(scale: &Scale, (s, y): &(f64, f64)) -> String {
-    format!("{} {}", fixed(scale.x(*s), 1), fixed(scale.y(*y), 1))
+    coordinates(scale.at(*s, *y))
 }
 
 fn path(overlay: &Overlay, scale: &Scale, values: &[f64]) -> String {

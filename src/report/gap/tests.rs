@@ -1,13 +1,13 @@
 use super::*;
 use crate::base::trig;
-use crate::chain_input::Piece;
+use crate::chain_input::CentreLinePiece;
 use crate::gap::random_reports::{hold, report};
 use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap};
 use std::collections::BTreeMap;
 
 fn oval() -> Track {
-    let straight = || Piece::Straight { length: 30.0, slope: 0.0 };
-    let arc = || Piece::Arc { radius: 4.0, turn_deg: 180.0 };
+    let straight = || CentreLinePiece::Straight { length: 30.0, slope: 0.0 };
+    let arc = || CentreLinePiece::Arc { radius: 4.0, turn_deg: 180.0 };
     Track { name: "oval".into(), start: [0.0; 4], elements: vec![straight(), arc(), straight(), arc()] }
 }
 
@@ -66,7 +66,8 @@ fn placed() -> Diagnosis {
     let others = [("track_flexibility", 0.071), ("wheel_out_of_round", 0.022), ("sensor_gain", 0.004)];
     Diagnosis {
         verdict: Verdict::Effect,
-        summary: "A rail step of 0.82 mm at 41.2 m on the left rail explains the gap with a probability of 96 %. Adding it closes 93 % of \
+        summary: "A rail step of 0.82 mm at 41.2 m on the left rail explains the gap with a probability of 96 %. \
+                  Adding it closes 93 % of \
                   the gap on a run that took no part in the choice, where a placebo closes 11 %."
             .into(),
         shown: vec!["rail_step".into()],
@@ -82,7 +83,9 @@ fn placed() -> Diagnosis {
         ],
         unknown_probability: 0.031,
         none_probability: 0.000_02,
-        repeatability: [("steer_left".to_owned(), 0.712), ("joint_eta".to_owned(), 1.25), ("joint_xi".to_owned(), 11.3)].into(),
+        repeatability: [("steer_left", 0.712), ("joint_eta", 1.25), ("joint_xi", 11.3)]
+            .map(|(channel, value)| (channel.to_owned(), value))
+            .into(),
         next_experiment: "A second lap at 2.4 m/s would halve the interval of the height.".into(),
         groups: Vec::new(),
         runs: vec![run("run-01", 18.2, 1.31), run("run-02", 23.9, 1.22), run("run-03", 9.7, 1.08)],

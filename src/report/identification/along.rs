@@ -18,7 +18,8 @@ const DEVIATIONS: f64 = 2.0;
 pub const RULES: &str = "
 .repeatability { fill: var(--fill); opacity: 0.6; } .simulated { fill: none; stroke: var(--trace); stroke-width: 1; }
 .measured { fill: none; stroke: var(--ink); stroke-width: 1.4; } .off { fill: #f59e0b; opacity: 0.18; }
-details > summary { cursor: pointer; margin: 8px 0; } .warning { border-left: 4px solid #c2410c; padding: 2px 0 2px 12px; margin: 12px 0; }
+details > summary { cursor: pointer; margin: 8px 0; } \
+.warning { border-left: 4px solid #c2410c; padding: 2px 0 2px 12px; margin: 12px 0; }
 .warning p { margin: 4px 0; }
 ";
 
@@ -106,7 +107,8 @@ pub fn along(channel: &str, profile: &Profile, goodness: &Goodness) -> Markup {
                     text.tick x=(scale.x(*t)) y=(HEIGHT - 5.0) text-anchor="middle" { (label) }
                 }
                 @for (above, below) in upper.iter().zip(&lower) {
-                    polygon.repeatability points=(path(&mut above.iter().copied().chain(below.iter().rev().copied()))) {}
+                    polygon.repeatability
+                        points=(path(&mut above.iter().copied().chain(below.iter().rev().copied()))) {}
                 }
                 @for piece in pieces(&profile.simulated) { polyline.simulated points=(path(&mut piece.into_iter())) {} }
                 @for piece in pieces(&profile.measured) { polyline.measured points=(path(&mut piece.into_iter())) {} }

@@ -37,7 +37,8 @@ const BELOW: f64 = 22.0;
 pub const RULES: &str = "
 .estimate { fill: var(--trace); stroke: var(--trace); } .estimate.hollow { fill: var(--paper); }
 .bar { stroke: var(--trace); stroke-width: 2; } .warned { --trace: #c2410c; } .warned text { fill: #c2410c; }
-.quartiles { fill: var(--band); } .median { stroke: var(--soft); stroke-dasharray: 4 3; } .set-point { fill: var(--ink); font-weight: 600; }
+.quartiles { fill: var(--band); } .median { stroke: var(--soft); stroke-dasharray: 4 3; } \
+.set-point { fill: var(--ink); font-weight: 600; }
 ";
 
 /// Least and largest of what is to be seen.
@@ -90,7 +91,8 @@ fn one(band: &Band, top: &mut f64, at: &impl Fn(f64) -> String) -> Markup {
             text.set-point x="0" y=(level(head + 14.0)) { (band.name) }
         }
         @if several {
-            polygon.quartiles points=(format!("{a},{t} {b},{t} {b},{u} {a},{u}", a = at(lower), b = at(upper), t = level(from), u = level(*top))) {}
+            @let (a, b, t, u) = (at(lower), at(upper), level(from), level(*top));
+            polygon.quartiles points=(format!("{a},{t} {b},{t} {b},{u} {a},{u}")) {}
             line.median x1=(at(median)) x2=(at(median)) y1=(level(from)) y2=(level(*top)) {}
         }
         @for (k, row) in band.rows.iter().enumerate() {
@@ -108,7 +110,8 @@ fn estimate(row: &IntervalRow, y: f64, at: &impl Fn(f64) -> String) -> Markup {
                 line.bar x1=(at(low)) x2=(at(high)) y1=(level(0.0)) y2=(level(0.0)) {}
                 @for end in [low, high] { line.bar x1=(at(end)) x2=(at(end)) y1=(level(-4.0)) y2=(level(4.0)) {} }
             }
-            circle class=(if row.hollow { "estimate hollow" } else { "estimate" }) cx=(at(row.value)) cy=(level(0.0)) r="4" {}
+            circle class=(if row.hollow { "estimate hollow" } else { "estimate" }) cx=(at(row.value)) cy=(level(0.0))
+                r="4" {}
             text.tick x=(fixed(WIDTH - RIGHT + 10.0, 1)) y=(level(4.0)) { (row.note) }
         }
     }

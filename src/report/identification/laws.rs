@@ -3,17 +3,20 @@
 use super::name;
 use crate::base::number::fixed;
 use crate::chain_input::ContactLaw;
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::study::RunFit;
 use crate::identify::{Parameter, damping};
 use maud::{Markup, html};
 
-pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[Group]) -> Markup {
+pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[RunGroup]) -> Markup {
     html! {
         h2 { "Laws" }
-        p { "At equal stiffness, exponent and approach speed all laws but Kelvin and Voigt's are one law in other coordinates: what χ one finds, "
-            "another finds too, at another restitution. Their objectives can differ only where a restitution meets its bound, and the spread of "
-            "restitution over runs says how a law stretches its scale, not how well it describes the contact. Runs that no bound stopped were therefore "
+        p { "At equal stiffness, exponent and approach speed all laws but Kelvin and Voigt's are one law in other \
+             coordinates: what χ one finds, "
+            "another finds too, at another restitution. Their objectives can differ only where a restitution meets its \
+             bound, and the spread of "
+            "restitution over runs says how a law stretches its scale, not how well it describes the contact. Runs \
+             that no bound stopped were therefore "
             "carried over through χ, and the others fitted anew from there." }
         @for group in groups {
             @if groups.len() > 1 { h3 { (group.short(groups)) ", " (group.set_point()) } }
@@ -22,7 +25,7 @@ pub fn comparison(laws: &[(ContactLaw, &[RunFit])], groups: &[Group]) -> Markup 
     }
 }
 
-fn table(laws: &[(ContactLaw, &[RunFit])], group: &Group) -> Markup {
+fn table(laws: &[(ContactLaw, &[RunFit])], group: &RunGroup) -> Markup {
     html! {
         div.scroll { table {
             thead { tr {
@@ -30,7 +33,11 @@ fn table(laws: &[(ContactLaw, &[RunFit])], group: &Group) -> Markup {
                 @for p in Parameter::RESTITUTIONS { th { "median of " (short(p)) } th { "its quartile range" } }
                 th { "χ at e = 0.6" }
             } }
-            tbody { @for (law, fits) in laws { (row(*law, &fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<_>>())) } }
+            tbody {
+                @for (law, fits) in laws {
+                    (row(*law, &fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<_>>()))
+                }
+            }
         } }
     }
 }

@@ -7,7 +7,7 @@ mod laws;
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::ContactLaw;
 use crate::identify::Parameter;
-use crate::identify::groups::{Group, quartiles};
+use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::{Warning, warning};
 use crate::identify::study::{Estimate, RunFit};
 use crate::report::style::document;
@@ -19,10 +19,10 @@ use maud::{Markup, html};
 const OPEN: usize = 3;
 
 /// The page of a study: laws in the order they were fitted, each with its runs; `groups` are the runs by set point.
-pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Group]) -> String {
+pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[RunGroup]) -> String {
     let Some((law, fits)) = laws.first() else { return document("Identification", "", &html! {}) };
-    let of = |group: &Group| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&RunFit>>();
-    let bands: Vec<(&Group, Vec<&RunFit>)> =
+    let of = |group: &RunGroup| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&RunFit>>();
+    let bands: Vec<(&RunGroup, Vec<&RunFit>)> =
         groups.iter().map(|group| (group, of(group))).filter(|(_, fits)| !fits.is_empty()).collect();
     let limits: Vec<f64> = fits.iter().map(|fit| fit.goodness.limit.objective).collect();
     let limit = limits.iter().copied().fold(f64::INFINITY, f64::min);
@@ -32,15 +32,21 @@ pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Gr
         @for warning in fits.iter().filter_map(warning) { (told(&warning)) }
         @if laws.len() > 1 { (laws::comparison(laws, groups)) }
         h2 { "Objective" }
-        p { "Root mean square of the residuals, each over the deviation of replicate laps: 1 is as near as two laps are to each other. Dotted: 1, and the "
+        p { "Root mean square of the residuals, each over the deviation of replicate laps: 1 is as near as two laps \
+             are to each other. Dotted: 1, and the "
             (if limits.len() > 1 { "least" } else { "" }) " limit that repeatability allows." }
         (intervals(&objectives(&bands), &[1.0, limit]))
         h2 { "Parameters, " (name(*law)) }
-        p { "A dot and a bar a run: the estimate and its 90 % interval. Hollow: not fitted by this run. Shaded, where a set point has three "
-            "runs or more: from the lower to the upper quartile of its runs, with their median. No set points are mixed. Dotted: the bounds of a restitution." }
+        p { "A dot and a bar a run: the estimate and its 90 % interval. Hollow: not fitted by this run. Shaded, where \
+             a set point has three "
+            "runs or more: from the lower to the upper quartile of its runs, with their median. No set points are \
+             mixed. Dotted: the bounds of a restitution." }
         @for p in Parameter::ALL {
             figure {
-                figcaption { b { (p.name()) } @if !p.unit().is_empty() { ", " (p.unit()) } @if shared.contains(&p) { ", shared by all runs" } }
+                figcaption {
+                    b { (p.name()) } @if !p.unit().is_empty() { ", " (p.unit()) }
+                    @if shared.contains(&p) { ", shared by all runs" }
+                }
                 (parameter(&estimates(&bands, p), p))
             }
         }
@@ -76,12 +82,12 @@ fn bounds(p: Parameter) -> Vec<f64> {
 }
 
 /// A heading for a set point, where there are several.
-fn heading(groups: &[(&Group, Vec<&RunFit>)], group: &Group) -> String {
+fn heading(groups: &[(&RunGroup, Vec<&RunFit>)], group: &RunGroup) -> String {
     let others = groups.iter().map(|(other, _)| *other);
     if groups.len() > 1 { format!("{}, {}", group.short(others), group.set_point()) } else { String::new() }
 }
 
-fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
+fn objectives(groups: &[(&RunGroup, Vec<&RunFit>)]) -> Vec<Band> {
     let row = |fit: &&RunFit| IntervalRow {
         name: fit.run.clone(),
         value: fit.objective,
@@ -90,7 +96,7 @@ fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
         hollow: false,
         warned: !fit.fits(),
     };
-    let band = |(group, fits): &(&Group, Vec<&RunFit>)| Band {
+    let band = |(group, fits): &(&RunGroup, Vec<&RunFit>)| Band {
         name: heading(groups, group),
         quartiles: quartiles(fits.iter().map(|fit| fit.objective)),
         rows: fits.iter().map(row).collect(),
@@ -98,7 +104,7 @@ fn objectives(groups: &[(&Group, Vec<&RunFit>)]) -> Vec<Band> {
     groups.iter().map(band).collect()
 }
 
-fn estimates(groups: &[(&Group, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
+fn estimates(groups: &[(&RunGroup, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
     let row = |fit: &&RunFit| {
         let e = fit.parameters.get(p.name())?;
         let held = e.at_bound && e.fitted;
@@ -111,7 +117,7 @@ fn estimates(groups: &[(&Group, Vec<&RunFit>)], p: Parameter) -> Vec<Band> {
             warned: held,
         })
     };
-    let band = |(group, fits): &(&Group, Vec<&RunFit>)| {
+    let band = |(group, fits): &(&RunGroup, Vec<&RunFit>)| {
         let values = fits.iter().filter_map(|fit| fit.parameters.get(p.name())).map(|e| e.value);
         Band { name: heading(groups, group), quartiles: quartiles(values), rows: fits.iter().filter_map(row).collect() }
     };
@@ -170,11 +176,19 @@ fn run(fit: &RunFit) -> Markup {
     html! {
         h3 { (fit.run) }
         p { "Objective " (fixed(fit.objective, 3)) " (limit " (fixed(fit.goodness.limit.objective, 3)) ", "
-            (trimmed(fit.goodness.limit.degrees_of_freedom, 0)) " effective degrees of freedom), " (fixed(fit.laps, 2)) " laps, "
+            (trimmed(fit.goodness.limit.degrees_of_freedom, 0)) " effective degrees of freedom), " (fixed(fit.laps, 2))
+            " laps, "
             (fit.simulations) " simulations in " (fit.steps) " steps"
-            @if fit.filled + fit.masked > 0 { "; lost samples: " (fit.filled) " bridged, " (fit.masked) " left out" } "." }
+            @if fit.filled + fit.masked > 0 {
+                "; lost samples: " (fit.filled) " bridged, " (fit.masked) " left out"
+            } "." }
         div.scroll { table {
-            thead { tr { th { "parameter" } th { "value" } th { "90 % interval" } th { "" } th { "damping" } th { "achieved" } th { "strongest correlation" } } }
+            thead {
+                tr {
+                    th { "parameter" } th { "value" } th { "90 % interval" } th { "" } th { "damping" }
+                    th { "achieved" } th { "strongest correlation" }
+                }
+            }
             tbody { @for p in Parameter::ALL { @if let Some(e) = fit.parameters.get(p.name()) {
                 tr {
                     td { (p.name()) }
@@ -197,7 +211,9 @@ fn run(fit: &RunFit) -> Markup {
         @if !fit.identifiability.is_empty() { ul { @for line in &fit.identifiability { li { (line) } } } }
         @if !fit.misfits.is_empty() {
             p { "Farther from the model than twice the repeatability: "
-                @for (k, (what, x)) in fit.misfits.iter().enumerate() { @if k > 0 { ", " } (what) " (" (fixed(*x, 1)) ")" } "." }
+                @for (k, (what, x)) in fit.misfits.iter().enumerate() {
+                    @if k > 0 { ", " } (what) " (" (fixed(*x, 1)) ")"
+                } "." }
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::lap_track::{LapTrack, PartKind};
 use crate::base::number::{fixed, ticks, trimmed};
 use crate::base::trig;
+use crate::emit::paper::PaperPoint;
 use crate::signal::SupportLoad;
 use crate::signal::spectrum::Spectrum;
 use maud::{Markup, html};
@@ -16,7 +17,7 @@ pub const TOP: f64 = 8.0;
 /// Columns in which samples are gathered to their least and largest.
 const COLUMNS: usize = 1000;
 
-/// From values to the picture.
+/// From values to the picture, px.
 pub struct Scale {
     from: f64,
     to: f64,
@@ -38,6 +39,16 @@ impl Scale {
     pub fn y(&self, value: f64) -> f64 {
         TOP + (self.high - value) / (self.high - self.low) * (HEIGHT - TOP - BELOW)
     }
+
+    /// A value over another, px.
+    pub fn at(&self, x: f64, y: f64) -> PaperPoint {
+        PaperPoint::new(self.x(x), self.y(y))
+    }
+}
+
+/// `x y` to a tenth of a pixel, as the data of paths have it.
+pub fn coordinates(p: PaperPoint) -> String {
+    format!("{} {}", fixed(p.x, 1), fixed(p.y, 1))
 }
 
 fn number(value: f64) -> String {
@@ -105,7 +116,7 @@ pub fn along(track: &LapTrack, stations: &[f64], samples: &[f64]) -> Markup {
         return html! {};
     }
     let scale = Scale::new(0.0, lap, low, high);
-    let point = |s: f64, y: f64| format!("{} {}", fixed(scale.x(s), 1), fixed(scale.y(y), 1));
+    let point = |s: f64, y: f64| coordinates(scale.at(s, y));
     let there: Vec<String> = seen.iter().map(|c| point(c.0, c.2)).collect();
     let back: Vec<String> = seen.iter().rev().map(|c| point(c.0, c.1)).collect();
     let mean: Vec<String> = seen.iter().map(|c| point(c.0, c.3)).collect();
@@ -133,23 +144,27 @@ pub fn spectrum(spectrum: &Spectrum, marks: &[(&str, f64, bool)]) -> Markup {
     let low = lines.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
     let high = lines.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
     let scale = Scale::new(first.0, last.0, low, high);
-    let path: Vec<String> =
-        lines.iter().map(|p| format!("{} {}", fixed(scale.x(p.0), 1), fixed(scale.y(p.1), 1))).collect();
+    let path: Vec<String> = lines.iter().map(|&(x, y)| coordinates(scale.at(x, y))).collect();
     let decades = (scale.low.ceil() as i64..=scale.high.floor() as i64).map(|k| k as f64);
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
             @for t in decades {
                 line.axis x1=(LEFT) x2=(WIDTH - 8.0) y1=(fixed(scale.y(t), 1)) y2=(fixed(scale.y(t), 1)) {}
-                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(t) + 4.0, 1)) text-anchor="end" { (trimmed(trig::pow(10.0, t), 6)) }
+                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(t) + 4.0, 1)) text-anchor="end" {
+                    (trimmed(trig::pow(10.0, t), 6))
+                }
             }
             @for f in [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0] {
                 @if log(f) > scale.from && log(f) < scale.to {
-                    text.tick x=(fixed(scale.x(log(f)), 1)) y=(HEIGHT - 6.0) text-anchor="middle" { (trimmed(f, 1)) " Hz" }
+                    text.tick x=(fixed(scale.x(log(f)), 1)) y=(HEIGHT - 6.0) text-anchor="middle" {
+                        (trimmed(f, 1)) " Hz"
+                    }
                 }
             }
             @for (name, f, passing) in marks {
                 @if log(*f) > scale.from && log(*f) < scale.to {
-                    line class=(if *passing { "mark" } else { "dotted" }) x1=(fixed(scale.x(log(*f)), 1)) x2=(fixed(scale.x(log(*f)), 1))
+                    line class=(if *passing { "mark" } else { "dotted" }) x1=(fixed(scale.x(log(*f)), 1))
+                        x2=(fixed(scale.x(log(*f)), 1))
                         y1=(TOP + 10.0) y2=(HEIGHT - BELOW) {}
                     // To either side, as cart passing and a ring mode may lie near each other.
                     @let (side, anchor) = if *passing { (-3.0, "end") } else { (3.0, "start") };
@@ -169,8 +184,7 @@ pub fn orders(spectrum: &Spectrum, most: f64) -> Markup {
         return html! {};
     }
     let scale = Scale::new(0.0, most, 0.0, high);
-    let path: Vec<String> =
-        lines.iter().map(|p| format!("{} {}", fixed(scale.x(p.0), 1), fixed(scale.y(p.1), 1))).collect();
+    let path: Vec<String> = lines.iter().map(|&(x, y)| coordinates(scale.at(x, y))).collect();
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
             (frame(&scale, ""))
@@ -191,7 +205,8 @@ pub fn supports(track: &LapTrack, supports: &[SupportLoad], of: impl Fn(&Support
             (frame(&scale, "m"))
             @for support in supports {
                 @let (least, most) = of(support);
-                rect.fill x=(fixed(scale.x(support.s) - width / 2.0, 1)) y=(fixed(scale.y(most), 1)) width=(fixed(width, 1))
+                rect.fill x=(fixed(scale.x(support.s) - width / 2.0, 1)) y=(fixed(scale.y(most), 1))
+                    width=(fixed(width, 1))
                     height=(fixed((scale.y(least) - scale.y(most)).max(1.0), 1)) {}
             }
         }

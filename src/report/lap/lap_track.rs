@@ -1,8 +1,9 @@
 //! The track as the page shades and names it.
 
 use crate::base::number::trimmed;
-use crate::chain_input::{Piece, Simulation, Track};
-use crate::geometry::CentreLine;
+use crate::chain_input::{CentreLinePiece, Simulation, Track};
+use crate::emit::paper::PaperPoint;
+use crate::geometry::{CentreLine, Point, bounds};
 
 /// Kinds of stretches that are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +52,19 @@ impl LapTrack {
         LapTrack { motors, ..LapTrack::without_motors(&simulation.track) }
     }
 
+    /// Where an arc length (m) is in the hall, seen from above.
+    pub fn at(&self, s: f64) -> Point {
+        let p = self.line.at(s).position;
+        Point::new(p.x, p.y)
+    }
+
+    /// Smallest and largest coordinates (m), and the px a metre with which they fit into so much room (px).
+    pub fn fit(&self, room: PaperPoint) -> (Point, Point, f64) {
+        let (low, high) = bounds((0..=400).map(|k| self.at(self.line.length * f64::from(k) / 400.0)));
+        let span = high - low;
+        (low, high, (room.x / span.x.max(1e-3)).min(room.y / span.y.max(1e-3)))
+    }
+
     /// Of a track whose motors are not shown.
     pub fn without_motors(track: &Track) -> Self {
         let line = track.centre_line();
@@ -62,28 +76,28 @@ impl LapTrack {
         for piece in &track.elements {
             let to = s + piece.form().length();
             let (kind, name) = match *piece {
-                Piece::Straight { slope, .. } if slope != 0.0 => {
+                CentreLinePiece::Straight { slope, .. } if slope != 0.0 => {
                     let way = if slope > 0.0 { "up" } else { "down" };
                     (PartKind::Climb, format!("the slope {way} ({} %)", trimmed(slope.abs() * 100.0, 1)))
                 }
-                Piece::Straight { .. } => {
+                CentreLinePiece::Straight { .. } => {
                     let name = match &last_curve {
                         Some(curve) => format!("the straight behind {curve}"),
                         None => "the straight at the start".to_owned(),
                     };
                     (PartKind::Straight, name)
                 }
-                Piece::Arc { radius, turn_deg } => {
+                CentreLinePiece::Arc { radius, turn_deg } => {
                     curves += 1;
                     last_curve = Some(format!("curve {curves}"));
                     (PartKind::Curve, format!("curve {curves} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
                 }
-                Piece::Spiral { radius, turn_deg, .. } => {
+                CentreLinePiece::Spiral { radius, turn_deg, .. } => {
                     spirals += 1;
                     last_curve = Some(format!("spiral {spirals}"));
                     (PartKind::Spiral, format!("spiral {spirals} ({} m, {})", trimmed(radius, 3), hand(turn_deg)))
                 }
-                Piece::Vertical { radius, .. } => {
+                CentreLinePiece::Vertical { radius, .. } => {
                     verticals += 1;
                     (PartKind::Climb, format!("vertical curve {verticals} ({} m)", trimmed(radius, 3)))
                 }

@@ -1,7 +1,10 @@
 //! The track from above, coloured by what a channel measured there.
 
+use super::chart::coordinates;
 use super::lap_track::LapTrack;
 use crate::base::number::{fixed, trimmed};
+use crate::emit::paper::{PaperPoint, Projection};
+use crate::geometry::Point;
 use crate::signal::Channel;
 use maud::{Markup, html};
 
@@ -68,25 +71,19 @@ fn view(track: &LapTrack, stations: &[f64], channel: Channel, samples: &[f64]) -
     let low = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     let lap = track.line.length;
-    let at = |s: f64| track.line.at(s).position;
-    let outline: Vec<_> = (0..=400).map(|k| at(lap * f64::from(k) / 400.0)).collect();
-    let bound = |pick: fn(f64, f64) -> f64, axis: usize, start: f64| outline.iter().map(|p| p[axis]).fold(start, pick);
-    let (x0, x1) = (bound(f64::min, 0, f64::INFINITY), bound(f64::max, 0, f64::NEG_INFINITY));
-    let (y0, y1) = (bound(f64::min, 1, f64::INFINITY), bound(f64::max, 1, f64::NEG_INFINITY));
     let (width, margin) = (1100.0, 40.0);
-    let scale = ((width - 2.0 * margin) / (x1 - x0).max(1e-3)).min(520.0 / (y1 - y0).max(1e-3));
-    let height = (y1 - y0) * scale + 2.0 * margin + 30.0;
-    let point = |s: f64| {
-        let p = at(s);
-        format!("{} {}", fixed(margin + (p.x - x0) * scale, 1), fixed(margin + (y1 - p.y) * scale, 1))
-    };
+    let (low_corner, high_corner, scale) = track.fit(PaperPoint::new(width - 2.0 * margin, 520.0));
+    let height = (high_corner.y - low_corner.y) * scale + 2.0 * margin + 30.0;
+    let (floor, paper) = (Point::new(low_corner.x, high_corner.y), PaperPoint::new(margin, margin));
+    let projection = Projection { floor, paper, scale };
+    let point = |s: f64| coordinates(projection.at(track.at(s)));
     // A little over the end, so that no seam shows.
     let path = |k: usize| {
         let (from, to) = (k as f64 / PIECES as f64 * lap, (k as f64 + 1.05) / PIECES as f64 * lap);
         format!("M{}L{}L{}", point(from), point(0.5 * (from + to)), point(to))
     };
     let share = |x: f64| if high > low { (x - low) / (high - low) } else { 0.5 };
-    let start = at(0.0);
+    let start = projection.at(track.at(0.0));
     html! {
         svg viewBox=(format!("0 0 {width} {}", fixed(height, 0))) role="img" {
             @for (k, value) in values.iter().enumerate() {
@@ -94,15 +91,16 @@ fn view(track: &LapTrack, stations: &[f64], channel: Channel, samples: &[f64]) -
                     path d=(path(k)) fill="none" stroke=(colour(share(*value))) stroke-width="7" {}
                 }
             }
-            @let (x, y) = (margin + (start.x - x0) * scale, margin + (y1 - start.y) * scale);
-            circle cx=(fixed(x, 1)) cy=(fixed(y, 1)) r="5" fill="none" stroke="currentColor" {}
-            text.number-label x=(fixed(x + 8.0, 1)) y=(fixed(y - 9.0, 1)) { "s = 0" }
+            circle cx=(fixed(start.x, 1)) cy=(fixed(start.y, 1)) r="5" fill="none" stroke="currentColor" {}
+            text.number-label x=(fixed(start.x + 8.0, 1)) y=(fixed(start.y - 9.0, 1)) { "s = 0" }
             @for k in 0..64 {
                 rect x=(fixed(margin + f64::from(k) * 4.0, 1)) y=(fixed(height - 26.0, 1)) width="4.5" height="10"
                     fill=(colour(f64::from(k) / 63.0)) {}
             }
             text.number-label x=(margin) y=(fixed(height - 4.0, 1)) { (trimmed(low, 0)) }
-            text.number-label x=(margin + 256.0) y=(fixed(height - 4.0, 1)) text-anchor="end" { (trimmed(high, 0)) " " (channel.unit()) }
+            text.number-label x=(margin + 256.0) y=(fixed(height - 4.0, 1)) text-anchor="end" {
+                (trimmed(high, 0)) " " (channel.unit())
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ pub use hotspot::{Hotspot, hotspots};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::report::style::document;
-use crate::signal::measures::{Section, Statistics, by_section, statistics};
+use crate::signal::measures::{Statistics, TrackSection, by_section, statistics};
 use crate::signal::order::order_spectrum;
 use crate::signal::spectrum::welch;
 use crate::signal::{Channel, Run, SupportLoad, position, rainflow};
@@ -46,7 +46,8 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
         h1 { (simulation.name) }
         p.lead { (summary(simulation, run, &spots)) }
         @if stations.is_empty() {
-            p.note { "The trigger never rises in this run, so that places on the track cannot be told: only statistics and spectra follow." }
+            p.note { "The trigger never rises in this run, so that places on the track cannot be told: only statistics \
+                      and spectra follow." }
         }
         @if !spots.is_empty() {
             h2 { "Hotspots" }
@@ -67,8 +68,10 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
             }
         }
         h2 { "Spectra" }
-        p { "Amplitude spectral density by Welch's method (1967), Hann windows of " (SEGMENT) " samples with half overlap. Dashed: cart passing "
-            "v/L and its double; dotted: the turn of a running wheel v/(2πr), and the first ring mode of the chain L√(K/m)/S." }
+        p { "Amplitude spectral density by Welch's method (1967), Hann windows \
+             of " (SEGMENT) " samples with half overlap. Dashed: cart passing "
+            "v/L and its double; dotted: the turn of a running wheel v/(2πr), and the first ring mode of the chain \
+             L√(K/m)/S." }
         @for (channel, samples) in &forces {
             figure {
                 figcaption { b { (channel.name()) } ", N/√Hz over Hz" }
@@ -77,9 +80,12 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
         }
         @if let Some(place) = &place {
             h2 { "Orders" }
-            p { "Amplitude over cycles a cart pitch: what cart passing makes stands at whole orders. Cycles a wheel turn are these times 2πr/L, "
-                (trimmed(std::f64::consts::TAU * simulation.running_wheel.radius_m / pitch(simulation), 4)) " for a running wheel." }
-            @for (channel, samples) in forces.iter().filter(|(c, _)| matches!(c, Channel::SteerLeft | Channel::JointXi)) {
+            p { "Amplitude over cycles a cart pitch: what cart passing makes stands at whole orders. Cycles a wheel \
+                 turn are these times 2πr/L, "
+                (trimmed(std::f64::consts::TAU * simulation.running_wheel.radius_m / pitch(simulation), 4))
+                " for a running wheel." }
+            @let shown = |c: &Channel| matches!(c, Channel::SteerLeft | Channel::JointXi);
+            @for (channel, samples) in forces.iter().filter(|(c, _)| shown(c)) {
                 figure {
                     figcaption { b { (channel.name()) } ", N over cycles a cart pitch" }
                     (chart::orders(&order_spectrum(&place.s, samples, pitch(simulation)), ORDERS))
@@ -90,10 +96,13 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
         }
         @if !supports.is_empty() {
             h2 { "Reactions of the supports" }
-            p { "Least and largest load of each support over the lap, the track taken as simply supported spans. Downwards and to the left are positive." }
+            p { "Least and largest load of each support over the lap, the track taken as simply supported spans. \
+                 Downwards and to the left are positive." }
             figure { figcaption { b { "vertical" } ", N over m" } (chart::supports(&track, supports, |s| s.vertical)) }
             figure { figcaption { b { "lateral" } ", N over m" } (chart::supports(&track, supports, |s| s.lateral)) }
-            figure { figcaption { b { "longitudinal" } ", N over m" } (chart::supports(&track, supports, |s| s.longitudinal)) }
+            figure {
+                figcaption { b { "longitudinal" } ", N over m" } (chart::supports(&track, supports, |s| s.longitudinal))
+            }
             (worst(supports))
         } @else if simulation.supports_every_m.is_some() {
             p { "What the supports carry is added by " code { "lss simulate --supports" } "." }
@@ -148,7 +157,8 @@ fn table(run: &Run) -> Markup {
             } }
         } }
         p.note { "Damage-equivalent range: the constant force range that does the same damage in " (CYCLES)
-            " cycles, from rainflow counts (ASTM E1049) and Miner's rule with an S-N slope of " (SLOPE) ", for this recording." }
+            " cycles, from rainflow counts (ASTM E1049) and Miner's rule with an S-N slope \
+             of " (SLOPE) ", for this recording." }
     }
 }
 
@@ -169,7 +179,8 @@ fn pitch(simulation: &Simulation) -> f64 {
 fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
     let parts: Vec<&lap_track::TrackPart> =
         track.parts.iter().filter(|part| part.kind != lap_track::PartKind::Straight).collect();
-    let bounds: Vec<Section> = parts.iter().map(|p| Section { name: p.name.clone(), from: p.from, to: p.to }).collect();
+    let bounds: Vec<TrackSection> =
+        parts.iter().map(|p| TrackSection { name: p.name.clone(), from: p.from, to: p.to }).collect();
     let columns: Vec<(Channel, Vec<Option<Statistics>>)> =
         [Channel::SteerLeft, Channel::SteerRight, Channel::RunLeft, Channel::RunRight, Channel::JointXi]
             .into_iter()
@@ -182,7 +193,11 @@ fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
                 tr {
                     td { (part.name) } td.number { (fixed(part.from, 2)) " … " (fixed(part.to, 2)) }
                     @for (_, column) in &columns {
-                        td.number { @if let Some(s) = column.get(k).and_then(Option::as_ref) { (fixed(s.mean, 0)) " (" (fixed(peak(s), 0)) ")" } }
+                        td.number {
+                            @if let Some(s) = column.get(k).and_then(Option::as_ref) {
+                                (fixed(s.mean, 0)) " (" (fixed(peak(s), 0)) ")"
+                            }
+                        }
                     }
                 }
             } }

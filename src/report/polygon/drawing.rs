@@ -3,14 +3,15 @@
 
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
-use crate::emit::svg::sheet::{Area, Extent, Sheet, path, path_line, rectangle};
+use crate::emit::paper::{self, PaperPoint, Projection};
+use crate::emit::svg::sheet::{Extent, PaperArea, Sheet, coordinates, path, path_line, rectangle};
 use crate::emit::svg::strip::field;
 use crate::emit::svg::text::Height;
-use crate::emit::svg::xml::{Element, number};
+use crate::emit::svg::xml::{XmlElement, number};
 use crate::emit::svg::{Theme, root, strip, symbol, text};
 use crate::geometry::{CentreLine, Point, bounds};
 use crate::kinematics::polygon::{Course, CurvePhasor, Phasor, curve_phasor, superposed};
-use crate::report::polygon::Report;
+use crate::report::polygon::PolygonReport;
 
 /// Width of the panel at the right, mm.
 const PANEL: f64 = 172.0;
@@ -26,7 +27,7 @@ const ROW: f64 = 3.7;
 ///
 /// # Errors
 /// [`DrawError::Extent`] when the sheet cannot show the track.
-pub fn polygon(report: &Report, line: &CentreLine, theme: Theme) -> Result<String, DrawError> {
+pub fn polygon(report: &PolygonReport, line: &CentreLine, theme: Theme) -> Result<String, DrawError> {
     let (low, high) = bounds(outline(line, 0.0, line.length).into_iter());
     let extent = Extent { low, high, length: line.length, sections: 1, band: 1.0, notes: 0.0, profile: 0.0 };
     let (sheet, panel) = Sheet::beside(&extent, PANEL)?;
@@ -37,9 +38,9 @@ pub fn polygon(report: &Report, line: &CentreLine, theme: Theme) -> Result<Strin
     let mut svg = root(&sheet, theme, &format!("{}: polygon action", report.layout), &description);
     svg.push(sheet.frame());
     svg.push(plan(&sheet, report, line));
-    let part = |from: f64, tall: f64| Area {
-        low: panel.low + Point::new(0.0, from),
-        high: Point::new(panel.high.x, panel.low.y + from + tall),
+    let part = |from: f64, tall: f64| PaperArea {
+        low: panel.low + PaperPoint::new(0.0, from),
+        high: PaperPoint::new(panel.high.x, panel.low.y + from + tall),
     };
     svg.push(matrix(report, part(0.0, MATRIX)));
     svg.push(harmonics(report, line, part(MATRIX, HARMONICS)));
@@ -72,8 +73,8 @@ fn outline(line: &CentreLine, from: f64, to: f64) -> Vec<Point> {
 fn polyline(sheet: &Sheet, points: &[Point]) -> String {
     let mut data = String::new();
     for (k, p) in points.iter().enumerate() {
-        let at = sheet.at(*p);
-        data += &format!("{}{} {}", if k == 0 { 'M' } else { 'L' }, number(at.x), number(at.y));
+        data.push(if k == 0 { 'M' } else { 'L' });
+        data += &coordinates(sheet.at(*p));
     }
     data
 }
@@ -83,8 +84,8 @@ fn shade(value: f64, most: f64) -> f64 {
     if most > 0.0 { (0.08 + 0.92 * value / most).clamp(0.0, 1.0) } else { 0.08 }
 }
 
-fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
-    let mut group = Element::group("plan");
+fn plan(sheet: &Sheet, report: &PolygonReport, line: &CentreLine) -> XmlElement {
+    let mut group = XmlElement::group("plan");
     let whole = outline(line, 0.0, line.length);
     group.push(path(&(polyline(sheet, &whole) + "Z"), "rule"));
     let most = report.straights.iter().map(|s| s.rms_mm).fold(0.0, f64::max);
@@ -110,7 +111,7 @@ fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
     for curve in &report.curves {
         let at = line.at(curve.s_m + curve.length_m / 2.0);
         let spot = sheet.at(Point::new(at.position.x, at.position.y));
-        let normal = Point::new(at.normal.x, -at.normal.y);
+        let normal = Projection::turned(Point::new(at.normal.x, at.normal.y));
         // Towards the outside of the bend, or of the plan where it is nearly straight.
         let turn: f64 = line.stretches[line.stretch_at(curve.s_m + curve.length_m / 2.0)].form.turn();
         let outward = if turn.abs() > 0.3 {
@@ -121,25 +122,25 @@ fn plan(sheet: &Sheet, report: &Report, line: &CentreLine) -> Element {
             -normal
         };
         let away = spot + outward * 8.0;
-        let away = Point::new(away.x.max(sheet.drawing.low.x + 10.0), away.y);
-        group.push(text::centred(away - Point::new(0.0, 1.7), 0.0, curve.name.clone(), Height::H25, "halo bold"));
+        let away = PaperPoint::new(away.x.max(sheet.drawing.low.x + 10.0), away.y);
+        group.push(text::centred(away - PaperPoint::new(0.0, 1.7), 0.0, curve.name.clone(), Height::H25, "halo bold"));
         let share = format!("{} %", fixed(100.0 * curve.share, 0));
-        group.push(text::centred(away + Point::new(0.0, 2.1), 0.0, share, Height::H18, "halo quiet"));
+        group.push(text::centred(away + PaperPoint::new(0.0, 2.1), 0.0, share, Height::H18, "halo quiet"));
     }
     // Direction of travel on the longest straight.
     if let Some(longest) = report.straights.iter().max_by(|a, b| a.length_m.total_cmp(&b.length_m)) {
         let at = line.at(longest.s_m + longest.length_m / 2.0);
-        let along = Point::new(at.tangent.x, -at.tangent.y);
+        let along = Projection::turned(Point::new(at.tangent.x, at.tangent.y));
         let tip = sheet.at(Point::new(at.position.x, at.position.y)) + along * 2.5;
         group.push(path(&symbol::arrow(tip, along, 5.0, 2.6), "arrow"));
     }
     group
 }
 
-fn heading(area: &Area, title: &str, more: &str) -> Element {
-    let at = area.low + Point::new(4.0, 6.5);
-    Element::group("heading").with(text::line(at, title, Height::H25, "bold")).with(text::line(
-        at + Point::new(0.0, 4.2),
+fn heading(area: &PaperArea, title: &str, more: &str) -> XmlElement {
+    let at = area.low + PaperPoint::new(4.0, 6.5);
+    XmlElement::group("heading").with(text::line(at, title, Height::H25, "bold")).with(text::line(
+        at + PaperPoint::new(0.0, 4.2),
         more,
         Height::H18,
         "quiet",
@@ -147,14 +148,14 @@ fn heading(area: &Area, title: &str, more: &str) -> Element {
 }
 
 /// Rows are starts, columns straights; the darker the rougher.
-fn matrix(report: &Report, area: Area) -> Element {
-    let mut group = Element::group("matrix").with(rectangle(area.low, area.high, "rule"));
+fn matrix(report: &PolygonReport, area: PaperArea) -> XmlElement {
+    let mut group = XmlElement::group("matrix").with(rectangle(area.low, area.high, "rule"));
     group.push(heading(&area, "ΔP, mm", "rows: where the chain starts; columns: where it is measured"));
     let n = report.delta_p_mm.len();
     let named = n <= NAMED;
     let names = report.straights.iter().map(|s| text::width(&s.name, Height::H18.size(), false)).fold(0.0, f64::max);
     let names = if named { names.min(26.0) + 2.0 } else { 2.0 };
-    let from = area.low + Point::new(4.0 + names, 17.5);
+    let from = area.low + PaperPoint::new(4.0 + names, 17.5);
     let wide = ((area.high.x - 5.0 - from.x) / n as f64).min(24.0);
     let tall = ((area.high.y - 4.0 - from.y) / n as f64).min(9.0);
     let most = report.delta_p_mm.iter().flatten().copied().fold(0.0, f64::max);
@@ -162,18 +163,18 @@ fn matrix(report: &Report, area: Area) -> Element {
         let y = from.y + tall * i as f64;
         if named {
             let name = text::fitted(&report.straights[i].name, Height::H18, false, 26.0);
-            let at = Point::new(area.low.x + 4.0, y + tall / 2.0 + Height::H18.capitals() / 2.0);
+            let at = PaperPoint::new(area.low.x + 4.0, y + tall / 2.0 + Height::H18.capitals() / 2.0);
             group.push(text::line(at, name, Height::H18, ""));
-            let top = Point::new(from.x + wide * (i as f64 + 0.5), from.y - 2.6);
+            let top = PaperPoint::new(from.x + wide * (i as f64 + 0.5), from.y - 2.6);
             let name = text::fitted(&report.straights[i].name, Height::H18, false, wide + 1.0);
             group.push(text::centred(top, 0.0, name, Height::H18, ""));
         }
         for (j, value) in row.iter().enumerate() {
-            let low = Point::new(from.x + wide * j as f64, y);
-            let cell = rectangle(low, low + Point::new(wide - 0.3, tall - 0.3), "induction");
+            let low = PaperPoint::new(from.x + wide * j as f64, y);
+            let cell = rectangle(low, low + PaperPoint::new(wide - 0.3, tall - 0.3), "induction");
             group.push(cell.num("fill-opacity", 0.85 * shade(*value, most)));
             if named && tall > 3.4 {
-                let middle = low + Point::new(wide / 2.0, tall / 2.0) - Point::new(0.15, 0.15);
+                let middle = low + PaperPoint::new(wide / 2.0, tall / 2.0) - PaperPoint::new(0.15, 0.15);
                 group.push(text::centred(middle, 0.0, fixed(*value, 2), Height::H18, ""));
             }
         }
@@ -182,7 +183,7 @@ fn matrix(report: &Report, area: Area) -> Element {
 }
 
 /// The row with the largest value: where the chain starts there.
-fn roughest(report: &Report) -> usize {
+fn roughest(report: &PolygonReport) -> usize {
     let square = |row: &Vec<f64>| row.iter().map(|x| x * x).sum::<f64>();
     (0..report.delta_p_mm.len())
         .max_by(|a, b| square(&report.delta_p_mm[*a]).total_cmp(&square(&report.delta_p_mm[*b])))
@@ -191,8 +192,8 @@ fn roughest(report: &Report) -> usize {
 
 /// The curves' first harmonics, one at the head of the other: from the middle to each head is what the straight behind
 /// it has.
-fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
-    let mut group = Element::group("harmonics").with(rectangle(area.low, area.high, "rule"));
+fn harmonics(report: &PolygonReport, line: &CentreLine, area: PaperArea) -> XmlElement {
+    let mut group = XmlElement::group("harmonics").with(rectangle(area.low, area.high, "rule"));
     let start = roughest(report);
     let from = report.straights.get(start).map_or("", |s| &s.name);
     let more = "head to tail; from the ring's middle to a head: ΔP of the straight behind it";
@@ -203,18 +204,18 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
     let Ok(phasors) = phasors else { return group };
     let parts = superposed(&course, &phasors, pitch).swap_remove(start);
     let mut at = Phasor::default();
-    let heads: Vec<Point> = std::iter::once(Point::default())
+    let heads: Vec<PaperPoint> = std::iter::once(PaperPoint::default())
         .chain(parts.iter().map(|part| {
             at += part;
-            Point::new(2e3 * at.re, -2e3 * at.im)
+            PaperPoint::new(2e3 * at.re, -2e3 * at.im)
         }))
         .collect();
-    let (low, high) = bounds(heads.iter().copied());
+    let (low, high) = paper::bounds(heads.iter().copied());
     let span = high - low;
-    let room = Area { low: area.low + Point::new(12.0, 15.5), high: area.high - Point::new(22.0, 6.0) };
+    let room = PaperArea { low: area.low + PaperPoint::new(12.0, 15.5), high: area.high - PaperPoint::new(22.0, 6.0) };
     let scale = (room.width() / span.x.max(1e-9)).min(room.height() / span.y.max(1e-9)).min(40.0);
-    let place = |p: Point| (room.low + room.high) * 0.5 + (p - (low + high) * 0.5) * scale;
-    let zero = place(Point::default());
+    let place = |p: PaperPoint| (room.low + room.high) * 0.5 + (p - (low + high) * 0.5) * scale;
+    let zero = place(PaperPoint::default());
     for (k, pair) in heads.windows(2).enumerate() {
         let (tail, head) = (place(pair[0]), place(pair[1]));
         let length = tail.distance(head);
@@ -225,7 +226,7 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
         group.push(path(&path_line(tail, head), "edge"));
         group.push(path(&symbol::arrow(head, along, length.min(2.4), length.min(1.4)), "motor"));
         let name = &report.curves[(start + report.curves.len() - k - 1) % report.curves.len()].name;
-        let side = if along.left().y > 0.0 { -along.left() } else { along.left() };
+        let side = if along.across().y > 0.0 { -along.across() } else { along.across() };
         let name = text::fitted(name, Height::H18, false, 20.0);
         let offset = if k % 2 == 0 { 2.2 } else { -2.2 };
         group.push(text::centred((tail + head) * 0.5 + side * offset, 0.0, name, Height::H18, "halo"));
@@ -233,19 +234,19 @@ fn harmonics(report: &Report, line: &CentreLine, area: Area) -> Element {
     group.push(symbol::circle(zero, 1.1, "start"));
     // A bar of a round length.
     let bar = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01].into_iter().find(|mm| mm * scale <= 30.0).unwrap_or(0.01);
-    let end = Point::new(area.high.x - 6.0, area.high.y - 4.0);
-    let begin = end - Point::new(bar * scale, 0.0);
-    let ends = [begin, end].map(|p| path_line(p - Point::new(0.0, 1.0), p + Point::new(0.0, 1.0)));
+    let end = PaperPoint::new(area.high.x - 6.0, area.high.y - 4.0);
+    let begin = end - PaperPoint::new(bar * scale, 0.0);
+    let ends = [begin, end].map(|p| path_line(p - PaperPoint::new(0.0, 1.0), p + PaperPoint::new(0.0, 1.0)));
     group.push(path(&(path_line(begin, end) + &ends.concat()), "rule"));
-    let middle = (begin + end) * 0.5 - Point::new(0.0, 2.6);
+    let middle = (begin + end) * 0.5 - PaperPoint::new(0.0, 2.6);
     group.push(text::centred(middle, 0.0, format!("{} mm", trimmed(bar, 2)), Height::H18, ""));
     group
 }
 
-fn words(report: &Report, area: Area) -> Element {
-    let mut group = Element::group("words").with(rectangle(area.low, area.high, "rule"));
+fn words(report: &PolygonReport, area: PaperArea) -> XmlElement {
+    let mut group = XmlElement::group("words").with(rectangle(area.low, area.high, "rule"));
     let wide = area.width() - 8.0;
-    let mut at = area.low + Point::new(4.0, 5.4);
+    let mut at = area.low + PaperPoint::new(4.0, 5.4);
     let last = area.high.y - 2.0;
     for note in &report.notes {
         for line in broken(note, wide) {
@@ -274,36 +275,37 @@ fn broken(note: &str, wide: f64) -> Vec<String> {
     lines
 }
 
-fn legend(sheet: &Sheet, report: &Report) -> Element {
+fn legend(sheet: &Sheet, report: &PolygonReport) -> XmlElement {
     let low = sheet.strip.low;
     let right = sheet.strip.high.x - strip::TITLE_WIDTH - strip::SCALE_WIDTH;
-    let mut group = Element::group("legend").with(rectangle(low, Point::new(right, sheet.strip.high.y), "rule"));
+    let mut group =
+        XmlElement::group("legend").with(rectangle(low, PaperPoint::new(right, sheet.strip.high.y), "rule"));
     let most = report.straights.iter().map(|s| s.rms_mm).fold(0.0, f64::max);
-    let at = |row: f64| low + Point::new(5.0, 7.0 + 6.4 * row);
+    let at = |row: f64| low + PaperPoint::new(5.0, 7.0 + 6.4 * row);
     let caption = |row: f64, words: &str| {
-        text::line(at(row) + Point::new(17.0, Height::H18.capitals() / 2.0), words, Height::H18, "")
+        text::line(at(row) + PaperPoint::new(17.0, Height::H18.capitals() / 2.0), words, Height::H18, "")
     };
     for k in 0..6 {
-        let from = at(0.0) + Point::new(2.2 * f64::from(k), -1.6);
+        let from = at(0.0) + PaperPoint::new(2.2 * f64::from(k), -1.6);
         let opacity = shade(f64::from(k), 5.0);
-        group.push(rectangle(from, from + Point::new(2.2, 3.2), "induction").num("fill-opacity", opacity));
+        group.push(rectangle(from, from + PaperPoint::new(2.2, 3.2), "induction").num("fill-opacity", opacity));
     }
     group.push(caption(0.0, &format!("straights by rms of ΔP over all starts, to {} mm", fixed(most, 2))));
-    let curve = path_line(at(1.0), at(1.0) + Point::new(13.2, 0.0));
+    let curve = path_line(at(1.0), at(1.0) + PaperPoint::new(13.2, 0.0));
     group.push(path(&curve, "edge").attr("style", "stroke-width:1.2"));
     group.push(caption(1.0, &format!("curves: name, share of `{}`", report.objective)));
-    group.push(path(&symbol::arrow(at(2.0) + Point::new(9.0, 0.0), Point::new(1.0, 0.0), 5.0, 2.6), "arrow"));
+    group.push(path(&symbol::arrow(at(2.0) + PaperPoint::new(9.0, 0.0), PaperPoint::new(1.0, 0.0), 5.0, 2.6), "arrow"));
     group.push(caption(2.0, "direction of travel"));
-    let head = at(3.0) + Point::new(11.0, 0.0);
-    group.push(path(&path_line(at(3.0) + Point::new(2.0, 0.0), head), "edge"));
-    group.push(path(&symbol::arrow(head, Point::new(1.0, 0.0), 2.4, 1.4), "motor"));
+    let head = at(3.0) + PaperPoint::new(11.0, 0.0);
+    group.push(path(&path_line(at(3.0) + PaperPoint::new(2.0, 0.0), head), "edge"));
+    group.push(path(&symbol::arrow(head, PaperPoint::new(1.0, 0.0), 2.4, 1.4), "motor"));
     group.push(caption(3.0, "first harmonic of a curve: size and phase"));
     group.push(text::line(at(4.6), "ΔP: peak to peak of a joint's lead and lag while", Height::H18, "quiet"));
     group.push(text::line(at(5.2), "the first joint moves by one cart (thesis §3.4)", Height::H18, "quiet"));
     group
 }
 
-fn fields(sheet: &Sheet, report: &Report) -> Vec<Vec<strip::Field>> {
+fn fields(sheet: &Sheet, report: &PolygonReport) -> Vec<Vec<strip::TitleField>> {
     let square = |x: f64| format!("{} mm²", fixed(x, 2));
     let v = &report.values;
     vec![
@@ -332,7 +334,7 @@ mod tests {
     use crate::compiled::fixture::compile;
     use crate::emit::png;
     use crate::geometry::Form;
-    use crate::kinematics::polygon::Objective;
+    use crate::kinematics::polygon::PolygonObjective;
     use crate::model::instances;
     use crate::report::polygon::Names;
 
@@ -340,7 +342,8 @@ mod tests {
         let simulation = Simulation::new(compiled);
         let line = simulation.track.centre_line();
         let names = Names::of(compiled);
-        let report = Report::new(&simulation.name, &line, 1.25, Objective::All, &names).expect("a report");
+        let report =
+            PolygonReport::new(&simulation.name, &line, 1.25, PolygonObjective::All, &names).expect("a report");
         polygon(&report, &line, theme).expect("drawn")
     }
 

@@ -20,7 +20,7 @@ use crate::base::number::tidy;
 use crate::base::trig;
 use crate::geometry::{CentreLine, Form};
 use crate::kinematics::polygon::{
-    Action, Course, CurvePhasor, Objective, Phasor, Unsuited, action, by_chance, curve_phasor, straight_behind,
+    Action, Course, CurvePhasor, Phasor, PolygonObjective, Unsuited, action, by_chance, curve_phasor, straight_behind,
     superposed,
 };
 use crate::solve::polygon::least_action;
@@ -30,7 +30,7 @@ use serde::Serialize;
 /// The polygon action of a layout. Lengths of deviations are mm, peak to peak, and values sums of their squares, mm².
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(title = "lss polygon action")]
-pub struct Report {
+pub struct PolygonReport {
     /// The layout's name.
     pub layout: String,
     /// Distance between a cart's joints, m.
@@ -50,7 +50,7 @@ pub struct Report {
     /// Straights in driving order; row and column k of the matrices.
     pub straights: Vec<Straight>,
     /// Curve k lies ahead of straight k.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<CurveReport>,
     /// What cancels what, in words.
     pub notes: Vec<String>,
     /// ΔP of a straight (column) when the chain starts on another (row), mm.
@@ -89,7 +89,7 @@ pub struct Straight {
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Curve {
+pub struct CurveReport {
     /// The vertex, or where it is.
     pub name: String,
     /// Arc length where it begins, m.
@@ -112,7 +112,7 @@ pub struct Curve {
 /// Peak to peak of a curve whose ends add up, in L³/R² (design: chain model).
 const WHOLE_CURVE: f64 = 0.0226;
 
-impl Report {
+impl PolygonReport {
     /// Of carts of length `pitch` (m) on a centre line.
     ///
     /// # Errors
@@ -121,7 +121,7 @@ impl Report {
         layout: &str,
         line: &CentreLine,
         pitch: f64,
-        objective: Objective,
+        objective: PolygonObjective,
         names: &Names,
     ) -> Result<Self, Unsuited> {
         let course = Course::new(line)?;
@@ -137,7 +137,7 @@ impl Report {
             // Seen from the straight ahead, this curve and the next behind it are the first and second.
             let seen = &parts[(k + 1) % n];
             let [own, next] = [0, 1].map(|m| seen.get(m).copied().unwrap_or(seen[0]));
-            Curve {
+            CurveReport {
                 name: curve_names[k].clone(),
                 s_m: tidy(course.curves[k].s),
                 length_m: tidy(course.curves[k].length()),
@@ -148,14 +148,14 @@ impl Report {
                 share: tidy(shares[k]),
             }
         };
-        let curves: Vec<Curve> = (0..n).map(curve).collect();
+        let curves: Vec<CurveReport> = (0..n).map(curve).collect();
         let matrix = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..n).map(|i| (0..n).map(|j| tidy(1e3 * of(i, j))).collect()).collect()
         };
         let delta_p_mm = matrix(&|i, j| action.delta_p[i][j]);
         let straights: Vec<Straight> = (0..n).map(|j| straight(&course, &straight_names, &delta_p_mm, j)).collect();
         let notes = words::notes(&curves, &straights, &parts, &action, objective);
-        Ok(Report {
+        Ok(PolygonReport {
             layout: layout.to_owned(),
             cart_length_m: tidy(pitch),
             track_length_m: tidy(line.length),
@@ -186,17 +186,17 @@ impl Report {
 }
 
 impl Values {
-    fn of(value: impl Fn(Objective) -> f64) -> Self {
-        let [all, first_three, last] = Objective::EACH.map(|o| square_mm(value(o)));
+    fn of(value: impl Fn(PolygonObjective) -> f64) -> Self {
+        let [all, first_three, last] = PolygonObjective::EACH.map(|o| square_mm(value(o)));
         Values { all, first_three, last }
     }
 
     /// That of one objective, mm².
-    pub fn get(&self, objective: Objective) -> f64 {
+    pub fn get(&self, objective: PolygonObjective) -> f64 {
         match objective {
-            Objective::All => self.all,
-            Objective::FirstThree => self.first_three,
-            Objective::Last => self.last,
+            PolygonObjective::All => self.all,
+            PolygonObjective::FirstThree => self.first_three,
+            PolygonObjective::Last => self.last,
         }
     }
 }
@@ -222,7 +222,7 @@ fn straight(course: &Course, names: &[String], delta_p_mm: &[Vec<f64>], j: usize
 
 /// Share of each curve in Σ 4|H|² of what counts, H being the sum of the parts before it: the projection of its part on
 /// H. They add up to 1.
-fn shares(parts: &[Vec<Phasor>], objective: Objective) -> Vec<f64> {
+fn shares(parts: &[Vec<Phasor>], objective: PolygonObjective) -> Vec<f64> {
     let n = parts.len();
     let mut shares = vec![0.0; n];
     let mut whole = 0.0;
@@ -286,13 +286,13 @@ pub struct SweepPoint {
 }
 
 /// Root mean square of what an objective counts among n straights, mm.
-pub fn rms(value: f64, objective: Objective, n: usize) -> f64 {
+pub fn rms(value: f64, objective: PolygonObjective, n: usize) -> f64 {
     let counted = (1..=n).filter(|m| objective.counts(*m, n)).count() * n;
     (value / counted.max(1) as f64).sqrt()
 }
 
 /// The two summaries that a sweep needs.
-pub fn summary(line: &CentreLine, pitch: f64, objective: Objective) -> Result<(Action, f64), Unsuited> {
+pub fn summary(line: &CentreLine, pitch: f64, objective: PolygonObjective) -> Result<(Action, f64), Unsuited> {
     let course = Course::new(line)?;
     let action = action(&course, pitch)?;
     let curves: Vec<CurvePhasor> =

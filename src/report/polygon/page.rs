@@ -3,7 +3,7 @@
 use super::verify::{CHANNELS, Verification, spectrum};
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
-use crate::report::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, frame};
+use crate::report::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, coordinates, frame};
 use crate::report::style::document;
 use crate::signal::{Channel, Run};
 use maud::{Markup, html};
@@ -14,8 +14,9 @@ const SHOWN: f64 = 30.0;
 const PASSINGS: f64 = 4.5;
 
 /// Rules beyond the house style sheet: the trace before, in grey.
-const STYLE: &str = ".before { fill: none; stroke: var(--soft); stroke-width: 1; stroke-opacity: .75; } .after { fill: none; \
-    stroke: var(--trace); stroke-width: 1.1; } .legend i.b { background: var(--soft); } .legend i.a { background: var(--trace); }";
+const STYLE: &str = ".before { fill: none; stroke: var(--soft); stroke-width: 1; stroke-opacity: .75; } \
+    .after { fill: none; stroke: var(--trace); stroke-width: 1.1; } \
+    .legend i.b { background: var(--soft); } .legend i.a { background: var(--trace); }";
 
 /// The page: `runs` are the laps of the cases, in their order.
 pub fn page(v: &Verification, runs: &[&Run]) -> String {
@@ -48,8 +49,8 @@ fn kinematic(v: &Verification) -> Markup {
     html! {
         h2 { "Polygon action" }
         div.scroll { table {
-            thead { tr { th { "layout" } th { "length, m" } th { "carts" } th { "left over, mm" } th { "all, mm²" } th { "first_three, mm²" }
-                th { "last, mm²" } th { "forces against before" } } }
+            thead { tr { th { "layout" } th { "length, m" } th { "carts" } th { "left over, mm" } th { "all, mm²" }
+                th { "first_three, mm²" } th { "last, mm²" } th { "forces against before" } } }
             tbody { @for c in &v.cases { tr {
                 td { (c.name) } td.number { (fixed(c.track_length_m, 3)) } td.number { (c.carts) }
                 td.number { (fixed(1e3 * c.left_over_m, 1)) } td.number { (fixed(c.polygon_action.all, 2)) }
@@ -65,9 +66,10 @@ fn forces(v: &Verification) -> Markup {
     html! {
         h2 { "Forces" }
         div.scroll { table {
-            thead { tr { th { "channel" } th { "layout" } th { "mean, N" } th { "sd, N" } th { "min, N" } th { "max, N" }
-                th { "at cart passing, N rms" } th { "damage-equivalent range, N" } } }
-            tbody { @for channel in CHANNELS { @for c in &v.cases { @if let Some(f) = c.channels.get(channel.name()) { tr {
+            thead { tr { th { "channel" } th { "layout" } th { "mean, N" } th { "sd, N" } th { "min, N" }
+                th { "max, N" } th { "at cart passing, N rms" } th { "damage-equivalent range, N" } } }
+            tbody { @for channel in CHANNELS { @for c in &v.cases {
+                @if let Some(f) = c.channels.get(channel.name()) { tr {
                 td { (channel.name()) } td { (c.name) } td.number { (fixed(f.mean, 1)) } td.number { (fixed(f.sd, 1)) }
                 td.number { (fixed(f.min, 1)) } td.number { (fixed(f.max, 1)) } td.number { (fixed(f.passing_rms, 2)) }
                 td.number { @if let Some(d) = f.damage { (fixed(d, 2)) } }
@@ -95,7 +97,9 @@ fn traces(before: &Run, after: &Run, channel: Channel) -> Markup {
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
             (frame(&scale, "s"))
-            @for (points, class) in both.iter().zip(["before", "after"]) { path class=(class) d=(line(points, &scale)) {} }
+            @for (points, class) in both.iter().zip(["before", "after"]) {
+                path class=(class) d=(line(points, &scale)) {}
+            }
         }
     }
 }
@@ -141,7 +145,9 @@ fn spectra(before: &Run, after: &Run, channel: Channel, passing: f64) -> Markup 
             @for k in first..=last {
                 @let y = fixed(scale.y(f64::from(k)), 1);
                 line.axis x1=(LEFT) x2=(WIDTH - 8.0) y1=(y) y2=(y) {}
-                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(f64::from(k)) + 4.0, 1)) text-anchor="end" { (trimmed(trig::pow(10.0, f64::from(k)), 4)) }
+                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(f64::from(k)) + 4.0, 1)) text-anchor="end" {
+                    (trimmed(trig::pow(10.0, f64::from(k)), 4))
+                }
             }
             @for f in 0..=(PASSINGS * passing) as i32 {
                 text.tick x=(fixed(scale.x(f64::from(f)), 1)) y=(HEIGHT - 6.0) text-anchor="middle" { (f) " Hz" }
@@ -150,12 +156,14 @@ fn spectra(before: &Run, after: &Run, channel: Channel, passing: f64) -> Markup 
                 @let x = fixed(scale.x(f64::from(k) * passing), 1);
                 line.mark x1=(x) x2=(x) y1=(TOP) y2=(HEIGHT - BELOW) {}
             }
-            @for (points, class) in both.iter().zip(["before", "after"]) { path class=(class) d=(line(points, &scale)) {} }
+            @for (points, class) in both.iter().zip(["before", "after"]) {
+                path class=(class) d=(line(points, &scale)) {}
+            }
         }
     }
 }
 
 fn line(points: &[(f64, f64)], scale: &Scale) -> String {
-    let at = |p: &(f64, f64)| format!("{} {}", fixed(scale.x(p.0), 1), fixed(scale.y(p.1), 1));
+    let at = |p: &(f64, f64)| coordinates(scale.at(p.0, p.1));
     format!("M{}", points.iter().filter(|p| p.1.is_finite()).map(at).collect::<Vec<_>>().join("L"))
 }

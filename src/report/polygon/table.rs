@@ -1,8 +1,8 @@
 //! The report as a table for people.
 
-use super::{Report, Sweep, rms};
+use super::{PolygonReport, Sweep, rms};
 use crate::base::number::{fixed, trimmed};
-use crate::kinematics::polygon::Objective;
+use crate::kinematics::polygon::PolygonObjective;
 
 /// Straights up to which the whole matrix is shown.
 const WIDE: usize = 14;
@@ -10,7 +10,7 @@ const WIDE: usize = 14;
 const LINE: usize = 110;
 
 /// Objectives, matrix, curves and notes.
-pub fn text(report: &Report) -> String {
+pub fn text(report: &PolygonReport) -> String {
     let n = report.curves.len();
     let mut out = format!(
         "{}\n  carts of {} m on {} m with {n} curves\n",
@@ -18,7 +18,7 @@ pub fn text(report: &Report) -> String {
         trimmed(report.cart_length_m, 3),
         fixed(report.track_length_m, 3)
     );
-    for objective in Objective::EACH {
+    for objective in PolygonObjective::EACH {
         let value = report.values.get(objective);
         let chosen = if objective.name() == report.objective { "  <- objective" } else { "" };
         out += &format!(
@@ -47,7 +47,7 @@ fn widest<'a>(names: impl Iterator<Item = &'a String>) -> usize {
     names.map(|n| n.chars().count()).max().unwrap_or(0)
 }
 
-fn matrix(report: &Report) -> String {
+fn matrix(report: &PolygonReport) -> String {
     let wide = widest(report.straights.iter().map(|s| &s.name)).max(5);
     let mut out = format!("\nΔP, mm: rows where the chain starts, columns where it is measured\n  {:wide$}", "");
     for straight in &report.straights {
@@ -65,7 +65,7 @@ fn matrix(report: &Report) -> String {
 }
 
 /// Where the matrix is too wide.
-fn straights(report: &Report) -> String {
+fn straights(report: &PolygonReport) -> String {
     let wide = widest(report.straights.iter().map(|s| &s.name)).max(8);
     let mut out = format!(
         "\nΔP, mm, over all starts (the whole matrix: --format json)\n  {:wide$}  {:>8}  {:>8}  from\n",
@@ -78,7 +78,7 @@ fn straights(report: &Report) -> String {
     out
 }
 
-fn curves(report: &Report) -> String {
+fn curves(report: &PolygonReport) -> String {
     let wide = widest(report.curves.iter().map(|c| &c.name)).max(5);
     let mut out = format!(
         "\n{:>w$}  {:>9}  {:>7}  {:>9}  {:>9}  {:>13}  {:>7}\n",

@@ -3,16 +3,17 @@ use crate::chain_input::Simulation;
 use crate::compiled::fixture::compile;
 use crate::model::{fixture, instances};
 
-fn report(layout: crate::model::Layout, objective: Objective) -> Report {
+fn report(layout: crate::model::Layout, objective: PolygonObjective) -> PolygonReport {
     let compiled = compile(layout);
     let simulation = Simulation::new(&compiled);
     let line = simulation.track.centre_line();
-    Report::new(&simulation.name, &line, simulation.chain.pitch_m, objective, &Names::of(&compiled)).expect("a report")
+    PolygonReport::new(&simulation.name, &line, simulation.chain.pitch_m, objective, &Names::of(&compiled))
+        .expect("a report")
 }
 
 #[test]
 fn shares_add_up() {
-    for objective in Objective::EACH {
+    for objective in PolygonObjective::EACH {
         let report = report(instances::thesis10(), objective);
         assert!((report.curves.iter().map(|c| c.share).sum::<f64>() - 1.0).abs() < 1e-9);
         assert_eq!(report.value, report.values.get(objective));
@@ -21,7 +22,7 @@ fn shares_add_up() {
 
 #[test]
 fn curves_are_their_vertices() {
-    let report = report(fixture::rectangle(30.0, 20.0, 4.0), Objective::All);
+    let report = report(fixture::rectangle(30.0, 20.0, 4.0), PolygonObjective::All);
     let names: Vec<&str> = report.curves.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["P2", "P3", "P4", "P1"]);
     let names: Vec<&str> = report.straights.iter().map(|c| c.name.as_str()).collect();
@@ -30,12 +31,12 @@ fn curves_are_their_vertices() {
 
 #[test]
 fn a_table_for_people() {
-    insta::assert_snapshot!(text(&report(instances::thesis10(), Objective::All)));
+    insta::assert_snapshot!(text(&report(instances::thesis10(), PolygonObjective::All)));
 }
 
 #[test]
 fn the_short_form_has_three_members() {
-    let report = report(fixture::rectangle(30.0, 20.0, 4.0), Objective::Last);
+    let report = report(fixture::rectangle(30.0, 20.0, 4.0), PolygonObjective::Last);
     let short: serde_json::Value = serde_json::from_str(&report.short_json()).expect("JSON");
     let keys: Vec<&String> = short.as_object().expect("an object").keys().collect();
     assert_eq!(keys, ["delta_p_mm", "objective", "value"]);

@@ -3,7 +3,7 @@
 use super::Values;
 use crate::base::number::{fixed, tidy};
 use crate::dynamics::Outcome;
-use crate::kinematics::polygon::Objective;
+use crate::kinematics::polygon::PolygonObjective;
 use crate::signal::measures::statistics;
 use crate::signal::spectrum::{Spectrum, welch};
 use crate::signal::{Channel, rainflow};
@@ -155,7 +155,8 @@ fn words(cases: &[Case], best: &str) -> String {
     }
     let worse: Vec<&str> = after.iter().filter(|c| c.ratio >= 1.0).map(|c| c.name.as_str()).collect();
     if !worse.is_empty() {
-        out += " The kinematic measure is no promise: what else moves the chain (motors, closing, ring modes) is not in it.";
+        out += " The kinematic measure is no promise: what else moves the chain (motors, closing, ring modes) is not \
+                in it.";
     }
     out
 }
@@ -206,6 +207,6 @@ pub fn verify_text(v: &Verification) -> String {
 }
 
 /// The objectives with the names of their cases.
-pub fn case_name(objective: Option<Objective>) -> &'static str {
-    objective.map_or("before", Objective::name)
+pub fn case_name(objective: Option<PolygonObjective>) -> &'static str {
+    objective.map_or("before", PolygonObjective::name)
 }

@@ -1,9 +1,10 @@
 //! What cancels what, in sentences.
 
-use super::{Curve, Straight, angle};
+use super::{CurveReport, Straight, angle};
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
-use crate::kinematics::polygon::{Action, Objective, Phasor};
+use crate::base::words::list;
+use crate::kinematics::polygon::{Action, Phasor, PolygonObjective};
 
 /// A curve this far below its most has ends that cancel.
 const OWN: f64 = 0.35;
@@ -17,11 +18,11 @@ const SHARE: f64 = 0.05;
 
 /// Sentences about one layout.
 pub fn notes(
-    curves: &[Curve],
+    curves: &[CurveReport],
     straights: &[Straight],
     parts: &[Vec<Phasor>],
     action: &Action,
-    objective: Objective,
+    objective: PolygonObjective,
 ) -> Vec<String> {
     let mut out = Vec::new();
     out.extend(roughest(straights));
@@ -51,7 +52,7 @@ fn roughest(straights: &[Straight]) -> Option<String> {
 }
 
 /// Curves whose own ends cancel.
-fn alone(curves: &[Curve]) -> Option<String> {
+fn alone(curves: &[CurveReport]) -> Option<String> {
     let quiet: Vec<String> = curves
         .iter()
         .filter_map(|c| c.most_mm.filter(|most| c.alone_mm < OWN * most).map(|most| (c, most)))
@@ -62,11 +63,11 @@ fn alone(curves: &[Curve]) -> Option<String> {
     } else {
         "do little by themselves, because their ends cancel"
     };
-    (!quiet.is_empty()).then(|| format!("{} {verb}.", list(&quiet)))
+    (!quiet.is_empty()).then(|| format!("{} {verb}.", list(&quiet, "and")))
 }
 
 /// Neighbours that cancel or add.
-fn pairs(curves: &[Curve], parts: &[Vec<Phasor>]) -> Vec<String> {
+fn pairs(curves: &[CurveReport], parts: &[Vec<Phasor>]) -> Vec<String> {
     let n = curves.len();
     if n < 2 {
         return Vec::new();
@@ -100,36 +101,27 @@ fn pairs(curves: &[Curve], parts: &[Vec<Phasor>]) -> Vec<String> {
 }
 
 /// Which curves make the objective what it is.
-fn weight(curves: &[Curve], objective: Objective) -> Vec<String> {
-    let mut order: Vec<&Curve> = curves.iter().collect();
+fn weight(curves: &[CurveReport], objective: PolygonObjective) -> Vec<String> {
+    let mut order: Vec<&CurveReport> = curves.iter().collect();
     order.sort_by(|a, b| b.share.total_cmp(&a.share));
-    let said = |c: &&Curve| format!("{} ({} %)", c.name, fixed(100.0 * c.share, 0));
+    let said = |c: &&CurveReport| format!("{} ({} %)", c.name, fixed(100.0 * c.share, 0));
     let most: Vec<String> = order.iter().filter(|c| c.share > SHARE).take(3).map(said).collect();
     let less: Vec<String> = order.iter().rev().filter(|c| c.share < -SHARE).take(3).map(said).collect();
     let mut out = Vec::new();
     if !most.is_empty() {
-        out.push(format!("Most of `{}` comes from {}.", objective.name(), list(&most)));
+        out.push(format!("Most of `{}` comes from {}.", objective.name(), list(&most, "and")));
     }
     if !less.is_empty() {
-        out.push(format!("{} make{} it less.", list(&less), if less.len() == 1 { "s" } else { "" }));
+        out.push(format!("{} make{} it less.", list(&less, "and"), if less.len() == 1 { "s" } else { "" }));
     }
     out
 }
 
 /// What lies beyond the first harmonic, where that is a good part.
-fn beyond_first(action: &Action, objective: Objective) -> Option<String> {
+fn beyond_first(action: &Action, objective: PolygonObjective) -> Option<String> {
     let (value, first) = (action.value(objective), action.smooth(objective));
     (value > 0.0 && first < 0.7 * value).then(|| {
         let percent = fixed(100.0 * (1.0 - first / value), 0);
         format!("First harmonics are mostly cancelled: {percent} % of `{}` lies beyond them.", objective.name())
     })
-}
-
-/// `a`, `a and b`, `a, b and c`.
-fn list(items: &[String]) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }

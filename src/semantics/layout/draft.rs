@@ -8,7 +8,7 @@ use crate::semantics::arguments::Arguments;
 use crate::semantics::program::{Space, Symbol, repeated};
 use crate::semantics::scope::{Context, Env, Local, Slot};
 use crate::source::Span;
-use crate::syntax::tree::{Item, Kind, LayoutDeclaration, Name, Statement};
+use crate::syntax::tree::{DeclarationKind, Item, LayoutDeclaration, Name, Statement};
 
 /// A statement with the names that it sees.
 #[derive(Clone, Debug)]
@@ -250,6 +250,6 @@ impl<'t> Draft<'t> {
 }
 
 /// The keyword of a component statement.
-pub(super) fn keyword(kind: Kind) -> &'static str {
+pub(super) fn keyword(kind: DeclarationKind) -> &'static str {
     Space::Component(kind).word()
 }

@@ -5,7 +5,7 @@ use super::vertices::Geometry;
 use crate::base::number::shortest;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::effect_definitions::{self, EFFECTS};
-use crate::model::{Chutes, Effect, Equipment, Induction, Level, Motors, Place, Ramp, Row};
+use crate::model::{Chutes, DeclaredEffect, Equipment, Induction, Level, Motors, PlaceRow, Ramp, StraightPlace};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, COORDINATE};
 use crate::semantics::scope::{Context, Scope};
@@ -53,7 +53,7 @@ impl<'t> Context<'t> {
         placed: &Placed<'t>,
         geometry: &Geometry<'t>,
         equipment: &mut Equipment,
-        rows: &mut Vec<(Row, crate::source::Span)>,
+        rows: &mut Vec<(PlaceRow, crate::source::Span)>,
     ) -> Option<()> {
         match placed.statement {
             Statement::Start(place) => equipment.start = Some(self.along(placed, geometry, place)?),
@@ -85,14 +85,14 @@ impl<'t> Context<'t> {
         Some(())
     }
 
-    fn along(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, place: &'t tree::Place) -> Option<Place> {
+    fn along(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, place: &'t tree::PlaceExpr) -> Option<StraightPlace> {
         let section = self.section(&geometry.named, &place.section);
         let at =
             self.bounded_constant(&placed.env, &place.at, Dimension::LENGTH, "the distance along the straight", ALONG);
-        Some(Place { section: section?, at: at?.value, span: placed.span })
+        Some(StraightPlace { section: section?, at: at?.value, span: placed.span })
     }
 
-    fn row_of(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, row: &'t tree::Row) -> Option<Row> {
+    fn row_of(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, row: &'t tree::RowExpr) -> Option<PlaceRow> {
         let section = self.section(&geometry.named, &row.section);
         let length = |expr: &'t Expr, what: &str, bounds| {
             self.bounded_constant(&placed.env, expr, Dimension::LENGTH, what, bounds).map(|v| v.value)
@@ -100,8 +100,8 @@ impl<'t> Context<'t> {
         let at = length(&row.from, "the distance along the straight", ALONG);
         let every = length(&row.every, "the distance between two", Bounds::above(0.0, 1e5));
         let count = self.count(&placed.env, &row.count, "the count", 1);
-        let place = Place { section: section?, at: at?, span: placed.span };
-        Some(Row { place, every: every?, count: count? })
+        let place = StraightPlace { section: section?, at: at?, span: placed.span };
+        Some(PlaceRow { place, every: every?, count: count? })
     }
 
     /// Heights of runs of sections.
@@ -143,7 +143,7 @@ impl<'t> Context<'t> {
     }
 
     /// Effects of the library, with strengths that are constants.
-    pub(super) fn effects(&self, draft: &Draft<'t>) -> Vec<Effect> {
+    pub(super) fn effects(&self, draft: &Draft<'t>) -> Vec<DeclaredEffect> {
         let effect = |placed: &Placed<'t>| {
             let Statement::Effect(reference) = placed.statement else { return None };
             let name = &reference.name;
@@ -191,7 +191,7 @@ impl<'t> Context<'t> {
                 }
                 Some((arg.to_string(), value))
             });
-            Some(Effect { name: name.text.clone(), strengths: strengths.collect(), span: placed.span })
+            Some(DeclaredEffect { name: name.text.clone(), strengths: strengths.collect(), span: placed.span })
         };
         draft.statements.iter().filter_map(effect).collect()
     }

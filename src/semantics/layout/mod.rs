@@ -17,11 +17,11 @@ use super::program::{Space, Symbol, mentions};
 use super::scope::{Context, Env, Scope};
 use super::value::{metres, shown};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Cart, Catalog, Chain, Drive, Interval, Layout, Sensor};
+use crate::model::{Cart, Catalog, ChainDeclaration, Drive, Interval, Layout, Sensor};
 use crate::semantics::component::Component;
 use crate::semantics::layout::checks::{Facts, Limits};
 use crate::source::{Span, Spanned};
-use crate::syntax::tree::{Expr, Item, Kind, LayoutDeclaration, Reference, Statement};
+use crate::syntax::tree::{DeclarationKind, Expr, Item, LayoutDeclaration, Reference, Statement};
 use draft::{Draft, Placed, keyword};
 pub(super) use vertices::Geometry;
 
@@ -173,7 +173,7 @@ impl<'t> Context<'t> {
     }
 
     /// The component that a statement names, complete or not at all.
-    fn stated(&self, draft: &Draft<'t>, kind: Kind) -> Option<(Rc<Component>, &'t Reference, Span)> {
+    fn stated(&self, draft: &Draft<'t>, kind: DeclarationKind) -> Option<(Rc<Component>, &'t Reference, Span)> {
         let placed = draft.once(keyword(kind))?;
         let Statement::Component { reference, .. } = placed.statement else { return None };
         let component = self.component(&placed.env, kind, reference)?;
@@ -185,7 +185,7 @@ impl<'t> Context<'t> {
             self.missing(draft, "catalog", "catalog standard");
             return None;
         }
-        let (component, _, span) = self.stated(draft, Kind::Catalog)?;
+        let (component, _, span) = self.stated(draft, DeclarationKind::Catalog)?;
         let catalog = components::catalog(&component, span)?;
         let place = |path: &str| component.place(path);
         if catalog.curve.radii.is_empty() {
@@ -224,7 +224,7 @@ impl<'t> Context<'t> {
             self.missing(draft, "cart", "cart tilt_tray(length: 1250 mm)");
             return None;
         }
-        let (component, reference, span) = self.stated(draft, Kind::Cart)?;
+        let (component, reference, span) = self.stated(draft, DeclarationKind::Cart)?;
         let cart = components::cart(&component, span)?;
         if let Some(lengths) = component.numbers("lengths")
             && !lengths.iter().any(|l| (l - cart.length).abs() < 1e-9)
@@ -252,18 +252,24 @@ impl<'t> Context<'t> {
 
     fn drive(&self, draft: &Draft<'t>) -> Option<Drive> {
         let drives = self.program.drives;
-        let motor = self.stated_or(draft, Kind::Motor, drives, "linear_motor")?;
-        let controller = self.stated_or(draft, Kind::Controller, drives, "pi")?;
+        let motor = self.stated_or(draft, DeclarationKind::Motor, drives, "linear_motor")?;
+        let controller = self.stated_or(draft, DeclarationKind::Controller, drives, "pi")?;
         Some(Drive { motor: components::motor(&motor)?, controller: components::controller(&controller)? })
     }
 
     fn sensor(&self, draft: &Draft<'t>) -> Option<Sensor> {
-        let sensor = self.stated_or(draft, Kind::Sensor, self.program.sensors, "standard")?;
+        let sensor = self.stated_or(draft, DeclarationKind::Sensor, self.program.sensors, "standard")?;
         components::sensor(&sensor)
     }
 
     /// What the layout states, else the standard library's.
-    fn stated_or(&self, draft: &Draft<'t>, kind: Kind, module: Option<usize>, default: &str) -> Option<Rc<Component>> {
+    fn stated_or(
+        &self,
+        draft: &Draft<'t>,
+        kind: DeclarationKind,
+        module: Option<usize>,
+        default: &str,
+    ) -> Option<Rc<Component>> {
         if draft.once(keyword(kind)).is_some() {
             return self.stated(draft, kind).map(|(component, ..)| component);
         }
@@ -272,7 +278,7 @@ impl<'t> Context<'t> {
         self.with_defaults(symbol, declaration)
     }
 
-    fn chain(&self, draft: &Draft<'t>) -> Option<Chain> {
+    fn chain(&self, draft: &Draft<'t>) -> Option<ChainDeclaration> {
         let closes_within = match draft.once("chain closes") {
             Some(Placed { statement: Statement::ChainCloses(expr), env, .. }) => {
                 let bounds = Bounds::between(0.0, 100.0);
@@ -286,14 +292,14 @@ impl<'t> Context<'t> {
                 self.bounded_constant(env, expr, Dimension::FORCE, "the chain's tension", bounds).map(|t| t.value)
             }
             _ => {
-                let usual = self.stated(draft, Kind::Cart)?.0.number("tension");
+                let usual = self.stated(draft, DeclarationKind::Cart)?.0.number("tension");
                 if usual.is_none() {
                     self.missing(draft, "chain tension", "chain tension 500 N");
                 }
                 usual
             }
         };
-        Some(Chain { tension: tension?, closes_within })
+        Some(ChainDeclaration { tension: tension?, closes_within })
     }
 
     /// `turns` or `radii`: the catalogue's limits, narrowed by the layout.

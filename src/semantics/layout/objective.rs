@@ -72,13 +72,21 @@ impl<'t> Context<'t> {
         let (Some(span), true, Some(first)) = (objective.span, wanted, free.first()) else { return };
         let name = &catalog.name;
         self.report(
-            Diagnostic::new(Code::E0312, format!("catalogue `{name}` has no prices to minimise"), span, "of this catalogue")
-                .expected("straights and curves that cost something", format!("0 EUR for each {}", free.join(" and ")))
-                .related(catalog.span, "the catalogue")
-                .help(format!(
-                    "state them: `catalog priced from {name} {{ {first} {{ piece_price = 60 EUR  metre_price = 210 EUR/m }} }}`, one \
-                     line each; or write `optimise length`"
-                )),
+            Diagnostic::new(
+                Code::E0312,
+                format!(
+                    "catalogue `{name}` has no prices to \
+                                                  minimise"
+                ),
+                span,
+                "of this catalogue",
+            )
+            .expected("straights and curves that cost something", format!("0 EUR for each {}", free.join(" and ")))
+            .related(catalog.span, "the catalogue")
+            .help(format!(
+                "state them: `catalog priced from {name} {{ {first} {{ piece_price = 60 EUR  metre_price = 210 \
+                     EUR/m }} }}`, one line each; or write `optimise length`"
+            )),
         );
     }
 }

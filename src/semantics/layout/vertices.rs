@@ -110,7 +110,7 @@ impl<'t> Context<'t> {
         );
     }
 
-    fn point(&self, placed: &Placed<'t>, point: &'t tree::Point) -> Option<Point> {
+    fn point(&self, placed: &Placed<'t>, point: &'t tree::PointExpr) -> Option<Point> {
         let coordinate = |expr: &'t Expr, what| {
             self.bounded_constant(&placed.env, expr, Dimension::LENGTH, what, COORDINATE).map(|v| v.value)
         };
@@ -125,7 +125,7 @@ impl<'t> Context<'t> {
         self.bounded_constant(&placed.env, expr, Dimension::LENGTH, "the clearance", bounds).map(|v| v.value)
     }
 
-    fn polygon(&self, placed: &Placed<'t>, block: &'t Block<tree::Point>, what: &str) -> Option<Polygon> {
+    fn polygon(&self, placed: &Placed<'t>, block: &'t Block<tree::PointExpr>, what: &str) -> Option<Polygon> {
         if block.nodes.len() > MOST_POINTS {
             self.too_many("points in a polygon", MOST_POINTS, block.nodes[MOST_POINTS].value.span);
             return None;

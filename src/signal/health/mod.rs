@@ -2,15 +2,20 @@
 //!
 //! Suspicions, each with a rule that can be argued with:
 //!
-//! | suspicion | rule |
-//! |---|---|
-//! | empty | every sample is lost |
-//! | dead | a force or wheel speed takes at most [`DEAD`] different values in a hundred samples or more: the last digits of a constant. A steering wheel at 0 is none on a layout without a curve to its side |
-//! | clipped | a force or wheel speed stays at its largest or smallest value for [`CLIPPED_ROW`] samples or more at a time, [`CLIPPED`] in all, and more than three times as often as at the value next to it. A wheel without load is at 0, which is no clipping |
-//! | left and right exchanged | in curves the difference left − right goes against what the layout makes of it: slope of the regression on the expected difference below −0.5, correlation below −0.2 |
-//! | curves not followed | the same slope of the steering wheels is between −0.2 and 0.2: the layout or `trigger_position` is not the run's |
-//! | joint axes exchanged | `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their joints |
-//! | speeds differ | running wheels and trigger disagree by more than [`SLIP`] |
+//! - empty: every sample is lost,
+//! - dead: a force or wheel speed takes at most [`DEAD`] different values in a hundred samples or more: the last digits
+//!   of a constant. A steering wheel at 0 is none on a layout without a curve to its side,
+//! - clipped: a force or wheel speed stays at its largest or smallest value for [`CLIPPED_ROW`] samples or more at a
+//!   time, [`CLIPPED`] in all, and more than three times as often as at the value next to it. A wheel without load is
+//!   at 0, which is no clipping,
+//! - left and right exchanged: in curves the difference left − right goes against what the layout makes of it: slope of
+//!   the regression on the expected difference below −0.5, correlation below −0.2,
+//! - curves not followed: the same slope of the steering wheels is between −0.2 and 0.2: the layout or
+//!   `trigger_position` is not the run's,
+//! - joint axes exchanged: `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below
+//!   a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their
+//!   joints,
+//! - speeds differ: running wheels and trigger disagree by more than [`SLIP`].
 //!
 //! **What is expected in a curve** of curvature κ (left positive) for cart length L, mass m, μ = m/L, tension T and
 //! speed v, from the balance of a cart: its steering wheels push with (T − μv²)Lκ to the outside, which loads the inner

@@ -80,7 +80,8 @@ pub fn speeds(trigger: Option<f64>, wheels: Option<f64>) -> Option<String> {
     let (trigger, wheels) = (trigger?, wheels?);
     ((wheels / trigger - 1.0).abs() > SLIP).then(|| {
         format!(
-            "the trigger says {} m/s and the running wheels {} m/s: an edge was missed, or the wheels' radius or the layout is another",
+            "the trigger says {} m/s and the running wheels {} m/s: an edge was missed, or the wheels' radius or the \
+             layout is another",
             fixed(trigger, 3),
             fixed(wheels, 3)
         )

@@ -154,7 +154,7 @@ impl<R: Read + Seek> Blocks<R> {
             match &head.kind {
                 b"##DT" | b"##DV" => {
                     left += head.data;
-                    pieces.push(Piece::Plain { at: head.at, left: head.data });
+                    pieces.push(RecordPart::Plain { at: head.at, left: head.data });
                 }
                 b"##DZ" => {
                     let packed = packed(&self.body(address, &head, head.data.min(PACKED))?, &head)?;
@@ -163,7 +163,7 @@ impl<R: Read + Seek> Blocks<R> {
                         return Err(format!("its compressed blocks hold more than {} MiB", INFLATED >> 20));
                     }
                     left += packed.length;
-                    pieces.push(Piece::Packed(packed));
+                    pieces.push(RecordPart::Packed(packed));
                 }
                 b"##HL" => next.push(self.body(address, &head, 0)?.link(0)),
                 // The first link goes to the list after this one.
@@ -206,7 +206,7 @@ impl<R: Read + Seek> Blocks<R> {
 }
 
 /// A part of what is recorded.
-enum Piece {
+enum RecordPart {
     Plain { at: u64, left: u64 },
     Packed(Packed),
 }
@@ -245,7 +245,7 @@ pub struct Recorded<'a, R> {
     blocks: &'a Blocks<R>,
     left: u64,
     /// What is left, the next one last.
-    pieces: Vec<Piece>,
+    pieces: Vec<RecordPart>,
     /// The block that is read, unpacked, and how much of it was.
     inflated: Vec<u8>,
     at: usize,
@@ -274,15 +274,15 @@ impl<R: Read + Seek> Recorded<'_, R> {
             }
             match self.pieces.pop() {
                 None => break,
-                Some(Piece::Plain { at, left }) => {
+                Some(RecordPart::Plain { at, left }) => {
                     let size = usize::try_from(left).unwrap_or(usize::MAX).min(open.len());
                     self.blocks.fill(at, &mut open[..size])?;
                     if left > size as u64 {
-                        self.pieces.push(Piece::Plain { at: at + size as u64, left: left - size as u64 });
+                        self.pieces.push(RecordPart::Plain { at: at + size as u64, left: left - size as u64 });
                     }
                     done += size;
                 }
-                Some(Piece::Packed(packed)) => {
+                Some(RecordPart::Packed(packed)) => {
                     self.inflated = self.blocks.inflate(&packed)?;
                     self.at = 0;
                 }

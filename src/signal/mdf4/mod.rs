@@ -13,7 +13,7 @@ mod blocks;
 mod records;
 
 use super::csv::Columns;
-use super::{Channel, Problem, RunError, columns};
+use super::{Channel, DataProblem, RunError, columns};
 use blocks::{Block, Blocks};
 use records::{Reader, Records};
 use std::collections::BTreeMap;
@@ -35,10 +35,11 @@ struct Group {
 ///
 /// # Errors
 ///
-/// The first of what [`Problem`] lists, with the number of the sample and the channel. [`Problem::OtherTimeBase`] for a
-/// channel outside the group that holds most, unless its times are the same ones: to resample would be to guess.
+/// The first of what [`DataProblem`] lists, with the number of the sample and the channel.
+/// [`DataProblem::OtherTimeBase`] for a channel outside the group that holds most, unless its times are the same ones:
+/// to resample would be to guess.
 pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
-    let torn = |why: Torn| RunError::new(file, Problem::Malformed(why));
+    let torn = |why: Torn| RunError::new(file, DataProblem::Malformed(why));
     let blocks = Blocks::new(data).map_err(torn)?;
     let mut groups = Vec::new();
     let mut taken = Vec::new();
@@ -58,7 +59,7 @@ pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
         let rows = usize::try_from(group.records.count).unwrap_or(usize::MAX);
         columns::room(rows, taken.len() + 1, columns::MOST_NUMBERS).map_err(at)?;
         let Some(time) = &group.time else {
-            return Err(at(Problem::Malformed("its group has no channel of time".to_owned())));
+            return Err(at(DataProblem::Malformed("its group has no channel of time".to_owned())));
         };
         let reader = |channel: &Block, name| {
             Reader::new(&blocks, channel, &group.records).map_err(|problem| RunError::new(file, problem).column(name))
@@ -71,13 +72,13 @@ pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
         let mut columns = read.map_err(|why| torn(why).column(first.name()))?.into_iter();
         let time = columns.next().unwrap_or_default();
         match &base {
-            Some(base) if !same(base, &time) => return Err(at(Problem::OtherTimeBase)),
+            Some(base) if !same(base, &time) => return Err(at(DataProblem::OtherTimeBase)),
             Some(_) => {}
             None => base = Some(time),
         }
         channels.extend(group.channels.iter().map(|(channel, _)| *channel).zip(columns));
     }
-    let time = base.ok_or_else(|| RunError::new(file, Problem::TooFewSamples))?;
+    let time = base.ok_or_else(|| RunError::new(file, DataProblem::TooFewSamples))?;
     columns::check(&time, &channels, file, 1)?;
     columns::check_trigger(&channels, file, 1)?;
     Ok((time, channels))
@@ -90,7 +91,7 @@ fn group<R: Read + Seek>(
     taken: &mut Vec<Channel>,
     file: &Path,
 ) -> Result<Group, RunError> {
-    let torn = |why: Torn| RunError::new(file, Problem::Malformed(why));
+    let torn = |why: Torn| RunError::new(file, DataProblem::Malformed(why));
     let mut group = Group { records, time: None, channels: Vec::new() };
     let mut named = None;
     for block in blocks.chain(group.records.first_channel, b"##CN").map_err(torn)? {
@@ -102,7 +103,7 @@ fn group<R: Read + Seek>(
             // A master goes before a channel that is only called so.
             let place = if master { &mut group.time } else { &mut named };
             if place.replace(block).is_some() {
-                return Err(at(Problem::DuplicateColumn));
+                return Err(at(DataProblem::DuplicateColumn));
             }
             continue;
         }
@@ -118,17 +119,17 @@ fn group<R: Read + Seek>(
 }
 
 /// That a channel's unit, when it or its conversion names one, is this.
-fn unit<R: Read + Seek>(blocks: &Blocks<R>, channel: &Block, expected: &'static str) -> Result<(), Problem> {
-    let mut found = blocks.text(channel.link(6)).map_err(Problem::Malformed)?;
+fn unit<R: Read + Seek>(blocks: &Blocks<R>, channel: &Block, expected: &'static str) -> Result<(), DataProblem> {
+    let mut found = blocks.text(channel.link(6)).map_err(DataProblem::Malformed)?;
     if found.is_empty() && channel.link(4) != 0 {
-        let conversion = blocks.block(channel.link(4), b"##CC").map_err(Problem::Malformed)?;
-        found = blocks.text(conversion.link(1)).map_err(Problem::Malformed)?;
+        let conversion = blocks.block(channel.link(4), b"##CC").map_err(DataProblem::Malformed)?;
+        found = blocks.text(conversion.link(1)).map_err(DataProblem::Malformed)?;
     }
     let same = match (expected, found.as_str()) {
         (_, "") | ("°C", "degC" | "C") => true,
         (expected, found) => expected == found,
     };
-    if same { Ok(()) } else { Err(Problem::OtherUnit { expected, found }) }
+    if same { Ok(()) } else { Err(DataProblem::OtherUnit { expected, found }) }
 }
 
 /// Whether two groups were sampled at the same times, to a nanosecond.
@@ -185,7 +186,8 @@ mod tests {
         let cases: [(&[u8], &str); 6] = [
             (
                 include_bytes!("../../../tests/fixtures/mdf4/rates.mf4"),
-                "run.mf4, `temperature`: the channel is written in a group with another time base\n  help: export all channels with one rate, on one time base",
+                "run.mf4, `temperature`: the channel is written in a group with another time base\n  \
+                 help: export all channels with one rate, on one time base",
             ),
             (
                 include_bytes!("../../../tests/fixtures/mdf4/foreign.mf4"),
@@ -216,7 +218,9 @@ mod tests {
             for length in 0..whole.len() {
                 match back(&whole[..length]) {
                     Ok(run) => assert_eq!(bits(run), expected, "cut at {length}"),
-                    Err(error) => assert!(matches!(error.problem, Problem::Malformed(_)), "cut at {length}: {error}"),
+                    Err(error) => {
+                        assert!(matches!(error.problem, DataProblem::Malformed(_)), "cut at {length}: {error}")
+                    }
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Records: what the channels of a group measured at one time, side by side.
 
 use super::blocks::{Block, Blocks, Recorded};
-use super::{Problem, Torn};
+use super::{DataProblem, Torn};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 
@@ -229,21 +229,21 @@ impl Reader {
     /// # Errors
     ///
     /// When the channel is no number, or lies outside its records.
-    pub fn new<R: Read + Seek>(blocks: &Blocks<R>, channel: &Block, records: &Records) -> Result<Reader, Problem> {
-        let torn = || Problem::Malformed("the channel lies outside its records".to_owned());
+    pub fn new<R: Read + Seek>(blocks: &Blocks<R>, channel: &Block, records: &Records) -> Result<Reader, DataProblem> {
+        let torn = || DataProblem::Malformed("the channel lies outside its records".to_owned());
         let field = field(channel).ok_or_else(torn)?;
         if channel.link(1) != 0 {
-            return Err(Problem::NotANumber("an array or a structure".to_owned()));
+            return Err(DataProblem::NotANumber("an array or a structure".to_owned()));
         }
         if field.number > 5 || !matches!(field.kind, FIXED | MASTER | VIRTUAL_MASTER | VIRTUAL) {
-            return Err(Problem::NotANumber("text or bytes".to_owned()));
+            return Err(DataProblem::NotANumber("text or bytes".to_owned()));
         }
-        let convert = conversion(blocks, channel.link(4)).map_err(Problem::Malformed)?;
+        let convert = conversion(blocks, channel.link(4)).map_err(DataProblem::Malformed)?;
         let counted = matches!(field.kind, VIRTUAL_MASTER | VIRTUAL);
         let float = matches!(field.number, 4 | 5);
         if !counted && (field.bits == 0 || field.bits > 64 || field.bit > 7 || float && !matches!(field.bits, 32 | 64))
         {
-            return Err(Problem::Malformed(format!("numbers of {} bits are not known", field.bits)));
+            return Err(DataProblem::Malformed(format!("numbers of {} bits are not known", field.bits)));
         }
         let within = |from: usize, size: usize, end: usize| {
             from.checked_add(size).filter(|&to| to <= end).map(|to| from..to).ok_or_else(torn)

@@ -11,7 +11,7 @@ use crate::model::{ConstraintKind, Formula, Goal, Interval, Layout, Objective, S
 use crate::problem::measures::{radius, to_corners, to_variables};
 use crate::problem::{Function, LEVER, Problem, Scope};
 use crate::solve::options::Discretised;
-use crate::solve::sqp::{Settings, Solution};
+use crate::solve::sqp::{Solution, SqpSettings};
 use crate::solve::violations::off_grid;
 use crate::solve::{Effort, Stage, exact};
 use crate::source::Span;
@@ -122,7 +122,7 @@ impl GridStage<'_> {
         let layout = self.only(set);
         let problem = Problem::new(&layout, Scope::Obstacles);
         let start = Solution::at(&problem, self.start);
-        exact::discretise(&layout, &problem, &start, &Settings::default(), &Effort { nodes: NODES, gap: 1.0 })
+        exact::discretise(&layout, &problem, &start, &SqpSettings::default(), &Effort { nodes: NODES, gap: 1.0 })
     }
 
     /// A layout on the grid that meets some lines; `None` where none was found, or out of runs.
@@ -133,7 +133,7 @@ impl GridStage<'_> {
         let x = self.run(set).solution.variables;
         let layout = self.only(set);
         let problem = Problem::new(&layout, Scope::Obstacles);
-        let on_grid = off_grid(&layout, &problem, &x, Settings::default().feasibility).is_empty();
+        let on_grid = off_grid(&layout, &problem, &x, SqpSettings::default().feasibility).is_empty();
         (on_grid && meets(&problem, &x)).then_some(x)
     }
 

@@ -4,7 +4,7 @@
 use crate::geometry::{Point, Polygon};
 use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout};
 use crate::problem::measures::{radius, x, y};
-use crate::problem::{Elastic, Function, LEVER, Problem, Row, RowKey};
+use crate::problem::{ConstraintRow, Elastic, Function, LEVER, Problem, RowKey};
 use crate::source::Span;
 
 /// What kind of statement a line is, which decides how a message speaks of it.
@@ -23,7 +23,7 @@ pub enum LineKind {
 
 /// A statement, with the limits it sets.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct SourceLine {
     pub kind: LineKind,
     pub span: Span,
     pub rows: Vec<usize>,
@@ -34,7 +34,7 @@ pub struct Line {
 #[derive(Clone, Debug)]
 pub struct Lines {
     /// Ordered by kind, then as written.
-    pub list: Vec<Line>,
+    pub list: Vec<SourceLine>,
     problem: Problem,
     /// Sections whose heading a line holds.
     headings: Vec<(Span, usize)>,
@@ -117,15 +117,24 @@ impl Lines {
 
     fn variable(&mut self, k: usize, low: f64, high: f64, label: String, span: Span) -> usize {
         let function = Function::Linear(vec![(k, 1.0)]);
-        self.problem.rows.push(Row { function, low, high, angle: false, weight: None, label, span, reason: None });
+        self.problem.rows.push(ConstraintRow {
+            function,
+            low,
+            high,
+            angle: false,
+            weight: None,
+            label,
+            span,
+            reason: None,
+        });
         self.problem.rows.len() - 1
     }
 
-    fn line(&mut self, kind: LineKind, span: Span) -> &mut Line {
+    fn line(&mut self, kind: LineKind, span: Span) -> &mut SourceLine {
         let at = match self.list.iter().position(|l| l.span == span && l.kind == kind) {
             Some(at) => at,
             None => {
-                self.list.push(Line { kind, span, rows: Vec::new(), keepouts: Vec::new() });
+                self.list.push(SourceLine { kind, span, rows: Vec::new(), keepouts: Vec::new() });
                 self.list.len() - 1
             }
         };
@@ -147,7 +156,7 @@ impl Lines {
     }
 
     /// A line's row, of whose limits one is infinite.
-    pub fn row(&self, row: usize) -> &Row {
+    pub fn row(&self, row: usize) -> &ConstraintRow {
         &self.problem.rows[row]
     }
 

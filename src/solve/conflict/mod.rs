@@ -24,7 +24,7 @@ use crate::problem::measures::{to_corners, to_variables};
 use crate::problem::{LEVER, Problem, Scope};
 use crate::solve::Stage;
 use crate::source::Span;
-use lines::{Line, Lines, Role};
+use lines::{Lines, Role, SourceLine};
 use search::{Core, Search, Set, only};
 
 /// Conflicts that are named, at most: lines of one may be in others, too.
@@ -236,7 +236,7 @@ impl Examiner<'_> {
         confirm(self.search, unit(self.layout, &self.lines.list[line]), least.amount, &least.at, &role)
     }
 
-    fn assumed(&self, line: &Line) -> Option<Assumed> {
+    fn assumed(&self, line: &SourceLine) -> Option<Assumed> {
         let obstacle = self.layout.obstacles.iter().find(|o| line.kind == LineKind::Obstacle && o.span == line.span)?;
         let by = match obstacle.pass {
             _ if self.open.contains(&obstacle.span) => Decides::Neither,
@@ -258,7 +258,7 @@ fn confirm(search: &Search, unit: Unit, amount: f64, near: &[f64], role: &impl F
 }
 
 /// What a line's limits are in.
-fn unit(layout: &Layout, line: &Line) -> Unit {
+fn unit(layout: &Layout, line: &SourceLine) -> Unit {
     let written = layout.constraints.iter().find(|c| c.span == line.span).map(|c| &c.kind);
     match (line.kind, written) {
         (LineKind::Turns, _) => Unit::Radian,

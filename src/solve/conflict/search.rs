@@ -11,7 +11,7 @@ use crate::geometry::{Fillet, Point, Track};
 use crate::model::Layout;
 use crate::problem::measures::{radius, to_corners, x, y};
 use crate::problem::{Keepout, LEVER, Problem, RowKey, RowValue, perturbed};
-use crate::solve::sqp::{self, Settings, Solution};
+use crate::solve::sqp::{self, Solution, SqpSettings};
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -336,8 +336,8 @@ fn slacken(problem: &Problem, start: &[f64]) -> (Vec<f64>, f64) {
 }
 
 // Short steps: a long one may take the track across itself or an obstacle, where rows no longer lead back.
-fn settings() -> Settings {
-    Settings { iterations: ITERATIONS, radius: 0.5, largest_radius: 1.0, ..Settings::default() }
+fn settings() -> SqpSettings {
+    SqpSettings { iterations: ITERATIONS, radius: 0.5, largest_radius: 1.0, ..SqpSettings::default() }
 }
 
 fn give_way(problem: &Problem, start: &[f64]) -> Solution {

@@ -27,7 +27,7 @@ pub enum Way {
 
 /// Where a straight begins (end of the arc before it) or ends, by stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Joint {
+pub enum StraightEnd {
     Begin(usize),
     End(usize),
 }
@@ -40,7 +40,7 @@ pub enum What {
     /// It lies before (or else behind) the normal of the track at a joint. On the normal itself it is beside both
     /// pieces, so a piece that it may be beside need not offer the other side again: that would let it slip between the
     /// two.
-    Before(Joint, bool),
+    Before(StraightEnd, bool),
 }
 
 /// A decision about a corner.
@@ -288,7 +288,7 @@ impl Beside<'_> {
             GridRow { at: at(stage, u), out: at(stage, u), low: u.dot(q), ..GridRow::default() },
             GridRow { at: at(next, -u), into: at(next, u), low: -u.dot(q), ..GridRow::default() },
         ];
-        out.extend(past(k, corner, [Joint::Begin(stage), Joint::End(stage)], rows, known));
+        out.extend(past(k, corner, [StraightEnd::Begin(stage), StraightEnd::End(stage)], rows, known));
         if self.known.iter().any(|t| beyond(t, 2 * i, q, &keepout.region, keepout.distance)) {
             out.push(row(GridRow { at: at(stage, side), low: keepout.distance + side.dot(q), ..GridRow::default() }));
         }
@@ -340,7 +340,7 @@ impl Beside<'_> {
             return Some(vec![inside]);
         }
         let before = (stage + arc.grid.len() - 1) % arc.grid.len();
-        let joints = [Joint::End(before), Joint::Begin(stage)];
+        let joints = [StraightEnd::End(before), StraightEnd::Begin(stage)];
         let mut out: Vec<Alternative> = past(keepout, corner, joints, arc.elsewhere(q), decided).collect();
         let is_inner = rules.region.lies == f64::from(arc.grid.signs[stage]);
         let index = (2 * arc.grid.vertex(stage) + 2 * arc.grid.len() - 1) % (2 * arc.grid.len());
@@ -359,11 +359,11 @@ impl Beside<'_> {
 fn past(
     keepout: usize,
     corner: usize,
-    joints: [Joint; 2],
+    joints: [StraightEnd; 2],
     rows: [GridRow; 2],
     known: &[Decided],
 ) -> impl Iterator<Item = Alternative> {
-    let decided = |joint: Joint, before: bool| Decided { keepout, corner, what: What::Before(joint, before) };
+    let decided = |joint: StraightEnd, before: bool| Decided { keepout, corner, what: What::Before(joint, before) };
     let both =
         [(decided(joints[0], true), decided(joints[0], false)), (decided(joints[1], false), decided(joints[1], true))];
     both.into_iter()

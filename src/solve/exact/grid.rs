@@ -3,8 +3,8 @@
 use crate::base::trig;
 use crate::geometry::{Point, Track};
 use crate::model::{Formula, Layout};
-use crate::problem::measures::{radius, to_corners, x, y};
-use crate::problem::{Function, Problem, Row};
+use crate::problem::measures::{to_corners, x, y};
+use crate::problem::{ConstraintRow, Function, Problem};
 
 /// Slack on angles and lengths that come from text, rad or m.
 const SLACK: f64 = 1e-9;
@@ -70,7 +70,7 @@ impl Grid {
         let stage = |k: usize| (first + k) % n;
         let signs: Vec<i32> = (0..n).map(|k| problem.signs[stage(k)] as i32).collect();
         let turns: Vec<(i32, i32)> = (0..n).map(|k| turn_limits(problem, stage(k), step)).collect();
-        let radii: Vec<Vec<f64>> = (0..n).map(|k| radii(layout, problem, stage(k))).collect();
+        let radii: Vec<Vec<f64>> = (0..n).map(|k| problem.radii(layout, stage(k))).collect();
         if turns.iter().any(|t| t.0 > t.1) || radii.iter().any(Vec::is_empty) {
             return Err(NoGrid::Empty);
         }
@@ -169,21 +169,12 @@ fn turn_limits(problem: &Problem, vertex: usize, step: f64) -> (i32, i32) {
 
 /// Whether `require heading` allows a section's heading, rad.
 fn headings_asked(problem: &Problem, section: usize, heading: f64) -> bool {
-    let asked = |row: &&Row| matches!(row.function, Function::Formula(Formula::Heading(i)) if i == section);
+    let asked = |row: &&ConstraintRow| matches!(row.function, Function::Formula(Formula::Heading(i)) if i == section);
     problem.rows.iter().filter(asked).all(|row| {
         let aim = if row.low.is_finite() && row.high.is_finite() { (row.low + row.high) / 2.0 } else { 0.0 };
         let heading = aim + trig::wrap(heading - aim);
         row.low - SLACK <= heading && heading <= row.high + SLACK
     })
-}
-
-fn radii(layout: &Layout, problem: &Problem, vertex: usize) -> Vec<f64> {
-    let bound = problem.bounds[radius(vertex)];
-    if bound.low == bound.high {
-        return vec![bound.low];
-    }
-    let within = |r: &f64| *r >= bound.low - SLACK && *r <= bound.high + SLACK;
-    layout.catalog.curve.radii.iter().copied().filter(within).collect()
 }
 
 /// The centre line at some variables.

@@ -22,7 +22,7 @@ mod tariff;
 pub use tariff::worth;
 
 use super::options::Discretised;
-use super::sqp::{Settings, Solution};
+use super::sqp::{Solution, SqpSettings};
 use super::{Certificate, Counted, Stop, Violation, discrete};
 use crate::geometry::{Point, bounds};
 use crate::model::Layout;
@@ -46,7 +46,7 @@ pub fn discretise(
     layout: &Layout,
     problem: &Problem,
     start: &Solution,
-    settings: &Settings,
+    settings: &SqpSettings,
     effort: &Effort,
 ) -> Discretised {
     let rough = discrete::discretise(layout, problem, start, settings);
@@ -73,8 +73,8 @@ pub fn discretise(
     let incumbent = fits.then(|| (rough.variables.clone(), task.worth(&rough.variables))).filter(|i| i.1.is_finite());
     let mut assumed = vec!["turns go the way they are written, and as often around".to_owned()];
     if !problem.keepouts.is_empty() {
-        let beside = "every straight and curve passes an obstacle on its side, but where another strand runs between them in \
-                      the written or the built layout";
+        let beside = "every straight and curve passes an obstacle on its side, but where another strand runs between \
+                      them in the written or the built layout";
         assumed.push(beside.to_owned());
     }
     let mut found = match aim {

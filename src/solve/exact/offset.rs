@@ -7,7 +7,7 @@
 
 use super::search::Found;
 use crate::model::Interval as Bounds;
-use crate::problem::{Function, Problem, Row};
+use crate::problem::{ConstraintRow, Function, Problem};
 use crate::solve::{Effort, Stop};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -126,7 +126,7 @@ fn relaxed(problem: &Problem, by: f64) -> Problem {
         let (label, span) = ("fix".to_owned(), problem.vertex_span(k / 3));
         let function = Function::Linear(vec![(k, 1.0)]);
         let (low, high) = (at - by, at + by);
-        problem.rows.push(Row { function, low, high, angle: false, weight: None, label, span, reason: None });
+        problem.rows.push(ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None });
     }
     problem
 }

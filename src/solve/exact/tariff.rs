@@ -7,7 +7,7 @@
 
 use super::grid::{Grid, track};
 use super::open::{Open, place};
-use crate::elements::{self, Part, Piece, Space, Step, Steps};
+use crate::elements::{self, OrderedPiece, Part, PriceStep, Space, Steps};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout};
 use crate::problem::Problem;
@@ -142,7 +142,7 @@ impl Tariff {
     pub fn hold(&mut self, k: usize, length: f64) {
         if let Some(cells) = self.cells.get_mut(k) {
             let price = cells.price(cells.cell(length, (0, cells.count() - 1)));
-            cells.steps = vec![Step { length, price, after: price }];
+            cells.steps = vec![PriceStep { length, price, after: price }];
         }
     }
 
@@ -187,7 +187,8 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
     let stock = &layout.catalog.straight;
     let least = stock.stock.iter().copied().chain(stock.cut.map(|c| c.low)).fold(f64::INFINITY, f64::min);
     let left_over = |length: f64| !layout.is_flat() && length < least;
-    let lacking = |p: &Piece| matches!(p.part, Part::Straight { length, .. } if !p.in_catalog && !left_over(length));
+    let lacking =
+        |p: &OrderedPiece| matches!(p.part, Part::Straight { length, .. } if !p.in_catalog && !left_over(length));
     if pieces.iter().any(lacking) {
         return f64::INFINITY;
     }
@@ -198,7 +199,7 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
 /// the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    steps: Vec<Step>,
+    steps: Vec<PriceStep>,
 }
 
 /// A straight this close to a step's length has it, m.
@@ -207,17 +208,17 @@ const AT: f64 = 1e-7;
 impl Cells {
     /// A straight without steps.
     fn plain(low: f64, high: f64) -> Self {
-        let step = |length: f64, after: f64| Step { length, price: 0.0, after };
+        let step = |length: f64, after: f64| PriceStep { length, price: 0.0, after };
         Cells { steps: vec![step(low, 0.0), step(high.max(low), f64::INFINITY)] }
     }
 
     fn new(steps: &Steps, low: f64, high: f64, unit: f64) -> Self {
-        let inside = |s: &&Step| s.length > low + AT && s.length < high - AT;
+        let inside = |s: &&PriceStep| s.length > low + AT && s.length < high - AT;
         let end = |length: f64| {
             let near = steps.points().iter().find(|s| (s.length - length).abs() <= AT);
             near.copied().unwrap_or_else(|| {
                 let price = steps.price(length);
-                Step { length, price, after: price }
+                PriceStep { length, price, after: price }
             })
         };
         let mut list = vec![end(low)];

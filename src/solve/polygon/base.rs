@@ -6,7 +6,7 @@ use crate::geometry::Track;
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Objective, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
-use crate::solve::sqp::{self, Settings};
+use crate::solve::sqp::{self, SqpSettings};
 use crate::solve::stages::solve_in_stages;
 use crate::solve::violations::{as_written, off_grid, stage};
 use crate::solve::{Discretise, Options, Progress, Stage, Status, discrete};
@@ -102,7 +102,7 @@ fn hold_radii(layout: &Layout) -> Layout {
 
 /// The written layout where it is feasible and on the grid, else the nearest one that is.
 fn nearest(layout: &Layout) -> Vec<Stage> {
-    let settings = Settings::default();
+    let settings = SqpSettings::default();
     let mut problem = Problem::new(layout, Scope::Obstacles);
     let written = as_written(&problem);
     let strict = stage("written", &problem, &sqp::Solution::at(&problem, &problem.start), &settings, Instant::now());

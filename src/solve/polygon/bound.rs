@@ -8,7 +8,7 @@
 //!
 //! [`superposed`]: crate::kinematics::polygon::superposed
 
-use crate::kinematics::polygon::{Objective, straight_behind};
+use crate::kinematics::polygon::{PolygonObjective, straight_behind};
 use crate::solve::convex::{Quadratic, Symmetric};
 use crate::solve::subproblem::{LinearRow, solve};
 
@@ -16,7 +16,7 @@ use crate::solve::subproblem::{LinearRow, solve};
 const NUMERICS: f64 = 1e-6;
 
 /// The bound, m², from each curve's ΔP alone, m, in driving order. `None` when the numerics fail.
-pub fn least_action(alone: &[f64], objective: Objective) -> Option<f64> {
+pub fn least_action(alone: &[f64], objective: PolygonObjective) -> Option<f64> {
     let n = alone.len();
     let scale = alone.iter().copied().fold(0.0, f64::max);
     if scale <= 0.0 {

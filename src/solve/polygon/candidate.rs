@@ -8,7 +8,7 @@ use crate::geometry::Track;
 use crate::kinematics::polygon::{Course, CurvePhasor, action, curve_phasor};
 use crate::problem::measures::to_corners;
 use crate::problem::{Aim, Problem, Wave, Waves};
-use crate::solve::sqp::{self, Settings, Solution};
+use crate::solve::sqp::{self, Solution, SqpSettings};
 
 /// Places of a search that are solved exactly.
 pub const POLISHED: usize = 4;
@@ -27,7 +27,7 @@ pub struct Candidate {
 impl Candidate {
     /// The layout at these variables as it is.
     pub fn at(problem: &Problem, goal: Smooth, pitch: f64, solution: Solution) -> Self {
-        Candidate::judged(problem, goal, pitch, solution, Settings::default().feasibility)
+        Candidate::judged(problem, goal, pitch, solution, SqpSettings::default().feasibility)
     }
 
     /// The same with another tolerance of rows, m or rad.
@@ -85,8 +85,13 @@ pub fn best(
     effort.phases += phases;
     let mut problem = held.clone();
     problem.aim = Aim::Waves(waves.clone());
-    let settings =
-        Settings { radius: 0.1, largest_radius: 0.3, iterations: ITERATIONS, dearest: 2e3, ..Settings::default() };
+    let settings = SqpSettings {
+        radius: 0.1,
+        largest_radius: 0.3,
+        iterations: ITERATIONS,
+        dearest: 2e3,
+        ..SqpSettings::default()
+    };
     let mut seen: Vec<Vec<f64>> = Vec::new();
     let mut best: Option<Candidate> = None;
     for place in found {

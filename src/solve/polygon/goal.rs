@@ -1,6 +1,6 @@
 //! What the source's objective asks of the chain's smoothness.
 
-use crate::kinematics::polygon::Objective as Counted;
+use crate::kinematics::polygon::PolygonObjective as Counted;
 use crate::model::{Goal, Objective};
 
 /// `optimise polygon_action`, alone, within a budget of length, or summed with length.

@@ -32,7 +32,7 @@ pub use bound::least_action;
 pub use goal::Smooth;
 pub use rival::{Rival, rival};
 
-use super::sqp::Settings;
+use super::sqp::SqpSettings;
 use super::violations::stage;
 use super::{Discretise, Options, Progress, Stage, Status};
 use crate::model::Layout;
@@ -84,10 +84,14 @@ pub fn run(
     };
     let problem = Problem::new(&base.layout, Scope::Obstacles);
     let best = turns::best(&base, &problem, goal, (&mut effort, options.stop), &tell);
-    let mut last = stage("polygon", &problem, &best.solution, &Settings::default(), clock);
+    let mut last = stage("polygon", &problem, &best.solution, &SqpSettings::default(), clock);
     // The budget and the closing are rows of ours: elsewhere the layout's own count.
-    let off =
-        super::violations::off_grid(&base.layout, &problem, &best.solution.variables, Settings::default().feasibility);
+    let off = super::violations::off_grid(
+        &base.layout,
+        &problem,
+        &best.solution.variables,
+        SqpSettings::default().feasibility,
+    );
     if !off.is_empty() {
         last.status = Status::Infeasible;
         last.violations.extend(off);

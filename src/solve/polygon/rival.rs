@@ -8,7 +8,7 @@ use crate::model::{Interval, Layout};
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{Problem, Scope};
 use crate::solve::complex::{self, Draw};
-use crate::solve::sqp::Settings;
+use crate::solve::sqp::SqpSettings;
 
 /// Where a repetition ended.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ pub fn rival(layout: &Layout, goal: Smooth, options: &Options, discretise: Discr
         let straights: Vec<f64> = (0..at.track.fillets.len()).map(|k| at.track.straight(k).length).collect();
         waves(&variables, goal, pitch).map_or(f64::INFINITY, |w| w.value(&straights) * goal.action)
     };
-    let settings = Settings::default();
+    let settings = SqpSettings::default();
     let found = complex::minimise_of(
         &problem,
         &base.variables,

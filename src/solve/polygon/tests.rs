@@ -3,7 +3,7 @@
 use super::*;
 use crate::base::random::uniform;
 use crate::geometry::{CentreLine, Corner, Form, Track};
-use crate::kinematics::polygon::{Course, Objective, action, curve_phasor};
+use crate::kinematics::polygon::{Course, PolygonObjective, action, curve_phasor};
 use crate::model::instances::thesis10;
 use crate::model::{Goal, fixture};
 use crate::problem::measures::to_variables;
@@ -26,7 +26,7 @@ fn smooth(mut layout: Layout, within: Option<f64>) -> Layout {
 
 fn value(corners: &[Corner], pitch: f64) -> f64 {
     let course = Course::of_track(&Track::new(corners)).expect("a course");
-    1e6 * action(&course, pitch).expect("a chain").value(Objective::All)
+    1e6 * action(&course, pitch).expect("a chain").value(PolygonObjective::All)
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn waves_at(waves: &crate::problem::Waves, straights: &[f64]) -> f64 {
 fn waves_are_the_chain() {
     let layout = smooth(thesis10(), None);
     let x = to_variables(&layout.corners());
-    for counted in Objective::EACH {
+    for counted in PolygonObjective::EACH {
         let goal = Smooth { counted, ..Smooth::of(&layout.objective).expect("a goal") };
         let waves = candidate::waves(&x, goal, 1.25).expect("waves");
         let track = Track::new(&layout.corners());
@@ -183,7 +183,7 @@ fn the_bound_holds_whatever_the_straights() {
         let alone: Vec<f64> =
             (0..turns.len()).map(|k| curve_phasor(&course, k, PITCH).expect("a chain").delta_p).collect();
         let action = action(&course, PITCH).expect("a chain");
-        for (k, objective) in Objective::EACH.into_iter().enumerate() {
+        for (k, objective) in PolygonObjective::EACH.into_iter().enumerate() {
             bounds[k] = least_action(&alone, objective).expect("a bound");
             least[k] = least[k].min(action.value(objective));
         }
@@ -199,7 +199,7 @@ fn the_bound_holds_whatever_the_straights() {
 #[test]
 fn the_bound_of_two_curves() {
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-5 * b, "{a} {b}");
-    near(least_action(&[3.0, 1.0], Objective::Last).expect("a bound"), 8.0);
-    near(least_action(&[3.0, 1.0], Objective::All).expect("a bound"), 9.0 + 1.0 + 8.0);
-    assert_eq!(least_action(&[0.0, 0.0], Objective::All), Some(0.0));
+    near(least_action(&[3.0, 1.0], PolygonObjective::Last).expect("a bound"), 8.0);
+    near(least_action(&[3.0, 1.0], PolygonObjective::All).expect("a bound"), 9.0 + 1.0 + 8.0);
+    assert_eq!(least_action(&[0.0, 0.0], PolygonObjective::All), Some(0.0));
 }

@@ -5,7 +5,7 @@ use super::candidate::{Candidate, POLISHED, best as best_of};
 use super::{Effort, Smooth};
 use crate::problem::{Aim, Problem};
 use crate::solve::Stop;
-use crate::solve::sqp::{self, Settings, Solution};
+use crate::solve::sqp::{self, Solution, SqpSettings};
 use std::collections::BTreeSet;
 
 /// Choices of turns in all.
@@ -74,7 +74,7 @@ fn take(best: &mut Candidate, new: Option<Candidate>) -> bool {
 fn nearest(held: &Problem, from: &[f64]) -> Option<Vec<f64>> {
     let mut problem = held.clone();
     problem.aim = Aim::Near(from.to_vec());
-    let settings = Settings { radius: 0.3, iterations: 40, dearest: 2e3, ..Settings::default() };
+    let settings = SqpSettings { radius: 0.3, iterations: 40, dearest: 2e3, ..SqpSettings::default() };
     let found = sqp::minimise(&problem, from, &settings, &|_, _, _| {});
     (found.max_violation <= settings.feasibility).then_some(found.variables)
 }

@@ -136,13 +136,13 @@ impl Writer<'_> {
         }
     }
 
-    fn point(&mut self, point: &Point) {
+    fn point(&mut self, point: &PointExpr) {
         self.word_value("(", &point.x);
         self.word_value(", ", &point.y);
         self.push(")");
     }
 
-    fn polygon(&mut self, polygon: &Block<Point>) {
+    fn polygon(&mut self, polygon: &Block<PointExpr>) {
         self.list("[", polygon, "]", false, |writer, point, _| writer.point(point));
     }
 
@@ -150,13 +150,13 @@ impl Writer<'_> {
         self.words(&[&section.from.text, "..", &section.to.text]);
     }
 
-    fn place(&mut self, place: &Place) {
+    fn place(&mut self, place: &PlaceExpr) {
         self.push(" on ");
         self.section(&place.section);
         self.word_value(" at ", &place.at);
     }
 
-    fn row(&mut self, row: &Row) {
+    fn row(&mut self, row: &RowExpr) {
         self.push(" on ");
         self.section(&row.section);
         self.word_value(" from ", &row.from);
@@ -164,7 +164,7 @@ impl Writer<'_> {
         self.word_value(" count ", &row.count);
     }
 
-    fn objective(&mut self, objective: &Objective) {
+    fn objective(&mut self, objective: &ObjectiveExpr) {
         self.push("optimise ");
         for (index, (weight, goal, _)) in objective.terms.iter().enumerate() {
             self.push(if index > 0 { " + " } else { "" });

@@ -188,7 +188,12 @@ fn shuffled() -> impl Strategy<Value = String> {
 
 /// Nested lists with comments and line breaks wherever they may stand.
 fn list() -> impl Strategy<Value = String> {
-    let gap = || prop_oneof![4 => Just(""), 2 => Just(" "), 1 => Just("\n"), 1 => Just("\n\n"), 1 => Just(" // c\n"), 1 => Just("\n// d\n\n// e\n")];
+    let gap = || {
+        prop_oneof![
+            4 => Just(""), 2 => Just(" "), 1 => Just("\n"), 1 => Just("\n\n"),
+            1 => Just(" // c\n"), 1 => Just("\n// d\n\n// e\n")
+        ]
+    };
     let leaf = prop_oneof![
         Just("1 m".to_string()),
         Just("\"// \\\" text\"".to_string()),

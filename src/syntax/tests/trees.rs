@@ -125,7 +125,8 @@ fn expressions_have_the_usual_precedence() {
 #[test]
 fn keywords_are_names_where_names_stand() {
     let text = "layout layout(from: 1) from from(from: from) {\n  vertex vertex (x, y) radius radius\n  fix radius\n  \
-                fix radius length\n  fix all all..length\n  fix all\n  pass left left\n  induction on on on..at at at\n  \
+                fix radius length\n  fix all all..length\n  fix all\n  pass left left\n  \
+                induction on on on..at at at\n  \
                 let let = let\n  ramp from..slope from from slope slope radius radius\n  motors evenly evenly\n}\n";
     assert_eq!(formatted(text), text);
     let tree = clean(text);

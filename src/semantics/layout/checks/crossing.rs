@@ -36,12 +36,12 @@ impl Context<'_> {
                 .related(place(a), format!("{} here", name(a)))
                 .help(match headroom {
                     h if h > 0.0 => format!(
-                        "are the vertices in driving order? Where one section is meant to pass above the other, give both a `level`, \
-                         {} apart or more",
+                        "are the vertices in driving order? Where one section is meant to pass above the other, give \
+                         both a `level`, {} apart or more",
                         metres(h)
                     ),
-                    _ => "are the vertices in driving order? Where one section is meant to pass above the other, give both a \
-                          `level`, at different heights"
+                    _ => "are the vertices in driving order? Where one section is meant to pass above the other, give \
+                          both a `level`, at different heights"
                         .to_string(),
                 });
             for (a, b) in others {

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Track;
-use crate::model::{Equipment, Motors, Place, Ramp, Row};
+use crate::model::{Equipment, Motors, PlaceRow, Ramp, StraightPlace};
 use crate::semantics::scope::{Context, Named};
 use crate::semantics::value::metres;
 
@@ -18,19 +18,19 @@ impl Context<'_> {
             Motors::Rows(rows) => rows.as_slice(),
             Motors::Evenly { .. } => &[],
         };
-        let last = |row: &Row| row.place.at + row.every * (row.count.max(1) - 1) as f64;
+        let last = |row: &PlaceRow| row.place.at + row.every * (row.count.max(1) - 1) as f64;
         for row in equipment.chutes.iter().map(|c| &c.row).chain(rows) {
             self.check_reach(&row.place, last(row), track, named);
         }
         for ramp in ramps {
             if let Some(at) = ramp.from {
-                self.check_reach(&Place { section: ramp.section, at, span: ramp.span }, at, track, named);
+                self.check_reach(&StraightPlace { section: ramp.section, at, span: ramp.span }, at, track, named);
             }
         }
     }
 
     /// Whether the written straight reaches as far as the place (or the last of a row).
-    fn check_reach(&self, place: &Place, reach: f64, track: &Track, named: &Named) {
+    fn check_reach(&self, place: &StraightPlace, reach: f64, track: &Track, named: &Named) {
         let length = track.straight(place.section).length;
         if reach <= length + 1e-9 {
             return;

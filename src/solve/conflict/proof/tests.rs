@@ -3,7 +3,7 @@ use crate::geometry::Track;
 use crate::model::instances::{horseshoe, thesis10};
 use crate::model::{Layout, Target};
 use crate::problem::measures::to_variables;
-use crate::problem::{Row, Scope, perturbed};
+use crate::problem::{ConstraintRow, Scope, perturbed};
 use crate::solve::{Discretise, Options, solve_with};
 
 /// A problem with every linear measure of a layout held where it is, and the walls as near as they are.
@@ -27,7 +27,7 @@ fn tight(layout: &Layout, at: &[f64]) -> Problem {
         ]
     });
     problem.rows = functions
-        .map(|function| Row {
+        .map(|function| ConstraintRow {
             function,
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
