@@ -4,6 +4,7 @@ use super::diagnosis::Lost;
 use super::ids::{CandidateId, PerRun};
 use super::settings::Checks;
 use super::simulator::{Applied, Axis, Candidate, Candidates, Frame, Laps, Request, Simulator};
+use crate::identify::Effort;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -84,6 +85,10 @@ impl Simulator for Checked<'_> {
 
     fn reason(&self, request: &Request) -> Option<String> {
         self.simulator.reason(request)
+    }
+
+    fn effort(&self) -> Effort {
+        self.simulator.effort()
     }
 
     fn applies_sensor_models(&self) -> bool {

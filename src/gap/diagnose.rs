@@ -20,8 +20,36 @@ use std::collections::{BTreeMap, BTreeSet};
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
-    Screening { done: usize, of: usize },
-    Fitting { done: usize, of: usize },
+    Screening {
+        done: usize,
+        of: usize,
+    },
+    /// Signatures are taken again at the strengths that were found.
+    Relinearising {
+        done: usize,
+        of: usize,
+    },
+    Fitting {
+        done: usize,
+        of: usize,
+    },
+    /// The repeatability that an effect has of its own.
+    Replicating,
+    /// Differences between carts by chance, and effects beside them.
+    ByChance,
+}
+
+impl Stage {
+    /// As the cost of a diagnosis has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Screening { .. } => "screening",
+            Stage::Relinearising { .. } => "relinearisation",
+            Stage::Fitting { .. } => "refits",
+            Stage::Replicating => "replicates",
+            Stage::ByChance => "by_chance",
+        }
+    }
 }
 
 /// Diagnoses the gap between a model and its runs.
@@ -64,7 +92,7 @@ pub fn diagnose_and_explain(
     let significant =
         gap || screened.singles().iter().any(|j| screened.score_test(&j.fitted).z() > settings.selection.significant);
     let comparison = if significant {
-        screened.relinearised(gap, &mut |done, of| tell(Stage::Screening { done, of }))
+        screened.relinearised(gap, &mut |done, of| tell(Stage::Relinearising { done, of }))
     } else {
         screened
     };
@@ -86,7 +114,9 @@ pub fn diagnose_and_explain(
         as_built: &as_built,
         signatures: &comparison.signatures,
     };
+    tell(Stage::ByChance);
     let scattered = if gap { chance.hypotheses() } else { Vec::new() };
+    tell(Stage::Replicating);
     let mut scored = comparison.with_own_repeatability(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > settings.selection.unsettled);
@@ -96,10 +126,12 @@ pub fn diagnose_and_explain(
             &comparison.observations,
             &comparison.signatures,
             comparison.seconds(&scored),
-            &mut |_, _| {},
+            &mut |done, of| tell(Stage::Fitting { done, of }),
         );
+        tell(Stage::Replicating);
         scored.extend(comparison.with_own_repeatability(both, &as_built));
     }
+    tell(Stage::ByChance);
     if unsettled(&scored) {
         let both = comparison
             .companion(&scored)

@@ -8,6 +8,7 @@ pub mod chain;
 mod chance;
 mod checked;
 mod comparison;
+mod cost;
 mod diagnose;
 mod diagnosis;
 mod hypothesis;
@@ -33,6 +34,7 @@ mod tune;
 mod untested;
 mod words;
 
+pub use cost::{Cost, Costs};
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
 pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Verdict};
 pub use ids::{CandidateId, Id, List, PerRun, RunId};

@@ -13,6 +13,7 @@ use super::ids::{CandidateId, Id, PerRun, RunId};
 use super::settings::Checks;
 use super::simulator::{Applied, Axis, Candidates, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
+use crate::identify::Effort;
 use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Temporary, sweep, sync_folder};
 use crate::source::root;
@@ -105,6 +106,10 @@ impl Simulator for Remembered<'_> {
 
     fn reason(&self, request: &Request) -> Option<String> {
         self.simulator.reason(request)
+    }
+
+    fn effort(&self) -> Effort {
+        self.simulator.effort()
     }
 
     fn applies_sensor_models(&self) -> bool {

@@ -4,6 +4,7 @@
 use super::ids::{CandidateId, List, PerRun, RunId};
 use super::settings::Settings;
 use crate::effects::RandomEffect;
+use crate::identify::Effort;
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +40,11 @@ pub trait Simulator: Sync {
     /// Why a request had no answer, in words, where that is known.
     fn reason(&self, _: &Request) -> Option<String> {
         None
+    }
+
+    /// What was simulated so far, the fits of the nominal model included.
+    fn effort(&self) -> Effort {
+        Effort::default()
     }
 
     /// Whether effects of sensors cost no simulation where nuisances are not moved.

@@ -11,6 +11,7 @@
 pub mod accumulator;
 pub mod coverage;
 mod design;
+mod effort;
 pub mod feature_spec;
 pub mod fit;
 pub mod goodness;
@@ -29,6 +30,7 @@ pub mod stiffness;
 pub mod study;
 mod words;
 
+pub use effort::{Counter, Effort};
 pub use fit::{Fit, FitSettings};
 pub use goodness::Goodness;
 pub use measured::Measured;

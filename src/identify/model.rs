@@ -1,5 +1,6 @@
 //! The chain as a model of accumulators: parameters in, features out.
 
+use super::effort::Counter;
 use super::measured::Measured;
 use super::parameter::{COUNT, Parameter};
 use super::places::Places;
@@ -27,6 +28,8 @@ pub struct Model {
     pub bounds: [(f64, f64); COUNT],
     pub spec: FeatureSpec,
     pub width: Width,
+    /// What was simulated with this model and its clones.
+    pub counter: Counter,
 }
 
 /// How a point is simulated.
@@ -71,6 +74,7 @@ impl Model {
             simulation,
             law,
             width,
+            counter: Counter::default(),
         }
     }
 
@@ -110,6 +114,7 @@ impl Model {
             method: Method::Verlet,
             front: 0.0,
         };
+        self.counter.add(ensemble.settle + ensemble.duration);
         effects::run_ensemble(&simulation, &ensemble, plan.from, self.width)
             .ok()
             .filter(|ensemble| ensemble.trouble.is_none())

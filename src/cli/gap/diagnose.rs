@@ -9,7 +9,9 @@ use crate::dynamics::Width;
 use crate::emit::Files;
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
-use crate::gap::{Diagnosis, Explanation, Left, Lost, Remembered, Settings, Simulator, Stage, diagnose_and_explain};
+use crate::gap::{
+    Cost, Costs, Diagnosis, Explanation, Left, Lost, Remembered, Settings, Simulator, Stage, diagnose_and_explain,
+};
 use crate::identify::study::Subject;
 use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -71,7 +73,7 @@ impl Diagnose {
             report::error("no run is left to diagnose");
             return Outcome::Problems;
         };
-        let bar = Progress::new();
+        let mut bar = Progress::new();
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
         let tell = |run: &str| bar.say(&format!("fitted {run}"));
@@ -84,11 +86,12 @@ impl Diagnose {
             }
         };
         let known = self.remembered(&chains, &self.origin(&subjects));
-        let (mut found, explained) = bar.diagnose(&known);
+        let mut answer = bar.diagnose(&known);
+        let found = &mut answer.found;
         found.lost.extend(chains.lost().into_iter().map(Lost::data));
         let mut files = Files::default();
         if self.apply {
-            match apply::files(&cases, &chains, &found, &self.output) {
+            match apply::files(&cases, &chains, found, &self.output) {
                 Ok(more) => files.extend(more),
                 Err(outcome) => return outcome,
             }
@@ -96,12 +99,12 @@ impl Diagnose {
         // One map is drawn of runs on one layout.
         let same = subjects.iter().all(|s| s.simulation.track == first.subject.simulation.track);
         let track = same.then_some(&first.subject.simulation.track);
-        self.finish(&found, &explained, track, files, broken, known)
+        self.finish(&answer, track, files, broken, known)
     }
 
     /// With a program outside as the model.
     fn outside(&self, command: &str) -> Outcome {
-        let bar = Progress::new();
+        let mut bar = Progress::new();
         bar.say("fitting the program's model to each run");
         let settings = outside::Settings { threads: threads(), ..outside::Settings::default() };
         let model = match Outside::open(command, &self.campaign, &settings) {
@@ -113,13 +116,14 @@ impl Diagnose {
             }
         };
         let known = self.remembered(&model, &model.origin());
-        let (mut found, explained) = bar.diagnose(&known);
+        let mut answer = bar.diagnose(&known);
+        let found = &mut answer.found;
         found.lost.extend(model.lost());
         found.overlays.iter_mut().for_each(|o| o.unit = model.channels().get(&o.channel).cloned().unwrap_or_default());
         found.lost.iter().filter(|lost| !lost.effect.is_empty()).for_each(|lost| report::warning(&lost.to_string()));
         // Without an effect that might be the cause the answer is not complete.
         let incomplete = !found.untested().is_empty();
-        self.finish(&found, &explained, None, Files::default(), incomplete, known)
+        self.finish(&answer, None, Files::default(), incomplete, known)
     }
 
     /// A model with what a stopped diagnosis left.
@@ -151,13 +155,13 @@ impl Diagnose {
     /// Writes and prints what was found.
     fn finish(
         &self,
-        found: &Diagnosis,
-        explained: &[Explanation],
+        answer: &Answer,
         track: Option<&Track>,
         mut files: Files,
         broken: bool,
         known: Remembered,
     ) -> Outcome {
+        let Answer { found, explained, cost } = answer;
         let title = self.campaign.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy().into_owned());
         files.push("gap.json", json::to_json(found));
         files.push("gap.html", crate::report::gap::page(found, track, &title));
@@ -166,9 +170,10 @@ impl Diagnose {
         }
         known.forget();
         report::print(&match self.format {
-            OutputFormat::Json => serde_json::to_string(found).unwrap_or_default() + "\n",
+            OutputFormat::Json => with_cost(found, cost),
             OutputFormat::Text => {
-                let explained = if self.explain { text::explained(explained) } else { String::new() };
+                let explained =
+                    if self.explain { text::explained(explained) + &text::costs(cost) } else { String::new() };
                 format!("{}{explained}written to {}\n", text::text(found), shown(&self.output))
             }
         });
@@ -176,40 +181,67 @@ impl Diagnose {
     }
 }
 
+/// A diagnosis in JSON, and what it cost: the time on the wall is in no file, as files are the same every time.
+fn with_cost(found: &Diagnosis, cost: &Cost) -> String {
+    let mut value = serde_json::to_value(found).unwrap_or_default();
+    if let (Some(fields), Ok(cost)) = (value.as_object_mut(), serde_json::to_value(cost)) {
+        fields.insert("cost".to_owned(), cost);
+    }
+    value.to_string() + "\n"
+}
+
 fn threads() -> usize {
     crate::cli::limits::threads()
 }
 
+/// What a diagnosis found, how it came to it, and what it cost.
+struct Answer {
+    found: Diagnosis,
+    explained: Vec<Explanation>,
+    cost: Cost,
+}
+
 /// A line on the terminal that says what is going on.
-struct Progress(Option<ProgressBar>);
+struct Progress {
+    bar: Option<ProgressBar>,
+    costs: Costs,
+}
 
 impl Progress {
     fn new() -> Self {
-        Progress(std::io::stderr().is_terminal().then(|| {
+        let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
             let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.enable_steady_tick(Duration::from_millis(200));
             bar
-        }))
+        });
+        Progress { bar, costs: Costs::new("nominal_fits") }
     }
 
     fn say(&self, what: &str) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.set_message(one_line(what).into_owned());
         }
     }
 
-    fn diagnose(&self, model: &dyn Simulator) -> (Diagnosis, Vec<Explanation>) {
-        let found = diagnose_and_explain(model, &Settings::default(), &mut |stage| match stage {
-            Stage::Screening { done, of } => self.say(&format!("screening effects: {done} of {of} strengths")),
-            Stage::Fitting { done, of } => self.say(&format!("fitting what is left: round {} of {of}", done + 1)),
+    fn diagnose(&mut self, model: &dyn Simulator) -> Answer {
+        let mut costs = self.costs.clone();
+        let (found, explained) = diagnose_and_explain(model, &Settings::default(), &mut |stage| {
+            costs.enter(stage.name(), model.effort());
+            match stage {
+                Stage::Screening { done, of } => self.say(&format!("screening effects: {done} of {of} strengths")),
+                Stage::Relinearising { done, of } => self.say(&format!("looking again: {done} of {of} strengths")),
+                Stage::Fitting { done, of } => self.say(&format!("fitting what is left: round {} of {of}", done + 1)),
+                Stage::Replicating => self.say("simulating replicates"),
+                Stage::ByChance => self.say("trying differences by chance"),
+            }
         });
         self.clear();
-        found
+        Answer { found, explained, cost: costs.finish(model.effort()) }
     }
 
     fn clear(&self) {
-        if let Some(bar) = &self.0 {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }

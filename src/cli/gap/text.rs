@@ -1,7 +1,7 @@
 //! A diagnosis for the terminal.
 
 use crate::base::number::{fixed, significant};
-use crate::gap::{Amount, Diagnosis, Explanation, Finding, Terms, bound, percent};
+use crate::gap::{Amount, Cost, Diagnosis, Explanation, Finding, Terms, bound, percent};
 use std::fmt::Write;
 
 /// Effects that are listed.
@@ -28,6 +28,17 @@ pub fn explained(each: &[Explanation]) -> String {
         let _ = writeln!(out, "  {}  {name}{screened}", numbers.concat());
     }
     out
+}
+
+/// Which stage asked for how many simulations.
+pub fn costs(cost: &Cost) -> String {
+    let mut out = "\n  what it cost:  simulations  simulated, s  wall, s\n".to_owned();
+    let row = |name: &str, cost: &Cost| {
+        let (simulated, wall) = (fixed(cost.simulated_s, 0), fixed(cost.wall_s, 1));
+        format!("  {name:<16}{:>10}{simulated:>14}{wall:>9}\n", cost.simulations)
+    };
+    cost.by_stage.iter().for_each(|(stage, cost)| out.push_str(&row(stage, cost)));
+    out + &row("all", cost)
 }
 
 pub fn text(found: &Diagnosis) -> String {

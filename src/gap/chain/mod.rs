@@ -21,7 +21,7 @@ use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
-use crate::identify::{FitSettings, Model, Parameter};
+use crate::identify::{Effort, FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
 use force_slope::{ForceSlopes, Impact, Profile};
@@ -308,6 +308,10 @@ impl Simulator for Chains {
             return Some(fitted.sensed_features(&fitted.with(effects), &self.frames[run].nominal));
         }
         self.simulated(run, step, effects, sensor)
+    }
+
+    fn effort(&self) -> Effort {
+        self.runs.iter().map(|run| run.model.counter.effort()).fold(Effort::default(), Effort::plus)
     }
 
     fn applies_sensor_models(&self) -> bool {
