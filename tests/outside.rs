@@ -392,11 +392,16 @@ for line in sys.stdin:
 fn diagnosed(at: &Path, named: bool, out: &str) -> Option<(String, Vec<u8>, String)> {
     let right = if named { " right" } else { "" };
     let output = Command::new(env!("CARGO_BIN_EXE_lss"))
-        .args(["gap", "diagnose", "runs", "--model", &format!("python3 m.py{right}"), "-o", out])
+        .args(["gap", "diagnose", "runs", "--model", &format!("python3 m.py{right}"), "-o", out, "--format", "json"])
         .current_dir(at)
         .output()
         .expect("lss runs");
     output.status.code()?;
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("json");
+    let stages = printed["cost"]["by_stage"].as_object().expect("stages");
+    let counted: u64 = stages.values().map(|stage| stage["simulations"].as_u64().expect("a count")).sum();
+    assert!(stages.contains_key("screening") && counted > 0);
+    assert_eq!(printed["cost"]["simulations"].as_u64(), Some(counted));
     let json = fs::read(at.join(out).join("gap.json")).expect("a diagnosis");
     let found: serde_json::Value = serde_json::from_slice(&json).expect("json");
     let name = found["effects"][0]["name"].as_str().unwrap_or_default().to_owned();

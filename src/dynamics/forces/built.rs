@@ -63,10 +63,14 @@ pub(super) fn build(model: &Model, home: &Home, bodies: &Bodies, pack: usize, fo
 fn profiles(model: &Model, pack: usize, carts: usize, forces: &Forces, built: &mut Built) {
     let lap = model.segments.line.length;
     let radii = [model.steering.radius, model.running.radius, model.running.radius];
-    for lane in 0..carts {
-        let i = pack * PACK + lane;
-        for (k, radius) in radii.into_iter().enumerate() {
-            let (offset, slope) = model.deviations.offset(k, i, forces.station[i], lap, radius);
+    let deviations = &model.deviations;
+    for (k, radius) in radii.into_iter().enumerate() {
+        if deviations.rails[k].is_empty() && deviations.wheels[k].is_empty() {
+            continue;
+        }
+        for lane in 0..carts {
+            let i = pack * PACK + lane;
+            let (offset, slope) = deviations.offset(k, i, forces.station[i], lap, radius);
             built.offset[k][lane] = offset;
             built.rate[k][lane] = slope * forces.speed[i];
         }

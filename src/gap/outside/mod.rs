@@ -18,6 +18,7 @@ pub use error::Error;
 
 use super::{Applied, Axis, CandidateId, Candidates, Frame, Laps, Lost, PerRun, Request, RunId, Simulator, settings};
 use crate::base::parallel;
+use crate::identify::{Counter, Effort};
 use data::RunPart;
 use fit::{FittedPart, Fitter, Rows};
 use process::{Blame, Pool, Program};
@@ -80,6 +81,8 @@ pub struct Outside {
     lost: Vec<String>,
     origin: String,
     failed: Mutex<Failed>,
+    /// What the program was asked to simulate.
+    counter: Counter,
     settings: settings::Outside,
     /// Share of the features of a run that an answer may leave out.
     may_lack: f64,
@@ -127,6 +130,7 @@ impl Outside {
             frames: PerRun::default(),
             lost: Vec::new(),
             origin,
+            counter: Counter::default(),
             failed: Mutex::default(),
             settings: constants.outside.clone(),
             may_lack: constants.checks.may_lack,
@@ -247,6 +251,7 @@ impl Outside {
             nuisances: named.map(|(n, share)| (n.name.as_str(), fit::value(n, *share))).collect(),
             effects: effects.iter().filter_map(effect).collect(),
         };
+        self.counter.add(to - from);
         let blame = if effects.is_empty() { Blame::Program } else { Blame::Effects };
         let series = self.pool.ask(&question.line(), blame, |line| protocol::series(line, &self.names, from, to))?;
         Ok(series.at(&part.time))
@@ -264,6 +269,10 @@ impl Simulator for Outside {
 
     fn axis(&self) -> Axis {
         Axis::Time
+    }
+
+    fn effort(&self) -> Effort {
+        self.counter.effort()
     }
 
     fn reason(&self, request: &Request) -> Option<String> {
