@@ -109,9 +109,12 @@ impl Chain {
         let ends = model.cart.ends();
         let (mut axial, mut across) = (0.0_f64, 0.0_f64);
         for (loads, approach) in self.forces.loads.iter().zip(&self.memory.approach).take(model.carts / PACK) {
+            // Halved again and again, which takes several carts at once.
             let strongest = |load: &PackRow, approach: &PackRow| {
-                let each = load.iter().zip(approach).map(|(force, memory)| (force * memory).abs());
-                each.fold(0.0, |a, b| if b > a { b } else { a })
+                let larger = |a: f64, b: f64| if b > a { b } else { a };
+                let each: PackRow = std::array::from_fn(|k| (load[k] * approach[k]).abs());
+                let four: [f64; 4] = std::array::from_fn(|k| larger(each[k], each[k + 4]));
+                larger(larger(four[0], four[2]), larger(four[1], four[3]))
             };
             let at = |law: &Damped, strongest: f64| law.factor * strongest + law.viscosity;
             let joint = |law: &Damped, k: usize| at(law, strongest(&loads.joint[k], &approach.joint[k]));

@@ -77,7 +77,8 @@ impl Trouble {
                 self.largest_step * 1e3
             )
         } else {
-            "look at tension, speed and the radii there; a shorter --step tells whether the model or the step is at fault"
+            "look at tension, speed and the radii there; a shorter --step tells whether the model or the step is at \
+             fault"
                 .to_owned()
         }
     }

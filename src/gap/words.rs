@@ -40,14 +40,16 @@ pub fn summary(found: &Diagnosis) -> String {
 fn nothing(found: &Diagnosis) -> String {
     match worst(found, |run| run.before) {
         Some(run) if run.over() => format!(
-            "No gap is established: run {} is off by {} times the repeatability, over its limit of {}, but that is likelier chance \
+            "No gap is established: run {} is off by {} times the repeatability, over its limit of {}, but that is \
+             likelier chance \
              (probability of no gap {}) than any known effect.",
             run.run,
             times(run.before),
             times(run.replicate_high),
             percent(found.none_probability)
         ),
-        _ => "There is no gap: these runs differ from the simulation no more than repeated measurements do. Weaker effects than the \
+        _ => "There is no gap: these runs differ from the simulation no more than repeated measurements do. Weaker \
+         effects than the \
               repeatability shows would need more or longer runs."
             .to_owned(),
     }
@@ -59,7 +61,8 @@ fn unknown(found: &Diagnosis) -> String {
         format!("There is a gap, and none of the known effects explains it (probability {p}).")
     } else {
         format!(
-            "No run is over the limit of repeatability, but what is off looks less like chance or a known effect than like something \
+            "No run is over the limit of repeatability, but what is off looks less like chance or a known effect \
+             than like something \
              else (probability {p})."
         )
     };
@@ -106,7 +109,8 @@ fn best(found: &Diagnosis) -> String {
 
 fn small(found: &Diagnosis) -> String {
     format!(
-        "No run is over the limit of repeatability, but together they differ along the signature of {}. That is too little to say how far \
+        "No run is over the limit of repeatability, but together they differ along the signature of {}. That is too \
+         little to say how far \
          adding it closes anything.",
         each(&found.named())
     )
@@ -213,7 +217,9 @@ pub fn next_experiment(found: &Diagnosis) -> String {
     match found.verdict {
         Verdict::None => "None is needed; more or longer runs would show weaker effects.".into(),
         _ if by_chance(found) => {
-            "A run with the sensors on another cart: what carts differ by goes along with them, what the track does stays at its place.".into()
+            "A run with the sensors on another cart: what carts differ by goes along with them, what the track does \
+             stays at its place."
+                .into()
         }
         Verdict::Unknown => found.places.first().map_or_else(|| "More or longer runs.".into(), |p| look(p, found.axis)),
         _ if found.runs.len() < 2 => match found.axis {

@@ -8,7 +8,8 @@ use crate::dynamics::state::PACK;
 use pulp::{Simd, WithSimd};
 
 impl Evaluation<'_> {
-    /// Forces of the joints behind several carts. Returns their torque about the centre of mass, in the cart's axes, N m.
+    /// Forces of the joints behind several carts. Returns their torque about the centre of mass, in the cart's axes,
+    /// N m.
     #[inline(always)]
     pub(super) fn joints<S: Simd>(&mut self, simd: S, pack: usize, part: usize, turned: &Turned<S>) -> Lane3<S> {
         let model = self.model;

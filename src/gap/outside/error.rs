@@ -67,7 +67,9 @@ impl Error {
         match self {
             Error::Command(_) => "write it as in a shell: --model \"python3 'my models/oven.py' --fast\"".to_owned(),
             Error::Start { .. } => {
-                "a command is a program and its arguments, seen from the present folder; no shell is involved".to_owned()
+                "a command is a program and its arguments, seen from the present folder; no shell is \
+                 involved"
+                    .to_owned()
             }
             Error::Deaf(_) | Error::Ended { .. } => {
                 "see what it wrote to its standard error; it has to answer line by line until its standard input ends"
@@ -80,7 +82,8 @@ impl Error {
                 "JSON has no NaN and no Infinity: write null for what is not known".to_owned()
             }
             Error::NotJson { .. } | Error::Unasked { .. } => {
-                "the standard output is for answers, one JSON object a line; print everything else to the standard error"
+                "the standard output is for answers, one JSON object a line; print everything else to the standard \
+                 error"
                     .to_owned()
             }
             Error::Answer { .. } => "docs/outside-models.md says what an answer holds".to_owned(),
@@ -95,7 +98,9 @@ impl Error {
                 format!("[channels] names columns of the data; this file has {}", one_line(&columns.join(", ")))
             }
             Error::Short { .. } => "give longer runs, sampled faster, or fewer lost samples".to_owned(),
-            Error::Nothing { .. } => "check that the channel is measured, and that the model answers numbers".to_owned(),
+            Error::Nothing { .. } => "check that the channel is measured, and that the model answers \
+             numbers"
+                .to_owned(),
         }
     }
 }
