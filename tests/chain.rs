@@ -98,6 +98,23 @@ fn converged_values_of_an_independent_implementation() {
     });
 }
 
+/// Behind the last cart a pack holds idle places, which no motor pushes.
+#[test]
+fn places_behind_the_last_cart_rest() {
+    let simulation = input("reference");
+    // The first cart passes a motor's begin, so that it has more motors behind it than where it started.
+    let begin = chain(&simulation, 0.0).model.motors.s[0];
+    let mut chain = chain(&simulation, begin - 0.1);
+    let used = chain.model.carts % PACK;
+    assert!(used > 0);
+    let idle = |chain: &Chain| {
+        chain.state.bodies.last().map(|last| last.position.map(|row| row[used..].to_vec())).expect("a pack")
+    };
+    let before = idle(&chain);
+    run(&mut chain, &mut Verlet::new(0.5e-3), 100, |_| {});
+    assert_eq!(idle(&chain), before);
+}
+
 /// The same bits with one number at a time and with the widest vectors, on every kind of piece.
 #[test]
 fn every_width_computes_the_same_bits() {

@@ -92,7 +92,6 @@ impl Chain {
         if change != 0.0 {
             self.width.run(CommandChange {
                 model: &self.model,
-                bodies: &self.state.bodies,
                 memory: &mut self.memory,
                 forces: &self.forces,
                 accelerations: &mut self.accelerations,

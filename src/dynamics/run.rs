@@ -25,7 +25,7 @@ pub struct Plan {
     pub method: Method,
     /// Arc length of the first cart's front joint at the start, m.
     pub front: f64,
-    /// Whether to keep what the track's supports carry; it takes a tenth of the time.
+    /// Whether to keep what the track's supports carry; it takes a fifth more time.
     pub supports: bool,
 }
 

@@ -232,6 +232,10 @@ impl Evaluation<'_> {
             for part in 0..parts {
                 self.motors(simd, pack, part);
             }
+            if pack == last {
+                // Nothing is behind the last cart.
+                self.forces.share[carts..].fill(0.0);
+            }
             if let Some(built) = self.forces.built.get_mut(pack) {
                 let mut own = *built;
                 let (home, bodies) = (&self.memory.home[pack].front, &self.bodies[pack]);

@@ -5,7 +5,7 @@ use crate::dynamics::coverage::LEAST_SHARE;
 use crate::dynamics::lanes::{Axes, Lane, Lane3, Splat};
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::{Handover, Home, Local, Segments, foot};
-use crate::dynamics::state::{Accelerations, Bodies, PACK};
+use crate::dynamics::state::{Accelerations, PACK};
 use pulp::{Simd, WithSimd};
 
 impl Evaluation<'_> {
@@ -88,7 +88,6 @@ pub(super) fn thrust<S: Simd, const LEVEL: bool>(
 /// Adds to accelerations what a change of the motors' command does.
 pub struct CommandChange<'a> {
     pub model: &'a Model,
-    pub bodies: &'a [Bodies],
     pub memory: &'a mut Memory,
     pub forces: &'a Forces,
     pub accelerations: &'a mut [Accelerations],
@@ -101,7 +100,7 @@ impl WithSimd for CommandChange<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        for pack in 0..self.bodies.len() {
+        for pack in 0..self.accelerations.len() {
             for part in 0..PACK / S::F64_LANES {
                 if self.model.segments.level {
                     self.push::<S, true>(simd, pack, part);

@@ -1,4 +1,4 @@
-//! Second pass, second part: the wheels (design: chain model, wheels, rolling resistance).
+//! The wheels (design: chain model, wheels, rolling resistance).
 
 use super::{Evaluation, Turned, load};
 use crate::dynamics::contact::{Between, Powers, hertz, one_over};
