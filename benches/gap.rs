@@ -14,12 +14,10 @@ use lss::chain_input::{DeclaredEffect, Simulation};
 use lss::dynamics::{End, Plan, Width};
 use lss::effects::simulate;
 use lss::gap::chain::Chains;
-use lss::gap::{Applied, Candidates, Diagnosis, Frame, Laps, PerRun, Request, RunId, Settings, Simulator, diagnose};
+use lss::gap::{Costs, Settings, Simulator, diagnose};
 use lss::identify::Parameter;
 use lss::identify::study::Subject;
 use lss::signal::Run;
-use std::sync::Mutex;
-use std::time::Instant;
 use track::track;
 
 /// Speed and tension of the runs over the planned ones.
@@ -35,36 +33,31 @@ fn main() {
     let subjects: Vec<Subject> = RUNS.iter().enumerate().map(|(k, over)| measured(&nominal, k, *over)).collect();
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
 
-    let clock = Instant::now();
+    let mut costs = Costs::new("nominal_fits");
     let chains = Chains::new(&subjects, &Settings::default(), 1, threads, Width::widest(), &|_| {})
         .expect("runs that can be fitted");
-    let fits = clock.elapsed().as_secs_f64();
-    let counted = Counted { chains, refits: Mutex::default(), simulated: Mutex::default() };
-    let clock = Instant::now();
-    let found: Diagnosis = diagnose(&counted, &Settings::default(), &mut |_| {});
-    let rest = clock.elapsed().as_secs_f64();
+    let found = diagnose(&chains, &Settings::default(), &mut |stage| costs.enter(stage.name(), chains.effort()));
+    let cost = costs.finish(chains.effort());
 
-    let (refits, seconds) = *counted.refits.lock().expect("a count");
-    let simulated = *counted.simulated.lock().expect("a count");
-    let candidates = counted.candidates().len();
-    let rival = ROUNDS * (candidates * RUNS.len()) as f64 * seconds / refits.max(1) as f64;
+    let candidates = chains.candidates().len();
+    let (fits, refits) =
+        (cost.by_stage["nominal_fits"].wall_s, cost.by_stage.get("refits").cloned().unwrap_or_default());
+    let each = refits.wall_s / refits.simulations.max(1) as f64;
+    let rival = fits + ROUNDS * (candidates * RUNS.len()) as f64 * each;
     println!(
         "{file}: {} carts, {} m, {threads} threads",
         nominal.chain.carts,
         nominal.track.centre_line().length.round()
     );
     println!("{}", found.summary);
-    println!("{:<44}{:>8.0} s", "nominal fits of three runs", fits);
-    println!(
-        "{:<44}{:>8.0} s   {simulated} simulations, {refits} of them of re-fits",
-        "the rest of the diagnosis", rest
-    );
-    println!("{:<44}{:>8.1}", "diagnosis over nominal fits alone", (fits + rest) / fits);
-    println!(
-        "{:<44}{:>8.1}",
-        format!("re-fits of all {candidates} candidates over it"),
-        (fits + rival) / (fits + rest)
-    );
+    for (stage, cost) in cost.by_stage.iter().map(|(stage, cost)| (*stage, cost)).chain([("all", &cost)]) {
+        println!(
+            "{stage:<20}{:>8.1} s {:>8} simulations of {:>8.0} s",
+            cost.wall_s, cost.simulations, cost.simulated_s
+        );
+    }
+    println!("the whole over nominal fits alone: {:.1}", cost.wall_s / fits);
+    println!("re-fits of all {candidates} candidates, reckoned, over it: {:.1}", rival / cost.wall_s);
 }
 
 /// A lap with a step of the right rail by 2 mm, measured with half the as_built step and noise of 1 N.
@@ -88,42 +81,4 @@ fn measured(nominal: &Simulation, number: usize, (speed, tension): (f64, f64)) -
         samples.iter_mut().for_each(|x| *x += normal(&mut state));
     }
     Subject { name: format!("run-{:02}", number + 1), run, simulation }
-}
-
-/// Chains that count what they are asked, and what re-fits take.
-struct Counted {
-    chains: Chains,
-    /// Simulations, and the time they took over all threads, s.
-    refits: Mutex<(usize, f64)>,
-    simulated: Mutex<usize>,
-}
-
-impl Simulator for Counted {
-    fn candidates(&self) -> &Candidates {
-        self.chains.candidates()
-    }
-
-    fn frames(&self) -> &PerRun<Frame> {
-        self.chains.frames()
-    }
-
-    fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-        self.chains.simulate(run, step, effects)
-    }
-
-    fn laps_all(&self, requests: &[Request]) -> Vec<Option<Laps>> {
-        *self.simulated.lock().expect("a count") += requests.len();
-        self.chains.laps_all(requests)
-    }
-
-    fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
-        let clock = Instant::now();
-        let answers = self.chains.simulate_all(requests);
-        *self.simulated.lock().expect("a count") += requests.len();
-        if requests.iter().any(|r| !r.step.is_empty()) {
-            let mut refits = self.refits.lock().expect("a count");
-            *refits = (refits.0 + requests.len(), refits.1 + clock.elapsed().as_secs_f64());
-        }
-        answers
-    }
 }
