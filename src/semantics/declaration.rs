@@ -44,16 +44,7 @@ impl<'t> Context<'t> {
             name.span,
             "not known here",
         );
-        let kinds = [
-            DeclarationKind::Catalog,
-            DeclarationKind::Cart,
-            DeclarationKind::Wheel,
-            DeclarationKind::Joint,
-            DeclarationKind::Motor,
-            DeclarationKind::Controller,
-            DeclarationKind::Sensor,
-        ];
-        let mut spaces = kinds.map(Space::Component).into_iter().chain([Space::Let, Space::Layout]);
+        let mut spaces = DeclarationKind::ALL.map(Space::Component).into_iter().chain([Space::Let, Space::Layout]);
         let diagnostic = match spaces.find(|other| seen.find(*other, &name.text).is_some()) {
             Some(other) => diagnostic.expected(space.with_article(), other.with_article()).help(format!(
                 "`{}` is {}",

@@ -207,15 +207,7 @@ mod tests {
 
     #[test]
     fn tables_are_sound() {
-        for kind in [
-            DeclarationKind::Catalog,
-            DeclarationKind::Cart,
-            DeclarationKind::Wheel,
-            DeclarationKind::Joint,
-            DeclarationKind::Motor,
-            DeclarationKind::Controller,
-            DeclarationKind::Sensor,
-        ] {
+        for kind in DeclarationKind::ALL {
             let mut paths: Vec<&str> = fields(kind).iter().map(|f| f.path).collect();
             paths.sort_unstable();
             assert!(paths.windows(2).all(|w| w[0] != w[1]), "{kind:?} repeats a field");
