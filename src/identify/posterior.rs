@@ -1,7 +1,7 @@
 //! What a run and the prior together say: the step to the best parameters, and how sure they are.
 //!
 //! Weighted least squares whose weights need not be the inverse covariance: with slopes J, weights W and the covariance
-//! Σ of honest laps, JᵀWr scatters by B = JᵀWΣWJ and answers the parameters by A = JᵀWJ, so the run's information is A
+//! Σ of replicate laps, JᵀWr scatters by B = JᵀWΣWJ and answers the parameters by A = JᵀWJ, so the run's information is A
 //! B⁻¹ A (Godambe 1960; McFadden 1989 for simulated features). The prior's is added to it.
 
 use super::parameter::COUNT;

@@ -127,19 +127,19 @@ fn struck(runs: &[FittedRun], forces: &[usize], from: f64, cell: f64) -> Option<
             runs.iter().map(|r| r.high_frequency_power[force][part]).filter(|x| x.is_finite()).collect();
         each.iter().sum::<f64>() / each.len().max(1) as f64
     };
-    let loudest = |part: usize| forces.iter().map(|force| of(part, *force)).fold(f64::MIN, f64::max);
-    let high_power: Vec<f64> = (0..parts).map(loudest).collect();
+    let strongest = |part: usize| forces.iter().map(|force| of(part, *force)).fold(f64::MIN, f64::max);
+    let high_power: Vec<f64> = (0..parts).map(strongest).collect();
     let at = |part: usize| (part as f64 + 0.5) * length;
     begins(&high_power, &runs.first()?.settings.impacts, |part| (from..from + cell).contains(&at(part))).map(at)
 }
 
-/// The part of the lap in which the loudest impact inside begins, by the logarithm of how high-frequency power each is.
+/// The part of the lap in which the strongest impact inside begins, by the logarithm of how high-frequency power each is.
 fn begins(high_power: &[f64], settings: &Impacts, inside: impl Fn(usize) -> bool) -> Option<usize> {
     let parts = high_power.len();
     let peak = (0..parts).filter(|part| inside(*part)).max_by(|a, b| high_power[*a].total_cmp(&high_power[*b]))?;
-    let heard =
+    let strikes =
         |part: &usize| high_power[*part] > trig::ln(settings.power).max(high_power[peak] - trig::ln(settings.rings));
-    (0..parts / 2).map(|k| (peak + parts - k) % parts).take_while(heard).last()
+    (0..parts / 2).map(|k| (peak + parts - k) % parts).take_while(strikes).last()
 }
 
 #[cfg(test)]
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_blow_begins_before_it_is_loudest_and_rings_after() {
+    fn an_impact_begins_before_it_is_strongest_and_rings_after() {
         let settings = Impacts::default();
         let mut high_power = vec![0.3; 100];
         // A wheel that is thrown up lands later, and harder.
