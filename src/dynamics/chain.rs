@@ -2,10 +2,10 @@
 
 use super::control::{Control, Late};
 use super::forces::{CommandChange, Evaluation, Forces, Memory};
-use super::law::Damped;
 use super::model::Model;
 use super::start::start;
-use super::state::{Accelerations, PACK, PackRow, State};
+use super::state::{Accelerations, PACK, State};
+use super::step::stable;
 use super::width::Width;
 use crate::chain_input::{Deviations, Unfit};
 use std::sync::Arc;
@@ -100,41 +100,12 @@ impl Chain {
         }
     }
 
-    /// Fastest rates at which damping acts now, 1/s: |F| χ/v₀ + c of the joints along the chain, and of joints and
-    /// wheels across it; each pack of carts taken for an endless chain with the strongest of its own.
-    pub fn damping_rates(&self) -> (f64, f64) {
-        let model = &self.model;
-        let along = 4.0 / model.cart.mass;
-        let ends = model.cart.ends();
-        let (mut axial, mut across) = (0.0_f64, 0.0_f64);
-        for (loads, approach) in self.forces.loads.iter().zip(&self.memory.approach).take(model.carts / PACK) {
-            // Halved again and again, which takes several carts at once.
-            let strongest = |load: &PackRow, approach: &PackRow| {
-                let larger = |a: f64, b: f64| if b > a { b } else { a };
-                let each: PackRow = std::array::from_fn(|k| (load[k] * approach[k]).abs());
-                let four: [f64; 4] = std::array::from_fn(|k| larger(each[k], each[k + 4]));
-                larger(larger(four[0], four[2]), larger(four[1], four[3]))
-            };
-            let at = |law: &Damped, strongest: f64| law.factor * strongest + law.viscosity;
-            let joint = |law: &Damped, k: usize| at(law, strongest(&loads.joint[k], &approach.joint[k]));
-            let steering = at(&model.steering.contact, strongest(&loads.steering, &approach.steering));
-            let run = |k: usize| at(&model.running.contact, strongest(&loads.running[k], &approach.running[k]));
-            let lateral = ends.rate(joint(&model.radial, 1), steering);
-            let vertical = ends.rate(joint(&model.radial, 2), run(0) + run(1));
-            axial = axial.max(along * joint(&model.axial, 0));
-            across = across.max(lateral).max(vertical);
-        }
-        (axial, across)
-    }
-
-    /// Largest step that damping leaves stable now, s. A step h of the integrator leaves a mode of frequency ω and
-    /// damping rate λ stable where hλ + (hω)²/4 ≤ 1, so kept across the chain, where all carts are alike. Along it,
-    /// peaks pass: only the few joints within one are damped that fast, and 1.1/λ is enough.
+    /// Largest step that damping leaves stable now, s: kept across the chain, where all carts are alike. Along it, peaks
+    /// pass, as only the few joints within one are damped that fast.
     pub fn stable_step(&self) -> f64 {
-        let (axial, across) = self.damping_rates();
-        // The root of h²ω²/4 + hλ = 1 that stays exact where ω is small.
-        let root = 2.0 / (across + (across * across + self.model.stiffness_rate).sqrt());
-        (1.1 / axial.max(1e-9)).min(root)
+        let [axial, across] = self.forces.damping_rates();
+        let [along_square, across_square] = self.model.stiffness_rates;
+        stable(axial / 1.1, along_square).min(stable(across, across_square))
     }
 
     /// Kinetic energy of all carts, J.

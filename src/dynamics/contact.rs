@@ -51,12 +51,13 @@ impl<S: Simd> Between<S> {
         self.depth.select(self.touches, self.depth.constant(0.0))
     }
 
-    /// Force of the surface, N, at least 0; from δⁿ.
+    /// Force of the surface, N, at least 0, and how it is damped, N s/m; from δⁿ.
     #[inline(always)]
-    pub fn force(&self, law: &Damped, power: Lane<S>, memory: Lane<S>) -> Lane<S> {
+    pub fn force(&self, law: &Damped, power: Lane<S>, memory: Lane<S>) -> [Lane<S>; 2] {
         let zero = memory.constant(0.0);
-        let force = damped(law, power, self.rate, memory);
-        force.select(zero.less(force).and(self.touches), zero)
+        let [force, damping] = damped(law, power, self.rate, memory);
+        let pushes = zero.less(force).and(self.touches);
+        [force.select(pushes, zero), damping.select(pushes, zero)]
     }
 
     /// What pushes the wheel back to the middle: less than 0 where it is on the side of positive offsets.
@@ -129,17 +130,17 @@ pub fn one_over<S: Simd>(floor: f64, rates: [Lane<S>; 3]) -> [Lane<S>; 3] {
     [inverse * bc, of_a * c, of_a * b]
 }
 
-/// K δⁿ (1 + χ δ̇/v₀) + c δ̇, N. At a joint, which pulls and pushes without a clamp, δⁿ and the memory have the
-/// elongation's sign, and so has the force.
+/// K δⁿ (1 + χ δ̇/v₀) + c δ̇, N, and its derivative by δ̇, N s/m. At a joint, which pulls and pushes without a clamp, δⁿ
+/// and the memory have the elongation's sign, and so has the force.
 #[inline(always)]
-pub fn damped<S: Simd>(law: &Damped, power: Lane<S>, rate: Lane<S>, memory: Lane<S>) -> Lane<S> {
+pub fn damped<S: Simd>(law: &Damped, power: Lane<S>, rate: Lane<S>, memory: Lane<S>) -> [Lane<S>; 2] {
     let c = power.splat_like();
     let elastic = power * c.of(law.stiffness);
-    let mut force = (memory * c.of(law.factor) * rate).mul_add(elastic, elastic);
+    let mut damping = memory * c.of(law.factor) * elastic;
     if law.viscosity != 0.0 {
-        force = rate.mul_add(c.of(law.viscosity), force);
+        damping = damping + c.of(law.viscosity);
     }
-    force
+    [rate.mul_add(damping, elastic), damping]
 }
 
 #[inline(always)]

@@ -4,6 +4,7 @@ use super::coverage::Coverage;
 use super::law::{self, Damped, tangent};
 use super::segments::Segments;
 use super::state::{PACK, PackRow};
+use super::step::stable;
 use crate::chain_input as input;
 use crate::chain_input::{ContactLaw, Deviations, Simulation, Unfit};
 use crate::kinematics::closing;
@@ -43,9 +44,10 @@ pub struct Model {
     pub speed: f64,
     /// T₀, N
     pub tension: f64,
-    /// Square of the highest frequency across the chain, 1/s², with joints at their static stretch and running wheels
-    /// under their weight.
-    pub stiffness_rate: f64,
+    /// Squares of the highest frequencies along the chain and across it, 1/s², with joints at their static stretch and
+    /// running wheels under their weight.
+    pub stiffness_rates: [f64; 2],
+    pub answers: Answers,
     /// Mean closing pitch over 16 phases, m.
     pub pitch: f64,
     /// How it deviates from the nominal chain.
@@ -181,7 +183,11 @@ impl Model {
             breaking: axial.at_rest(BROKEN),
             axial,
             radial,
-            stiffness_rate: cart.ends().rate(tangent_of(&simulation.joint.radial, weight / 2.0), wheels),
+            stiffness_rates: [
+                4.0 * tangent_of(&simulation.joint.axial, tension.abs().max(0.25 * weight)) / mass,
+                cart.ends().rate(tangent_of(&simulation.joint.radial, weight / 2.0), wheels),
+            ],
+            answers: cart.answers(simulation.running_wheel.half_spacing_m),
             floor: simulation.joint.approach_floor_m_s,
             coverage: Coverage::new(&motors.s, motors.length, line.length),
             motors,
@@ -212,24 +218,35 @@ impl Model {
         self.axial.exponent == 1.0 && self.radial.exponent == 1.0 && self.deviations.clearance == 0.0
     }
 
-    /// Largest step that the joints' stiffness leaves accurate, s: 0.7/ω of the chain's highest axial mode, ω² = 4K/m,
+    /// Largest step that the joints' stiffness leaves accurate, s: 1.3/ω of the chain's highest axial mode, ω² = 4K/m,
     /// at the static stretch of T₀ where the law is not linear.
     pub fn largest_step(&self) -> f64 {
-        let axial = &self.axial;
-        let load = self.tension.abs().max(0.25 * self.cart.mass * self.gravity);
-        let tangent = tangent(axial.stiffness, axial.exponent, load);
-        0.7 / (4.0 * tangent / self.cart.mass).sqrt()
+        ACCURATE / self.stiffness_rates[0].sqrt()
     }
 
     /// Largest step with which a chain at its static tension is sure to run, s: with twice that tension at the joints.
     pub fn rest_step(&self) -> f64 {
-        let damping =
-            4.0 / self.cart.mass * (2.0 * self.tension.abs() * self.axial.factor / self.floor + self.axial.viscosity);
-        self.largest_step().min(1.0 / damping.max(1e-9))
+        let damping = 2.0 * self.tension.abs() * self.axial.factor / self.floor + self.axial.viscosity;
+        self.largest_step().min(stable(self.answers.along * damping, self.stiffness_rates[0]))
     }
 }
 
+/// Largest step that is accurate, times the frequency of the chain's highest axial mode.
+const ACCURATE: f64 = 1.3;
+
 impl Cart {
+    /// How fast dampers act on it, with running wheels at `spacing` from its middle, m.
+    fn answers(&self, spacing: f64) -> Answers {
+        let ends = self.ends();
+        Answers {
+            along: 4.0 / self.mass,
+            ends: ends.rate(1.0, 0.0),
+            front: ends.front,
+            // A wheel lifts the cart and rolls it; both together do one or the other, twice as fast.
+            wheels: 2.0 * ends.front.max(spacing * spacing / self.inertia[0]),
+        }
+    }
+
     /// How its ends answer forces across the chain.
     pub fn ends(&self) -> Ends {
         let turning = self.inertia[1].min(self.inertia[2]);
@@ -237,6 +254,17 @@ impl Cart {
         let answer = |a: f64, b: f64| 1.0 / self.mass + a * b / turning;
         Ends { front: answer(front, front), rear: answer(rear, rear), between: answer(front, rear) }
     }
+}
+
+/// How fast dampers of one direction act at most, for each N s/m, 1/kg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answers {
+    /// Joints along the chain, and across it.
+    pub along: f64,
+    pub ends: f64,
+    /// Wheels across it: steering, and the running one that is damped most.
+    pub front: f64,
+    pub wheels: f64,
 }
 
 /// How a cart's ends answer forces across the chain, 1/kg: each to one on itself, and each to one on the other.

@@ -5,7 +5,6 @@ use super::{Evaluation, Turned, arm, lever, load};
 use crate::dynamics::lanes::{Lane, Lane3, Splat};
 use crate::dynamics::model::OFF_RAIL;
 use crate::dynamics::state::PACK;
-use crate::dynamics::step::kick;
 use pulp::Simd;
 
 impl Evaluation<'_> {
@@ -15,7 +14,7 @@ impl Evaluation<'_> {
         let c = Splat(simd);
         let place = pack * PACK + part * S::F64_LANES;
         let turned = self.turned(simd, pack, part);
-        let joint = self.joints(simd, pack, part, &turned);
+        let [joint, joint_damping] = self.joints(simd, pack, part, &turned);
         let wheels = self.wheels::<S, LEVEL>(simd, pack, part, &turned);
 
         let Turned { axes, spin } = &turned;
@@ -52,12 +51,8 @@ impl Evaluation<'_> {
             spin.x * spin.y * c.of(iy - ix),
         );
         let angular = (torque - gyroscopic).times(per_inertia);
-        let accelerations = &mut self.accelerations[pack];
-        if let Some(h) = self.step {
-            kick(simd, &mut self.bodies[pack], accelerations, [linear, angular], part, h);
-        }
-        linear.put(&mut accelerations.linear, part);
-        angular.put(&mut accelerations.angular, part);
+        let dampings = self.dampings(simd, pack, part, joint_damping, wheels.damping);
+        self.hold(simd, pack, part, axes, [linear, angular], &dampings);
 
         let placed = &self.forces.places[pack];
         let near = c.of(OFF_RAIL);

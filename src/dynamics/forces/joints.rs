@@ -9,9 +9,9 @@ use pulp::{Simd, WithSimd};
 
 impl Evaluation<'_> {
     /// Forces of the joints behind several carts. Returns their torque about the centre of mass, in the cart's axes,
-    /// N m.
+    /// N m, and how they are damped along the axes, N s/m.
     #[inline(always)]
-    pub(super) fn joints<S: Simd>(&mut self, simd: S, pack: usize, part: usize, turned: &Turned<S>) -> Lane3<S> {
+    pub(super) fn joints<S: Simd>(&mut self, simd: S, pack: usize, part: usize, turned: &Turned<S>) -> [Lane3<S>; 2] {
         let model = self.model;
         let c = Splat(simd);
         let Turned { axes, spin } = turned;
@@ -54,11 +54,10 @@ impl Evaluation<'_> {
             let [x, y, z] = simd.vectorize(Stretched { e: stretched, half_play, exponents });
             stretched = [x, y, z];
         }
-        let force = Lane3::new(
-            damped(&model.axial, stretched[0], rate.x, memory[0]),
-            damped(&model.radial, stretched[1], rate.y, memory[1]),
-            damped(&model.radial, stretched[2], rate.z, memory[2]),
-        );
+        let [x, x_damping] = damped(&model.axial, stretched[0], rate.x, memory[0]);
+        let [y, y_damping] = damped(&model.radial, stretched[1], rate.y, memory[1]);
+        let [z, z_damping] = damped(&model.radial, stretched[2], rate.z, memory[2]);
+        let force = Lane3::new(x, y, z);
         store(axes.turn(force), &mut forces.pull, place + 1);
         force.put(&mut forces.loads[pack].joint, part);
         // The force acts at the follower's front joint.
@@ -71,7 +70,7 @@ impl Evaluation<'_> {
             store(twist, &mut forces.twist, place + 1);
             torque = torque + axes.turn_back(twist);
         }
-        torque
+        [torque, Lane3::new(x_damping, y_damping, z_damping)]
     }
 }
 

@@ -9,11 +9,13 @@
 mod built;
 mod carts;
 mod fronts;
+mod implicit;
 mod joints;
 mod motors;
 mod wheels;
 
 use self::built::Built;
+use self::implicit::{Fastest, Held};
 use super::coverage::OverMotors;
 use super::lanes::{Axes, Lane, Lane3};
 use super::model::{Model, OFF_RAIL};
@@ -56,6 +58,13 @@ pub struct Forces {
     twist: [Vec<f64>; 3],
     /// How carts and their front joints are on the track.
     places: Vec<Placed>,
+    /// What damping at a step's end is worked out from: changes of the accelerations of the carts and, in the world,
+    /// m/s², of the front joints; then the forces at front joints that damp them, N.
+    held: Vec<Held>,
+    front_change: [Vec<f64>; 3],
+    damped: [Vec<f64>; 3],
+    /// Of the whole chain, but for carts beside idle places.
+    fastest: Fastest,
     /// What deviations do to each cart; empty without them.
     built: Vec<Built>,
     /// Whether a cart is off the rail, a joint broken, or a number no number.
@@ -135,6 +144,10 @@ impl Forces {
             pull: rows(),
             twist: rows(),
             places: vec![Placed::default(); packs],
+            held: vec![Held::default(); packs],
+            front_change: rows(),
+            damped: rows(),
+            fastest: Fastest::default(),
             built: if model.deviations.on_carts() { vec![Built::default(); packs] } else { Vec::new() },
             trouble: false,
         }
@@ -154,6 +167,11 @@ impl Forces {
         } else {
             None
         }
+    }
+
+    /// Fastest rates at which dampers act now, along the chain and across it, 1/s.
+    pub fn damping_rates(&self) -> [f64; 2] {
+        self.fastest.of_all()
     }
 
     /// Mean speed of the chain: of the front joints along the track, m/s.
@@ -223,6 +241,7 @@ impl Evaluation<'_> {
         // Packs with idle places are looked at one by one.
         let whole = carts / PACK * PACK;
         let mut trouble = false;
+        self.forces.fastest = Fastest::default();
         for pack in 0..packs {
             if pack + AHEAD < last {
                 for part in 0..parts {
@@ -246,10 +265,37 @@ impl Evaluation<'_> {
                 let bad = self.carts::<S, LEVEL>(simd, pack, part);
                 trouble |= bad && pack * PACK < whole;
             }
+            // The pack before has both its neighbours now.
+            if let (Some(h), true) = (self.step, pack > 0) {
+                self.end_step(simd, pack - 1, h);
+            }
+        }
+        if let Some(h) = self.step {
+            for row in &mut self.forces.front_change {
+                row[carts] = row[0];
+            }
+            self.end_step(simd, last, h);
+            for row in &mut self.forces.damped {
+                row[0] = row[carts];
+            }
+            for part in 0..parts {
+                self.release(simd, 0, part, h);
+            }
         }
         self.rest_idle();
         let forces = &*self.forces;
         self.forces.trouble = trouble || (whole..carts).any(|i| forces.troubled(self.model, i).is_some());
+    }
+
+    /// Ends the step of a pack, of the first but for what the last cart does to it.
+    #[inline(always)]
+    fn end_step<S: Simd>(&mut self, simd: S, pack: usize, h: f64) {
+        for part in 0..PACK / S::F64_LANES {
+            self.damp(simd, pack, part);
+            if pack > 0 {
+                self.release(simd, pack, part, h);
+            }
+        }
     }
 
     /// The last cart's follower is the first.

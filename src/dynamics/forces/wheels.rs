@@ -15,6 +15,8 @@ pub(super) struct OnWheels<S: Simd> {
     pub running: Lane3<S>,
     /// Of the running wheels' forces about the front joint, in the cart's axes, N m.
     pub torque: Lane3<S>,
+    /// Of the steering wheels, the left and the right running wheel, N s/m.
+    pub damping: [Lane<S>; 3],
 }
 
 impl Evaluation<'_> {
@@ -92,9 +94,9 @@ impl Evaluation<'_> {
             let [a, b, c] = simd.vectorize(Powers(depths, exponents));
             powers = [a, b, c];
         }
-        let steer = steering.force(&model.steering.contact, powers[0], memory[0]);
-        let run_left = left.force(&model.running.contact, powers[1], memory[1]);
-        let run_right = right.force(&model.running.contact, powers[2], memory[2]);
+        let [steer, steer_damping] = steering.force(&model.steering.contact, powers[0], memory[0]);
+        let [run_left, left_damping] = left.force(&model.running.contact, powers[1], memory[1]);
+        let [run_right, right_damping] = right.force(&model.running.contact, powers[2], memory[2]);
         let (back, up_left, up_right) = (steering.back(steer), left.back(run_left), right.back(run_right));
         let loads = &mut self.forces.loads[pack];
         (-back).put(&mut loads.steering, part);
@@ -118,7 +120,8 @@ impl Evaluation<'_> {
         let both = axes.turn_back(running);
         // (0, b, −h) × left + (0, −b, −h) × right
         let torque = Lane3::new(b.mul_add(difference.z, h * both.y), -(h * both.x), -(b * difference.x));
-        OnWheels { steering: track.sideways::<LEVEL>(drags[0], back), running, torque }
+        let damping = [steer_damping, left_damping, right_damping];
+        OnWheels { steering: track.sideways::<LEVEL>(drags[0], back), running, torque, damping }
     }
 }
 
