@@ -63,7 +63,13 @@ pub fn noisy(samples: &[f32], deviation: f32, seed: u64) -> Vec<f32> {
     for part in samples.chunks(1024) {
         // A new place each time, so that two channels that meet once do not stay together.
         at = at.wrapping_add(mix(&mut state) as usize);
-        out.extend(part.iter().enumerate().map(|(i, x)| x + deviation * table[at.wrapping_add(i) % TABLE]));
+        let mut left = part;
+        let mut from = at % TABLE;
+        while !left.is_empty() {
+            let (now, later) = left.split_at(left.len().min(TABLE - from));
+            out.extend(now.iter().zip(&table[from..]).map(|(x, noise)| x + deviation * noise));
+            (left, from) = (later, 0);
+        }
     }
     out
 }

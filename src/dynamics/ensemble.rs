@@ -6,7 +6,7 @@ use super::clock::Clock;
 use super::forces::Memory;
 use super::model::Model;
 use super::run::Method;
-use super::state::{PACK, PackRow, State};
+use super::state::{PACK, PackRow, State, packs};
 use super::trouble::Trouble;
 use super::width::Width;
 use crate::chain_input::{Deviations, Simulation, Unfit};
@@ -100,11 +100,14 @@ pub struct Ensemble {
     pub trouble: Option<Trouble>,
 }
 
-/// Columns of a cart's record.
-const COLUMNS: usize = 9;
+/// Columns of a cart's record: arc length, speed, forces.
+const COLUMNS: usize = 2 + FORCES;
 
-/// Samples that are gathered before they are sorted by cart.
-const BLOCK: usize = 64;
+/// Forces of a record that are of the joint in front, which is the one behind the leader.
+const OF_JOINT: std::ops::Range<usize> = 4..FORCES;
+
+/// Samples that are gathered before they are sorted by cart: as many single numbers as a line of the cache holds.
+const BLOCK: usize = 16;
 
 /// Simulates a chain that deviates from its input as it is told, from its start or one that has settled, and records
 /// its carts.
@@ -246,9 +249,10 @@ impl WithSimd for Step<'_> {
 
 /// Samples, gathered in blocks and then sorted by cart and column.
 struct Log {
-    carts: usize,
     records: Vec<CartRecord>,
-    block: Vec<[f32; COLUMNS]>,
+    /// Of each pack and column, the samples of the block.
+    block: Vec<[[[f32; PACK]; BLOCK]; COLUMNS]>,
+    gathered: usize,
     samples: usize,
 }
 
@@ -258,53 +262,56 @@ impl Log {
         let record = || CartRecord { station: column(), speed: column(), forces: std::array::from_fn(|_| column()) };
         Log {
             records: (0..carts).map(|_| record()).collect(),
-            block: Vec::with_capacity(BLOCK * carts),
-            carts,
+            block: vec![[[[0.0; PACK]; BLOCK]; COLUMNS]; packs(carts)],
+            gathered: 0,
             samples: 0,
         }
     }
 
     fn sample(&mut self, chain: &Chain, filters: &Filters) {
-        for cart in 0..self.carts {
-            let own = &filters.packs[cart / PACK].out;
-            let leader = (cart + self.carts - 1) % self.carts;
-            let ahead = &filters.packs[leader / PACK].out;
-            let (lane, other) = (cart % PACK, leader % PACK);
-            self.block.push([
-                chain.forces.station[cart] as f32,
-                chain.forces.speed[cart] as f32,
-                own[0][lane] as f32,
-                own[1][lane] as f32,
-                own[2][lane] as f32,
-                own[3][lane] as f32,
-                ahead[4][other] as f32,
-                ahead[5][other] as f32,
-                ahead[6][other] as f32,
-            ]);
+        let at = self.gathered;
+        let forces = &chain.forces;
+        let places = forces.station.chunks_exact(PACK).zip(forces.speed.chunks_exact(PACK));
+        for ((block, own), (station, speed)) in self.block.iter_mut().zip(&filters.packs).zip(places) {
+            let rows = [station, speed].into_iter().chain(own.out.iter().map(PackRow::as_slice));
+            for (column, row) in block.iter_mut().zip(rows) {
+                for (to, x) in column[at].iter_mut().zip(row) {
+                    *to = *x as f32;
+                }
+            }
         }
         self.samples += 1;
-        if self.block.len() >= BLOCK * self.carts {
+        self.gathered += 1;
+        if self.gathered == BLOCK {
             self.sort();
         }
     }
 
     fn sort(&mut self) {
-        let stride = self.carts;
-        for (k, record) in self.records.iter_mut().enumerate() {
-            let rows = || self.block[k..].iter().step_by(stride);
-            record.station.extend(rows().map(|row| row[0]));
-            record.speed.extend(rows().map(|row| row[1]));
-            for (c, force) in record.forces.iter_mut().enumerate() {
-                force.extend(rows().map(|row| row[2 + c]));
+        let carts = self.records.len();
+        for cart in 0..carts {
+            let (block, lane) = (&self.block[cart / PACK], cart % PACK);
+            let column = |k: usize| {
+                let mut one = [0.0; BLOCK];
+                one.iter_mut().zip(&block[k]).for_each(|(to, row)| *to = row[lane]);
+                one
+            };
+            let record = &mut self.records[cart];
+            record.station.extend_from_slice(&column(0)[..self.gathered]);
+            record.speed.extend_from_slice(&column(1)[..self.gathered]);
+            for k in 0..OF_JOINT.start {
+                record.forces[k].extend_from_slice(&column(2 + k)[..self.gathered]);
+            }
+            let follower = &mut self.records[if cart + 1 == carts { 0 } else { cart + 1 }];
+            for k in OF_JOINT {
+                follower.forces[k].extend_from_slice(&column(2 + k)[..self.gathered]);
             }
         }
-        self.block.clear();
+        self.gathered = 0;
     }
 
     fn finish(mut self) -> Vec<CartRecord> {
-        if !self.block.is_empty() {
-            self.sort();
-        }
+        self.sort();
         self.records
     }
 }

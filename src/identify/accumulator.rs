@@ -109,28 +109,29 @@ impl FeatureAccumulator {
     pub fn add_places(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64) {
         let places = &spec.places;
         let weighing = spec.weighing(samples);
-        let parts: Vec<u32> = samples.station.iter().map(|s| fine(places, *s, offset) as u32).collect();
+        // Runs of samples in the same part of the lap, which lies in one cell and one zone.
+        let mut runs: Vec<(usize, usize, usize)> = Vec::new();
+        for (k, station) in samples.station.iter().enumerate() {
+            let part = fine(places, *station, offset);
+            match runs.last_mut() {
+                Some((last, _, end)) if *last == part => *end = k + 1,
+                _ => runs.push((part, k, k + 1)),
+            }
+        }
         for (force, values) in samples.forces.iter().enumerate() {
-            // Runs of samples in the same part of the lap, which lies in one cell and one zone.
-            let mut begin = 0;
-            while begin < values.len().min(parts.len()) {
-                let part = parts[begin];
-                let (mut n, mut sum, mut squares, mut shared) = (0.0, 0.0, 0.0, 0.0);
-                while begin < values.len().min(parts.len()) && parts[begin] == part {
-                    let x = f64::from(values[begin]);
-                    if !x.is_nan() {
-                        let weight = weighing.sample(force, samples.station[begin]);
-                        n += weight.own;
-                        sum += weight.own * x;
-                        squares += weight.own * x * x;
-                        shared += weight.shared;
-                    }
-                    begin += 1;
+            for (part, begin, end) in &runs {
+                let (begin, end) = (*begin, (*end).min(values.len()));
+                if begin >= end {
+                    break;
                 }
-                let cell = &mut self.cells[Places::cell(part as usize)][force];
-                let zone = &mut self.zones[places.zone(part as usize)][force];
-                for sums in [cell, zone] {
-                    sums.iter_mut().zip([n, sum, squares, shared]).for_each(|(all, x)| *all += x);
+                let sums = match weighing {
+                    Weighing::Alike => moments(&values[begin..end]),
+                    _ => weighed(&values[begin..end], |k| weighing.sample(force, samples.station[begin + k])),
+                };
+                let cell = &mut self.cells[Places::cell(*part)][force];
+                let zone = &mut self.zones[places.zone(*part)][force];
+                for all in [cell, zone] {
+                    all.iter_mut().zip(sums).for_each(|(all, x)| *all += x);
                 }
             }
         }
@@ -146,22 +147,29 @@ impl FeatureAccumulator {
         let mut scratch = spec.plan.make_scratch_vec();
         let mut input = vec![0.0_f32; n];
         let scale = 8.0 / 3.0 / (n as f64 * n as f64);
-        let mut spectrum = |part: &[f32]| -> Option<Vec<f64>> {
-            let mean = part.iter().sum::<f32>() / n as f32;
+        // One-sided power in each line, so that the sum is the variance; false where a sample is lost.
+        let mut power = vec![0.0_f64; lines.len()];
+        let mut spectrum = |part: &[f32], power: &mut [f64]| -> bool {
+            let mean = total(part) / n as f32;
             if mean.is_nan() {
-                return None;
+                return false;
             }
             for ((x, y), w) in input.iter_mut().zip(part).zip(spec.window.iter()) {
                 *x = (y - mean) * w;
             }
-            spec.plan.process_with_scratch(&mut input, &mut lines, &mut scratch).ok()?;
-            // One-sided power in each line, so that the sum is the variance.
-            Some(lines.iter().map(|c| 2.0 * scale * f64::from(c.norm_sqr())).collect())
+            let done = spec.plan.process_with_scratch(&mut input, &mut lines, &mut scratch).is_ok();
+            for (power, line) in power.iter_mut().zip(&lines) {
+                *power = 2.0 * scale * f64::from(line.norm_sqr());
+            }
+            done
         };
         let weighing = spec.weighing(samples);
         for (force, values) in samples.forces.iter().enumerate() {
             for begin in (0..values.len()).step_by(n / 2) {
-                let Some(power) = values.get(begin..begin + n).and_then(&mut spectrum) else { continue };
+                let Some(part) = values.get(begin..begin + n) else { break };
+                if !spectrum(part, &mut power) {
+                    continue;
+                }
                 let weight = weighing.segment(force, samples.station[begin + n / 2]);
                 for (sum, (from, to)) in self.power[force].iter_mut().zip(spec.bands) {
                     *sum += weight.own * power[from..to].iter().sum::<f64>();
@@ -175,7 +183,10 @@ impl FeatureAccumulator {
             }
         }
         for begin in (0..samples.speed.len()).step_by(n / 2) {
-            let Some(power) = samples.speed.get(begin..begin + n).and_then(&mut spectrum) else { continue };
+            let Some(part) = samples.speed.get(begin..begin + n) else { break };
+            if !spectrum(part, &mut power) {
+                continue;
+            }
             for (sum, (from, to)) in self.speed_power.iter_mut().zip(spec.bands) {
                 *sum += power[from..to].iter().sum::<f64>();
             }
@@ -320,6 +331,47 @@ impl FeatureAccumulator {
         (0..FORCES).for_each(|f| out.extend(vec![Block::Local(f); local]));
         out
     }
+}
+
+/// Numbers that are added side by side: sums in a fixed order that a processor can take several at once of.
+const SIDE_BY_SIDE: usize = 8;
+
+/// The sum of samples.
+fn total(values: &[f32]) -> f32 {
+    let mut sums = [0.0; SIDE_BY_SIDE];
+    let chunks = values.chunks_exact(SIDE_BY_SIDE);
+    let rest: f32 = chunks.remainder().iter().sum();
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, x)| *sum += x);
+    }
+    sums.iter().sum::<f32>() + rest
+}
+
+/// The moments of samples that count alike.
+fn moments(values: &[f32]) -> Moments {
+    let (mut n, mut sum, mut squares) = ([0.0; SIDE_BY_SIDE], [0.0; SIDE_BY_SIDE], [0.0; SIDE_BY_SIDE]);
+    for chunk in values.chunks(SIDE_BY_SIDE) {
+        for (k, x) in chunk.iter().enumerate() {
+            let lost = x.is_nan();
+            let x = if lost { 0.0 } else { f64::from(*x) };
+            n[k] += if lost { 0.0 } else { 1.0 };
+            sum[k] += x;
+            squares[k] += x * x;
+        }
+    }
+    let [n, sum, squares] = [n, sum, squares].map(|sums| sums.iter().sum::<f64>());
+    [n, sum, squares, n]
+}
+
+/// The moments of samples that count differently.
+fn weighed(values: &[f32], weight: impl Fn(usize) -> Weight) -> Moments {
+    let mut moments = [0.0; 4];
+    for (k, x) in values.iter().enumerate().filter(|(_, x)| !x.is_nan()) {
+        let (x, weight) = (f64::from(*x), weight(k));
+        let own = [weight.own, weight.own * x, weight.own * x * x, weight.shared];
+        moments.iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
+    }
+    moments
 }
 
 /// What a block of samples counts: the mean of its samples, which are few.
