@@ -69,13 +69,13 @@ fn numbers(simulation: &Simulation, step: f64, settle: f64) -> Numbers {
                 pass[place][0] += 1.0;
                 pass[place][1] += force;
             }
-            for place in 0..places {
+            for (place, passes) in passes.iter_mut().enumerate() {
                 let (count, sum) = (place..place + window).fold((0.0, 0.0), |(c, s), k| {
                     let [count, sum] = pass[k % places];
                     (c + count.min(1.0), s + if count > 0.0 { sum / count } else { 0.0 })
                 });
                 if count as usize == window {
-                    passes[place].push(sum / count);
+                    passes.push(sum / count);
                 }
             }
         }

@@ -74,6 +74,18 @@ pub fn noisy(samples: &[f32], deviation: f32, seed: u64) -> Vec<f32> {
     out
 }
 
+/// Adds noise of a deviation to samples that remembers so much of itself from one to the next. What it adds to its
+/// memory is uniform, which is normal in the sum of many.
+pub fn add_correlated(samples: &mut [f32], deviation: f64, memory: f64, seed: u64) {
+    let mut state = seed;
+    let innovation = (12.0 * (1.0 - memory * memory).max(0.0)).sqrt();
+    let mut noise = normal(&mut state);
+    for sample in samples {
+        *sample += (deviation * noise) as f32;
+        noise = memory * noise + innovation * (uniform(&mut state) - 0.5);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

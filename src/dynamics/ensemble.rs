@@ -100,6 +100,21 @@ pub struct Ensemble {
     pub trouble: Option<Trouble>,
 }
 
+#[cfg(test)]
+impl Ensemble {
+    /// Of records that no chain made.
+    pub fn of_records(rate: f64, carts: Vec<CartRecord>) -> Self {
+        let settled = Settled {
+            state: State::new(0),
+            memory: Memory { home: Vec::new(), approach: Vec::new(), motors: Vec::new() },
+            thrust: 0.0,
+            speed: 0.0,
+            resistance: 0.0,
+        };
+        Ensemble { rate, carts, settled, trouble: None }
+    }
+}
+
 /// Columns of a cart's record: arc length, speed, forces.
 const COLUMNS: usize = 2 + FORCES;
 

@@ -5,6 +5,7 @@ use super::ids::{CandidateId, PerRun};
 use super::settings::Checks;
 use super::simulator::{Applied, Axis, Candidate, Candidates, Frame, Laps, Request, Simulator};
 use crate::identify::Effort;
+use crate::identify::noise::ChannelNoise;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -89,6 +90,10 @@ impl Simulator for Checked<'_> {
 
     fn effort(&self) -> Effort {
         self.simulator.effort()
+    }
+
+    fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {
+        self.simulator.noise()
     }
 
     fn applies_sensor_models(&self) -> bool {

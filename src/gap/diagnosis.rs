@@ -1,6 +1,7 @@
 //! What a diagnosis found, as `gap.json` has it.
 
 use super::simulator::Axis;
+use crate::identify::noise::ChannelNoise;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -36,6 +37,12 @@ pub struct Diagnosis {
     pub groups: Vec<Group>,
     /// Gap of the runs, as mean square residual over that of repeated measurements: 1 is none.
     pub runs: Vec<RunGap>,
+    /// What the shown effects leave.
+    #[serde(default)]
+    pub unexplained: Unexplained,
+    /// Of each run, the noise of its channels' sensors as it was found; empty where the model has none.
+    #[serde(default)]
+    pub noise: BTreeMap<String, BTreeMap<String, ChannelNoise>>,
     /// Gap closed on held-out runs by a black box that names nothing; null where no run is over its limit.
     pub gap_closed_black_box: Option<f64>,
     /// Of the shown effects together, in all and by channel; null where no run is over its limit.
@@ -47,6 +54,20 @@ pub struct Diagnosis {
     pub overlays: Vec<Overlay>,
     /// What places are counted in: `m` along the track, or `s`.
     pub axis: Axis,
+}
+
+/// What effects leave of a gap.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Unexplained {
+    /// Of the gap of all runs; null where no run is over its limit.
+    pub share: Option<f64>,
+    /// The mean square that is left over that of repeated measurements, in the run in which it is farthest over its
+    /// limit; and that run.
+    pub times_repeatability: f64,
+    pub run: String,
+    /// Where what is left lies, the largest share first; empty where no run is over its limit.
+    #[serde(rename = "where")]
+    pub places: Vec<GapPlace>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

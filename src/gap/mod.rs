@@ -17,6 +17,7 @@ mod likelihood;
 mod observation;
 pub mod outside;
 mod overlays;
+mod places;
 #[cfg(test)]
 pub(crate) mod random_reports;
 mod refit;
@@ -36,7 +37,9 @@ mod words;
 
 pub use cost::{Cost, Costs};
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
-pub use diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Verdict};
+pub use diagnosis::{
+    Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Unexplained, Verdict,
+};
 pub use ids::{CandidateId, Id, List, PerRun, RunId};
 pub use remembered::{Left, Remembered};
 pub use scored::{Explanation, Terms};

@@ -1,6 +1,8 @@
 //! Reports whose numbers are random, also such as no diagnosis makes, and what their sentences must agree with.
 
-use super::diagnosis::{Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Verdict};
+use super::diagnosis::{
+    Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Unexplained, Verdict,
+};
 use super::simulator::Axis;
 use super::words;
 use crate::base::random::uniform;
@@ -121,6 +123,11 @@ pub fn report(seed: u64) -> Diagnosis {
         runs: (0..random.below(4)).map(|k| random.run(k)).collect(),
         gap_closed_black_box: random.some(-2.0, 1.0),
         gap_closed: random.some(-2.0, 1.0),
+        unexplained: Unexplained {
+            places: ["a", "b"].map(|channel| random.place(axis, channel)).into(),
+            ..Unexplained::default()
+        },
+        noise: BTreeMap::new(),
         gap_closed_channels: [("a".to_owned(), random.one())].into(),
         overlays: vec![random.overlay("a")],
         axis,

@@ -14,6 +14,7 @@ use super::settings::Checks;
 use super::simulator::{Applied, Axis, Candidates, Frame, Laps, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::identify::Effort;
+use crate::identify::noise::ChannelNoise;
 use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Temporary, sweep, sync_folder};
 use crate::source::root;
@@ -110,6 +111,10 @@ impl Simulator for Remembered<'_> {
 
     fn effort(&self) -> Effort {
         self.simulator.effort()
+    }
+
+    fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {
+        self.simulator.noise()
     }
 
     fn applies_sensor_models(&self) -> bool {

@@ -2,14 +2,15 @@
 
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
-use super::diagnosis::{Amount, Diagnosis, Extent, Finding, GapPlace, Group, Lost, RunGap, Verdict};
+use super::diagnosis::{Amount, Diagnosis, Finding, Group, Lost, RunGap, Verdict};
 use super::hypothesis::room;
 use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::overlays::overlays;
+use super::places::{places, unexplained};
 use super::scored::Scored;
 use super::screen::explain;
-use super::simulator::{Axis, Band, Frame};
+use super::simulator::{Band, Frame};
 use super::untested::Untested;
 use super::{likelihood, words};
 use crate::base::number::tidy;
@@ -147,6 +148,8 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         groups,
         gap_closed_black_box: black_box(&compared.comparison).filter(|_| gap).map(tidy),
         gap_closed: closed.map(tidy),
+        unexplained: unexplained(&compared.comparison, shown, &runs, axis),
+        noise: compared.comparison.simulator.noise(),
         gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(&compared.comparison, j)),
         runs,
         lost,
@@ -332,57 +335,6 @@ fn by_channel(comparison: &Comparison, scored: &Scored) -> BTreeMap<String, f64>
     }
     let clear = sums.into_iter().filter(|(_, [before, _, n])| *before > 1.2 * n);
     clear.map(|(c, [before, after, n])| (c, tidy((1.0 - (after - n) / (before - n)).clamp(-9.0, 1.0)))).collect()
-}
-
-/// Where the gap lies: of each channel and band, stretches of neighbouring features with their share of all that is
-/// over the repeatability.
-///
-/// With the verdict's effects known, nuisances are where these put them; else where the nominal model does.
-fn places(comparison: &Comparison, shown: Option<&Scored>, axis: Axis) -> Vec<GapPlace> {
-    let mut mean_square: BTreeMap<(String, Band, i64, i64), f64> = BTreeMap::new();
-    let mut total = 0.0;
-    for (run, frame) in comparison.simulator.frames().with_ids() {
-        let observation = &shown.map_or(&comparison.observations, |j| j.observations(&comparison.observations))[run];
-        let residual = match shown {
-            Some(j) => &j.residuals()[run] + observation.long(&j.fitted.changes[run]),
-            None => observation.residual.clone(),
-        };
-        for (k, x) in observation.each(&residual) {
-            let label = &frame.labels[k];
-            let over = (x * x / observation.replicate - 1.0).max(0.0);
-            total += over;
-            *mean_square.entry((label.channel.clone(), label.band, label.from, label.to)).or_default() += over;
-        }
-    }
-    let mut found: Vec<GapPlace> = Vec::new();
-    let mut last: Option<(String, Band)> = None;
-    let mean = total / mean_square.len().max(1) as f64;
-    for ((channel, band, from, to), over) in mean_square {
-        let place = GapPlace {
-            extent: Extent::new(axis, tidy(from as f64 / 1e3), tidy(to as f64 / 1e3)),
-            band: band.name().to_owned(),
-            share: over / total.max(1e-12),
-            channel: channel.clone(),
-        };
-        let key = (channel, band);
-        // A stretch goes on while the gap is more than the usual.
-        match found.last_mut() {
-            Some(open)
-                if last.as_ref() == Some(&key)
-                    && (open.extent.ends().1 - place.extent.ends().0).abs() < 1e-6
-                    && (over > mean) == (open.share * total > mean) =>
-            {
-                open.extent = Extent::new(axis, open.extent.ends().0, place.extent.ends().1);
-                open.share += place.share;
-            }
-            _ => found.push(place),
-        }
-        last = Some(key);
-    }
-    found.sort_by(|a, b| b.share.total_cmp(&a.share));
-    found.truncate(comparison.settings.reporting.places);
-    found.iter_mut().for_each(|p| p.share = tidy(p.share));
-    found
 }
 
 /// Of each channel, the root mean square of the repeatability of its means along the track.

@@ -5,9 +5,11 @@ use super::ids::{CandidateId, List, PerRun, RunId};
 use super::settings::Settings;
 use crate::effects::RandomEffect;
 use crate::identify::Effort;
+use crate::identify::noise::ChannelNoise;
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A model and the constants that its runs are compared by.
 #[derive(Clone, Copy)]
@@ -45,6 +47,11 @@ pub trait Simulator: Sync {
     /// What was simulated so far, the fits of the nominal model included.
     fn effort(&self) -> Effort {
         Effort::default()
+    }
+
+    /// Of each run, the noise of its channels' sensors, where the model has some.
+    fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {
+        BTreeMap::new()
     }
 
     /// Whether effects of sensors cost no simulation where nuisances are not moved.

@@ -1,6 +1,6 @@
 //! A diagnosis in words.
 
-use super::diagnosis::{Amount, Bound, Diagnosis, Finding, GapPlace, RunGap, Verdict};
+use super::diagnosis::{Amount, Bound, Diagnosis, Finding, GapPlace, RunGap, Verdict, ranked};
 use super::simulator::Axis;
 use crate::base::number::{fixed, significant, trimmed};
 use crate::effects::{self, Experiment, RandomEffect};
@@ -102,8 +102,16 @@ fn best(found: &Diagnosis) -> String {
     let what = if named.len() > 1 { format!("{} together are", each(&named)) } else { format!("{} is", each(&named)) };
     let lead = format!("There is a gap, and {what} the best of the known effects");
     match worst(found, |run| run.after) {
-        Some(run) if run.after > run.replicate_high => format!("{lead}, but leaves {}.", left(run)),
+        Some(run) if run.after > run.replicate_high => format!("{lead}, but leaves {}{}.", left(run), mostly(found)),
         _ => format!("{lead}."),
+    }
+}
+
+/// In which channel most of what is left lies.
+fn mostly(found: &Diagnosis) -> String {
+    match ranked(&found.unexplained.places).first() {
+        Some((channel, share)) if *share > 0.0 => format!(", most of it in {channel}"),
+        _ => String::new(),
     }
 }
 

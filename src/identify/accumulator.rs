@@ -37,6 +37,26 @@ pub struct FeatureAccumulator {
     local: bool,
 }
 
+/// How samples get the sensors' noise; a seed picks the draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseDraw {
+    /// They are measured and have it.
+    None,
+    /// As it is in a single lap.
+    Lap(u64),
+    /// As many laps have it in the mean: no means along the track, but all the rest.
+    Mean(u64),
+}
+
+impl NoiseDraw {
+    fn seed(self) -> Option<u64> {
+        match self {
+            NoiseDraw::None => None,
+            NoiseDraw::Lap(seed) | NoiseDraw::Mean(seed) => Some(seed),
+        }
+    }
+}
+
 /// A group of features of one kind and force, which share what the model may miss.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Block {
@@ -75,23 +95,21 @@ impl FeatureAccumulator {
         }
     }
 
-    /// Adds a cart's samples, moved along the track by `offset`, m. `noise` picks the white noise that is added to
-    /// them.
-    pub fn add(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64, noise: Option<u64>) {
+    /// Adds a cart's samples, moved along the track by `offset`, m.
+    pub fn add(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64, noise: NoiseDraw) {
         let noisy: Vec<Vec<f32>>;
-        let mut samples = *samples;
-        if let Some(seed) = noise.filter(|_| spec.noise.iter().any(|n| *n > 0.0)) {
-            noisy = samples
-                .forces
-                .iter()
-                .enumerate()
-                .map(|(k, force)| {
-                    crate::base::random::noisy(force, spec.noise[k], seed.wrapping_mul(31).wrapping_add(k as u64))
-                })
-                .collect();
+        let clean = *samples;
+        let mut samples = clean;
+        if let Some(seed) = noise.seed().filter(|_| spec.noise.iter().any(|n| n.variance() > 0.0)) {
+            let draw = |k: usize| seed.wrapping_mul(31).wrapping_add(k as u64);
+            let forces = samples.forces.iter().enumerate();
+            noisy = forces.map(|(k, force)| spec.noise[k].add(force, spec.rate, draw(k))).collect();
             samples.forces = std::array::from_fn(|k| noisy[k].as_slice());
         }
-        self.add_places(spec, &samples, offset);
+        match noise {
+            NoiseDraw::Mean(_) => self.add_places(spec, &clean, offset, spec.noise.map(|n| n.variance())),
+            NoiseDraw::None | NoiseDraw::Lap(_) => self.add_places(spec, &samples, offset, [0.0; FORCES]),
+        }
         let weighing = spec.weighing(&samples);
         spec.blocks(&samples, offset, |kind, force, begin, mean| {
             let weight = block_weight(weighing, force, &samples.station[begin..begin + spec.block]);
@@ -105,8 +123,8 @@ impl FeatureAccumulator {
         self.add_spectra(spec, &samples);
     }
 
-    /// Adds to the sums by place alone.
-    pub fn add_places(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64) {
+    /// Adds to the sums by place alone, with more variance about the samples, N².
+    pub fn add_places(&mut self, spec: &FeatureSpec, samples: &Samples, offset: f64, variance: [f64; FORCES]) {
         let places = &spec.places;
         let weighing = spec.weighing(samples);
         // Runs of samples in the same part of the lap, which lies in one cell and one zone.
@@ -124,10 +142,11 @@ impl FeatureAccumulator {
                 if begin >= end {
                     break;
                 }
-                let sums = match weighing {
+                let mut sums = match weighing {
                     Weighing::Alike => moments(&values[begin..end]),
                     _ => weighed(&values[begin..end], |k| weighing.sample(force, samples.station[begin + k])),
                 };
+                sums[2] += variance[force] * sums[0];
                 let cell = &mut self.cells[Places::cell(*part)][force];
                 let zone = &mut self.zones[places.zone(*part)][force];
                 for all in [cell, zone] {
@@ -244,14 +263,17 @@ impl FeatureAccumulator {
         (n > 0.0).then(|| sum / n)
     }
 
+    /// The means along the track, which are the first features.
+    pub fn means(&self, least: f64) -> impl Iterator<Item = f64> {
+        let mean = move |[n, sum, ..]: Moments| if n >= least { sum / n } else { f64::NAN };
+        (0..FORCES).flat_map(move |force| self.cells.iter().map(move |c| mean(c[force])))
+    }
+
     /// The features, each with its block; NaN where there are too few samples. `least` is how many make a cell's mean.
     /// All but the mean speed, which is measured otherwise.
     pub fn features(&self, least: f64) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
-        for force in 0..FORCES {
-            let mean = |[n, sum, ..]: Moments| if n >= least { sum / n } else { f64::NAN };
-            out.extend(self.cells.iter().map(|c| mean(c[force])));
-        }
+        out.extend(self.means(least));
         let spread = |[n, sum, squares, _]: Moments| {
             let variance = squares / n - sum / n * (sum / n);
             if n >= least && variance > 0.0 { 0.5 * trig::ln(variance) } else { f64::NAN }
@@ -388,6 +410,7 @@ fn block_weight(weighing: Weighing, force: usize, station: &[f32]) -> Weight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::noise::Noise;
     use crate::identify::places::{PlaceKind, Zone};
     use std::sync::Arc;
 
@@ -426,7 +449,7 @@ mod tests {
         let samples = of_joint(&station, &force);
         spec.set_thresholds(&samples, 0.0);
         let mut accumulator = FeatureAccumulator::new(&spec);
-        accumulator.add(&spec, &samples, 0.0, None);
+        accumulator.add(&spec, &samples, 0.0, NoiseDraw::None);
         let features = accumulator.features(1.0);
         let of = |block| features_of(block, &spec, &features);
         for (cell, mean) in of(Block::Mean(4)).iter().enumerate() {
@@ -441,14 +464,14 @@ mod tests {
         // 4 Hz is 2.5 passings: in the fifth band, and without the levels in no other but for what the window leaks.
         let sine: Vec<f32> = force.iter().map(|x| if *x < 200.0 { x - 100.0 } else { x - 300.0 }).collect();
         let mut alone = FeatureAccumulator::new(&spec);
-        alone.add(&spec, &of_joint(&station, &sine), 0.0, None);
+        alone.add(&spec, &of_joint(&station, &sine), 0.0, NoiseDraw::None);
         let power = features_of(Block::Power(4), &spec, &alone.features(1.0));
         assert!((power[4] - trig::ln(10.0 / 2_f64.sqrt())).abs() < 1e-3, "{power:?}");
         assert!((0..BANDS).all(|k| k == 4 || power[k] < power[4] - 3.0), "{power:?}");
         assert!(of(Block::Mean(0)).iter().all(|x| x.is_nan()), "what was not measured has no features");
         // Moved by half a lap, the levels change places; two halves add up to the whole.
         let mut moved = FeatureAccumulator::new(&spec);
-        moved.add(&spec, &samples, 20.0, None);
+        moved.add(&spec, &samples, 20.0, NoiseDraw::None);
         let means = features_of(Block::Mean(4), &spec, &moved.features(1.0));
         assert!((means[0] - 300.0).abs() < 0.5 && (means[5] - 100.0).abs() < 0.5);
         let mut twice = accumulator.clone();
@@ -464,12 +487,12 @@ mod tests {
         let (station, mut force) = lap();
         force[300..400].fill(f32::NAN);
         let mut accumulator = FeatureAccumulator::new(&spec);
-        accumulator.add(&spec, &of_joint(&station, &force), 0.0, None);
+        accumulator.add(&spec, &of_joint(&station, &force), 0.0, NoiseDraw::None);
         let means = features_of(Block::Mean(4), &spec, &accumulator.features(1.0));
         assert!(means.iter().all(|x| x.is_finite()));
-        spec.noise[4] = 3.0;
+        spec.noise[4] = Noise { white: 3.0, ..Noise::default() };
         let mut noisy = FeatureAccumulator::new(&spec);
-        noisy.add(&spec, &of_joint(&station, &force), 0.0, Some(5));
+        noisy.add(&spec, &of_joint(&station, &force), 0.0, NoiseDraw::Lap(5));
         let ((clean, share), (high_power, _)) = (accumulator.high_power(&spec), noisy.high_power(&spec));
         let found = ((high_power[4] - clean[4]) / share).sqrt();
         assert!((found - 3.0).abs() < 0.15, "{found}");
@@ -478,11 +501,11 @@ mod tests {
     #[test]
     fn a_blow_is_no_noise() {
         let mut spec = spec();
-        spec.noise[4] = 3.0;
+        spec.noise[4] = Noise { white: 3.0, ..Noise::default() };
         let (station, mut force) = lap();
         let power = |force: &[f32]| {
             let mut accumulator = FeatureAccumulator::new(&spec);
-            accumulator.add(&spec, &of_joint(&station, force), 0.0, Some(5));
+            accumulator.add(&spec, &of_joint(&station, force), 0.0, NoiseDraw::Lap(5));
             accumulator.high_power(&spec).0[4]
         };
         let before = power(&force);

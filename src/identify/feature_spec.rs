@@ -1,6 +1,7 @@
 //! How samples become features: places, thresholds, and the lines of a spectrum.
 
 use super::coverage::{Coverage, Weighing, hop};
+use super::noise::Noise;
 use super::places::{PlaceKind, Places};
 use crate::base::trig;
 use crate::signal::FORCES;
@@ -46,8 +47,8 @@ pub struct FeatureSpec {
     pub passing: f64,
     /// Of each kind of place and force, N.
     pub thresholds: [[[f32; THRESHOLDS]; FORCES]; KINDS],
-    /// Deviation of white noise that a simulated sensor needs to measure as the real one, N.
-    pub noise: [f32; FORCES],
+    /// Noise that a simulated sensor needs to measure as the real one.
+    pub noise: [Noise; FORCES],
     pub(super) segment: usize,
     pub(super) block: usize,
     pub(super) window: Arc<Vec<f32>>,
@@ -80,7 +81,7 @@ impl FeatureSpec {
             rate,
             passing,
             thresholds: Default::default(),
-            noise: [0.0; FORCES],
+            noise: Default::default(),
             segment,
             block: ((BLOCK_S * rate).round() as usize).max(1),
             window: Arc::new(window),

@@ -139,6 +139,7 @@ mod tests {
                 .into(),
             goodness: Goodness { limit, stretches: vec![stretch], lap_m: 50.0, profiles: BTreeMap::new() },
             noise: none(),
+            correlated_noise: BTreeMap::new(),
             laps: 1.0,
             filled: 0,
             masked: 0,

@@ -171,8 +171,7 @@ impl Blocks {
     fn unexplained(&self, left_over: &[f64], repeatability: &Repeatability) -> Vec<f64> {
         let mut out = vec![0.0; left_over.len()];
         for rows in self.0.values() {
-            let excess =
-                |&k: &usize| left_over[k] - repeatability.deviation[k] * repeatability.deviation[k] / DESIGN_PASSES;
+            let excess = |&k: &usize| left_over[k] - repeatability.chaos[k] * repeatability.chaos[k] / DESIGN_PASSES;
             let mean = (rows.iter().map(excess).sum::<f64>() / rows.len() as f64).max(0.0);
             rows.iter().for_each(|&k| out[k] = mean);
         }

@@ -20,6 +20,7 @@ pub mod lack_of_fit;
 pub mod local;
 mod measured;
 pub mod model;
+pub mod noise;
 mod parameter;
 pub mod places;
 mod posterior;

@@ -8,7 +8,7 @@ use crate::base::trig;
 use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{CartRecord, Ensemble, EnsemblePlan, Method, Settled, Width};
 use crate::effects;
-use crate::identify::accumulator::{FeatureAccumulator, FeatureSpec, Samples};
+use crate::identify::accumulator::{FeatureAccumulator, FeatureSpec, NoiseDraw, Samples};
 use crate::signal::FORCES;
 use std::sync::Arc;
 
@@ -129,7 +129,7 @@ impl Model {
     pub fn answer(&self, ensemble: &Ensemble, offset: f64, noise: u64) -> Answer {
         let mut accumulator = FeatureAccumulator::new(&self.spec);
         for (k, cart) in ensemble.carts.iter().enumerate() {
-            accumulator.add(&self.spec, &samples(cart), offset, Some(noise.wrapping_add(k as u64)));
+            accumulator.add(&self.spec, &samples(cart), offset, NoiseDraw::Mean(noise.wrapping_add(k as u64)));
         }
         Answer { features: accumulator.features(1.0), speed: accumulator.mean_speed().unwrap_or(f64::NAN), accumulator }
     }
@@ -138,7 +138,7 @@ impl Model {
     pub fn each(&self, ensemble: &Ensemble, noise: u64) -> Vec<FeatureAccumulator> {
         let one = |(k, cart): (usize, &CartRecord)| {
             let mut accumulator = FeatureAccumulator::new(&self.spec);
-            accumulator.add(&self.spec, &samples(cart), 0.0, Some(noise.wrapping_add(k as u64)));
+            accumulator.add(&self.spec, &samples(cart), 0.0, NoiseDraw::Lap(noise.wrapping_add(k as u64)));
             accumulator
         };
         ensemble.carts.iter().enumerate().map(one).collect()

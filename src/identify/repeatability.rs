@@ -1,10 +1,10 @@
 //! The repeatability: how far apart two replicate laps are. Each cart of a simulation is a lap of its own; a simulation
 //! with half the step and one from a fresh start say what the computation adds.
 
-use super::model::{Coordinates, Model, Plan};
+use super::model::{Coordinates, Model, Plan, samples};
 use crate::base::trig;
 use crate::dynamics::{Ensemble, Settled};
-use crate::identify::accumulator::{Block, FeatureAccumulator};
+use crate::identify::accumulator::{Block, FORCES, FeatureAccumulator};
 use std::collections::BTreeMap;
 
 /// How features of one cart's lap scatter about those of all carts.
@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 pub struct Repeatability {
     /// Of each feature over one lap.
     pub deviation: Vec<f64>,
+    /// The same without the sensors' noise where means along the track are concerned, as simulated means have none.
+    pub chaos: Vec<f64>,
     /// What a single lap's feature is larger by in the mean than that of many laps together.
     pub bias: Vec<f64>,
     /// Each cart's feature less the mean of all.
@@ -110,7 +112,19 @@ impl Repeatability {
                 }
             })
             .collect();
-        let agreed = Agreed::new(&deviation, &whole, FeatureAccumulator::blocks(&model.spec));
+        let blocks = FeatureAccumulator::blocks(&model.spec);
+        let clean = means_without_noise(model, ensemble);
+        let chaos: Vec<f64> = deviation
+            .iter()
+            .zip(&blocks)
+            .enumerate()
+            .map(|(k, (own, block))| match (block, clean.get(k)) {
+                (Block::Mean(_), Some(clean)) if !own.is_nan() => *clean,
+                _ => *own,
+            })
+            .collect();
+        let chaos = Agreed::new(&chaos, &whole, blocks.clone()).levelled(&chaos);
+        let agreed = Agreed::new(&deviation, &whole, blocks);
         let deviation = agreed.levelled(&deviation);
         let scatter =
             single.iter().map(|one| one.iter().zip(&mean).map(|(x, m)| if x.is_nan() { 0.0 } else { x - m }).collect());
@@ -118,6 +132,7 @@ impl Repeatability {
         let speed = speeds.iter().sum::<f64>() / n;
         Repeatability {
             deviation,
+            chaos,
             bias: mean.iter().zip(&whole).map(|(m, w)| if (m - w).is_nan() { 0.0 } else { m - w }).collect(),
             scatter: scatter.collect(),
             level: agreed.level(),
@@ -129,6 +144,24 @@ impl Repeatability {
     pub fn run_ensemble(model: &Model, at: &Coordinates, from: Option<&Settled>) -> Option<Ensemble> {
         model.run_ensemble(at, &Plan { passes: model.simulation.chain.carts as f64, from, ..Plan::default() })
     }
+}
+
+/// How the means along the track of carts' laps scatter without the sensors' noise; they are the first features.
+fn means_without_noise(model: &Model, ensemble: &Ensemble) -> Vec<f64> {
+    let cells = model.spec.places.cells * FORCES;
+    let mut sums = vec![[0.0; 3]; cells];
+    for cart in &ensemble.carts {
+        let mut one = FeatureAccumulator::new(&model.spec);
+        one.add_places(&model.spec, &samples(cart), 0.0, [0.0; FORCES]);
+        for (sum, x) in sums.iter_mut().zip(one.means(1.0)).filter(|(_, x)| !x.is_nan()) {
+            sum.iter_mut().zip([1.0, x, x * x]).for_each(|(sum, x)| *sum += x);
+        }
+    }
+    let deviation = |[n, sum, squares]: &[f64; 3]| {
+        let mean = sum / n;
+        ((squares / n - mean * mean).max(0.0) * n / (n - 1.0).max(1.0)).sqrt()
+    };
+    sums.iter().map(deviation).collect()
 }
 
 /// What a block of features has in common.

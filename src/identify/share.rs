@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use crate::chain_input::{ContactLaw, Simulation};
     use crate::identify::Measured;
-    use crate::signal::{Channel, FORCES, Run, Sidecar};
+    use crate::signal::{Channel, Run, Sidecar};
     use std::collections::BTreeMap;
 
     fn model() -> Model {
@@ -124,7 +124,7 @@ mod tests {
                 own: Information { matrix, pull: DVector::zeros(COUNT) },
                 steps: 1,
                 simulations: 1,
-                noise: [0.0; FORCES],
+                noise: Default::default(),
             }
         };
         let (a, b) = (fit(4e4, 0.01, 0.0), fit(1e4, -0.02, 0.0));

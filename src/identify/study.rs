@@ -17,8 +17,9 @@ use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::law::{self, achieved_restitution};
 use crate::dynamics::{Plan, Width};
 use crate::identify::accumulator::Block;
+use crate::identify::noise::{CorrelatedNoise, channel_noise};
 use crate::signal::compare::{Scale, compare_from};
-use crate::signal::{Channel, FORCES, Run};
+use crate::signal::{Channel, Run};
 use crate::{base, effects};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -74,6 +75,9 @@ pub struct RunFit {
     pub goodness: Goodness,
     /// Of the sensors' white noise, N.
     pub noise: BTreeMap<String, f64>,
+    /// Of the sensors, noise with a correlation time beside it, where it stands out.
+    #[serde(default)]
+    pub correlated_noise: BTreeMap<String, CorrelatedNoise>,
     pub laps: f64,
     /// Samples bridged and left out.
     pub filled: usize,
@@ -102,7 +106,7 @@ impl RunFit {
             own: Information { matrix: square(&self.information), pull: DVector::from_row_slice(&self.pull) },
             steps: self.steps,
             simulations: self.simulations,
-            noise: [0.0; FORCES],
+            noise: Default::default(),
         }
     }
 
@@ -326,12 +330,9 @@ fn fitted(
     let goodness = found.goodness.clone().ok_or("the fit has no residuals")?;
     let (parameters, damping, achieved) = estimates(model, &found.at, &found.covariance, &found.bound, &settings.free);
     let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
-    let names = |values: [f64; FORCES]| {
-        let all = Channel::FORCES.iter().zip(values).enumerate().filter(|(k, _)| measured.has(*k));
-        all.map(|(_, (c, x))| (c.name().to_owned(), tidy(x))).collect()
-    };
     let rows = |m: &DMatrix<f64>| m.transpose().as_slice().iter().map(|x| tidy(*x)).collect::<Vec<f64>>();
     let misfits = found.blocks.iter().filter(|(_, x)| is_wrong(**x)).map(|(block, x)| (block_name(*block), tidy(*x)));
+    let noise = channel_noise(&found.noise, |k| measured.has(k));
     let mut out = RunFit {
         run: subject.name.clone(),
         law: model.law,
@@ -346,7 +347,8 @@ fn fitted(
         identifiability: identifiability(&found.information, &prior, crate::identify::FLOOR_SCALE, &settings.free),
         misfits: misfits.collect(),
         goodness,
-        noise: names(found.noise),
+        noise: noise.iter().map(|(name, noise)| (name.clone(), noise.white_n)).collect(),
+        correlated_noise: noise.iter().filter_map(|(name, noise)| Some((name.clone(), noise.correlated?))).collect(),
         laps: tidy(measured.laps),
         filled: measured.filled,
         masked: measured.masked,

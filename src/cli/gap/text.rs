@@ -1,11 +1,16 @@
 //! A diagnosis for the terminal.
 
 use crate::base::number::{fixed, significant};
-use crate::gap::{Amount, Cost, Diagnosis, Explanation, Finding, Terms, bound, percent};
+use crate::gap::{Amount, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, percent};
+use crate::identify::noise::ChannelNoise;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Effects that are listed.
 const LISTED: usize = 6;
+
+/// Places that are listed of what is left.
+const LEFT: usize = 4;
 
 /// How hypotheses came to their scores, in natural logarithms.
 pub fn explained(each: &[Explanation]) -> String {
@@ -66,14 +71,21 @@ pub fn text(found: &Diagnosis) -> String {
     }
     row(&mut out, "no gap", found.none_probability, None);
     row(&mut out, "none of these effects", found.unknown_probability, None);
-    if !found.places.is_empty() {
-        let what = if gap { "where the gap lies" } else { "where what little differs lies" };
+    let places = |out: &mut String, what: &str, places: &[GapPlace]| {
         let _ = writeln!(out, "\n  {what}");
-        for p in found.places.iter().take(LISTED) {
+        for p in places {
             let (from, to) = p.extent.ends();
             let extent = format!("{} to {} {}", fixed(from, 1), fixed(to, 1), found.axis.unit());
             let _ = writeln!(out, "  {:<14}{:<14}{extent:<22}{:>6}", p.channel, p.band, percent(p.share));
         }
+    };
+    if !found.places.is_empty() {
+        let what = if gap { "where the gap lies" } else { "where what little differs lies" };
+        places(&mut out, what, &found.places[..found.places.len().min(LISTED)]);
+    }
+    let left = &found.unexplained.places;
+    if !found.shown.is_empty() && !left.is_empty() {
+        places(&mut out, "where what is left lies", &left[..left.len().min(LEFT)]);
     }
     let _ = writeln!(
         out,
@@ -83,6 +95,7 @@ pub fn text(found: &Diagnosis) -> String {
         let [a, b, c] = [run.before, run.after, run.replicate_high].map(|x| fixed(x, 2));
         let _ = writeln!(out, "  {:<18}{a:>9}{b:>9}    {c}", run.run);
     }
+    noise(&mut out, found);
     for group in &found.groups {
         let _ = writeln!(out, "\n  {}", group.experiment);
     }
@@ -91,6 +104,22 @@ pub fn text(found: &Diagnosis) -> String {
     });
     let _ = writeln!(out, "\n  next: {}", found.next_experiment);
     out
+}
+
+/// The sensors' noise, a channel a line; all runs of one where they differ.
+fn noise(out: &mut String, found: &Diagnosis) {
+    let channels: BTreeSet<&String> = found.noise.values().flat_map(BTreeMap::keys).collect();
+    if channels.is_empty() {
+        return;
+    }
+    let _ = writeln!(out, "\n  noise of the sensors");
+    for channel in channels {
+        let runs: Vec<String> =
+            found.noise.values().filter_map(|run| run.get(channel)).map(ChannelNoise::words).collect();
+        let alike = runs.windows(2).all(|two| two[0] == two[1]);
+        let words = if alike { runs.first().cloned().unwrap_or_default() } else { runs.join("; ") };
+        let _ = writeln!(out, "  {channel:<14}{words}");
+    }
 }
 
 fn amount(name: &str, a: &Amount) -> String {

@@ -134,8 +134,13 @@ impl Impact {
         let carts = (squares / force_slopes.len().max(1) as f64).sqrt();
         let measured = Line::new(&run.profiles[force], part, settings.parts);
         // A line's rise to its end has three times the variance of its mean.
-        let white = |line: &Line| f64::from(run.model.spec.noise[force]) * (3.0 / line.count).sqrt();
-        let noise = measured.as_ref().map_or(0.0, white);
+        let own = run.model.spec.noise[force];
+        let half = 0.5 * settings.parts as f64 * lap / parts as f64 / run.model.simulation.chain.speed_m_s;
+        let of = |line: &Line| {
+            let correlated = own.correlated * (1.0 - trig::exp(-half / own.time.max(1e-9))).sqrt();
+            trig::hypot(own.white * (3.0 / line.count).sqrt(), correlated)
+        };
+        let noise = measured.as_ref().map_or(0.0, of);
         let else_known = settings.of_mean * nominal.mean.abs() + settings.of_nominal * nominal.force_slope.abs();
         Impact {
             force,

@@ -10,6 +10,7 @@ use crate::identify::accumulator::Block;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::Landing;
 use crate::identify::model::samples;
+use crate::identify::noise::Noise;
 use crate::signal::FORCES;
 use std::collections::BTreeMap;
 
@@ -29,14 +30,14 @@ pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
 }
 
 /// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those
-/// simulated; NaN where nothing was measured. `measured` begins with its trigger at `trigger`, m, and has white noise
-/// of the deviation `noise`, N.
+/// simulated; NaN where nothing was measured. `measured` begins with its trigger at `trigger`, m, and has noise of
+/// its sensors.
 pub fn high_frequency_power(
     landing: &Landing,
     (lap, parts): (f64, usize),
     measured: &Samples,
     trigger: f64,
-    noise: [f32; FORCES],
+    noise: [Noise; FORCES],
 ) -> Vec<Vec<f64>> {
     let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
         for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
@@ -52,7 +53,7 @@ pub fn high_frequency_power(
         let (mut real, mut simulated) = (vec![(0.0, 0.0); parts], vec![(0.0, 0.0); parts]);
         add(&mut real, measured, force, trigger);
         landing.centre.ensemble.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
-        let white = 2.0 * f64::from(noise[force]) * f64::from(noise[force]);
+        let white = 2.0 * noise[force].white * noise[force].white;
         let louder = |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / (y / m + white));
         real.iter().zip(&simulated).map(louder).collect()
     };

@@ -16,9 +16,10 @@ use crate::chain_input::Simulation;
 use crate::dynamics::{CartRecord, Ensemble, Width};
 use crate::effects::sites::Site;
 use crate::effects::{AS_BUILT, Effect, LIBRARY, Sensed, Sites, Start, StrengthSearch, deviations_of, named, sense};
-use crate::identify::accumulator::FeatureAccumulator;
+use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
 use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan, samples};
+use crate::identify::noise::{ChannelNoise, Excess, channel_noise};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
 use crate::identify::{Effort, FitSettings, Model, Parameter};
@@ -27,7 +28,7 @@ use crate::signal::{Channel, FORCES};
 use force_slope::{ForceSlopes, Impact, Profile};
 use impacts::Suspect;
 use laps::observed;
-use nominal::{fitted, set_tops};
+use nominal::{fitted, repeated, set_tops};
 use std::collections::BTreeMap;
 
 /// A campaign's runs on chains.
@@ -78,7 +79,11 @@ impl Chains {
     ) -> Result<Chains, (String, String)> {
         let settings = &settings.chain;
         let steps = settings.ensembles.nominal_steps;
-        let fit = FitSettings { seed, steps, threads: 1, ..FitSettings::default() };
+        // A campaign's runs have the same sensors.
+        let repeated: Vec<Option<Excess>> = parallel::map(subjects, threads, |subject| repeated(subject, width));
+        let repeated: Vec<Excess> = repeated.into_iter().flatten().collect();
+        let correlated = Some(Excess::noise(&repeated));
+        let fit = FitSettings { seed, steps, threads: 1, correlated, ..FitSettings::default() };
         // More runs than threads at a time, so that none is left to a single one in the end.
         let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
             let found = fitted(subject, &fit, settings, width).map_err(|why| (subject.name.clone(), why));
@@ -314,6 +319,13 @@ impl Simulator for Chains {
         self.runs.iter().map(|run| run.model.counter.effort()).fold(Effort::default(), Effort::plus)
     }
 
+    fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {
+        let of = |(frame, run): (&Frame, &FittedRun)| {
+            (frame.run.clone(), channel_noise(&run.model.spec.noise, |k| run.measured[k]))
+        };
+        self.frames.iter().zip(&self.runs).map(of).collect()
+    }
+
     fn applies_sensor_models(&self) -> bool {
         true
     }
@@ -349,7 +361,7 @@ impl FittedRun {
         let moved = at[trigger] - self.landing.at[trigger];
         let (mut accumulator, mut force_slopes) = (FeatureAccumulator::new(&self.model.spec), ForceSlopes::new(self));
         for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]) {
-            let noise = Some(self.seed.wrapping_add(k as u64));
+            let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
             let sensed = sensor.then(|| self.sensed(model, cart, ensemble.rate));
             let samples = samples(sensed.as_ref().unwrap_or(cart));
             accumulator.add(&self.model.spec, &samples, 0.0, noise);
@@ -379,7 +391,7 @@ impl FittedRun {
             (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
         let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));
         for (k, cart) in ensemble.carts.iter().enumerate().step_by(every) {
-            let noise = Some(self.seed.wrapping_add(k as u64));
+            let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
             let mut sensed = self.sensed(model, cart, ensemble.rate);
             let mut as_it_is = cart.clone();
             for force in 0..FORCES {
@@ -423,7 +435,7 @@ impl FittedRun {
         let mut sums: BTreeMap<(&str, Band), (f64, f64)> = BTreeMap::new();
         let mut each = Vec::with_capacity(raw.len());
         for (k, (x, n)) in raw.iter().zip(&frame.nominal).enumerate() {
-            let own = self.landing.repeatability.deviation.get(k).copied().unwrap_or(0.0);
+            let own = self.landing.repeatability.chaos.get(k).copied().unwrap_or(0.0);
             let difference = if (x - n).is_finite() { x - n } else { 0.0 };
             each.push(difference);
             if own > 0.0 {

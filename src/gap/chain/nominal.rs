@@ -8,10 +8,24 @@ use crate::chain_input::Simulation;
 use crate::dynamics::Width;
 use crate::gap::settings;
 use crate::identify::feature_spec::Samples;
-use crate::identify::fit::{Landing, land};
+use crate::identify::fit::{Landing, excess, land};
+use crate::identify::noise::Excess;
+use crate::identify::repeatability::Repeatability;
 use crate::identify::study::Subject;
 use crate::identify::{FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
+
+/// What a run's passes of the same places differ by beyond simulated ones.
+pub fn repeated(subject: &Subject, width: Width) -> Option<Excess> {
+    let lap = subject.simulation.track.centre_line().length;
+    let measured = Measured::new(&subject.run, &subject.simulation, lap).ok()?;
+    let mut simulation = subject.simulation.clone();
+    simulation.effects.clear();
+    let model = Model::new(&simulation, simulation.contact_law, &measured, width);
+    let at = Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()]));
+    let ensemble = Repeatability::run_ensemble(&model, &at, None)?;
+    Some(excess(&model, &measured, &at, &ensemble))
+}
 
 /// Fits the nominal model to a run.
 pub fn fitted(

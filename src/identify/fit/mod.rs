@@ -4,6 +4,8 @@
 mod global;
 mod residuals;
 
+pub use self::global::excess;
+
 use super::goodness::{Goodness, Left};
 use super::local::{Centre, Sensitivity};
 use super::measured::Measured;
@@ -12,8 +14,9 @@ use super::parameter::{COUNT, Parameter};
 use super::posterior::{Information, Posterior, posterior};
 use super::repeatability::{Numerics, Repeatability};
 use crate::dynamics::Ensemble;
-use crate::identify::accumulator::{Block, FeatureAccumulator};
+use crate::identify::accumulator::{Block, FeatureAccumulator, NoiseDraw};
 use crate::identify::fit::residuals::Residuals;
+use crate::identify::noise::Noise;
 use crate::signal::FORCES;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -27,11 +30,13 @@ pub struct FitSettings {
     pub threads: usize,
     /// Steps at most; with none, only what the run can tell is found.
     pub steps: usize,
+    /// The sensors' correlated noise where it is known; else it is found from the run alone.
+    pub correlated: Option<[Noise; FORCES]>,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        FitSettings { free: [true; COUNT], seed: 1, threads: 1, steps: STEPS }
+        FitSettings { free: [true; COUNT], seed: 1, threads: 1, steps: STEPS, correlated: None }
     }
 }
 
@@ -66,8 +71,8 @@ pub struct Fit {
     pub own: Information,
     pub steps: usize,
     pub simulations: usize,
-    /// Deviation of the sensors' white noise, N.
-    pub noise: [f64; FORCES],
+    /// Of the sensors.
+    pub noise: [Noise; FORCES],
 }
 
 /// What is known of a run about the point where its fit ended: features, repeatability and slopes.
@@ -257,7 +262,7 @@ impl Fitter<'_> {
         }
         self.set_thresholds(model, &at);
         let ensemble = Repeatability::run_ensemble(model, &at, None)?;
-        self.find_noise(model, &ensemble);
+        self.find_noise(model, &at, &ensemble);
         let mut repeatability = self.repeatability(model, &ensemble);
         let mut centre = Centre::of(model, ensemble, settings.seed);
         if !global {
@@ -334,7 +339,7 @@ impl Fitter<'_> {
             own,
             steps,
             simulations: self.simulations,
-            noise: model.spec.noise.map(f64::from),
+            noise: model.spec.noise,
         };
         (fit, landing)
     }
@@ -386,7 +391,7 @@ impl Fitter<'_> {
     /// Features of the run with its trigger at a place, and how many passes each is a mean over.
     fn measure(&self, model: &Model, at: &Coordinates) -> (Vec<f64>, Vec<f64>) {
         let mut accumulator = FeatureAccumulator::new(&model.spec);
-        accumulator.add(&model.spec, &self.measured.samples(), at[Parameter::TriggerPosition.index()], None);
+        accumulator.add(&model.spec, &self.measured.samples(), at[Parameter::TriggerPosition.index()], NoiseDraw::None);
         // Half of what a cell's passage gives.
         let places = &model.spec.places;
         let least = 0.5 * places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;

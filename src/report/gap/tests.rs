@@ -2,7 +2,7 @@ use super::*;
 use crate::base::trig;
 use crate::chain_input::CentreLinePiece;
 use crate::gap::random_reports::{hold, report};
-use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap};
+use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap, Unexplained};
 use std::collections::BTreeMap;
 
 fn oval() -> Track {
@@ -91,6 +91,8 @@ fn placed() -> Diagnosis {
         runs: vec![run("run-01", 18.2, 1.31), run("run-02", 23.9, 1.22), run("run-03", 9.7, 1.08)],
         gap_closed_black_box: Some(0.41),
         gap_closed: Some(0.93),
+        unexplained: Unexplained::default(),
+        noise: BTreeMap::new(),
         gap_closed_channels: [("steer_left".to_owned(), 0.95), ("joint_eta".to_owned(), 0.71)].into(),
         lost: vec![Lost::data("run-02 lost 3 % of steer_right, so that nothing is known of it from 60 m to 64 m.")],
         overlays: vec![overlay("run-02", "steer_left", "N", 36.0), overlay("run-02", "joint_eta", "N", 36.0)],
@@ -142,6 +144,8 @@ fn nothing() -> Diagnosis {
         runs: vec![run("run-01", 1.02, 1.02), run("run-02", 0.97, 0.97)],
         gap_closed_black_box: None,
         gap_closed: None,
+        unexplained: Unexplained::default(),
+        noise: BTreeMap::new(),
         gap_closed_channels: BTreeMap::new(),
         lost: Vec::new(),
         overlays: Vec::new(),
