@@ -332,3 +332,27 @@ fn the_crate_and_its_documents_list_the_rooms_in_this_order() {
     let document = fs::read_to_string(root().join("docs/architecture.md")).expect("docs/architecture.md");
     in_order(&document, &|room| format!("| `{room}/` |"), "docs/architecture.md");
 }
+
+/// A file that no program of tests names would never run.
+#[test]
+fn every_file_of_tests_is_a_module_of_its_program() {
+    let tests = root().join("tests");
+    for entry in fs::read_dir(&tests).expect("a folder") {
+        let main = entry.expect("an entry").path().join("main.rs");
+        let Ok(text) = fs::read_to_string(&main) else { continue };
+        let mut files = Vec::new();
+        sources(main.parent().expect("a folder"), &mut files);
+        for file in files.iter().filter(|file| **file != main) {
+            let parent = file.parent().expect("a folder");
+            let module = if file.ends_with("mod.rs") { parent } else { file };
+            let name = module.file_stem().expect("a name").to_string_lossy();
+            // A folder of modules has a `mod.rs` that names them.
+            let beside = parent.join("mod.rs");
+            let text = match fs::read_to_string(&beside) {
+                Ok(text) if beside != *file => text,
+                _ => text.clone(),
+            };
+            assert!(text.lines().any(|line| line == format!("mod {name};")), "{} is not run", file.display());
+        }
+    }
+}

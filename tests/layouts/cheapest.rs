@@ -4,12 +4,10 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-mod small;
-
+use crate::small::{Asked, Random, SHORTEST, STEP, Small, choices, last, layout, random, text};
 use lss::compiled::Compiled;
 use lss::geometry::PieceKind;
 use lss::solve::{Counted, Effort, Options, pareto};
-use small::{Asked, Random, SHORTEST, STEP, Small, choices, last, layout, random, text};
 
 /// The catalogue of `small`, from `standard`: EUR a metre, a piece and a cut of straights; EUR a metre and a piece of
 /// curves.
@@ -156,7 +154,7 @@ fn no_choice_of_turns_radii_and_straights_is_cheaper() {
 /// The smallest loop is both.
 #[test]
 fn the_smallest_loop_has_nothing_to_trade() {
-    let layout = layout(include_str!("../examples/smallest.lss"));
+    let layout = layout(include_str!("../../examples/smallest.lss"));
     let trades = pareto(&layout, &Options::default(), &|_| {});
     assert_eq!(trades.len(), 1);
 }

@@ -74,7 +74,7 @@ fn a_search_that_was_cut_keeps_its_best_and_says_so() {
 
 #[test]
 fn a_search_for_an_even_run_that_was_cut_is_a_layout_too() {
-    let text = include_str!("../examples/even.lss");
+    let text = include_str!("../../examples/even.lss");
     let mut sources = SourceMap::default();
     let (mut loader, main) = Loader::memory(&mut sources, &[("even.lss", text.as_bytes())]).expect("text");
     let analysis = analyse(&mut sources, &mut loader, main, None);

@@ -1,4 +1,4 @@
-//! Tables in documents that are made from the program. `UPDATE_DOCS=1 cargo test --test documents` writes them anew.
+//! Tables in documents that are made from the program. `UPDATE_DOCS=1 cargo test --test program documents::` writes them anew.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -68,5 +68,5 @@ fn hold(file: &str, name: &str, expected: &str) {
         fs::write(&path, [before, &begin, expected, &end, after].concat()).expect("written");
         return;
     }
-    assert!(found == expected, "{file} is out of date: UPDATE_DOCS=1 cargo test --test documents");
+    assert!(found == expected, "{file} is out of date: UPDATE_DOCS=1 cargo test --test program documents::");
 }

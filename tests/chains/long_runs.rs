@@ -3,7 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-#[path = "support/mdf4.rs"]
+#[path = "../support/mdf4.rs"]
 mod mdf4;
 
 use lss::signal::health::health;
@@ -77,7 +77,7 @@ fn a_long_run_takes_little_more_memory_than_its_numbers() {
     write_mdf4(&mdf4);
     for path in [csv, mdf4] {
         let this = std::env::current_exe().expect("this program");
-        let arguments = ["read_one", "--exact", "--ignored", "--nocapture"];
+        let arguments = ["long_runs::read_one", "--exact", "--ignored", "--nocapture"];
         let done = Command::new(this).args(arguments).env("LSS_TEST_RUN", &path).status().expect("it runs");
         assert!(done.success(), "{}", path.display());
     }

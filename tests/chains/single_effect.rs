@@ -1,5 +1,5 @@
 //! A chain with one effect is told to have that one: simulated runs are diagnosed end to end. It takes a minute or two:
-//! `cargo test --release --test single_effect -- --ignored`.
+//! `cargo test --release --test chains single_effect:: -- --ignored`.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -33,7 +33,7 @@ fn campaign(at: &Path) {
 fn clearance_of_the_joints_alone_is_one_effect() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
-    let oval = include_str!("../benches/identify/layouts/oval.lss");
+    let oval = include_str!("../../benches/identify/layouts/oval.lss");
     fs::create_dir(at.join("campaign")).expect("a folder");
     fs::write(at.join("campaign/oval.lss"), oval).expect("written");
     let end = oval.rfind('}').expect("the layout's end");

@@ -3,7 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-#[path = "../benches/common/track.rs"]
+#[path = "../../benches/common/track.rs"]
 mod track;
 
 use lss::base::random::{normal, uniform};

@@ -5,6 +5,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic, text};
@@ -87,6 +88,21 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
     (sources, diagnostics)
 }
 
+/// What each case says, in the order of codes. Cases that are solved take seconds, and two tests look at them.
+fn said() -> &'static [(SourceMap, Vec<Diagnostic>)] {
+    static SAID: OnceLock<Vec<(SourceMap, Vec<Diagnostic>)>> = OnceLock::new();
+    SAID.get_or_init(|| {
+        let (first, second) = Code::ALL.split_at(Code::ALL.len() / 2);
+        std::thread::scope(|scope| {
+            let first = scope.spawn(|| first.iter().map(|code| run(*code)).collect::<Vec<_>>());
+            let second: Vec<_> = second.iter().map(|code| run(*code)).collect();
+            let mut all = first.join().expect("no panic");
+            all.extend(second);
+            all
+        })
+    })
+}
+
 /// The first example in a page.
 fn example(page: &str) -> Option<&str> {
     let (_, rest) = page.split_once("```lss\n").or_else(|| page.split_once("```dxf\n"))?;
@@ -96,14 +112,13 @@ fn example(page: &str) -> Option<&str> {
 #[test]
 fn every_code_reports_its_page_example_and_nothing_else() {
     let mut failures = Vec::new();
-    for code in Code::ALL {
+    for (code, (sources, diagnostics)) in Code::ALL.iter().zip(said()) {
         let input =
             fs::read_to_string(folder(*code).join(input(*code))).unwrap_or_else(|_| panic!("{code:?} has no case"));
         if example(code.page()) != Some(input.as_str()) {
             failures.push(format!("{code:?}: page and case differ"));
         }
-        let (sources, diagnostics) = run(*code);
-        let report: String = diagnostics.iter().map(|d| text::render(&sources, d, text::Style::Plain)).collect();
+        let report: String = diagnostics.iter().map(|d| text::render(sources, d, text::Style::Plain)).collect();
         if !diagnostics.iter().any(|d| d.code == *code) {
             failures.push(format!("{code:?} is not raised by its case:\n{report}"));
         }
@@ -112,7 +127,7 @@ fn every_code_reports_its_page_example_and_nothing_else() {
             failures.push(format!("{code:?}: the case has other mistakes too:\n{report}"));
         }
         let shown: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.code == *code).collect();
-        let report: String = shown.iter().map(|d| text::render(&sources, d, text::Style::Plain)).collect();
+        let report: String = shown.iter().map(|d| text::render(sources, d, text::Style::Plain)).collect();
         let mut settings = insta::Settings::clone_current();
         settings.set_snapshot_path(folder(*code));
         settings.set_prepend_module_to_snapshot(false);
@@ -136,8 +151,8 @@ fn pages_have_one_form() {
 
 #[test]
 fn every_diagnostic_says_what_was_expected_and_found() {
-    for code in Code::ALL.iter().filter(|c| c.as_str() >= "E02") {
-        for diagnostic in run(*code).1 {
+    for (code, (_, diagnostics)) in Code::ALL.iter().zip(said()).filter(|(c, _)| c.as_str() >= "E02") {
+        for diagnostic in diagnostics {
             let fixed = diagnostic.help.is_some() || diagnostic.fix.is_some() || diagnostic.expected.is_some();
             assert!(fixed, "{code:?}: {} shows no way out", diagnostic.message);
         }

@@ -17,7 +17,7 @@ fn layout(text: &str) -> Layout {
 }
 
 fn thesis10() -> Layout {
-    layout(include_str!("../examples/thesis10.lss"))
+    layout(include_str!("../../examples/thesis10.lss"))
 }
 
 fn last(layout: &Layout, effort: Effort, threads: usize) -> Stage {
@@ -121,7 +121,7 @@ fn a_chain_that_must_close_does() {
 /// Between two curves lies no less than the catalogue's shortest straight.
 #[test]
 fn the_shortest_straight_is_kept() {
-    let text = include_str!("../examples/smallest.lss").replace("catalog standard\n", "catalog ours\n");
+    let text = include_str!("../../examples/smallest.lss").replace("catalog standard\n", "catalog ours\n");
     let layout =
         layout(&format!("{text}\ncatalog ours from standard {{\n  straight {{\n    shortest = 1.5 m\n  }}\n}}\n"));
     let stage = last(&layout, Effort::default(), 1);

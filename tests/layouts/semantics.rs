@@ -44,7 +44,7 @@ fn with(statements: &str) -> String {
 
 #[test]
 fn thesis10_is_the_reference_instance() {
-    let layout = built(include_str!("../examples/thesis10.lss"));
+    let layout = built(include_str!("../../examples/thesis10.lss"));
     assert_eq!(layout.vertices.len(), 10);
     assert_eq!(layout.constraints.len(), 3);
     let sides: Vec<Side> = layout.obstacles.iter().map(|o| o.side).collect();
@@ -55,7 +55,7 @@ fn thesis10_is_the_reference_instance() {
 
 #[test]
 fn sides_follow_the_written_layout() {
-    let text = include_str!("../examples/thesis10.lss");
+    let text = include_str!("../../examples/thesis10.lss");
     let without: String = text.lines().filter(|l| !l.contains("pass ")).map(|l| format!("{l}\n")).collect();
     let sides: Vec<Side> = built(&without).obstacles.iter().map(|o| o.side).collect();
     assert_eq!(sides, [Side::Left, Side::Left, Side::Right, Side::Right]);
@@ -84,7 +84,7 @@ fn the_printed_model_is_the_same_model() {
          sensor_cart at cart 7\n  chain tension 600 N\n  chain closes within 20 mm\n  \
          effect joint_clearance(gap: 0.05 mm)\n  optimise 0.7 * polygon_action + 0.3 * cost within length + 0.5 %",
     );
-    for text in [include_str!("../examples/thesis10.lss"), &everything] {
+    for text in [include_str!("../../examples/thesis10.lss"), &everything] {
         let (sources, analysis) = check(&[("main.lss", text)]);
         assert!(!analysis.has_errors(), "{}", report(&sources, &analysis));
         let layout = analysis.chosen().unwrap().unwrap();
@@ -254,7 +254,7 @@ fn each_mistake_is_one_message() {
 
 #[test]
 fn independent_mistakes_are_all_reported() {
-    let text = include_str!("../examples/errors.lss");
+    let text = include_str!("../../examples/errors.lss");
     let (sources, analysis) = check(&[("examples/errors.lss", text)]);
     insta::assert_snapshot!(report(&sources, &analysis));
 }
@@ -325,5 +325,5 @@ fn what_cannot_be_built_yet_is_said() {
     let smooth = said("polygon_action");
     assert!(smooth.iter().any(|m| m.starts_with("`pass o either`")), "{smooth:?}");
     assert!(smooth.iter().any(|m| m.starts_with("polygon action on different heights")), "{smooth:?}");
-    assert!(lss::solve::unsupported(&built(include_str!("../examples/thesis10.lss"))).is_empty());
+    assert!(lss::solve::unsupported(&built(include_str!("../../examples/thesis10.lss"))).is_empty());
 }

@@ -3,11 +3,9 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-mod small;
-
+use crate::small::{Asked, Random, SHORTEST, Small, choices, last, random, text};
 use lss::geometry::{Corner, Point, Polygon, Track};
 use lss::solve::Effort;
-use small::{Asked, Random, SHORTEST, Small, choices, last, random, text};
 
 /// Of the width that the text has, m.
 const HALF_WIDTH: f64 = 0.3;

@@ -25,10 +25,10 @@ fn run(text: &str) -> Analysis {
 }
 
 const SEEDS: [&str; 4] = [
-    include_str!("../examples/thesis10.lss"),
-    include_str!("../examples/errors.lss"),
-    include_str!("../stdlib/tracks.lss"),
-    include_str!("../stdlib/carts.lss"),
+    include_str!("../../examples/thesis10.lss"),
+    include_str!("../../examples/errors.lss"),
+    include_str!("../../stdlib/tracks.lss"),
+    include_str!("../../stdlib/carts.lss"),
 ];
 
 /// What a slip or an attack puts in place of a word.

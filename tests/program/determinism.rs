@@ -1,5 +1,5 @@
 //! Same input, same bytes: two runs, and one thread and several. That debug and release builds agree is held by the
-//! committed snapshots of `tests/cases.rs`, which both profiles meet, and by the digest below. Simulations also with
+//! committed snapshots of `tests/layouts/cases.rs`, which both profiles meet, and by the digest below. Simulations also with
 //! every vector width that the processor has.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]

@@ -1,5 +1,5 @@
 //! Every example through every stage of the compiler, one snapshot a stage in `tests/cases/<name>/`. The same snapshots
-//! hold in debug and release builds (`cargo test --release --test cases`).
+//! hold in debug and release builds (`cargo test --release --test layouts cases::`).
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 

@@ -52,8 +52,8 @@ const TRUTH: [(Parameter, f64); 6] = [
     (Parameter::RestitutionJointAxial, 0.7),
 ];
 
-/// A run of three laps by a finer integration and with noise; its sidecar has the nominal values.
-fn measured(nominal: &Simulation, seed: u64) -> Run {
+/// A run of three laps by a finer integration, without noise; its sidecar has the nominal values.
+fn simulated(nominal: &Simulation) -> Run {
     let mut real = nominal.clone();
     for (p, value) in TRUTH {
         let offset = if p == Parameter::TriggerPosition { nominal.sensor.photocell_s_m } else { 0.0 };
@@ -64,6 +64,12 @@ fn measured(nominal: &Simulation, seed: u64) -> Run {
     run.sidecar.speed_setpoint = nominal.chain.speed_m_s;
     run.sidecar.trigger_position = nominal.sensor.photocell_s_m;
     run.sidecar.layout = "small.lss".into();
+    run
+}
+
+/// The same with noise.
+fn measured(simulated: &Run, seed: u64) -> Run {
+    let mut run = simulated.clone();
     let mut state = seed;
     for (channel, samples) in &mut run.channels {
         if channel.is_force() {
@@ -79,8 +85,15 @@ fn keep(run: &Run, folder: &Path, name: &str) {
 }
 
 /// A campaign of one run.
-fn campaign() -> &'static (TempDir, Simulation) {
-    static CAMPAIGN: OnceLock<(TempDir, Simulation)> = OnceLock::new();
+struct Campaign {
+    folder: TempDir,
+    nominal: Simulation,
+    /// What was measured, before noise: it is the same in all tests.
+    simulated: Run,
+}
+
+fn campaign() -> &'static Campaign {
+    static CAMPAIGN: OnceLock<Campaign> = OnceLock::new();
     CAMPAIGN.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("small.lss"), LAYOUT).expect("written");
@@ -88,8 +101,9 @@ fn campaign() -> &'static (TempDir, Simulation) {
         lss().arg("build").arg(folder.path().join("small.lss")).arg("-o").arg(built.path()).assert().success();
         let text = fs::read(built.path().join("simulation.json")).expect("an input");
         let nominal: Simulation = serde_json::from_slice(&text).expect("an input");
-        keep(&measured(&nominal, 5), folder.path(), "run-01");
-        (folder, nominal)
+        let simulated = simulated(&nominal);
+        keep(&measured(&simulated, 5), folder.path(), "run-01");
+        Campaign { folder, nominal, simulated }
     })
 }
 
@@ -100,7 +114,7 @@ fn json(output: &[u8]) -> Vec<Value> {
 
 #[test]
 fn truths_are_found_again_in_every_law_and_work_is_kept() {
-    let (folder, nominal) = campaign();
+    let Campaign { folder, nominal, .. } = campaign();
     let out = tempfile::tempdir().expect("a folder");
     let identify = || {
         let mut command = lss();
@@ -177,11 +191,11 @@ fn truths_are_found_again_in_every_law_and_work_is_kept() {
 
 #[test]
 fn what_is_not_free_keeps_its_value_and_what_is_shared_is_one_for_all() {
-    let (folder, nominal) = campaign();
+    let Campaign { folder, simulated, .. } = campaign();
     let two = tempfile::tempdir().expect("a folder");
     fs::copy(folder.path().join("small.lss"), two.path().join("small.lss")).expect("copied");
     for (name, seed) in [("run-01", 5), ("run-02", 6)] {
-        keep(&measured(nominal, seed), two.path(), name);
+        keep(&measured(simulated, seed), two.path(), name);
     }
     let out = tempfile::tempdir().expect("a folder");
     let free = "speed,tension,rolling_resistance,trigger_position";
@@ -206,10 +220,10 @@ fn what_is_not_free_keeps_its_value_and_what_is_shared_is_one_for_all() {
 
 #[test]
 fn exchanged_sensors_do_not_lead_the_fit_astray() {
-    let (folder, nominal) = campaign();
+    let Campaign { folder, nominal, simulated } = campaign();
     let other = tempfile::tempdir().expect("a folder");
     fs::copy(folder.path().join("small.lss"), other.path().join("small.lss")).expect("copied");
-    let mut run = measured(nominal, 5);
+    let mut run = measured(simulated, 5);
     let [one, two] = [Channel::RunRight, Channel::JointXi].map(|c| run.channels.remove(&c).expect("samples"));
     run.channels.extend([(Channel::JointXi, one), (Channel::RunRight, two)]);
     keep(&run, other.path(), "run-01");
@@ -243,11 +257,11 @@ const BUMP: f64 = 40.0;
 
 #[test]
 fn a_bad_fit_is_told_where_it_is_and_set_points_are_not_mixed() {
-    let (folder, nominal) = campaign();
+    let Campaign { folder, nominal, simulated } = campaign();
     let two = tempfile::tempdir().expect("a folder");
     fs::copy(folder.path().join("small.lss"), two.path().join("small.lss")).expect("copied");
-    keep(&measured(nominal, 5), two.path(), "run-01");
-    let mut off = measured(nominal, 6);
+    keep(&measured(simulated, 5), two.path(), "run-01");
+    let mut off = measured(simulated, 6);
     let lap = nominal.chain.track_length_m;
     let place = lss::signal::position::position(&off, lap).expect("a place");
     let joint = off.channels.get_mut(&Channel::JointZeta).expect("samples");
@@ -325,7 +339,7 @@ fn told(more: &[&str], what: &Path, out: &Path) -> (Option<i32>, String) {
 
 #[test]
 fn what_runs_can_tell_is_said_before_a_fit() {
-    let (folder, _) = campaign();
+    let Campaign { folder, .. } = campaign();
     let out = tempfile::tempdir().expect("a folder");
     let mut command = lss();
     command.args(["identify", "--identifiability", "-o"]).arg(out.path()).arg(folder.path());
@@ -338,7 +352,7 @@ fn what_runs_can_tell_is_said_before_a_fit() {
 
 #[test]
 fn broken_campaigns_are_told_with_a_way_out() {
-    let (folder, nominal) = campaign();
+    let Campaign { folder, simulated, .. } = campaign();
     let broken = tempfile::tempdir().expect("a folder");
     let path = |name: &str| broken.path().join(name);
     let expect = |what: &Path, more: &[&str], code: i32, parts: &[&str]| {
@@ -347,7 +361,7 @@ fn broken_campaigns_are_told_with_a_way_out() {
         parts.iter().for_each(|part| assert!(said.contains(part), "{part} is not in\n{said}"));
     };
     expect(&path("nowhere"), &[], 2, &["nowhere"]);
-    keep(&measured(nominal, 5), broken.path(), "run-01");
+    keep(&measured(simulated, 5), broken.path(), "run-01");
     expect(broken.path(), &[], 1, &["small.lss is not there\n  help: give it with --layout", "no run is left to fit"]);
     let text = fs::read_to_string(path("run-01.csv")).expect("a run");
     let mut torn: Vec<&str> = text.lines().take(40).collect();
@@ -356,7 +370,7 @@ fn broken_campaigns_are_told_with_a_way_out() {
     fs::copy(folder.path().join("small.lss"), path("small.lss")).expect("copied");
     expect(broken.path(), &[], 1, &["row 22, `time`", "no run is left to fit"]);
     // No trigger: said of this run.
-    let mut silent = measured(nominal, 5);
+    let mut silent = measured(simulated, 5);
     silent.channels.remove(&lss::signal::Channel::Trigger);
     keep(&silent, broken.path(), "run-01");
     expect(broken.path(), &[], 1, &["the trigger never rises, so no sample has a place"]);
@@ -378,7 +392,7 @@ fn layouts_of_one_name_are_kept_apart() {
         lss().arg("build").arg(at(&format!("{name}/oval.lss"))).arg("-o").arg(at("built")).assert().success();
         let text = fs::read(at("built/simulation.json")).expect("an input");
         let nominal: Simulation = serde_json::from_slice(&text).expect("an input");
-        keep(&measured(&nominal, 5), folder.path(), name);
+        keep(&measured(&simulated(&nominal), 5), folder.path(), name);
         list += &format!("[[run]]\nfile = \"{name}.csv\"\nlayout = \"{name}/oval.lss\"\n");
     }
     fs::write(at("campaign.toml"), list).expect("written");

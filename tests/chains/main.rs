@@ -1,0 +1,17 @@
+//! The chain and what is measured of it: simulation, runs, identification and diagnosis.
+//!
+//! Each file is a module of this one program, which is linked once and runs its tests on all cores.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+mod chain;
+mod compare;
+mod gap;
+mod identify;
+mod long_runs;
+mod outside;
+mod outside_failures;
+mod runs;
+mod simulate;
+mod single_effect;
+mod windows;

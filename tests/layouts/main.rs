@@ -1,0 +1,22 @@
+//! From a layout's text to its track, its drawing and its bill: what is read, what is said of it, and what is solved.
+//!
+//! Each file is a module of this one program, which is linked once and runs its tests on all cores.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+mod cases;
+mod certificate;
+mod cheapest;
+mod conflict;
+mod contact_area;
+mod drawing;
+mod errors;
+mod hostile;
+mod import;
+mod levels;
+mod self_crossing;
+mod semantics;
+mod shortest;
+mod small;
+mod solvers;
+mod tracks;

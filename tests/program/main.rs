@@ -1,0 +1,17 @@
+//! The program as users start it: what it says, what it writes, and what it refuses.
+//!
+//! Each file is a module of this one program, which is linked once and runs its tests on all cores.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+mod cli;
+mod crash;
+mod determinism;
+mod documents;
+mod fits;
+mod limits;
+mod messages;
+mod polygon;
+mod stiffness;
+mod terminal;
+mod trust;
