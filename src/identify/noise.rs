@@ -170,6 +170,7 @@ impl Excess {
                 let usual = mean(&alike);
                 let square = alike.iter().map(|x| (x - usual) * (x - usual)).sum::<f64>() / (alike.len() as f64 - 1.0);
                 let deviation = trig::hypot((square / found.len() as f64).sqrt(), KNOWN * usual);
+                let deviation = trig::hypot(deviation, grid.chance(&differences, *over));
                 Row { over: *over, excess: mean(&found) - usual, deviation }
             };
             grid.over
@@ -287,16 +288,32 @@ impl Grid {
         difference.iter().filter(|x| x.is_finite()).count() as f64 > LEAST_S * self.rate
     }
 
-    /// Variances of means of half a difference without a trend, N².
+    /// What the variance of means over a time scatters by, N², where white noise alone makes it: of n means, by √(2/n) of
+    /// itself.
+    fn chance(&self, differences: &[Vec<f32>], over: f64) -> f64 {
+        let white = mean(differences.iter().map(|d| white(d.iter().map(|x| f64::from(*x)))));
+        let samples: usize = differences.iter().map(|d| d.iter().filter(|x| x.is_finite()).count()).sum();
+        let long = (over * self.rate).max(1.0);
+        white / long * (2.0 * long / samples.max(1) as f64).sqrt()
+    }
+
+    /// Variances of means of half a difference without a trend, less what white noise makes of them, N².
     fn variances(&self, difference: &[f32]) -> [f64; OVER.len()] {
         let all = without_trend(difference);
+        let white = white(all.iter().copied());
         self.over.map(|over| {
             let long = ((over * self.rate).round() as usize).max(1);
             let means = all.windows(long).step_by(long.div_ceil(4));
             let means = means.map(|part| part.iter().sum::<f64>() / long as f64).filter(|x| x.is_finite());
-            mean(means.map(|x| 0.5 * x * x))
+            mean(means.map(|x| 0.5 * x * x)) - white / long as f64
         })
     }
+}
+
+/// Variance of the white noise of half a difference, by its steps from sample to sample, N².
+fn white(difference: impl Iterator<Item = f64> + Clone) -> f64 {
+    let steps = difference.clone().zip(difference.skip(1)).map(|(a, b)| b - a).filter(|x| x.is_finite());
+    mean(steps.map(|x| 0.25 * x * x))
 }
 
 /// NaN of nothing.
@@ -343,7 +360,14 @@ mod tests {
             .zip(chaos.windows(2).chain([[0.0, 0.0].as_slice()]))
             .map(|(s, two)| 200.0 + 30.0 * (s * 0.7).sin() + 0.5 * (two[0] + two[1]))
             .collect();
-        (station, noise.add(&force, 500.0, seed.wrapping_mul(77)))
+        // Not by the table that simulated sensors draw from.
+        let memory = trig::exp(-1.0 / (500.0 * noise.time.max(1e-9)));
+        let mut own = normal(&mut state);
+        let noisy = force.iter().map(|x| {
+            own = memory * own + (1.0 - memory * memory).sqrt() * normal(&mut state);
+            x + (noise.correlated * own + noise.white * normal(&mut state)) as f32
+        });
+        (station, noisy.collect())
     }
 
     fn ensemble() -> Vec<CartRecord> {
