@@ -22,7 +22,7 @@ use crate::identify::model::{Coordinates, Plan, samples};
 use crate::identify::noise::{ChannelNoise, Excess, channel_noise};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
-use crate::identify::{Effort, FitSettings, Model, Parameter};
+use crate::identify::{Counter, Effort, FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
 use force_slope::{ForceSlopes, Impact, Profile};
@@ -38,6 +38,8 @@ pub struct Chains {
     candidates: Candidates,
     settings: settings::Chain,
     threads: usize,
+    /// Of what was simulated before the runs were fitted.
+    counter: Counter,
 }
 
 /// A run, fitted.
@@ -80,7 +82,9 @@ impl Chains {
         let settings = &settings.chain;
         let steps = settings.ensembles.nominal_steps;
         // A campaign's runs have the same sensors.
-        let repeated: Vec<Option<Excess>> = parallel::map(subjects, threads, |subject| repeated(subject, width));
+        let counter = Counter::default();
+        let repeated: Vec<Option<Excess>> =
+            parallel::map(subjects, threads, |subject| repeated(subject, width, &counter));
         let repeated: Vec<Excess> = repeated.into_iter().flatten().collect();
         let correlated = Some(Excess::noise(&repeated));
         let fit = FitSettings { seed, steps, threads: 1, correlated, ..FitSettings::default() };
@@ -98,7 +102,8 @@ impl Chains {
             run.impacts = Impact::all(&suspects, run);
             force_slope::extend(frame, run);
         }
-        let mut out = Chains { frames, runs, candidates: Candidates::default(), settings: settings.clone(), threads };
+        let mut out =
+            Chains { frames, runs, candidates: Candidates::default(), settings: settings.clone(), threads, counter };
         out.draw_as_built(threads);
         for effect in LIBRARY {
             for (site, known) in out.sites(effect, &suspects) {
@@ -316,7 +321,7 @@ impl Simulator for Chains {
     }
 
     fn effort(&self) -> Effort {
-        self.runs.iter().map(|run| run.model.counter.effort()).fold(Effort::default(), Effort::plus)
+        self.runs.iter().map(|run| run.model.counter.effort()).fold(self.counter.effort(), Effort::plus)
     }
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {

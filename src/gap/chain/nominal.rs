@@ -12,16 +12,17 @@ use crate::identify::fit::{Landing, excess, land};
 use crate::identify::noise::Excess;
 use crate::identify::repeatability::Repeatability;
 use crate::identify::study::Subject;
-use crate::identify::{FitSettings, Measured, Model, Parameter};
+use crate::identify::{Counter, FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
 
-/// What a run's passes of the same places differ by beyond simulated ones.
-pub fn repeated(subject: &Subject, width: Width) -> Option<Excess> {
+/// What a run's passes of the same places differ by beyond simulated ones, where it has some.
+pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Excess> {
     let lap = subject.simulation.track.centre_line().length;
-    let measured = Measured::new(&subject.run, &subject.simulation, lap).ok()?;
+    let measured = Measured::new(&subject.run, &subject.simulation, lap).ok().filter(|run| run.laps > 1.0)?;
     let mut simulation = subject.simulation.clone();
     simulation.effects.clear();
-    let model = Model::new(&simulation, simulation.contact_law, &measured, width);
+    let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
+    model.counter = counter.clone();
     let at = Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()]));
     let ensemble = Repeatability::run_ensemble(&model, &at, None)?;
     Some(excess(&model, &measured, &at, &ensemble))
