@@ -39,6 +39,14 @@ pub struct Deviations {
     /// Radius of the steering wheels, the left and the right running wheels beside the nominal one, m, over a
     /// revolution. Every cart's wheels are at another angle.
     pub wheels: [Vec<f64>; 3],
+    /// The same of the left and of the right steering wheels alone.
+    pub steering: [Vec<f64>; 2],
+    /// Which carts have these wheels.
+    pub worn: Every,
+    /// How the guides of the steering wheels give way.
+    pub guides: Guides,
+    /// Whether running wheels slide across the cart, which holds them; else across the track, along which they swivel.
+    pub held: bool,
     /// Force along the track on a cart, N, over the lap; empty for none.
     pub resistance: Vec<f64>,
     /// Force across the track on a cart, to the left, N, over the lap; empty for none.
@@ -53,6 +61,45 @@ pub struct Ripple {
     pub wavelength: f64,
     /// rad
     pub phase: f64,
+}
+
+/// Each so manyth cart from one on, which is counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Every {
+    pub nth: usize,
+    pub from: usize,
+}
+
+impl Default for Every {
+    fn default() -> Self {
+        Every { nth: 1, from: 0 }
+    }
+}
+
+impl Every {
+    /// Whether a cart is one of them.
+    pub fn has(&self, cart: usize) -> bool {
+        self.nth < 2 || cart.abs_diff(self.from).is_multiple_of(self.nth)
+    }
+}
+
+/// Guides that give way by `compliance` sin²(π (s − first)/span) times the force on them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Guides {
+    /// In a span's middle, m/N; 0 for none.
+    pub compliance: f64,
+    /// m
+    pub span: f64,
+    /// Arc length of a support, m.
+    pub first: f64,
+}
+
+impl Guides {
+    /// At a station, m/N.
+    pub fn at(&self, station: f64) -> f64 {
+        let sin = trig::sin(trig::PI * (station - self.first) / self.span);
+        self.compliance * sin * sin
+    }
 }
 
 impl Default for Deviations {
@@ -73,6 +120,10 @@ impl Default for Deviations {
             pitch: Vec::new(),
             rails: Default::default(),
             wheels: Default::default(),
+            steering: Default::default(),
+            worn: Every::default(),
+            guides: Guides::default(),
+            held: false,
             resistance: Vec::new(),
             side_force: Vec::new(),
         }
@@ -89,12 +140,12 @@ impl Deviations {
     /// Whether carts feel anything that the nominal forces lack.
     pub fn on_carts(&self) -> bool {
         let moments = self.swivel > 0.0 || self.joint_friction > 0.0;
-        self.has_profiles() || self.has_pushes() || moments || !self.load.is_empty()
+        self.has_profiles() || self.has_pushes() || moments || !self.load.is_empty() || self.guides.compliance > 0.0
     }
 
     /// Whether rails or wheels are not where or as they should be.
     pub fn has_profiles(&self) -> bool {
-        self.rails.iter().chain(&self.wheels).any(|table| !table.is_empty())
+        self.rails.iter().chain(&self.wheels).chain(&self.steering).any(|table| !table.is_empty())
     }
 
     /// Whether forces act at front joints that the nominal ones lack.
@@ -171,10 +222,28 @@ impl Deviations {
     /// `lap` and `radius` in m.
     pub fn offset(&self, k: usize, i: usize, station: f64, lap: f64, radius: f64) -> (f64, f64) {
         let (rail, slope) = closed(&self.rails[k], station / lap);
-        let turns = station / (trig::TAU * radius) + GOLDEN * i as f64;
-        let (wheel, rate) = closed(&self.wheels[k], turns);
+        if !self.worn.has(i) {
+            return (rail, slope / lap);
+        }
+        let (wheel, rate) = closed(&self.wheels[k], turns(i, station, radius));
         (rail + wheel, slope / lap + rate / (trig::TAU * radius))
     }
+
+    /// The same of the steering wheel that is nearer to its rail, of a cart that lies `across` to the left, m: where the
+    /// wheel's radius is larger, its rail is as much nearer.
+    pub fn steered(&self, across: f64, i: usize, station: f64, radius: f64) -> (f64, f64) {
+        if !self.worn.has(i) {
+            return (0.0, 0.0);
+        }
+        let (side, nearer) = if across > 0.0 { (0, -1.0) } else { (1, 1.0) };
+        let (wheel, rate) = closed(&self.steering[side], turns(i, station, radius));
+        (nearer * wheel, nearer * rate / (trig::TAU * radius))
+    }
+}
+
+/// Turns of cart `i`'s wheels of a radius, m, at a station.
+fn turns(i: usize, station: f64, radius: f64) -> f64 {
+    station / (trig::TAU * radius) + GOLDEN * i as f64
 }
 
 /// Value and slope of a closed table at a share of its period, by Catmull and Rom's cubic (1974); 0 of an empty one.

@@ -28,7 +28,7 @@ pub mod sites;
 mod speed_drag;
 mod stiffness_temperature;
 mod track_flexibility;
-mod wheel_out_of_round;
+pub mod wheel_out_of_round;
 mod wheel_sliding;
 
 use crate::base::random::uniform;
@@ -92,6 +92,8 @@ pub struct Effect {
     /// Of each strength, in the order of the definition.
     pub fitted: &'static [StrengthSearch],
     pub sites: Sites,
+    /// Whether it has a strength at a site.
+    pub has: fn(&Site, &str) -> bool,
     /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The
     /// number is how well the site is known, m.
     pub alternatives: Alternatives,
@@ -273,6 +275,7 @@ impl Effect {
         discrepancy: ASSUMED,
         fitted: &[],
         sites: Sites::Listed(sites::everywhere),
+        has: |_, _| true,
         alternatives: |_, _| Vec::new(),
         random: None,
         start: |_| Start::Settled,

@@ -45,7 +45,10 @@ fn every_effect_of_the_chain_moves_what_carts_measure() {
     let plain = ensemble_of(&nominal());
     for effect in LIBRARY.into_iter().chain(AS_BUILT).filter(|e| !e.is_sensor()) {
         for (strength, fitted) in effect.strengths() {
-            let moved = ensemble_of(&with(effect.name(), &[(strength.name, fitted.trial)]));
+            // Wheels beyond the first strength are single ones.
+            let wheel = if effect.name() == "wheel_out_of_round" { Some(("wheel", 4.0)) } else { None };
+            let given: Vec<(&str, f64)> = wheel.into_iter().chain([(strength.name, fitted.trial)]).collect();
+            let moved = ensemble_of(&with(effect.name(), &given));
             assert!(
                 plain.carts[0].forces != moved.carts[0].forces,
                 "{} of {} does nothing",
@@ -271,14 +274,82 @@ fn a_track_sags_as_its_spans_are_held() {
 
 #[test]
 fn only_the_carts_beside_the_sensors_that_are_said_carry_items() {
-    for (on, before, after) in [(0.0, false, false), (2.0, true, false), (3.0, false, true), (4.0, true, true)] {
+    let beside = [(0.0, false, false), (2.0, true, false), (3.0, false, true), (4.0, true, true)];
+    let own_too = [(5.0, false, false), (6.0, true, false), (7.0, false, true), (8.0, true, true)];
+    for (on, before, after) in beside.into_iter().chain(own_too) {
         for sensor in [1, 2, nominal().chain.carts] {
             let mut simulation = with("load_distribution", &[("mass", 1.0), ("on_sensor", on)]);
             simulation.sensor.cart = sensor;
             let load = deviations_of(&simulation).expect("built").1.load;
             let (n, own) = (load.len(), sensor - 1);
             let loaded = |k: usize| load[k % n] > 0.0;
-            assert_eq!((loaded(own + n - 1), loaded(own), loaded(own + 1)), (before, false, after), "{on} {sensor}");
+            let found = (loaded(own + n - 1), loaded(own), loaded(own + 1));
+            assert_eq!(found, (before, on > 4.0, after), "{on} {sensor}");
         }
     }
+}
+
+/// By Coulomb's friction μ m g at a height h below the joints, wheels 2 b apart differ by μ m g h/b wherever a cart is a
+/// chord: in the curves and for its own length behind them.
+#[test]
+fn wheels_that_slide_below_the_joints_tilt_the_cart() {
+    const FRICTION: f64 = 0.05;
+    let tilt = |height: f64| {
+        let of = |friction: f64| {
+            let mut simulation = with("wheel_sliding", &[("friction", friction), ("held", 1.0)]);
+            simulation.running_wheel.height_m = height;
+            let ensemble = ensemble_of(&simulation);
+            mean(&ensemble, 2) - mean(&ensemble, 3)
+        };
+        of(FRICTION) - of(0.0)
+    };
+    let nominal = nominal();
+    let line = nominal.track.centre_line();
+    let curves = sites::curves(&nominal);
+    let turning: f64 = curves.iter().map(|(_, from, to)| to - from + nominal.cart.length_m).sum::<f64>() / line.length;
+    let weight = nominal.cart.mass_kg * nominal.gravity_m_s2;
+    for height in [0.0, 0.08, 0.16] {
+        let expected = FRICTION * weight * height / nominal.running_wheel.half_spacing_m * turning;
+        let found = tilt(height);
+        assert!((found - expected).abs() < 0.1 * expected + 0.1, "{height} m: {found} N for {expected} N");
+    }
+}
+
+/// A chain under tension T that weighs m/l pulls into curves with (T − m v²/l)/R times its length, whatever the guides; where
+/// they give way it goes a shorter way, and the tension falls.
+#[test]
+fn guides_that_give_way_slacken_the_chain_and_carry_what_it_pulls() {
+    let of = |guides: f64| {
+        let ensemble = ensemble_of(&with("track_flexibility", &[("guides", guides), ("span", 2.0)]));
+        let nominal = nominal();
+        let (cart, speed) = (&nominal.cart, nominal.chain.speed_m_s);
+        let pull = mean(&ensemble, 4) - cart.mass_kg / cart.length_m * speed * speed;
+        ((mean(&ensemble, 0) - mean(&ensemble, 1)) / pull, pull)
+    };
+    let [stiff, soft, softer] = [0.0, 1e-6, 4e-6].map(of);
+    for given in [soft, softer] {
+        assert!((given.0 / stiff.0 - 1.0).abs() < 0.02, "{stiff:?} {soft:?} {softer:?}");
+    }
+    assert!(soft.1 < 0.97 * stiff.1 && softer.1 < 0.9 * soft.1, "{stiff:?} {soft:?} {softer:?}");
+}
+
+#[test]
+fn wheels_of_one_side_and_of_some_carts_are_worn_alone() {
+    let deviations = |given: &[(&str, f64)]| deviations_of(&with("wheel_out_of_round", given)).expect("built").1;
+    let left = deviations(&[("amplitude", 1e-4), ("wheel", 4.0)]);
+    let all: Vec<f64> = (0..40).map(|k| left.steered(1e-3, 0, 0.01 * f64::from(k), 0.04).0).collect();
+    // A larger wheel meets its rail sooner, as if the rail were nearer; the other wheel is round.
+    assert!(all.iter().any(|x| *x < -0.9e-4) && all.iter().all(|x| x.abs() < 1.01e-4));
+    assert_eq!(left.steered(-1e-3, 0, 0.1, 0.04), (0.0, 0.0));
+    let some = deviations(&[("amplitude", 1e-4), ("wheel", 2.0), ("every", 3.0)]);
+    let sensor = nominal().sensor.cart - 1;
+    for cart in 0..9 {
+        let worn = (0..40).any(|k| some.offset(1, cart, 0.01 * f64::from(k), 60.0, 0.06).0 != 0.0);
+        assert_eq!(worn, cart.abs_diff(sensor).is_multiple_of(3), "{cart}");
+    }
+    // Waves twice a turn repeat after half a turn.
+    let wavy = deviations(&[("amplitude", 0.0), ("twice", 1e-4), ("wheel", 3.0)]);
+    let half = trig::PI * 0.06;
+    let [a, b] = [0.05, 0.05 + half].map(|s| wavy.offset(2, 0, s, 60.0, 0.06).0);
+    assert!((a - b).abs() < 1e-7 && a != 0.0, "{a} {b}");
 }

@@ -1,20 +1,27 @@
-//! A wheel out of round, r(φ) = r₀ + a sin φ, or with a flat spot: a chord that takes its depth a from the radius once
-//! a revolution (Nielsen and Johansson 2000). Wheel 1 is the steering wheels, 2 the left and 3 the right running wheel;
-//! shape 1 is the flat spot.
+//! A wheel out of round, r(φ) = r₀ + Σ aₙ sin nφ with waves once to four times a turn, or with a flat spot: a chord that
+//! takes its depth a from the radius once a revolution (Nielsen and Johansson 2000). Wheel 1 is both steering wheels, 2
+//! the left and 3 the right running wheel, 4 the left and 5 the right steering wheel; shape 1 is the flat spot.
 //!
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths};
 use crate::base::trig;
-use crate::chain_input::{Deviations, Simulation};
+use crate::chain_input::{Deviations, Every, Simulation};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::WHEEL_OUT_OF_ROUND,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 3e-5, as_built: 5e-6 }],
+    fitted: &[
+        StrengthSearch { trial: 3e-5, as_built: 5e-6 },
+        StrengthSearch { trial: 2e-5, as_built: 0.0 },
+        StrengthSearch { trial: 1e-5, as_built: 0.0 },
+        StrengthSearch { trial: 1e-5, as_built: 0.0 },
+    ],
     sites: Sites::Listed(wheels),
+    alternatives: |site, _| own(site),
+    has: |site, strength| strength == "amplitude" || (site.of("shape") == Some(0.0) && site.of("wheel") != Some(1.0)),
     separated_by: Experiment::Speed,
     act: Act::Chain(act),
     ..Effect::PLAIN
@@ -23,26 +30,56 @@ pub const EFFECT: Effect = Effect {
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     const POINTS: usize = 128;
     let (amplitude, flat) = (strengths.of("amplitude"), strengths.of("shape") > 0.5);
-    let wheel = strengths.index("wheel").min(2);
-    let radius = if wheel == 0 { simulation.steering_wheel.radius_m } else { simulation.running_wheel.radius_m };
+    let wheel = strengths.index("wheel").min(4);
+    let running = (1..3).contains(&wheel);
+    let radius = if running { simulation.running_wheel.radius_m } else { simulation.steering_wheel.radius_m };
+    deviations.worn = worn(strengths.of("every"), simulation);
+    let waves = ["twice", "thrice", "four_times"].map(|name| strengths.of(name));
     // Half the angle of a chord of that depth.
     let reach = (2.0 * amplitude / radius.max(1e-6)).sqrt().max(2.5 / POINTS as f64 * trig::TAU);
-    let table = &mut deviations.wheels[wheel];
+    let table = if wheel < 3 { &mut deviations.wheels[wheel] } else { &mut deviations.steering[wheel - 3] };
     table.resize(POINTS, 0.0);
     for (k, x) in table.iter_mut().enumerate() {
         let angle = trig::TAU * k as f64 / POINTS as f64;
         let off = (angle - trig::PI) / reach;
         // Less radius lets the cart down.
         *x += if flat { -amplitude * (1.0 - off * off).max(0.0) } else { amplitude * trig::sin(angle) };
+        *x += waves.iter().zip(2..).map(|(wave, n)| wave * trig::sin(f64::from(n) * angle)).sum::<f64>();
     }
 }
 
 fn wheels(_: &Simulation) -> Vec<Site> {
-    let names = ["steering wheels", "left running wheel", "right running wheel"];
+    let names =
+        ["steering wheels", "left running wheel", "right running wheel", "left steering wheel", "right steering wheel"];
     let all = names.iter().enumerate().flat_map(|(k, name)| [(k, name, 0.0), (k, name, 1.0)]);
     all.map(|(k, name, shape)| Site {
         words: if shape > 0.5 { format!("{name}, flat spot") } else { (*name).to_owned() },
         fixed: vec![("wheel", k as f64 + 1.0), ("shape", shape)],
     })
     .collect()
+}
+
+/// Which carts have such wheels: each so manyth from the one with the sensors on.
+fn worn(every: f64, simulation: &Simulation) -> Every {
+    Every { nth: every.round().max(1.0) as usize, from: simulation.sensor.cart.saturating_sub(1) }
+}
+
+/// Of an input with such wheels.
+pub fn worn_in(simulation: &Simulation) -> Every {
+    let effect = simulation.effects.iter().find(|e| e.name == EFFECT.name());
+    let every = effect.and_then(|e| e.strengths.get("every")).copied().unwrap_or(1.0);
+    worn(every, simulation)
+}
+
+/// So far apart, carts do not feel each other's wheels.
+const APART: f64 = 3.0;
+
+/// A wheel of the cart with the sensors, and of none beside it.
+fn own(site: &Site) -> Vec<(Site, Vec<Site>)> {
+    if site.of("wheel") == Some(1.0) {
+        return Vec::new();
+    }
+    let words = format!("{}, of the cart with the sensors", site.words);
+    let fixed = site.fixed.iter().copied().chain([("every", APART)]).collect();
+    vec![(Site { words, fixed }, Vec::new())]
 }

@@ -200,6 +200,10 @@ impl Comparison<'_> {
 
     fn wrong_impacts(&self, fitted: &Fitted) -> f64 {
         let Fitted { features, hypothesis, strengths, .. } = fitted;
+        // What does not strike moves such forces with all others, as far as its equation is the machine's.
+        if !hypothesis.signatures.iter().any(|own| self.strikes(&self.signatures[*own])) {
+            return 0.0;
+        }
         let mut cost = 0.0;
         for (run, frame) in self.simulator.frames().with_ids() {
             // An impact hardly grows with the strength: no more of it is believed than was simulated.
@@ -213,6 +217,14 @@ impl Comparison<'_> {
             cost += impacts.map(|k| self.likelihood().wrong_way(frame.measured[k], simulated(k))).sum::<f64>();
         }
         cost.min(self.likelihood().wrong_impacts)
+    }
+
+    /// Whether an effect strikes at a place, up or down.
+    pub fn strikes(&self, signature: &Signature) -> bool {
+        let candidates = self.candidates();
+        let places = candidates.iter().any(|c| c.alternative_to == Some(signature.candidate));
+        let placed = places || candidates[signature.candidate].alternative_to.is_some();
+        placed && candidates[signature.candidate].strengths[signature.strength].low < 0.0
     }
 
     /// In what the members of a hypothesis differ by chance.

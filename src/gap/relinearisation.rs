@@ -160,16 +160,12 @@ impl Comparison<'_> {
     /// nearly alike until they are simulated.
     pub fn turned(mut self, chosen: &[Scored]) -> (Self, Vec<Fitted>) {
         let candidates = self.simulator.candidates();
-        let strikes = |signature: &Signature| {
-            let places = candidates.iter().any(|c| c.alternative_to == Some(signature.candidate));
-            let placed = places || candidates[signature.candidate].alternative_to.is_some();
-            placed && candidates[signature.candidate].strengths[signature.strength].low < 0.0
-        };
         let mut pairs = 0;
         let mut ways: Vec<(&Hypothesis, usize, Trial)> = Vec::new();
         for Fitted { hypothesis, strengths, .. } in chosen.iter().map(|j| &j.fitted) {
             let mut own = hypothesis.signatures.iter().map(|own| &self.signatures[*own]).zip(strengths).enumerate();
-            let Some((k, (signature, size))) = own.find(|(_, (signature, size))| strikes(signature) && **size != 0.0)
+            let Some((k, (signature, size))) =
+                own.find(|(_, (signature, size))| self.strikes(signature) && **size != 0.0)
             else {
                 continue;
             };

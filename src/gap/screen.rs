@@ -3,7 +3,7 @@
 use super::ids::{CandidateId, List, PerRun, RunId, SignatureId};
 use super::observation::{Observation, most_off};
 use super::settings::Screening;
-use super::simulator::{Applied, Candidates, Context, Request};
+use super::simulator::{Applied, Candidates, Context, Frame, Request};
 use crate::base::trig;
 use nalgebra::{DMatrix, DVector};
 
@@ -50,14 +50,25 @@ pub fn signatures(
         .collect();
     let gap = observations.iter().zip(left).any(|(o, left)| o.mean_square(left) > 1.0);
     let (before, all) = if gap { (firsts.len(), 2 * firsts.len()) } else { (0, firsts.len()) };
-    let trials = match gap {
-        true => sized(context, observations, left, &firsts, &mut |done| tell(done, all)),
-        false => firsts.clone(),
+    let (trials, telling) = match gap {
+        true => {
+            let sized = sized(context, observations, left, &firsts, &mut |done| tell(done, all));
+            let telling = telling(context, observations, left, &sized);
+            (sized.into_iter().map(|s| s.trial).collect(), telling)
+        }
+        false => (firsts.clone(), vec![true; firsts.len()]),
     };
+    let frames = context.simulator.frames();
     let mut found = Signatures::default();
     let mut small = Vec::new();
-    let taken = take(context, observations, &trials, Runs::All, &mut |done| tell(before + done, all));
-    for ((signature, whole), first) in taken.into_iter().zip(firsts) {
+    let told: Vec<Trial> = trials.iter().zip(&telling).filter(|(_, tells)| **tells).map(|(t, _)| *t).collect();
+    let mut taken = take(context, observations, &told, Runs::All, &mut |done| tell(before + done, all)).into_iter();
+    for ((trial, tells), first) in trials.iter().zip(telling).zip(firsts) {
+        if !tells {
+            found.push(Signature::nothing(*trial, observations, frames));
+            continue;
+        }
+        let Some((signature, whole)) = taken.next() else { continue };
         if whole {
             found.push(signature);
         } else if signature.size != first.size {
@@ -71,7 +82,8 @@ pub fn signatures(
     // An impact at a place has no sign as long as the place is not known.
     let signed = |s: &&Signature| {
         let placed = candidates.iter().any(|c| c.alternative_to == Some(s.candidate));
-        gap && placed && candidates[s.candidate].strengths[s.strength].low < 0.0
+        let low = candidates[s.candidate].strengths[s.strength].low;
+        gap && placed && low < 0.0 && !s.is_nothing()
     };
     let others: Vec<Trial> = found.iter().filter(signed).map(|s| s.trial().other()).collect();
     for (signature, whole) in take(context, observations, &others, Runs::All, &mut |_| tell(all, all)) {
@@ -82,71 +94,140 @@ pub fn signatures(
     found
 }
 
-/// Trials at the sizes that what is left asks for, found with the run of which most is.
+/// Signatures in the run of which most is left, at the sizes that it asks for; `None` in place of what could not be
+/// simulated.
 fn sized(
     context: Context,
     observations: &PerRun<Observation>,
     left: &PerRun<DVector<f64>>,
     firsts: &[Trial],
     tell: &mut dyn FnMut(usize),
-) -> Vec<Trial> {
+) -> Vec<Sized> {
     let settings = &context.settings.screening;
     let candidates = context.simulator.candidates();
     let run = most_off(observations, left);
-    let mut trials = firsts.to_vec();
-    let mut open: Vec<usize> = (0..trials.len()).collect();
+    let mut all: Vec<Sized> = firsts.iter().map(|trial| Sized { trial: *trial, signature: None }).collect();
+    let (ladder, mut open): (Vec<usize>, Vec<usize>) =
+        (0..all.len()).partition(|k| few(candidates, firsts[*k], settings.few_places));
     for _ in 0..settings.resizings {
-        let now: Vec<Trial> = open.iter().map(|k| trials[*k]).collect();
-        let before = trials.len() - open.len();
+        let now: Vec<Trial> = open.iter().map(|k| all[*k].trial).collect();
+        let before = all.len() - open.len();
         let taken = take(context, observations, &now, Runs::One(run), &mut |done| tell(before + done));
         let mut again = Vec::new();
         for (k, (signature, whole)) in open.into_iter().zip(taken) {
-            let trial = &mut trials[k];
-            let strength = &candidates[trial.candidate].strengths[trial.strength];
+            let own = &mut all[k];
+            let strength = &candidates[own.trial.candidate].strengths[own.trial.strength];
             if whole {
                 let size =
                     asked(&signature, &observations[run], run, &left[run], (strength.low, strength.high), settings);
-                if !strength.whole() && !(0.5..2.0).contains(&(size / trial.size)) {
-                    trial.size = size;
+                if !strength.whole() && !(0.5..2.0).contains(&(size / own.trial.size)) {
+                    own.trial.size = size;
                     again.push(k);
                 }
+                own.signature = Some(signature);
             } else {
                 // As large as could be simulated.
-                trial.size = firsts[k].size;
+                *own = Sized { trial: firsts[k], signature: own.signature.take() };
             }
         }
         open = again;
     }
     // What has few places is tried at strengths a factor apart, until it does far more than there is to explain: what
-    // it does is seldom in proportion, and a fit that begins far off ends far off.
+    // it does is seldom in proportion, and a fit that begins far off ends far off. Where none explains anything, the
+    // first that is clear is taken, or the largest.
     let residual = &left[run];
     let gap = residual.norm_squared();
-    let mut least = vec![settings.rung_left * gap; trials.len()];
-    let mut open: Vec<usize> = (0..trials.len()).filter(|k| few(candidates, firsts[*k], settings.few_places)).collect();
+    let mut least = vec![settings.rung_left * gap; all.len()];
+    let mut open = ladder;
     for rung in 0..settings.rungs {
         let tried: Vec<Trial> =
             open.iter().map(|k| firsts[*k].rung(candidates, rung as f64 / (settings.rungs - 1) as f64)).collect();
-        let taken = take(context, observations, &tried, Runs::One(run), &mut |_| tell(trials.len()));
+        let taken = take(context, observations, &tried, Runs::One(run), &mut |_| tell(all.len()));
         let mut again = Vec::new();
         for ((k, trial), (signature, whole)) in open.into_iter().zip(tried).zip(taken) {
-            let left = (residual - &signature.columns[run] * trial.size).norm_squared();
-            if whole && left < least[k] {
-                (least[k], trials[k]) = (left, trial);
+            if !whole {
+                continue;
             }
-            if whole && left < settings.overshot * gap {
+            let left = (residual - &signature.columns[run] * trial.size).norm_squared();
+            if left < settings.overshot * gap {
                 again.push(k);
+            }
+            let clear = |s: &Signature| s.columns[run].amax() * s.size.abs() >= settings.clear;
+            let better = match &all[k].signature {
+                None => true,
+                Some(before) => left < least[k] || (least[k] == settings.rung_left * gap && !clear(before)),
+            };
+            if better {
+                least[k] = least[k].min(left);
+                all[k] = Sized { trial, signature: Some(signature) };
             }
         }
         open = again;
     }
-    trials
+    all
 }
 
-/// Whether an effect has few places, `most` of them.
+/// A trial at the size that a run asks for, and the last signature in that run that led to it.
+struct Sized {
+    trial: Trial,
+    signature: Option<Signature>,
+}
+
+/// Which of them are worth simulations of all runs: those that tell something of what is left of the run they were taken
+/// in, or of what the best of them together leave there (orthogonal matching pursuit, Pati,
+/// Rezaiifar and Krishnaprasad 1993); those that could
+/// not be simulated, and those that every built machine has.
+fn telling(
+    context: Context,
+    observations: &PerRun<Observation>,
+    left: &PerRun<DVector<f64>>,
+    sized: &[Sized],
+) -> Vec<bool> {
+    let settings = &context.settings.screening;
+    let candidates = context.simulator.candidates();
+    let run = most_off(observations, left);
+    let free = |trial: &Trial| candidates[trial.candidate].sensor && context.simulator.applies_sensor_models();
+    let known = |s: &Sized| {
+        let strength = &candidates[s.trial.candidate].strengths[s.trial.strength];
+        s.signature.is_none() || strength.as_built > 0.0 || free(&s.trial)
+    };
+    let mut tells: Vec<bool> = sized.iter().map(known).collect();
+    // Where little is left, a score over all runs may see what none shows.
+    if observations[run].mean_square(&left[run]) < settings.halved_from {
+        return vec![true; sized.len()];
+    }
+    let mut residual = left[run].clone();
+    // Orthonormal, of what was taken out.
+    let mut out: Vec<DVector<f64>> = Vec::new();
+    for _ in 0..settings.halvings {
+        let worth = (settings.telling_share * residual.norm_squared())
+            .max(settings.telling_score * settings.telling_score * observations[run].replicate);
+        let explains = |s: &Sized| {
+            let mut own = s.signature.as_ref()?.columns[run].clone();
+            let whole = own.norm_squared();
+            out.iter().for_each(|q| own -= q * q.dot(&own));
+            let square = own.norm_squared();
+            let along = own.dot(&residual);
+            let one_sign = candidates[s.trial.candidate].strengths[s.trial.strength].low >= 0.0;
+            let wrong = one_sign && out.is_empty() && along < 0.0;
+            (square > 1e-6 * whole && square > 0.0 && !wrong).then(|| (along * along / square, own / square.sqrt()))
+        };
+        let each: Vec<Option<(f64, DVector<f64>)>> = sized.iter().map(explains).collect();
+        for (tells, one) in tells.iter_mut().zip(&each) {
+            *tells |= one.as_ref().is_some_and(|(square, _)| *square > worth);
+        }
+        let Some((_, best)) = each.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        residual -= &best * best.dot(&residual);
+        out.push(best);
+    }
+    tells
+}
+
+/// Whether it is the first strength of an effect that has few places, `most` of them.
 fn few(candidates: &Candidates, trial: Trial, most: usize) -> bool {
     let own = &candidates[trial.candidate];
     let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
-    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
+    trial.strength == 0 && !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.
@@ -169,6 +250,22 @@ impl Signature {
     /// As it was taken.
     pub fn trial(&self) -> Trial {
         Trial { candidate: self.candidate, strength: self.strength, size: self.size }
+    }
+
+    /// Of a trial that tells nothing of the runs.
+    fn nothing(
+        Trial { candidate, strength, size }: Trial,
+        observations: &PerRun<Observation>,
+        frames: &PerRun<Frame>,
+    ) -> Signature {
+        let change = frames.iter().map(|f| vec![0.0; f.nominal.len()]).collect();
+        let columns = observations.iter().map(|o| DVector::zeros(o.residual.len())).collect();
+        Signature { candidate, strength, size, change, columns }
+    }
+
+    /// Whether it changes nothing.
+    fn is_nothing(&self) -> bool {
+        self.change.iter().flatten().all(|x| *x == 0.0)
     }
 
     /// The least strength at which it is clear.

@@ -58,7 +58,21 @@ pub const WHEEL_SLIDING: EffectDefinition = EffectDefinition {
     name: "wheel_sliding",
     about: "running wheels that slide sideways",
     strengths: &[StrengthDefinition { name: "friction", unit: "", about: "friction coefficient", low: 0.0, high: 1.0 }],
-    places: &[],
+    places: &[
+        PlaceDefinition {
+            name: "creep",
+            kind: PlaceKind::Number,
+            about: "speed in m/s beyond which they slide",
+            default: 0.01,
+        },
+        PlaceDefinition {
+            name: "held",
+            kind: PlaceKind::Number,
+            about: "0 for wheels that swivel and slide across the track, 1 for wheels that the cart holds and that slide \
+                    across the cart",
+            default: 0.0,
+        },
+    ],
 };
 
 pub const FORK_SWIVEL: EffectDefinition = EffectDefinition {
@@ -77,13 +91,22 @@ pub const FORK_SWIVEL: EffectDefinition = EffectDefinition {
 pub const TRACK_FLEXIBILITY: EffectDefinition = EffectDefinition {
     name: "track_flexibility",
     about: "a track that bends between supports",
-    strengths: &[StrengthDefinition {
-        name: "compliance",
-        unit: "m/N",
-        about: "deflection in a span's middle over a cart's weight",
-        low: 0.0,
-        high: 1e-4,
-    }],
+    strengths: &[
+        StrengthDefinition {
+            name: "compliance",
+            unit: "m/N",
+            about: "deflection in a span's middle over a cart's weight",
+            low: 0.0,
+            high: 1e-4,
+        },
+        StrengthDefinition {
+            name: "guides",
+            unit: "m/N",
+            about: "deflection of a guide in a span's middle over a steering wheel's force",
+            low: 0.0,
+            high: 1e-4,
+        },
+    ],
     places: &[
         PlaceDefinition {
             name: "span",
@@ -97,25 +120,66 @@ pub const TRACK_FLEXIBILITY: EffectDefinition = EffectDefinition {
             about: "0 as each cart bends its own span, 1 as the whole chain's weight bends hinged spans",
             default: 0.0,
         },
+        PlaceDefinition {
+            name: "wider",
+            kind: PlaceKind::Number,
+            about: "how many times as far apart as in the layout supports are, where no span is given",
+            default: 1.0,
+        },
+        PlaceDefinition {
+            name: "first",
+            kind: PlaceKind::Length,
+            about: "arc length of the first support",
+            default: 0.0,
+        },
     ],
 };
 
 pub const WHEEL_OUT_OF_ROUND: EffectDefinition = EffectDefinition {
     name: "wheel_out_of_round",
     about: "a wheel out of round or with a flat spot",
-    strengths: &[StrengthDefinition { name: "amplitude", unit: "m", about: "of the radius", low: 0.0, high: 2e-3 }],
+    strengths: &[
+        StrengthDefinition {
+            name: "amplitude",
+            unit: "m",
+            about: "of the radius, once a turn; the depth of a flat spot",
+            low: 0.0,
+            high: 2e-3,
+        },
+        StrengthDefinition { name: "twice", unit: "m", about: "of the radius, twice a turn", low: 0.0, high: 2e-3 },
+        StrengthDefinition {
+            name: "thrice",
+            unit: "m",
+            about: "of the radius, three times a turn",
+            low: 0.0,
+            high: 2e-3,
+        },
+        StrengthDefinition {
+            name: "four_times",
+            unit: "m",
+            about: "of the radius, four times a turn",
+            low: 0.0,
+            high: 2e-3,
+        },
+    ],
     places: &[
         PlaceDefinition {
             name: "wheel",
             kind: PlaceKind::Number,
-            about: "1 steering, 2 left running, 3 right running",
+            about: "1 both steering, 2 left running, 3 right running, 4 left steering, 5 right steering",
             default: 2.0,
         },
         PlaceDefinition {
             name: "shape",
             kind: PlaceKind::Number,
-            about: "0 for an ellipse, 1 for a flat spot",
+            about: "0 for waves around the wheel, 1 for a flat spot",
             default: 0.0,
+        },
+        PlaceDefinition {
+            name: "every",
+            kind: PlaceKind::Number,
+            about: "each so manyth cart has such a wheel, from the one with the sensors on",
+            default: 1.0,
         },
     ],
 };
@@ -180,11 +244,17 @@ pub const LOAD_DISTRIBUTION: EffectDefinition = EffectDefinition {
         PlaceDefinition {
             name: "on_sensor",
             kind: PlaceKind::Number,
-            about: "1 when all carts are loaded; 2, 3, 4 when the cart before, the one after, or both beside the one \
-                    with sensors are",
+            about: "0 when neither the cart with the sensors nor one beside it is loaded; 2, 3, 4 when the cart \
+                    before, the one after, or both are; 5 to 8 the same with a load on it, too; 1 when all carts are",
             default: 0.0,
         },
         PlaceDefinition { name: "draw", kind: PlaceKind::Number, about: "which others are loaded", default: 1.0 },
+        PlaceDefinition {
+            name: "share",
+            kind: PlaceKind::Number,
+            about: "of the others that are loaded",
+            default: 0.5,
+        },
     ],
 };
 

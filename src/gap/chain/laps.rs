@@ -5,7 +5,8 @@ use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::Ensemble;
 use crate::effects::deviations_of;
-use crate::effects::load_distribution::{Beside, DRAW, EFFECT as LOAD};
+use crate::effects::load_distribution::{DRAW, EFFECT as LOAD, Loaded};
+use crate::effects::wheel_out_of_round::worn_in;
 use crate::gap::simulator::{Laps, Request};
 use crate::identify::{Model, repeatability::Repeatability};
 use std::iter;
@@ -69,12 +70,17 @@ fn with_draw(effects: &[input::DeclaredEffect], draw: usize) -> Vec<input::Decla
     effects
 }
 
-/// Which carts are like the one with the sensors: all, or where some carry items the empty ones with such carts beside
-/// them.
+/// Which carts are like the one with the sensors: all, or where some carry items or have wheels out of round those that
+/// are as it is and have such carts beside them.
 pub(super) fn observed(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
     let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
-    let Some(beside) = Beside::in_input(simulation) else { return vec![true; carts] };
-    let like = |k: usize| !loaded(k) && loaded(k + carts - 1) == beside.before && loaded(k + 1) == beside.after;
+    let worn = worn_in(simulation);
+    let own = Loaded::in_input(simulation);
+    let like = |k: usize| {
+        let as_loaded =
+            |own: Loaded| loaded(k) == own.own && loaded(k + carts - 1) == own.before && loaded(k + 1) == own.after;
+        worn.has(k) && own.is_none_or(as_loaded)
+    };
     let observed: Vec<bool> = (0..carts).map(like).collect();
     if observed.contains(&true) { observed } else { vec![true; carts] }
 }

@@ -157,11 +157,12 @@ impl Chains {
             high: s.high,
         };
         let random_effect = effect.random_at(&site);
+        let strengths = effect.strengths().filter(|(s, _)| (effect.has)(&site, s.name)).map(strength).collect();
         self.candidates.push(Candidate {
             effect: effect.name().to_owned(),
             place: site.words,
             fixed: site.fixed.iter().map(|(n, x)| ((*n).to_owned(), *x)).collect(),
-            strengths: effect.strengths().map(strength).collect(),
+            strengths,
             sensor: effect.is_sensor(),
             random_effect,
             discrepancy: effect.discrepancy,

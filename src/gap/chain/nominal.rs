@@ -93,9 +93,9 @@ pub fn set_tops(runs: &mut [FittedRun]) {
     }
 }
 
-/// Orders of wheels, once and twice a turn, and of motors' ripple, Hz.
+/// Orders of wheels, once to six times a turn, and of motors' ripple, Hz.
 fn orders(simulation: &Simulation, speed: f64) -> Vec<f64> {
-    let wheel = |radius: f64| [1.0, 2.0].map(|n| n * speed / (trig::TAU * radius));
+    let wheel = |radius: f64| [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|n| n * speed / (trig::TAU * radius));
     let ripple = [0.5, 0.2, 0.1, 0.05].map(|share| speed / (share * simulation.motors.length_m));
     let all = [wheel(simulation.steering_wheel.radius_m), wheel(simulation.running_wheel.radius_m)].concat();
     all.into_iter().chain(ripple).filter(|hz| *hz < 0.4 * simulation.sensor.rate_hz).collect()

@@ -18,13 +18,22 @@ settings! {
         /// Each size is at most so many times the one before, or as small a part of it.
         resize_factor: f64 = 12.0, "–", Chosen("few effects are linear over more than an order of magnitude");
         /// Places of an effect that is tried at several strengths, at most.
-        few_places: usize = 6, "–", Chosen("the cost is places times strengths");
+        few_places: usize = 10, "–", Chosen("the cost is places times strengths");
         /// At how many strengths such an effect is tried.
-        rungs: usize = 6, "–", Chosen("a fit that begins far off ends far off; the cost grows with them");
+        rungs: usize = 5, "–", Chosen("a fit that begins far off ends far off; the cost grows with them");
         /// Share of the squares that may be left where such a strength is taken.
         rung_left: f64 = 0.98, "–", Chosen("less than what chance explains is no reason to leave the first size");
         /// No larger strength is tried where so many times the squares are left.
         overshot: f64 = 3.0, "–", Chosen("beyond it an effect does far more than there is to explain");
+        /// Mean square over that of replicate laps from which on signatures of all runs are taken only of what tells
+        /// something in the run of which most is left.
+        halved_from: f64 = 4.0, "–", Chosen("below it scores over all runs may see what one run does not");
+        /// What tells something explains this share of the squares there.
+        telling_share: f64 = 0.01, "–", Chosen("half of what is worth a relinearisation");
+        /// Or it is there with so many deviations, whichever is more.
+        telling_score: f64 = 4.0, "–", Chosen("of some hundred normal deviates the largest is seldom above it");
+        /// In what is left of the run, then in what the best leaves there, and so on, so often.
+        halvings: usize = 4, "–", Chosen("twice as many as a hypothesis has members");
         /// Simulations that are asked for at once.
         batch: usize = 24, "–", Chosen("progress is told between them, and threads are busy within them");
     }
