@@ -147,6 +147,7 @@ impl Outside {
             may_lack: self.may_lack,
             held: self.held.clone(),
             joint: std::sync::Mutex::default(),
+            slopes: std::sync::Mutex::default(),
             accuracy: self.accuracy,
             references: Vec::new(),
             remarks: self.remarks.clone(),

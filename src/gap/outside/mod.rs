@@ -29,6 +29,7 @@ use crate::base::parallel;
 use crate::identify::{Counter, Effort};
 use data::RunPart;
 use fit::{Along, FittedPart, Fitter, Reference};
+use nalgebra::DMatrix;
 use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
 use std::collections::BTreeMap;
@@ -113,6 +114,8 @@ pub struct Outside {
     held: Vec<bool>,
     /// By effects, features of all runs with shared nuisances fitted.
     joint: Mutex<BTreeMap<String, Jointly>>,
+    /// Of each run, slopes of the nominal model's weighted features, where nuisances are shared.
+    slopes: Mutex<Option<Vec<DMatrix<f64>>>>,
     /// What its answers showed at the start, in sentences.
     remarks: Vec<String>,
     /// Whether it answers differently when asked again, by less than the measurements' noise.
@@ -193,6 +196,7 @@ impl Outside {
             settings: constants.outside.clone(),
             held,
             joint: Mutex::default(),
+            slopes: Mutex::default(),
             accuracy: 1.0,
             references: Vec::new(),
             remarks: Vec::new(),
@@ -389,7 +393,7 @@ impl Simulator for Outside {
         let silent = self.failed().silent.clone();
         if self.has_shared() {
             // Each hypothesis once for all its runs, which are simulated at once.
-            let fitted = requests.iter().filter(|r| !r.step.is_empty() && !r.effects.is_empty());
+            let fitted = requests.iter().filter(|r| !r.effects.is_empty());
             fitted.for_each(|r| drop(self.answer(r, &silent)));
         }
         let answers = parallel::map(requests, self.pool.most(), |r| self.answer(r, &silent));
@@ -428,7 +432,8 @@ impl Outside {
         let simulate = |at: &[f64]| self.features_at(*run, at, effects);
         // Steps come with hypotheses that are fitted; what is screened stays where the nominal model is.
         let fitted_along = !step.is_empty() && !effects.is_empty();
-        if fitted_along && self.has_shared() {
+        if !effects.is_empty() && self.has_shared() {
+            // Screened, too: no run alone can say what the others leave of a shared nuisance.
             return Some(self.jointly(*run, effects));
         }
         let starts = if fitted_along { self.starts(self.fitted.iter()) } else { Vec::new() };

@@ -70,14 +70,19 @@ impl Outside {
     /// Fits all runs together while a step promises to leave a share of the squares less.
     pub(super) fn fit_jointly(&self, effects: &[Applied], at: Vec<Vec<f64>>, enough: f64) -> Result<Joint, Error> {
         let mut now = self.point(effects, at)?;
-        let mut slopes = self.slopes_at(effects, &now);
-        for _ in 0..self.settings.fitting.steps {
+        // Those of the nominal model do to begin with.
+        let mut slopes = match effects {
+            [] => self.slopes_at(&[], &now),
+            _ => self.nominal_slopes()?,
+        };
+        for round in 0..self.settings.fitting.steps {
             let (a, g, index) = self.normal(&now, &slopes);
             let range: Vec<(f64, f64)> =
                 index.iter().map(|(run, k)| (-now.at[*run][*k], 1.0 - now.at[*run][*k])).collect();
             let step = mode_within(&a, &g, &range, &mut vec![None; range.len()], 1e-12).0;
             let gain = 2.0 * g.dot(&step) - (&a * &step).dot(&step);
-            if gain < enough * now.cost {
+            // One step is always made with effects, as a small effect's trace is small against all that is left.
+            if gain < enough * now.cost && (round > 0 || effects.is_empty()) {
                 break;
             }
             let mut better = None;
@@ -107,6 +112,17 @@ impl Outside {
             own.zip(inverse.as_ref()).map_or(0.0, |(i, inverse)| inverse[(i, i)].max(0.0).sqrt())
         });
         Ok(Joint { deviation: deviation.collect(), at: now.at, features: now.features })
+    }
+
+    /// Slopes of the nominal model where it is fitted.
+    fn nominal_slopes(&self) -> Result<Vec<DMatrix<f64>>, Error> {
+        let known = || self.slopes.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(slopes) = known().clone() {
+            return Ok(slopes);
+        }
+        let slopes = self.slopes_at(&[], &self.point(&[], self.fitted.to_vec())?);
+        known().replace(slopes.clone());
+        Ok(slopes)
     }
 
     /// All runs simulated, as features.
