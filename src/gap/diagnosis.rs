@@ -54,6 +54,49 @@ pub struct Diagnosis {
     pub overlays: Vec<Overlay>,
     /// What places are counted in: `m` along the track, or `s`.
     pub axis: Axis,
+    /// What is known of a model outside beside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside: Option<OutsideModel>,
+}
+
+/// What a model outside and its campaign tell beside the verdict.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OutsideModel {
+    /// Of each channel, how far single samples are off.
+    pub sample_error: BTreeMap<String, SampleError>,
+    /// Of each run, its nuisances as fitted with the shown effects.
+    pub nuisances: BTreeMap<String, BTreeMap<String, Amount>>,
+    /// The verdict with other accuracies; empty where it does not hang on them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_accuracy: Vec<ByAccuracy>,
+    /// What else is to be known of the answer, in sentences.
+    pub remarks: Vec<String>,
+}
+
+/// A verdict with another accuracy of the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ByAccuracy {
+    /// How closely the model is believed to follow each channel, in its unit.
+    pub accuracy: BTreeMap<String, f64>,
+    pub verdict: Verdict,
+    /// The likeliest effects with their probabilities.
+    pub effects: BTreeMap<String, f64>,
+    pub none_probability: f64,
+    pub unknown_probability: f64,
+}
+
+/// Root mean squares of a channel's samples over all runs, in its unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SampleError {
+    /// Measured less simulated, by the nominal model with its nuisances fitted.
+    pub before: f64,
+    /// The same with the shown effects, nuisances fitted anew.
+    pub after: f64,
+    /// What counts as noise of it.
+    pub noise: f64,
+    pub unit: String,
+    /// What was compared: `means over windows` or `samples`.
+    pub compared: String,
 }
 
 /// What effects leave of a gap.

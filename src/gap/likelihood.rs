@@ -51,8 +51,8 @@ impl Likelihood {
 
     /// The mean square that an unknown effect would leave.
     pub fn unknown(&self, mean_square: f64, degrees_of_freedom: f64) -> f64 {
-        self.log_likelihood(1.0 + self.unknown_leaves * (mean_square - 1.0).max(0.0), degrees_of_freedom)
-            - cost(self.unknown_strengths, degrees_of_freedom)
+        let left = (self.unknown_leaves * (mean_square - 1.0).max(0.0)).min(self.unknown_most);
+        self.log_likelihood(1.0 + left, degrees_of_freedom) - cost(self.unknown_strengths, degrees_of_freedom)
     }
 
     /// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share

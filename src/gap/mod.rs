@@ -38,7 +38,8 @@ mod words;
 pub use cost::{Cost, Costs};
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
 pub use diagnosis::{
-    Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Unexplained, Verdict,
+    Amount, Bound, ByAccuracy, Diagnosis, Extent, Finding, GapPlace, Group, Lost, OutsideModel, Overlay, RunGap,
+    SampleError, Unexplained, Verdict,
 };
 pub use ids::{CandidateId, Id, List, PerRun, RunId};
 pub use remembered::{Left, Remembered};

@@ -25,12 +25,20 @@ fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace],
     let band = band(frames, places, channel)?;
     let run = worst(comparison, channel, band)?;
     let frame = &frames[run];
-    let rows = rows(frame, channel, band);
+    let rows = fewer(rows(frame, channel, band), comparison, run);
     let steps = DVector::from_vec(comparison.observations[run].steps(&vec![0.0; frame.nominal.len()]));
     let shift = &frame.slopes * steps;
     let after = shown.and_then(|j| j.fitted.features.as_ref()).map(|f| &f[run]);
     let pick = |x: &dyn Fn(usize) -> f64| rows.iter().map(|k| tidy(x(*k))).collect::<Vec<f64>>();
-    let middle = |k: usize| 0.5e-3 * (frame.labels[k].from + frame.labels[k].to) as f64;
+    // Features of one stretch follow each other in it.
+    let mut ranks: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
+    rows.iter().for_each(|k| ranks.entry((frame.labels[*k].from, frame.labels[*k].to)).or_default().push(*k));
+    let middle = |k: usize| {
+        let (from, to) = (frame.labels[k].from, frame.labels[k].to);
+        let alike = ranks.get(&(from, to)).map_or(&[][..], Vec::as_slice);
+        let rank = alike.iter().position(|other| *other == k).unwrap_or(0) as f64;
+        1e-3 * (from as f64 + (rank + 0.5) / alike.len().max(1) as f64 * (to - from) as f64)
+    };
     let numbers = || (1..=rows.len()).map(|n| n as f64).collect();
     Some(Overlay {
         run: frame.run.clone(),
@@ -43,6 +51,19 @@ fn overlay(comparison: &Comparison, shown: Option<&Scored>, places: &[GapPlace],
         repeatability: pick(&|k| frame.laps.variance[k].sqrt()),
         channel: channel.to_owned(),
     })
+}
+
+/// As many neighbouring rows as can be drawn: those of which most is left.
+fn fewer(rows: Vec<usize>, comparison: &Comparison, run: RunId) -> Vec<usize> {
+    const DRAWN: usize = 600;
+    if rows.len() <= DRAWN {
+        return rows;
+    }
+    let observation = &comparison.observations[run];
+    let left: BTreeMap<usize, f64> = observation.each(&observation.residual).map(|(k, x)| (k, x * x)).collect();
+    let sums: Vec<f64> = rows.windows(DRAWN).map(|some| some.iter().filter_map(|k| left.get(k)).sum::<f64>()).collect();
+    let worst = (0..sums.len()).max_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
+    rows[worst..worst + DRAWN].to_vec()
 }
 
 /// Whether features of a kind belong to places.

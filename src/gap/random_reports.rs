@@ -131,6 +131,7 @@ pub fn report(seed: u64) -> Diagnosis {
         gap_closed_channels: [("a".to_owned(), random.one())].into(),
         overlays: vec![random.overlay("a")],
         axis,
+        outside: None,
     };
     found.summary = words::summary(&found);
     found.next_experiment = words::next_experiment(&found);

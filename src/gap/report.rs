@@ -155,6 +155,7 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         lost,
         axis,
         effects,
+        outside: None,
     };
     out.summary = words::summary(&out);
     out.next_experiment = words::next_experiment(&out);
@@ -402,7 +403,7 @@ fn groups(compared: &Compared, effects: &mut [Finding]) -> Vec<Group> {
         }
         if members.len() > 1 {
             grouped.extend(members.iter().cloned());
-            let experiment = words::separate(&members);
+            let experiment = words::separate(&members, compared.comparison.simulator.axis());
             out.push(Group { name: effects[i].name.clone(), members, experiment });
         }
     }

@@ -255,6 +255,9 @@ fn look(place: &GapPlace, axis: Axis) -> String {
 /// Whether what carts differ by was named or would close most of the gap: its pattern along the track has nearly any
 /// shape.
 fn by_chance(found: &Diagnosis) -> bool {
+    if found.axis == Axis::Time {
+        return false;
+    }
     let by_cart = |e: &Finding| {
         effects::named(&e.name)
             .and_then(|effect| effect.random)
@@ -266,8 +269,14 @@ fn by_chance(found: &Diagnosis) -> bool {
 }
 
 /// What would separate effects that these runs do not.
-pub fn separate(members: &[String]) -> String {
+pub fn separate(members: &[String], axis: Axis) -> String {
     let list = members.join(", ");
+    if axis == Axis::Time {
+        return format!(
+            "These runs cannot separate {list}; runs under other conditions (larger, slower, with another load), in which \
+             one of them does more and the other does not, would."
+        );
+    }
     let separates = |member: &String| effects::named(member).map(|effect| effect.separated_by);
     let how = members.iter().filter_map(separates).min().unwrap_or(Experiment::Runs).words();
     format!("These runs cannot separate {list}; {how}, would.")

@@ -59,7 +59,7 @@ pub struct Refused {
     pub error: RunError,
 }
 
-const KEYS: &[&str] = &["layout", "run", "channels"];
+const KEYS: &[&str] = &["layout", "run", "channels", "fmu"];
 const RUN_KEYS: &[&str] = &["file", "layout", "speed", "tension"];
 
 /// The tables of a `campaign.toml`, read for the lines of their keys.
@@ -173,6 +173,8 @@ impl Campaign {
             value.as_array().filter(|runs| runs.iter().all(Value::is_table)).map(|_| ())
         })?;
         reader.optional("channels", "a table headed by [channels]", |value| value.as_table().map(|_| ()))?;
+        // What the unit of another machine is asked for is read by what runs it.
+        reader.optional("fmu", "a table headed by [fmu]", |value| value.as_table().map(|_| ()))?;
         reader.finish(KEYS)?;
         let Tables { run, channels } = text.parse()?;
         let names: Vec<String> = channels.keys().cloned().collect();

@@ -11,6 +11,7 @@ mod identify;
 mod long_runs;
 mod outside;
 mod outside_failures;
+mod outside_models;
 mod runs;
 mod simulate;
 mod single_effect;

@@ -1,5 +1,6 @@
 //! `lss gap diagnose`.
 
+use super::model::Model;
 use super::{apply, text};
 use crate::base::json;
 use crate::chain_input::Track;
@@ -10,14 +11,15 @@ use crate::emit::Files;
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
 use crate::gap::{
-    Cost, Costs, Diagnosis, Explanation, Left, Lost, Remembered, Settings, Simulator, Stage, diagnose_and_explain,
+    ByAccuracy, Cost, Costs, Diagnosis, Explanation, Left, Lost, Remembered, Settings, Simulator, Stage,
+    diagnose_and_explain,
 };
 use crate::identify::study::Subject;
 use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Simulations of a diagnosis that was stopped, in the folder of its outputs.
 const PARTIAL: &str = "gap.partial";
@@ -35,18 +37,19 @@ pub struct Diagnose {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Layout of all runs, .lss or simulation.json, instead of those that campaign and sidecars name.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["model", "fmu"])]
     layout: Option<PathBuf>,
-    /// A program that simulates the runs instead, as docs/outside-models.md has it; the campaign declares its own
-    /// channels then.
-    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["layout", "apply"])]
-    model: Option<String>,
+    #[command(flatten)]
+    model: Model,
     /// Also write a layout with the verdict's effects added, for `lss simulate`.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["model", "fmu"])]
     apply: bool,
     /// Also print how the likeliest hypotheses came to their scores, with text as the format.
     #[arg(long)]
     explain: bool,
+    /// With a program as the model, leave out the diagnoses with half and twice its accuracy.
+    #[arg(long)]
+    no_sweep: bool,
     /// Which noise simulations get: another seed, another answer that is as good.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -57,8 +60,8 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(&self) -> Outcome {
-        match &self.model {
-            Some(command) => self.outside(command),
+        match self.model.command(&self.campaign) {
+            Some(command) => self.outside(&command),
             None => self.chain(),
         }
     }
@@ -85,8 +88,8 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let known = self.remembered(&chains, &self.origin(&subjects));
-        let mut answer = bar.diagnose(&known);
+        let known = self.remembered(&chains, &self.origin(&subjects), PARTIAL);
+        let mut answer = bar.diagnose(&known, &Settings::default());
         let found = &mut answer.found;
         found.lost.extend(chains.lost().into_iter().map(Lost::data));
         let mut files = Files::default();
@@ -99,36 +102,69 @@ impl Diagnose {
         // One map is drawn of runs on one layout.
         let same = subjects.iter().all(|s| s.simulation.track == first.subject.simulation.track);
         let track = same.then_some(&first.subject.simulation.track);
-        self.finish(&answer, track, files, broken, known)
+        drop(known);
+        self.finish(&answer, track, files, broken, &[self.output.join(PARTIAL)])
     }
 
     /// With a program outside as the model.
     fn outside(&self, command: &str) -> Outcome {
         let mut bar = Progress::new();
         bar.say("fitting the program's model to each run");
-        let settings = outside::Settings { threads: threads(), ..outside::Settings::default() };
-        let model = match Outside::open(command, &self.campaign, &settings) {
-            Ok(model) => model,
+        let settings = self.model.settings();
+        let (model, mut answer, books) = match self.until_the_noise_stays(command, &settings, &mut bar) {
+            Ok(found) => found,
             Err(error) => {
                 bar.clear();
-                report::error(&error.to_string());
+                report::error(&format!("{error}\n  help: {}", error.help()));
                 return Outcome::Problems;
             }
         };
-        let known = self.remembered(&model, &model.origin());
-        let mut answer = bar.diagnose(&known);
         let found = &mut answer.found;
+        let mut beside = model.told(found);
+        if !self.no_sweep && model.hangs_on_accuracy() {
+            bar.say("diagnosing with other accuracies");
+            match by_accuracy(&model, found, &settings) {
+                Ok(rows) => beside.by_accuracy = rows,
+                Err(error) => report::warning(&format!("other accuracies could not be tried: {error}")),
+            }
+        }
+        bar.clear();
+        found.outside = Some(beside);
         found.lost.extend(model.lost());
         found.overlays.iter_mut().for_each(|o| o.unit = model.channels().get(&o.channel).cloned().unwrap_or_default());
         found.lost.iter().filter(|lost| !lost.effect.is_empty()).for_each(|lost| report::warning(&lost.to_string()));
         // Without an effect that might be the cause the answer is not complete.
         let incomplete = !found.untested().is_empty();
-        self.finish(&answer, None, Files::default(), incomplete, known)
+        self.finish(&answer, None, Files::default(), incomplete, &books)
+    }
+
+    /// Diagnoses, finds the noise again by what the best hypothesis leaves, and diagnoses again, until it stays. Also
+    /// the files of what was simulated.
+    fn until_the_noise_stays(
+        &self,
+        command: &str,
+        settings: &outside::Settings,
+        bar: &mut Progress,
+    ) -> Result<(Outside, Answer, Vec<PathBuf>), outside::Error> {
+        let mut model = Outside::open(command, &self.campaign, settings)?;
+        let mut books = Vec::new();
+        let rounds = settings.constants.outside.noise.rounds.max(1);
+        bar.expected = Some(model.questions());
+        loop {
+            let round = books.len() + 1;
+            let name = if round == 1 { PARTIAL.to_owned() } else { format!("{PARTIAL}.{round}") };
+            let answer = bar.diagnose(&self.remembered(&model, &model.origin(), &name), &settings.constants);
+            books.push(self.output.join(name));
+            match if round < rounds { model.anew(&answer.found)? } else { None } {
+                Some(next) => model = next,
+                None => return Ok((model, answer, books)),
+            }
+        }
     }
 
     /// A model with what a stopped diagnosis left.
-    fn remembered<'a>(&self, model: &'a dyn Simulator, origin: &str) -> Remembered<'a> {
-        let known = Remembered::new(model, &self.output.join(PARTIAL), origin, &Settings::default().checks);
+    fn remembered<'a>(&self, model: &'a dyn Simulator, origin: &str, name: &str) -> Remembered<'a> {
+        let known = Remembered::new(model, &self.output.join(name), origin, &Settings::default().checks);
         match known.left() {
             Left::Nothing => {}
             Left::Used(count) => {
@@ -159,7 +195,7 @@ impl Diagnose {
         track: Option<&Track>,
         mut files: Files,
         broken: bool,
-        known: Remembered,
+        books: &[PathBuf],
     ) -> Outcome {
         let Answer { found, explained, cost } = answer;
         let title = self.campaign.file_name().map_or_else(|| "campaign".into(), |n| n.to_string_lossy().into_owned());
@@ -168,7 +204,8 @@ impl Diagnose {
         if let Err(error) = files.write_set(&self.output, "gap") {
             return could_not("write", &error.path, &error.reason);
         }
-        known.forget();
+        // What is written needs no simulations any more.
+        books.iter().for_each(|book| drop(std::fs::remove_file(book)));
         report::print(&match self.format {
             OutputFormat::Json => with_cost(found, cost),
             OutputFormat::Text => {
@@ -179,6 +216,31 @@ impl Diagnose {
         });
         if broken { Outcome::Problems } else { Outcome::Clean }
     }
+}
+
+/// The diagnosis with other accuracies of the model, and with its own among them; nothing where all say the same.
+fn by_accuracy(
+    model: &Outside,
+    found: &Diagnosis,
+    settings: &outside::Settings,
+) -> Result<Vec<ByAccuracy>, outside::Error> {
+    let row = |model: &Outside, found: &Diagnosis| ByAccuracy {
+        accuracy: model.accuracies(),
+        verdict: found.verdict,
+        effects: found.effects.iter().take(3).map(|e| (e.name.clone(), e.probability)).collect(),
+        none_probability: found.none_probability,
+        unknown_probability: found.unknown_probability,
+    };
+    let same = |other: &Diagnosis| other.verdict == found.verdict && other.shown == found.shown;
+    let (mut rows, mut hangs) = (vec![(1.0, row(model, found))], false);
+    for factor in settings.constants.outside.noise.accuracies {
+        let other = model.with_accuracy(factor)?;
+        let answer = diagnose_and_explain(&other, &settings.constants, &mut |_| {}).0;
+        hangs |= !same(&answer);
+        rows.push((factor, row(&other, &answer)));
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(if hangs { rows.into_iter().map(|(_, row)| row).collect() } else { Vec::new() })
 }
 
 /// A diagnosis in JSON, and what it cost: the time on the wall is in no file, as files are the same every time.
@@ -205,6 +267,9 @@ struct Answer {
 struct Progress {
     bar: Option<ProgressBar>,
     costs: Costs,
+    begin: Instant,
+    /// Simulations that are thought to be needed, where that is known.
+    expected: Option<u64>,
 }
 
 impl Progress {
@@ -215,7 +280,7 @@ impl Progress {
             bar.enable_steady_tick(Duration::from_millis(200));
             bar
         });
-        Progress { bar, costs: Costs::new("nominal_fits") }
+        Progress { bar, costs: Costs::new("nominal_fits"), begin: Instant::now(), expected: None }
     }
 
     fn say(&self, what: &str) {
@@ -224,19 +289,40 @@ impl Progress {
         }
     }
 
-    fn diagnose(&mut self, model: &dyn Simulator) -> Answer {
+    /// What is left of the time, as far as it went.
+    fn left(&self, simulations: u64) -> String {
+        match self.expected {
+            Some(expected) if simulations > 0 && expected > simulations => {
+                let each = self.begin.elapsed().as_secs_f64() / simulations as f64;
+                format!(", about {} left", outside::duration(each * (expected - simulations) as f64))
+            }
+            _ => String::new(),
+        }
+    }
+
+    fn diagnose(&mut self, model: &dyn Simulator, settings: &Settings) -> Answer {
         let mut costs = self.costs.clone();
-        let (found, explained) = diagnose_and_explain(model, &Settings::default(), &mut |stage| {
+        // A diagnosis may come again.
+        costs.enter("nominal_fits", model.effort());
+        let (found, explained) = diagnose_and_explain(model, settings, &mut |stage| {
             costs.enter(stage.name(), model.effort());
+            let left = self.left(model.effort().simulations);
             match stage {
-                Stage::Screening { done, of } => self.say(&format!("screening effects: {done} of {of} strengths")),
-                Stage::Relinearising { done, of } => self.say(&format!("looking again: {done} of {of} strengths")),
-                Stage::Fitting { done, of } => self.say(&format!("fitting what is left: round {} of {of}", done + 1)),
+                Stage::Screening { done, of } => {
+                    self.say(&format!("screening effects: {done} of {of} strengths{left}"))
+                }
+                Stage::Relinearising { done, of } => {
+                    self.say(&format!("looking again: {done} of {of} strengths{left}"))
+                }
+                Stage::Fitting { done, of } => {
+                    self.say(&format!("fitting what is left: round {} of {of}{left}", done + 1))
+                }
                 Stage::Replicating => self.say("simulating replicates"),
                 Stage::ByChance => self.say("trying differences by chance"),
             }
         });
         self.clear();
+        self.costs = costs.clone();
         Answer { found, explained, cost: costs.finish(model.effort()) }
     }
 

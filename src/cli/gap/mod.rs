@@ -2,7 +2,9 @@
 
 mod apply;
 mod challenge;
+mod check;
 mod diagnose;
+mod model;
 mod text;
 
 use super::Outcome;
@@ -18,6 +20,7 @@ pub struct Gap {
 #[derive(Debug, Subcommand)]
 enum What {
     Diagnose(diagnose::Diagnose),
+    Check(check::Check),
     Challenge(challenge::Challenge),
 }
 
@@ -25,6 +28,7 @@ impl Gap {
     pub fn run(&self) -> Outcome {
         match &self.what {
             What::Diagnose(verb) => verb.run(),
+            What::Check(verb) => verb.run(),
             What::Challenge(verb) => verb.run(),
         }
     }

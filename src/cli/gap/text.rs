@@ -1,7 +1,7 @@
 //! A diagnosis for the terminal.
 
 use crate::base::number::{fixed, significant};
-use crate::gap::{Amount, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, percent};
+use crate::gap::{Amount, Axis, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, percent};
 use crate::identify::noise::ChannelNoise;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -76,7 +76,9 @@ pub fn text(found: &Diagnosis) -> String {
         for p in places {
             let (from, to) = p.extent.ends();
             let extent = format!("{} to {} {}", fixed(from, 1), fixed(to, 1), found.axis.unit());
-            let _ = writeln!(out, "  {:<14}{:<14}{extent:<22}{:>6}", p.channel, p.band, percent(p.share));
+            // In time there is one kind of deviation only.
+            let band = if found.axis == Axis::Time { "" } else { &p.band };
+            let _ = writeln!(out, "  {:<14}{band:<14}{extent:<22}{:>6}", p.channel, percent(p.share));
         }
     };
     if !found.places.is_empty() {
@@ -96,6 +98,7 @@ pub fn text(found: &Diagnosis) -> String {
         let _ = writeln!(out, "  {:<18}{a:>9}{b:>9}    {c}", run.run);
     }
     noise(&mut out, found);
+    outside(&mut out, found);
     for group in &found.groups {
         let _ = writeln!(out, "\n  {}", group.experiment);
     }
@@ -104,6 +107,37 @@ pub fn text(found: &Diagnosis) -> String {
     });
     let _ = writeln!(out, "\n  next: {}", found.next_experiment);
     out
+}
+
+/// What is known of a model outside beside: errors of samples, nuisances, and remarks.
+fn outside(out: &mut String, found: &Diagnosis) {
+    let Some(own) = &found.outside else { return };
+    let _ = writeln!(out, "\n  error of samples         before     after     noise  (root mean square)");
+    for (channel, error) in &own.sample_error {
+        let [a, b, c] = [error.before, error.after, error.noise].map(|x| significant(x, 3));
+        let _ = writeln!(out, "  {channel:<20}{a:>11}{b:>10}{c:>10}  {}, compared by {}", error.unit, error.compared);
+    }
+    if own.nuisances.values().any(|each| !each.is_empty()) {
+        let _ = writeln!(out, "\n  nuisances as fitted, 90 % interval");
+        for (run, each) in &own.nuisances {
+            let each: Vec<String> = each.iter().map(|(n, a)| amount(n, a)).collect();
+            let _ = writeln!(out, "  {run:<18}{}", each.join("; "));
+        }
+    }
+    if !own.by_accuracy.is_empty() {
+        let _ = writeln!(out, "\n  the verdict by the model's accuracy");
+        for row in &own.by_accuracy {
+            let accuracy: Vec<String> =
+                row.accuracy.iter().map(|(c, x)| format!("{c} {}", significant(*x, 2))).collect();
+            let mut said: Vec<String> = row.effects.iter().map(|(name, p)| format!("{name} {}", percent(*p))).collect();
+            said.push(format!("no gap {}", percent(row.none_probability)));
+            said.push(format!("none of these {}", percent(row.unknown_probability)));
+            let _ = writeln!(out, "  {:<24}{}", accuracy.join(", "), said.join(", "));
+        }
+    }
+    own.remarks.iter().for_each(|remark| {
+        let _ = writeln!(out, "\n  note: {remark}");
+    });
 }
 
 /// The sensors' noise, a channel a line; all runs of one where they differ.

@@ -39,6 +39,8 @@ pub enum Error {
     NoSuchChannel { file: String, channel: String, columns: Vec<String> },
     /// A run is too short to be compared: samples that it has, and that it needs.
     Short { run: String, samples: usize, needed: usize },
+    /// The same question had another answer: the channel, by how much, and what its noise is, in its unit.
+    Random { channel: String, by: f64, noise: f64 },
     /// The run's features do not depend on the model or on anything measured.
     Nothing { run: String },
 }
@@ -88,6 +90,11 @@ impl Error {
             }
             Error::Answer { .. } => "docs/outside-models.md says what an answer holds".to_owned(),
             Error::NotFinite { .. } => "answer numbers wherever the nominal model does".to_owned(),
+            Error::Random { .. } => {
+                "draw the same random numbers each time (a fixed seed, set before each simulation), start each simulation \
+                 from the same state, and leave out what hangs on the clock"
+                    .to_owned()
+            }
             Error::Refused(_) => "the words are the model's own; ask those who wrote it".to_owned(),
             Error::GivenUp(last) | Error::InRun { why: last, .. } => last.help(),
             Error::Run(error) => error.help(),
@@ -141,6 +148,12 @@ impl fmt::Display for Error {
             Error::Short { run, samples, needed } => {
                 write!(f, "{run}: {samples} samples are too few, it takes {needed}")
             }
+            Error::Random { channel, by, noise } => write!(
+                f,
+                "asked the same twice, the model answers differently: `{}` by {by:.3} (root mean square), more than the \
+                 measured noise of {noise:.3}",
+                one_line(channel)
+            ),
             Error::Nothing { run } => write!(f, "{run}: nothing measured can be compared with what the model says"),
         }
     }

@@ -3,31 +3,46 @@
 //!
 //! [`Outside::open`] starts the program, reads a campaign that declares its own channels, and fits the program's
 //! nuisances to each run; a campaign of a single run is cut into parts first. Features are means over windows in time,
-//! scored by a repeatability that is found in the measurements themselves. `docs/outside-models.md` is what those read
-//! who write such programs.
+//! or samples where the channels swing, scored by a repeatability that is found in the measurements themselves:
+//! [`Outside::anew`] finds it again by what the best hypothesis leaves. `docs/outside-models.md` is what those read who
+//! write such programs.
 
+mod anew;
+mod check;
 mod data;
+mod early;
 mod error;
 mod fit;
+mod model_error;
 mod process;
 mod protocol;
 mod repeatability;
+mod shared;
+mod told;
 mod windows;
 
+pub use check::{Dry, check, duration};
 pub use error::Error;
 
 use super::{Applied, Axis, CandidateId, Candidates, Frame, Laps, Lost, PerRun, Request, RunId, Simulator, settings};
 use crate::base::parallel;
 use crate::identify::{Counter, Effort};
 use data::RunPart;
-use fit::{FittedPart, Fitter, Rows};
+use fit::{Along, FittedPart, Fitter, Reference};
+use nalgebra::DMatrix;
 use process::{Blame, Pool, Program};
 use protocol::{Description, EffectAsked, Question, RunAsked};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use windows::Windows;
+
+/// Rows of samples, a row a channel, on a part's times.
+type Rows = Vec<Vec<f64>>;
+
+/// Features of all runs, or why there are none.
+type Jointly = Arc<Result<Vec<Vec<f64>>, Error>>;
 
 /// Whether a line answers `describe`; how many effects it has.
 ///
@@ -63,13 +78,16 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4, constants: super::Settings::default() }
+        let mut constants = super::Settings::default();
+        constants.refitting.rounds = constants.outside.fitting.rounds;
+        constants.likelihood.unknown_most = constants.outside.comparison.unknown_most;
+        Settings { threads: 2, timeout: Duration::from_secs(600), parts: 4, constants }
     }
 }
 
 /// A program that simulates the runs of a campaign.
 pub struct Outside {
-    pool: Pool,
+    pool: Arc<Pool>,
     description: Description,
     channels: BTreeMap<String, String>,
     names: Vec<String>,
@@ -78,6 +96,8 @@ pub struct Outside {
     /// Of each part the fitted nuisances, from 0 at their lower bounds to 1 at their upper ones.
     fitted: PerRun<Vec<f64>>,
     frames: PerRun<Frame>,
+    /// Samples of the nominal model.
+    rows: PerRun<Rows>,
     lost: Vec<String>,
     origin: String,
     failed: Mutex<Failed>,
@@ -86,6 +106,20 @@ pub struct Outside {
     settings: settings::Outside,
     /// Share of the features of a run that an answer may leave out.
     may_lack: f64,
+    /// What the accuracies that were given, or taken, are multiplied by.
+    accuracy: f64,
+    /// Of each part, samples of the best hypothesis, by which the noise was found again.
+    references: Vec<Rows>,
+    /// Nuisances that are not fitted to single runs, as all runs share them.
+    held: Vec<bool>,
+    /// By effects, features of all runs with shared nuisances fitted.
+    joint: Mutex<BTreeMap<String, Jointly>>,
+    /// Of each run, slopes of the nominal model's weighted features, where nuisances are shared.
+    slopes: Mutex<Option<Vec<DMatrix<f64>>>>,
+    /// What its answers showed at the start, in sentences.
+    remarks: Vec<String>,
+    /// Whether it answers differently when asked again, by less than the measurements' noise.
+    random: bool,
 }
 
 /// What the program did not answer.
@@ -106,13 +140,37 @@ impl Outside {
     /// [`Error`]: the command does not start, does not keep to the protocol or refuses a run at nominal values; the
     /// campaign or one of its runs cannot be read or is too short.
     pub fn open(command: &str, campaign: &Path, settings: &Settings) -> Result<Outside, Error> {
+        let (mut outside, parts) = Outside::begun(command, campaign, settings)?;
+        let start = outside.nominal_start();
+        let mut all = Vec::with_capacity(parts.len());
+        for part in parts {
+            let told = |error: Error| error.in_run(&part.name);
+            let rows = outside.ask(&part, &start, &[]).map_err(told)?;
+            outside.is_the_same(&part, &start, &rows).map_err(told)?;
+            if all.is_empty() {
+                outside.ignored(&part, &start, &rows);
+            }
+            let fitted = outside.fit(&part, &[], None, None).map_err(told)?;
+            all.push((part, fitted));
+        }
+        let starts = outside.starts(all.iter().map(|(_, fitted)| &fitted.at));
+        for (part, fitted) in all {
+            let fitted = outside.restarted(&part, &[], fitted, &starts);
+            outside.keep(part, fitted);
+        }
+        if outside.has_shared() { outside.with_shared() } else { Ok(outside) }
+    }
+
+    /// The program started and described, and the runs read.
+    fn begun(command: &str, campaign: &Path, settings: &Settings) -> Result<(Outside, Vec<RunPart>), Error> {
         let constants = &settings.constants;
         let program = Program::new(command)?;
         // Before it starts: what is changed later is taken for another program.
         let origin = program.origin();
-        let pool = Pool::new(program, settings.threads, settings.timeout, &constants.outside.processes);
+        let pool = Arc::new(Pool::new(program, settings.threads, settings.timeout, &constants.outside.processes));
         let (channels, parts) = data::read(campaign, settings.parts)?;
-        let description = pool.ask(&Question::Describe.line(), Blame::Program, protocol::description)?;
+        let describe = || pool.ask(&Question::Describe.line(), Blame::Program, protocol::description);
+        let description = describe()?;
         let names: Vec<String> = channels.keys().cloned().collect();
         let stranger = description.accuracy.keys().find(|c| !channels.contains_key(*c));
         if let Some(channel) = stranger {
@@ -120,7 +178,9 @@ impl Outside {
             return Err(Error::Answer { request: "describe", line: String::new(), why });
         }
         let origin = format!("{origin} {description:?} {channels:?}");
-        let mut outside = Outside {
+        // Each run by itself at first.
+        let held = vec![false; description.nuisances.len()];
+        let outside = Outside {
             pool,
             description,
             channels,
@@ -128,24 +188,27 @@ impl Outside {
             windows: PerRun::default(),
             fitted: PerRun::default(),
             frames: PerRun::default(),
+            rows: PerRun::default(),
             lost: Vec::new(),
             origin,
             counter: Counter::default(),
             failed: Mutex::default(),
             settings: constants.outside.clone(),
+            held,
+            joint: Mutex::default(),
+            slopes: Mutex::default(),
+            accuracy: 1.0,
+            references: Vec::new(),
+            remarks: Vec::new(),
+            random: false,
             may_lack: constants.checks.may_lack,
             parts: PerRun::default(),
         };
-        for part in parts {
-            let needed = constants.outside.windows.samples * constants.outside.windows.needed;
-            if part.time.len() < needed {
-                let (run, samples) = (part.name.clone(), part.time.len());
-                return Err(Error::Short { run, samples, needed });
-            }
-            let fitted = outside.fit(&part).map_err(|error| error.in_run(&part.name))?;
-            outside.keep(part, fitted);
+        let needed = constants.outside.windows.samples * constants.outside.windows.needed;
+        if let Some(short) = parts.iter().find(|part| part.time.len() < needed) {
+            return Err(Error::Short { run: short.name.clone(), samples: short.time.len(), needed });
         }
-        Ok(outside)
+        Ok((outside, parts))
     }
 
     /// Units of the channels that are compared.
@@ -179,8 +242,16 @@ impl Outside {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn fit(&self, part: &RunPart) -> Result<FittedPart, Error> {
-        let simulate = |points: &[Vec<f64>]| parallel::map(points, self.pool.most(), |at| self.ask(part, at, &[]));
+    /// Fits the nuisances to a part, with effects added, from where the search begins; scored by the noise of the best
+    /// hypothesis where that is known.
+    fn fit(
+        &self,
+        part: &RunPart,
+        effects: &[Applied],
+        begin: Option<&[f64]>,
+        reference: Option<&Reference>,
+    ) -> Result<FittedPart, Error> {
+        let simulate = |points: &[Vec<f64>]| parallel::map(points, self.pool.most(), |at| self.ask(part, at, effects));
         let accuracy: Vec<f64> =
             self.names.iter().map(|c| self.description.accuracy.get(c).copied().unwrap_or(0.0)).collect();
         let fitter = Fitter {
@@ -189,28 +260,65 @@ impl Outside {
             accuracy: &accuracy,
             simulate: &simulate,
             settings: &self.settings,
+            random: self.random,
+            accuracy_factor: self.accuracy,
+            held: &self.held,
+            begin,
+            reference,
         };
         fitter.fit(&|at| {
             self.pool.renew();
-            self.ask(part, at, &[])
+            self.ask(part, at, effects)
         })
+    }
+
+    /// The same fit, or one from the best of other starts, if much is left and that leaves less.
+    fn restarted(&self, part: &RunPart, effects: &[Applied], fitted: FittedPart, starts: &[Vec<f64>]) -> FittedPart {
+        let settings = &self.settings.fitting;
+        if fitted.mean_square() < settings.restart {
+            return fitted;
+        }
+        let far = |start: &&Vec<f64>| fit::is_far(&fitted.at, start, settings.other_start);
+        let error = |start: &Vec<f64>| Some((fit::error(part, &self.ask(part, start, effects).ok()?), start.clone()));
+        let other = starts.iter().filter(far).filter_map(error).min_by(|a, b| a.0.total_cmp(&b.0));
+        let other = other.and_then(|(_, start)| self.fit(part, effects, Some(&start), None).ok());
+        fitted.or(other, part)
+    }
+
+    /// Where a fit may begin again: at the nominal values, and where other runs are; of those that are near to each
+    /// other the first.
+    fn starts<'a>(&self, fitted: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Vec<f64>> {
+        let settings = &self.settings.fitting;
+        let mut starts = vec![self.nominal_start()];
+        for at in fitted {
+            if starts.len() < settings.starts && starts.iter().all(|s| fit::is_far(s, at, settings.other_start)) {
+                starts.push(at.clone());
+            }
+        }
+        starts
     }
 
     /// A fitted part becomes a run of the diagnosis.
     fn keep(&mut self, part: RunPart, fitted: FittedPart) {
         let nuisances = &self.description.nuisances;
-        let FittedPart { at, windows, measured, nominal, repeatability, slopes } = fitted;
+        let FittedPart { at, windows, measured, nominal, repeatability, slopes, rows } = fitted;
         let lost = measured.iter().filter(|x| !x.is_finite()).count();
         if lost > 0 {
             let all = measured.len();
-            self.lost.push(format!("{}: {lost} of {all} windows have too few samples to be compared", part.name));
+            self.lost.push(format!(
+                "{}: {lost} of {all} {} were not measured, or too few samples of them",
+                part.name,
+                windows.kind.words()
+            ));
         }
         let missing = measured.iter().zip(&nominal).filter(|(m, s)| m.is_finite() && !s.is_finite()).count();
         if missing > 0 {
-            self.lost.push(format!("{}: of {missing} windows the model says nothing", part.name));
+            self.lost.push(format!("{}: of {missing} {} the model says nothing", part.name, windows.kind.words()));
         }
         let deviation = self.settings.fitting.prior;
-        let prior = nuisances.iter().zip(&at).map(|(n, at)| (fit::share(n, n.nominal) - at, deviation)).collect();
+        let free = self.free();
+        let prior =
+            free.iter().map(|k| (fit::share(&nuisances[*k], nuisances[*k].nominal) - at[*k], deviation)).collect();
         self.frames.push(Frame {
             run: part.name.clone(),
             labels: windows.labels(self.names.iter()),
@@ -222,13 +330,14 @@ impl Outside {
             },
             discrepancies: repeatability.discrepancies,
             built: Vec::new(),
-            slopes,
+            slopes: slopes.select_columns(&free),
             prior,
             // A nuisance stands between 0 and 1.
-            bounds: at.iter().map(|at| (-at, 1.0 - at)).collect(),
-            nuisances: nuisances.iter().map(|n| n.name.clone()).collect(),
+            bounds: free.iter().map(|k| (-at[*k], 1.0 - at[*k])).collect(),
+            nuisances: free.iter().map(|k| nuisances[*k].name.clone()).collect(),
         });
         self.windows.push(windows);
+        self.rows.push(rows);
         self.fitted.push(at);
         self.parts.push(part);
     }
@@ -282,6 +391,11 @@ impl Simulator for Outside {
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
         // Known before all requests of a batch, so that answers do not depend on which is asked first.
         let silent = self.failed().silent.clone();
+        if self.has_shared() {
+            // Each hypothesis once for all its runs, which are simulated at once.
+            let fitted = requests.iter().filter(|r| !r.effects.is_empty());
+            fitted.for_each(|r| drop(self.answer(r, &silent)));
+        }
         let answers = parallel::map(requests, self.pool.most(), |r| self.answer(r, &silent));
         let cause = answers.iter().flatten().find_map(|answer| answer.as_ref().err());
         if let (Some(error), false) = (cause, answers.iter().flatten().any(Result::is_ok)) {
@@ -302,8 +416,9 @@ impl Outside {
     /// Features of a request; `None` where it makes no sense.
     fn answer(&self, request: &Request, silent: &BTreeMap<Vec<CandidateId>, Error>) -> Option<Result<Vec<f64>, Error>> {
         let Request { run, step, effects } = request;
-        let (part, windows, fitted) = (self.parts.at(*run)?, self.windows.at(*run)?, self.fitted.at(*run)?);
-        let at: Vec<f64> = fitted.iter().enumerate().map(|(k, x)| x + step.get(k).copied().unwrap_or(0.0)).collect();
+        let fitted = self.fitted.at(*run)?;
+        let mut at = fitted.clone();
+        self.free().into_iter().zip(step).for_each(|(k, by)| at[k] += by);
         let known = |a: &Applied| self.description.effects.at(a.candidate).is_some();
         let numbers = effects.iter().all(|a| known(a) && a.strengths.iter().all(|x| x.is_finite()));
         if !numbers || at.iter().any(|x| x.is_nan()) {
@@ -313,15 +428,17 @@ impl Outside {
         if let Some((_, error)) = silent.iter().find(|(effects, _)| effects.iter().all(|e| own.contains(e))) {
             return Some(Err(error.clone()));
         }
-        let finite = |rows: Rows| {
-            let features = windows.means(&rows);
-            let frame = &self.frames[*run];
-            match frame.lacking(&features, self.may_lack) {
-                0 => Ok(features),
-                lacking => Err(Error::NotFinite { lacking, of: frame.labels.len() }),
-            }
-        };
-        Some(self.ask(part, &at, effects).and_then(finite))
+        let frame = &self.frames[*run];
+        let simulate = |at: &[f64]| self.features_at(*run, at, effects);
+        // Steps come with hypotheses that are fitted; what is screened stays where the nominal model is.
+        let fitted_along = !step.is_empty() && !effects.is_empty();
+        if !effects.is_empty() && self.has_shared() {
+            // Screened, too: no run alone can say what the others leave of a shared nuisance.
+            return Some(self.jointly(*run, effects));
+        }
+        let starts = if fitted_along { self.starts(self.fitted.iter()) } else { Vec::new() };
+        let along = Along { frame, settings: &self.settings.fitting, simulate: &simulate, starts: &starts };
+        Some(if fitted_along { along.fit(&at) } else { simulate(&at) })
     }
 
     /// Asks for a run as it was fitted when all requests failed with effects: a program that has ended for good fails

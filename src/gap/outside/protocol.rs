@@ -59,11 +59,14 @@ pub(super) struct Description {
 #[serde(deny_unknown_fields)]
 pub(super) struct Nuisance {
     pub name: String,
-    #[serde(default, rename = "unit")]
-    _unit: String,
+    #[serde(default)]
+    pub unit: String,
     pub nominal: f64,
     pub low: f64,
     pub high: f64,
+    /// Whether all runs have the same value.
+    #[serde(default)]
+    pub shared: bool,
 }
 
 #[derive(Deserialize)]

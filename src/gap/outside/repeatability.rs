@@ -1,16 +1,17 @@
 //! The repeatability of a measured run: by how much its features would differ if the same were measured again.
 //!
-//! There is no second lap to compare with, so the noise is taken from within each window: the means of its two halves
-//! differ by what is faster than the window, and half of that difference is a draw of the noise of the whole window's
-//! mean. What is slower cannot be told from the machine; there, it counts how closely the model is believed to follow.
+//! There is no second run to compare with, so the noise is taken from what a model leaves and what no model of its
+//! error foretells (`model_error.rs`). Of means over windows it is what is faster than a window: the means of the two
+//! halves differ by it, and half of that difference is a draw of the noise of the whole window's mean. Of samples it is
+//! what is faster than a thirtieth of the run. What is slower cannot be told from the machine; there, it counts how
+//! closely the model is believed to follow.
 
-use super::windows::Windows;
+use super::Rows;
+use super::model_error::{MEDIAN_SQUARE, by_second_differences, fast};
+use super::windows::{Kind, Windows};
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::gap::settings;
-
-/// The median of the square of a standard normal.
-const MEDIAN_SQUARE: f64 = 0.454_936;
 
 /// How far replicate features differ.
 #[derive(Clone, Debug)]
@@ -23,12 +24,17 @@ pub(super) struct Repeatability {
 /// What the repeatability of a run is found from.
 pub(super) struct Inputs<'a> {
     pub windows: &'a Windows,
-    /// Measured less simulated, a row a channel.
-    pub left: &'a [Vec<f64>],
+    /// What nothing foretells of measured less simulated, a row a channel.
+    pub noise: &'a Rows,
+    /// Whether these are what the best hypothesis leaves. What the nominal model leaves may swing by a misfit, and is
+    /// no more than second differences have.
+    pub settled: bool,
     /// Features as measured.
     pub measured: &'a [f64],
     /// How closely the model is believed to follow each channel, in its unit.
     pub accuracy: &'a [f64],
+    /// What that is multiplied by.
+    pub factor: f64,
     /// Mean square by which each channel's features differ when the model is asked twice.
     pub repeat: &'a [f64],
 }
@@ -46,27 +52,57 @@ struct Noise {
 impl Repeatability {
     pub fn new(from: &Inputs, settings: &settings::Noise) -> Repeatability {
         let count = from.windows.count();
-        let means = from.windows.means(from.left);
-        let halves = from.windows.halves(from.left);
-        let channels: Vec<Noise> = (0..from.left.len())
+        let all = match from.windows.kind {
+            Kind::Means => of_means(from),
+            Kind::Samples => of_samples(from, settings),
+        };
+        let channels: Vec<Noise> = (0..from.noise.len())
             .map(|c| {
                 let of = |x: &'_ [f64]| x[c * count..(c + 1) * count].to_vec();
                 let agreed = settings.agreement * range(&of(from.measured));
-                let draws = draws(&of(&means), &of(&halves[0]), &of(&halves[1]));
-                let slow = trig::hypot(from.accuracy[c].max(agreed), from.repeat[c].sqrt());
-                Noise::new(&draws, slow, settings.own)
+                let slow = trig::hypot(from.factor * from.accuracy[c].max(agreed), from.repeat[c].sqrt());
+                Noise::new(&of(&all), slow, settings.own)
             })
             .collect();
         let variance = channels.iter().flat_map(|c| c.deviation.iter().map(|d| d * d + c.slow * c.slow)).collect();
         let discrepancy = |c: usize| {
             (0..channels.len()).flat_map(|k| vec![if k == c { channels[k].slow } else { 0.0 }; count]).collect()
         };
+        let block = match from.windows.kind {
+            Kind::Means => settings.block,
+            Kind::Samples => settings.block * from.windows.memory,
+        };
         Repeatability {
             variance,
-            scatter: (0..settings.samples as u64).map(|k| sample(&channels, count, k, settings)).collect(),
+            scatter: (0..settings.samples as u64).map(|k| sample(&channels, count, block, k, settings)).collect(),
             discrepancies: (0..channels.len()).filter(|&c| channels[c].slow > 0.0).map(discrepancy).collect(),
         }
     }
+}
+
+/// Draws of the noise of each window's mean.
+fn of_means(from: &Inputs) -> Vec<f64> {
+    let count = from.windows.count();
+    let means = from.windows.means(from.noise);
+    let halves = from.windows.halves(from.noise);
+    let each = means.chunks(count).zip(halves[0].chunks(count)).zip(halves[1].chunks(count));
+    each.flat_map(|((means, first), second)| draws(means, first, second)).collect()
+}
+
+/// Draws of the noise of each sample.
+fn of_samples(from: &Inputs, settings: &settings::Noise) -> Vec<f64> {
+    let own = |row: &Vec<f64>| {
+        let mut fast = fast(row, row.len() / settings.slow);
+        let known = || fast.iter().filter(|x| x.is_finite());
+        let square = known().map(|x| x * x).sum::<f64>() / known().count().max(1) as f64;
+        let least = by_second_differences(&fast);
+        if !from.settled && least < settings.smooth * square {
+            let down = (least / square).sqrt();
+            fast.iter_mut().for_each(|x| *x *= down);
+        }
+        fast
+    };
+    from.windows.means(&from.noise.iter().map(own).collect::<Vec<_>>())
 }
 
 /// Of each window a draw of its mean's noise: half of what its halves' means differ by, less what they do because the
@@ -100,9 +136,9 @@ impl Noise {
 
 /// A sample of the repeatability: blocks of draws from other places, with either sign and alike in all channels; and
 /// slow waves as large as the model is inaccurate.
-fn sample(channels: &[Noise], count: usize, number: u64, settings: &settings::Noise) -> Vec<f64> {
+fn sample(channels: &[Noise], count: usize, block: usize, number: u64, settings: &settings::Noise) -> Vec<f64> {
     let mut state = 0x6f75_7473_6964_6500 ^ number;
-    let blocks: Vec<(usize, f64)> = (0..count.div_ceil(settings.block))
+    let blocks: Vec<(usize, f64)> = (0..count.div_ceil(block))
         .map(|_| {
             let from = (uniform(&mut state) * count as f64) as usize;
             (from, if uniform(&mut state) < 0.5 { -1.0 } else { 1.0 })
@@ -113,8 +149,8 @@ fn sample(channels: &[Noise], count: usize, number: u64, settings: &settings::No
         let waves: Vec<f64> = (0..settings.waves).map(|_| normal(&mut state)).collect();
         let size = channel.slow * (2.0 / settings.waves as f64).sqrt();
         for i in 0..count {
-            let (from, sign) = blocks[i / settings.block];
-            let noise = sign * channel.deviation[i] * channel.draws[(from + i % settings.block) % count];
+            let (from, sign) = blocks[i / block];
+            let noise = sign * channel.deviation[i] * channel.draws[(from + i % block) % count];
             let phase = trig::PI * (i as f64 + 0.5) / count as f64;
             let wave: f64 = waves.iter().enumerate().map(|(k, w)| w * trig::cos((k + 1) as f64 * phase)).sum();
             all.push(noise + size * wave);
@@ -151,7 +187,7 @@ mod tests {
         assert!(noise.deviation[200] > 5.0, "{}", noise.deviation[200]);
         assert!(noise.deviation.iter().filter(|d| **d > 3.0).count() <= 3);
         let samples: Vec<f64> = (0..settings.samples as u64)
-            .flat_map(|k| sample(std::slice::from_ref(&noise), count, k, &settings))
+            .flat_map(|k| sample(std::slice::from_ref(&noise), count, settings.block, k, &settings))
             .collect();
         let as_built: Vec<f64> = samples.iter().filter(|x| x.abs() < 3.0).map(|x| x * x).collect();
         let found = (as_built.iter().sum::<f64>() / as_built.len() as f64).sqrt();
@@ -162,8 +198,9 @@ mod tests {
     fn inaccuracy_is_slow_and_as_large_as_was_said() {
         let settings = settings::Noise::default();
         let quiet = Noise::new(&[0.0; 200], 2.0, settings.own);
-        let samples: Vec<Vec<f64>> =
-            (0..settings.samples as u64).map(|k| sample(std::slice::from_ref(&quiet), 200, k, &settings)).collect();
+        let samples: Vec<Vec<f64>> = (0..settings.samples as u64)
+            .map(|k| sample(std::slice::from_ref(&quiet), 200, settings.block, k, &settings))
+            .collect();
         let square = samples.iter().flatten().map(|x| x * x).sum::<f64>() / (200.0 * settings.samples as f64);
         assert!((square.sqrt() - 2.0).abs() < 0.3, "{square}");
         assert!(samples[0].windows(2).all(|w| (w[1] - w[0]).abs() < 0.5));

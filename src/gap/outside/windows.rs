@@ -1,19 +1,41 @@
-//! Means over windows in time: the features by which a run is compared with a model.
+//! What is compared of a channel: means over windows in time, or its samples.
 
 use super::data::RunPart;
+use super::model_error::fast;
 use crate::gap::{Band, Label, settings};
 
-/// Equal stretches of time that cover a part.
+/// What the features of a part are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Means over windows: the channels change little within one.
+    Means,
+    /// Samples: the channels swing within a window, and a mean would hide it.
+    Samples,
+}
+
+impl Kind {
+    pub fn words(self) -> &'static str {
+        match self {
+            Kind::Means => "means over windows",
+            Kind::Samples => "samples",
+        }
+    }
+}
+
+/// Equal stretches of time that cover a part, or samples of it.
 #[derive(Clone, Debug)]
 pub(super) struct Windows {
+    pub kind: Kind,
     /// Of each the first sample, that of its second half, and the one behind it.
     bounds: Vec<[usize; 3]>,
-    /// s
-    edges: Vec<f64>,
+    /// Extent that each is reported with, s. Samples have that of a stretch.
+    extents: Vec<(f64, f64)>,
     /// A row a channel: whether a sample was measured.
     measured: Vec<Vec<bool>>,
     /// Samples of a window in the mean.
     as_built: usize,
+    /// Features that the noise is remembered over.
+    pub memory: usize,
 }
 
 impl Windows {
@@ -26,37 +48,95 @@ impl Windows {
             if half == 2 * count { part.time.len() } else { part.time.partition_point(|t| *t < edge(half)) }
         };
         Windows {
+            kind: Kind::Means,
             bounds: (0..count).map(|i| [at(2 * i), at(2 * i + 1), at(2 * i + 2)]).collect(),
-            edges: (0..=count).map(|i| edge(2 * i)).collect(),
-            measured: part.channels.iter().map(|x| x.iter().map(|x| x.is_finite()).collect()).collect(),
+            extents: (0..count).map(|i| (edge(2 * i), edge(2 * i + 2))).collect(),
+            measured: measured(part),
             as_built: part.time.len() / count,
+            memory: 1,
         }
     }
 
-    /// Windows whose length suits the noise in what is left of each channel.
-    pub fn suited(part: &RunPart, left: &[Vec<f64>], settings: &settings::Windows) -> Windows {
+    /// Samples, each or every so many, so that there are not too many. The noise is remembered over some of the run's.
+    fn samples(part: &RunPart, memory: usize, settings: &settings::Windows) -> Windows {
+        let every = part.time.len().div_ceil(settings.most_samples).max(1);
+        let coarse = Windows::new(part, settings.first, settings);
+        let chosen: Vec<usize> = (0..part.time.len()).step_by(every).collect();
+        let within = |i: usize| {
+            let at = coarse.bounds.partition_point(|[_, _, end]| *end <= i);
+            coarse.extents.get(at).or(coarse.extents.last()).copied().unwrap_or_default()
+        };
+        Windows {
+            kind: Kind::Samples,
+            extents: chosen.iter().map(|i| within(*i)).collect(),
+            bounds: chosen.into_iter().map(|i| [i, i, i + 1]).collect(),
+            measured: coarse.measured,
+            as_built: 1,
+            memory: memory.div_ceil(every),
+        }
+    }
+
+    /// What suits a part: means over windows whose length suits the noise in each channel, or samples where channels
+    /// or what is left of them swing within such a window. `noise` is what is left of each that nothing foretells.
+    pub fn suited(part: &RunPart, from: &Seen, settings: &settings::Windows) -> Windows {
         let samples = part.time.len() as f64;
-        let memory = left.iter().map(|x| correlation(x, part.time.len() / 30)).max().unwrap_or(1) as f64;
-        let length = (settings.correlation_times * memory).clamp(samples / settings.most, samples / settings.least);
-        Windows::new(part, (samples / length).round() as usize, settings)
+        let memory = from.noise.iter().map(|x| correlation(x, part.time.len() / 30)).max().unwrap_or(1);
+        let length =
+            (settings.correlation_times * memory as f64).clamp(samples / settings.most, samples / settings.least);
+        let means = Windows::new(part, (samples / length).round() as usize, settings);
+        let swings = (0..from.left.len()).any(|c| {
+            let noise = variance(&fast(&from.noise[c], part.time.len() / 30));
+            let above = |x: &[f64], add: f64, share: f64| {
+                let within = means.within(x);
+                within > settings.swings * (noise + add) && within > share * variance(x)
+            };
+            above(&from.simulated[c], 0.0, settings.swings_share)
+                || above(&from.left[c], noise, settings.left_swings_share)
+        });
+        if swings { Windows::samples(part, memory, settings) } else { means }
     }
 
     pub fn count(&self) -> usize {
         self.bounds.len()
     }
 
-    /// What the features are about: all windows of a channel, then the next channel's.
+    /// Variance of a row within windows, about a straight line through each.
+    pub fn within(&self, row: &[f64]) -> f64 {
+        let (mut sum, mut freedom) = (0.0, 0.0);
+        for [from, _, to] in &self.bounds {
+            let x: Vec<(f64, f64)> = row[*from..*to]
+                .iter()
+                .enumerate()
+                .filter(|(_, x)| x.is_finite())
+                .map(|(i, x)| (i as f64, *x))
+                .collect();
+            let n = x.len() as f64;
+            if n < 3.0 {
+                continue;
+            }
+            let mean = x.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+            let (mut tt, mut tx, mut xx) = (0.0, 0.0, 0.0);
+            for (t, x) in x.iter().map(|p| (p.0 - mean.0, p.1 - mean.1)) {
+                (tt, tx, xx) = (tt + t * t, tx + t * x, xx + x * x);
+            }
+            sum += (xx - tx * tx / tt).max(0.0);
+            freedom += n - 2.0;
+        }
+        if freedom > 0.0 { sum / freedom } else { 0.0 }
+    }
+
+    /// What the features are about: all of a channel in order of time, then the next channel's.
     pub fn labels<'a>(&self, channels: impl Iterator<Item = &'a String>) -> Vec<Label> {
         let ms = |t: f64| (1e3 * t).round() as i64;
         let of = |channel: &String| {
-            let label = |(index, w): (usize, &[f64])| Label {
+            let label = |(index, (from, to)): (usize, &(f64, f64))| Label {
                 channel: channel.clone(),
                 band: Band::Track,
                 index,
-                from: ms(w[0]),
-                to: ms(w[1]),
+                from: ms(*from),
+                to: ms(*to),
             };
-            self.edges.windows(2).enumerate().map(label).collect::<Vec<_>>()
+            self.extents.iter().enumerate().map(label).collect::<Vec<_>>()
         };
         channels.flat_map(of).collect()
     }
@@ -90,16 +170,32 @@ impl Windows {
     }
 }
 
+/// What windows are chosen by, a row of samples a channel.
+pub(super) struct Seen<'a> {
+    pub simulated: &'a [Vec<f64>],
+    /// Measured less simulated.
+    pub left: &'a [Vec<f64>],
+    /// What nothing foretells of it.
+    pub noise: &'a [Vec<f64>],
+}
+
+fn measured(part: &RunPart) -> Vec<Vec<bool>> {
+    part.channels.iter().map(|x| x.iter().map(|x| x.is_finite()).collect()).collect()
+}
+
+/// Of what is finite.
+fn variance(x: &[f64]) -> f64 {
+    let known = || x.iter().copied().filter(|x| x.is_finite());
+    let count = known().count().max(1) as f64;
+    let mean = known().sum::<f64>() / count;
+    known().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count
+}
+
 /// Samples after which what is left of a channel has forgotten itself: where the autocorrelation, without what is
 /// slower than `slow` samples, is under 1/e. At least 1.
 fn correlation(x: &[f64], slow: usize) -> usize {
     let slow = slow.max(2);
-    let mut fast = Vec::with_capacity(x.len());
-    for stretch in x.chunks(slow) {
-        let known = || stretch.iter().filter(|x| x.is_finite());
-        let mean = known().sum::<f64>() / known().count().max(1) as f64;
-        fast.extend(stretch.iter().map(|x| if x.is_finite() { x - mean } else { 0.0 }));
-    }
+    let fast: Vec<f64> = fast(x, slow).into_iter().map(|x| if x.is_finite() { x } else { 0.0 }).collect();
     let product = |lag: usize| -> f64 { fast.iter().zip(&fast[lag..]).map(|(a, b)| a * b).sum() };
     let power = product(0);
     (1..slow.min(fast.len())).find(|&lag| product(lag) < power * 0.367_879_441).unwrap_or(slow)
@@ -147,9 +243,18 @@ mod tests {
         for i in 1..6000 {
             slow[i] = 0.95 * slow[i - 1] + white[i];
         }
-        let count = |x: &Vec<f64>| Windows::suited(&part(x.clone()), std::slice::from_ref(x), &settings).count();
+        let still = [vec![0.0; 6000]];
+        let suited = |x: &Vec<f64>, simulated: &[Vec<f64>]| {
+            let left = std::slice::from_ref(x);
+            Windows::suited(&part(x.clone()), &Seen { simulated, left, noise: left }, &settings)
+        };
+        let count = |x: &Vec<f64>| suited(x, &still).count();
         assert_eq!(count(&white), 150);
         // Forgotten to 1/e after 19.5 samples, less as what is slower is left out: 60 to 98 samples a window.
         assert!((61..=100).contains(&count(&slow)), "{}", count(&slow));
+        // What swings within a window is compared sample by sample, and what rises slowly is not.
+        let of = |f: &dyn Fn(f64) -> f64| [(0..6000).map(|i| f(f64::from(i))).collect::<Vec<f64>>()];
+        assert_eq!(suited(&white, &of(&|t| 9.0 * crate::base::trig::sin(0.5 * t))).kind, Kind::Samples);
+        assert_eq!(suited(&white, &of(&|t| 9.0 * crate::base::trig::sin(0.002 * t))).kind, Kind::Means);
     }
 }

@@ -55,7 +55,7 @@ mod scoring;
 mod search;
 
 pub use chain::{Ensembles, ForceSlopes, Impacts};
-pub use outside::{Fitting, Noise, Processes, Windows};
+pub use outside::{Fitting, ModelError, Noise, OutsideComparison, Processes, Windows};
 pub use reporting::{Checks, Intervals, Reporting};
 pub use scoring::{Likelihood, Observations, Significance};
 pub use search::{RandomEffects, Refitting, Relinearisation, SHARES, Screening, Selection, SensorFits};
@@ -137,7 +137,9 @@ pub struct Chain {
 pub struct Outside {
     pub windows: Windows,
     pub noise: Noise,
+    pub model_error: ModelError,
     pub fitting: Fitting,
+    pub comparison: OutsideComparison,
     pub processes: Processes,
 }
 
@@ -164,7 +166,9 @@ impl Settings {
             chain.force_slopes.table(),
             outside.windows.table(),
             outside.noise.table(),
+            outside.model_error.table(),
             outside.fitting.table(),
+            outside.comparison.table(),
             outside.processes.table(),
         ]
         .concat()

@@ -16,8 +16,18 @@ settings! {
         samples: usize = 4, "–", Chosen("its halves have a mean of two");
         /// Windows without which nothing can be scored.
         needed: usize = 8, "–", Chosen("a block of noise is as long");
-        /// Windows before the noise is known.
+        /// Windows before the noise is known; stretches that samples are reported by.
         first: usize = 100, "–", Chosen("between the least and the most");
+        /// What the model swings by within a window counts from so many times the noise's variance: samples are compared
+        /// then, as a mean would hide it.
+        swings: f64 = 1.0, "–", Chosen("less is hidden by the noise, too");
+        /// The same, as a share of all that the model moves.
+        swings_share: f64 = 0.01, "–", Chosen("where a channel moves slowly, a straight line through a window misses \
+            less");
+        /// What is left swings within a window where it has so large a share of all that is left.
+        left_swings_share: f64 = 0.1, "–", Chosen("a means' average hides a tenth of the misfit then");
+        /// Samples that are compared at most; of more, every second or third is.
+        most_samples: usize = 4000, "–", Chosen("memory and time grow with them; what is between tells little more");
     }
 }
 
@@ -32,8 +42,35 @@ settings! {
         block: usize = 8, "–", Chosen("what noise remembers stays (Künsch 1989)");
         /// Beyond so many deviations a window has a noise of its own.
         own: f64 = 3.0, "–", Chosen("a normal deviate is beyond in 0.3 % of the windows; a channel's jump is");
+        /// Of samples, what is slower than the run over this is no noise.
+        slow: usize = 30, "–", Chosen("as in the correlation time of windows");
+        /// Where second differences have less than so much of the variance, what is left may swing by a misfit, and
+        /// hypotheses are looked for with what they have.
+        smooth: f64 = 0.5, "–", Chosen("white noise has as much in both; the best hypothesis decides at last");
+        /// Noise that is found anew by such a factor is taken for the whole diagnosis.
+        anew: f64 = 1.2, "–", Chosen("what changes less turns no verdict");
+        /// Factors by which accuracies are multiplied to see whether a verdict hangs on them.
+        accuracies: [f64; 2] = [0.5, 2.0], "–", Chosen("an accuracy is hardly known better than by a factor of 2");
+        /// Share of the repeatability's mean square that accuracies have at least where a verdict may hang on them.
+        accuracy_share: f64 = 0.1, "–", Chosen("less changes a mean square by less than a tenth");
+        /// How often it is found anew.
+        rounds: usize = 3, "–", Chosen("the second time mostly changes less than that factor");
         /// Slow waves of which a model's inaccuracy is made, half waves over a run.
         waves: usize = 8, "–", Chosen("inaccuracy is slow against the windows");
+    }
+}
+
+settings! {
+    /// The model of the model's error, by which a misfit is told from noise.
+    ModelError as "outside.model_error" {
+        /// Lags of each function of a channel; the first are neighbours, and each further one is longer by a quarter.
+        lags: usize = 16, "–", Chosen("the longest is 33 samples, the memory of a damped resonance that is sampled well");
+        /// Stretches of which every other one is foretold by the rest.
+        blocks: usize = 8, "–", Chosen("each holds many lags");
+        /// Share of the squares that has to be foretold for it to be a misfit.
+        foretold: f64 = 0.1, "–", Chosen("less hardly changes the noise");
+        /// Samples for each unknown, or else nothing is foretold.
+        samples_each: usize = 6, "–", Chosen("with fewer the fit is to noise");
     }
 }
 
@@ -42,6 +79,8 @@ settings! {
     Fitting as "outside.fitting" {
         /// Difference that slopes are taken over, of a nuisance's range.
         difference: f64 = 1e-3, "–", Chosen("small against the range, large against a solver's tolerance");
+        /// The same where a model's answers are random.
+        random_difference: f64 = 0.05, "–", Chosen("what the nuisance changes has to stand out of what chance does");
         /// Deviation of a nuisance before the run, of its range.
         prior: f64 = 1.0, "–", Chosen("the range itself, so that it hardly counts");
         /// Steps below this are none, of a nuisance's range.
@@ -50,8 +89,38 @@ settings! {
         small: f64 = 1e-2, "–", Chosen("slopes hardly change over it");
         /// Steps at most.
         steps: usize = 15, "–", Chosen("Gauss and Newton's method needs fewer where it converges");
+        /// Steps of the nuisances with effects at most, beyond where slopes at the nominal model put them.
+        along: usize = 6, "–", Chosen("each costs a simulation, and corrects the slopes");
+        /// Share of the squares that such a step has to promise.
+        along_enough: f64 = 0.05, "–", Chosen("less turns no comparison");
+        /// Share of the squares that a step of the nominal fit to all runs together has to promise.
+        enough: f64 = 1e-3, "–", Chosen("less moves no shared nuisance by its interval");
+        /// Re-fits of hypotheses by simulation at most, in place of `refitting.rounds`.
+        rounds: usize = 8, "–", Chosen("oscillations are farther from linear than means along a track");
+        /// A fit of nuisances that leaves so many times the noise is tried from other starts, too.
+        restart: f64 = 4.0, "–", Chosen("less is no sign of a fit that went astray");
+        /// How far that has to be from where it began, of a nuisance's range.
+        other_start: f64 = 0.05, "–", Chosen("nearer starts mostly end alike");
+        /// Such starts at most: the nominal values, and where other runs are.
+        starts: usize = 4, "–", Chosen("each costs a simulation, and the best of them a fit");
+        /// Stretches of a run by which a nuisance is looked at for drift.
+        stretches: usize = 4, "–", Chosen("each still holds enough to tell a nuisance");
+        /// Deviations by which a nuisance has to differ to be told.
+        drift: f64 = 6.0, "–", Chosen("slopes are linear and the noise an estimate, so twice what chance needs");
+        /// Share of itself by which it has to differ, too.
+        drift_share: f64 = 0.1, "–", Chosen("less is within what runs of a machine differ by");
         /// Steps after which the repeatability stays as it is.
         settled: usize = 6, "–", Chosen("a cost that changes with each step has no least");
+    }
+}
+
+settings! {
+    /// Constants of the comparison that are others for programs outside.
+    OutsideComparison as "outside.comparison" {
+        /// In place of `likelihood.unknown_most`.
+        unknown_most: f64 = 4.0, "–", Chosen("the model's own accuracy is counted, so that an equation which leaves \
+            five times the \
+            repeatability is no likelier than something unknown");
     }
 }
 

@@ -43,6 +43,8 @@ settings! {
         /// What the best effect of the library is thought to leave of a gap that is none of it.
         unknown_leaves: f64 = 0.5, "–", Chosen("an effect that closes half of a gross gap is believed a little sooner \
             (version a42c364)");
+        /// What it is thought to leave at most beyond the repeatability, as a mean square.
+        unknown_most: f64 = f64::INFINITY, "–", Chosen("the chain's equations miss the machine's by a share of the gap");
         /// Strengths that something unknown costs as many of.
         unknown_strengths: f64 = 2.0, "–", Chosen("one for its size and one for its place");
         /// How much runs have in common at least of what sits at places.

@@ -61,7 +61,8 @@ pub fn section(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
         }
         @if !all.is_empty() {
             (worst(&all, extent, track, diagnosis.axis))
-            (table(&all))
+            // In time there is one kind of deviation only.
+            @if diagnosis.axis == Axis::Track { (table(&all)) }
         }
     }
 }

@@ -61,6 +61,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
             ul.lost { @for line in &diagnosis.lost { li { (line) } } }
         }
         (repeatability(diagnosis))
+        (outside(diagnosis))
     };
     document(&format!("{title}: the gap"), style::STYLE, &body)
 }
@@ -190,17 +191,65 @@ fn groups(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
+/// Of a model outside: errors of samples, nuisances, the verdict by accuracy, and remarks.
+fn outside(diagnosis: &Diagnosis) -> Markup {
+    let Some(own) = &diagnosis.outside else { return html! {} };
+    html! {
+        @if !own.sample_error.is_empty() {
+            h2 { "Error of samples" }
+            div.scroll { table {
+                thead { tr { th { "channel" } th.number { "before" } th.number { "after" } th.number { "noise" } th { "unit" }
+                    th { "compared" } } }
+                tbody { @for (channel, error) in &own.sample_error { tr {
+                    td { (channel) } td.number { (decimal(error.before, 3)) } td.number { (decimal(error.after, 3)) }
+                    td.number { (decimal(error.noise, 3)) } td { (error.unit) } td { (error.compared) }
+                } } }
+            } }
+            p.note { "Measured less simulated, root mean square over all samples, with the nuisances fitted." }
+        }
+        @if own.nuisances.values().any(|each| !each.is_empty()) {
+            h2 { "Nuisances as fitted" }
+            div.scroll { table {
+                thead { tr { th { "run" } th { "nuisance" } th.number { "value" } th { "90 % interval" } } }
+                tbody { @for (run, each) in &own.nuisances { @for (k, (name, x)) in each.iter().enumerate() {
+                    @let (value, interval) = amount(x);
+                    tr { td { @if k == 0 { (run) } } td { (plain(name)) } td.number { (value) }
+                        td { (interval) @if x.at_bound.is_some() { ", " b { (bound(x)) } } } }
+                } } }
+            } }
+        }
+        @if !own.by_accuracy.is_empty() {
+            h2 { "The verdict by the model's accuracy" }
+            div.scroll { table {
+                thead { tr { th { "accuracy" } th { "effects" } th.number { "no gap" } th.number { "none of these" } } }
+                tbody { @for row in &own.by_accuracy { tr {
+                    td { @for (k, (c, x)) in row.accuracy.iter().enumerate() { @if k > 0 { ", " } (c) " " (decimal(*x, 2)) } }
+                    td { @for (k, (name, p)) in row.effects.iter().enumerate() {
+                        @if k > 0 { ", " } (plain(name)) " " (percent(*p)) } }
+                    td.number { (percent(row.none_probability)) } td.number { (percent(row.unknown_probability)) }
+                } } }
+            } }
+        }
+        @for remark in &own.remarks { p.note { (remark) } }
+    }
+}
+
 fn repeatability(diagnosis: &Diagnosis) -> Markup {
+    let own = |channel: &str| diagnosis.outside.as_ref()?.sample_error.get(channel);
     let unit = |channel: &str| {
         let of_overlay = diagnosis.overlays.iter().find(|o| o.channel == channel).map(|o| o.unit.as_str());
-        of_overlay.unwrap_or_else(|| Channel::unit_of(channel)).to_owned()
+        let declared = own(channel).map(|error| error.unit.as_str());
+        declared.or(of_overlay).unwrap_or_else(|| Channel::unit_of(channel)).to_owned()
     };
+    let samples = diagnosis.repeatability.keys().any(|c| own(c).is_some_and(|error| error.compared == "samples"));
     html! {
         @if !diagnosis.repeatability.is_empty() {
             h2 { "Repeatability" }
             p { @if diagnosis.axis == Axis::Track {
                     "Two laps of the same system are this far apart by chaos alone (root mean square of their two-cart \
                      means). "
+                } @else if samples {
+                    "The same measured again would be this far apart (root mean square of samples). "
                 } @else {
                     "The same measured again would be this far apart (root mean square of the means over windows). "
                 } "It counts as no gap: "

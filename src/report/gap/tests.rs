@@ -97,6 +97,7 @@ fn placed() -> Diagnosis {
         lost: vec![Lost::data("run-02 lost 3 % of steer_right, so that nothing is known of it from 60 m to 64 m.")],
         overlays: vec![overlay("run-02", "steer_left", "N", 36.0), overlay("run-02", "joint_eta", "N", 36.0)],
         axis: Axis::Track,
+        outside: None,
     }
 }
 
@@ -150,6 +151,7 @@ fn nothing() -> Diagnosis {
         lost: Vec::new(),
         overlays: Vec::new(),
         axis: Axis::Track,
+        outside: None,
     }
 }
 
@@ -183,6 +185,7 @@ fn outside() -> Diagnosis {
         overlays: vec![overlay("test", "force", "N", 1.0)],
         repeatability: [("force".to_owned(), 0.4)].into(),
         axis: Axis::Time,
+        outside: None,
         ..placed()
     }
 }

@@ -48,7 +48,7 @@ pub fn stretch(from: f64, to: f64, axis: Axis) -> String {
 /// What a band tells of, as a column's head and in words.
 pub fn band(name: &str, axis: Axis) -> &'static str {
     match name {
-        "track" if axis == Axis::Time => "means over windows in time",
+        "track" if axis == Axis::Time => "",
         "track" => "means that belong to a place",
         "fluctuation" => "how much a channel fluctuates at a place",
         "distribution" => "how often it is low or high",
