@@ -3,7 +3,7 @@
 use super::diagnosis::Lost;
 use super::ids::{CandidateId, PerRun};
 use super::settings::Checks;
-use super::simulator::{Applied, Axis, Candidate, Candidates, Frame, Laps, Request, Simulator};
+use super::simulator::{Applied, Axis, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator};
 use crate::identify::Effort;
 use crate::identify::noise::ChannelNoise;
 use std::collections::BTreeMap;
@@ -90,6 +90,10 @@ impl Simulator for Checked<'_> {
 
     fn effort(&self) -> Effort {
         self.simulator.effort()
+    }
+
+    fn outline(&self, applied: &Applied) -> Option<Outline> {
+        self.simulator.outline(applied)
     }
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {

@@ -146,6 +146,22 @@ pub struct Finding {
     pub place: String,
     /// What says the place, as an `effect` of a layout takes it.
     pub fixed: BTreeMap<String, f64>,
+    /// The shape that it gives a wheel or a rail; null where it gives none.
+    pub shape: Option<Shape>,
+}
+
+/// A shape of a wheel or a rail with the ends of its strengths' 90 % intervals.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shape {
+    /// What has it, and which way it counts.
+    pub of: String,
+    /// Unit of the places: `rad` around a wheel, `m` along the track.
+    pub over: String,
+    pub at: Vec<f64>,
+    /// How far it is off, m.
+    pub value_m: Vec<f64>,
+    pub low_m: Vec<f64>,
+    pub high_m: Vec<f64>,
 }
 
 /// A fitted strength with its 90 % interval.

@@ -29,6 +29,7 @@ mod scored;
 mod screen;
 mod second;
 pub mod settings;
+mod shape;
 mod significance;
 mod simulator;
 mod tune;
@@ -39,7 +40,7 @@ pub use cost::{Cost, Costs};
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
 pub use diagnosis::{
     Amount, Bound, ByAccuracy, Diagnosis, Extent, Finding, GapPlace, Group, Lost, OutsideModel, Overlay, RunGap,
-    SampleError, Unexplained, Verdict,
+    SampleError, Shape, Unexplained, Verdict,
 };
 pub use ids::{CandidateId, Id, List, PerRun, RunId};
 pub use remembered::{Left, Remembered};

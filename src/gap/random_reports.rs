@@ -65,6 +65,7 @@ impl Random {
             gap_closed_placebo: self.some(-3.0, 1.0),
             place: if self.chance(0.3) { "somewhere".into() } else { String::new() },
             fixed: BTreeMap::new(),
+            shape: None,
         }
     }
 

@@ -11,7 +11,7 @@
 
 use super::ids::{CandidateId, Id, PerRun, RunId};
 use super::settings::Checks;
-use super::simulator::{Applied, Axis, Candidates, Frame, Laps, Request, Simulator};
+use super::simulator::{Applied, Axis, Candidates, Frame, Laps, Outline, Request, Simulator};
 use crate::base::digest::sha256;
 use crate::identify::Effort;
 use crate::identify::noise::ChannelNoise;
@@ -111,6 +111,10 @@ impl Simulator for Remembered<'_> {
 
     fn effort(&self) -> Effort {
         self.simulator.effort()
+    }
+
+    fn outline(&self, applied: &Applied) -> Option<Outline> {
+        self.simulator.outline(applied)
     }
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {

@@ -10,6 +10,7 @@ use super::overlays::overlays;
 use super::places::{places, unexplained};
 use super::scored::Scored;
 use super::screen::explain;
+use super::shape::shape;
 use super::simulator::{Band, Frame};
 use super::untested::Untested;
 use super::{likelihood, words};
@@ -173,12 +174,14 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
         gap_closed_placebo: None,
         place: String::new(),
         fixed: BTreeMap::new(),
+        shape: None,
     };
     let Some(scored) = best else { return out };
     // Strengths are told with those beside them that may be there, too.
     out.strength = amounts(&compared.comparison, whole(compared, scored), name);
     let own = |c: &&CandidateId| compared.comparison.candidates()[**c].effect == name;
     if let Some(candidate) = scored.fitted.hypothesis.members.iter().find(own) {
+        out.shape = shape(compared.comparison.simulator, *candidate, &out.strength);
         let candidate = &compared.comparison.candidates()[*candidate];
         out.place.clone_from(&candidate.place);
         out.fixed = candidate.fixed.iter().cloned().collect();

@@ -18,6 +18,17 @@ pub struct Context<'a> {
     pub settings: &'a Settings,
 }
 
+/// A shape of a wheel or a rail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// What has it, in words.
+    pub of: String,
+    /// Unit of the places: `rad` around a wheel, `m` along the track.
+    pub over: &'static str,
+    /// Places, and how far it is off there, m.
+    pub points: Vec<(f64, f64)>,
+}
+
 /// A model whose runs can be simulated with effects.
 pub trait Simulator: Sync {
     /// Effects that may be added, each at one place: an effect that may sit at several places is several candidates.
@@ -47,6 +58,11 @@ pub trait Simulator: Sync {
     /// What was simulated so far, the fits of the nominal model included.
     fn effort(&self) -> Effort {
         Effort::default()
+    }
+
+    /// The shape that effects give a wheel or a rail, where they give one.
+    fn outline(&self, _: &Applied) -> Option<Outline> {
+        None
     }
 
     /// Of each run, the noise of its channels' sensors, where the model has some.

@@ -6,10 +6,11 @@ mod frame;
 mod impacts;
 mod laps;
 mod nominal;
+mod outline;
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
-use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Request, Simulator, Strength};
+use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator, Strength};
 use crate::base::{parallel, trig};
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
@@ -323,6 +324,10 @@ impl Simulator for Chains {
 
     fn effort(&self) -> Effort {
         self.runs.iter().map(|run| run.model.counter.effort()).fold(self.counter.effort(), Effort::plus)
+    }
+
+    fn outline(&self, applied: &Applied) -> Option<Outline> {
+        self.outline_of(applied)
     }
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {

@@ -4,6 +4,7 @@
 mod bars;
 mod map;
 mod overlay;
+mod shape;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -36,6 +37,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         figure { figcaption { b { "Probability" } " that each is present" } (bars::probabilities(diagnosis)) }
         @if changed {
             (strengths(&claims(diagnosis, &named)))
+            (shape::shapes(&named))
             @if gap {
                 (bars::closed(diagnosis, &named))
                 (closed_by_channel(diagnosis))

@@ -2,7 +2,7 @@ use super::*;
 use crate::base::trig;
 use crate::chain_input::CentreLinePiece;
 use crate::gap::random_reports::{hold, report};
-use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap, Unexplained};
+use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap, Shape, Unexplained};
 use std::collections::BTreeMap;
 
 fn oval() -> Track {
@@ -26,7 +26,27 @@ fn finding(name: &str, probability: f64) -> Finding {
         gap_closed_placebo: None,
         place: String::new(),
         fixed: BTreeMap::new(),
+        shape: None,
     }
+}
+
+#[test]
+fn a_shape_is_drawn_with_its_band_and_one_of_nothing_is_not() {
+    let shape = |size: f64| Shape {
+        of: "left steering wheel, radius".into(),
+        over: "rad".into(),
+        at: vec![0.0, 3.0, 6.0],
+        value_m: vec![0.0, -size, 0.0],
+        low_m: vec![0.0, -2.0 * size, 0.0],
+        high_m: vec![0.0, 0.0, 0.0],
+    };
+    let drawn = |size: f64| {
+        let finding = Finding { shape: Some(shape(size)), ..finding("wheel_out_of_round", 0.9) };
+        shape::shapes(&[&finding]).into_string()
+    };
+    let page = drawn(1e-4);
+    assert!(page.contains("left steering wheel, radius, µm") && page.contains("class=\"after\""), "{page}");
+    assert!(!drawn(0.0).contains("<svg"));
 }
 
 fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> GapPlace {

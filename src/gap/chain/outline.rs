@@ -1,0 +1,88 @@
+//! What shape an effect gives wheels and rails, read from what it does to the chain.
+
+use super::Chains;
+use crate::base::trig;
+use crate::chain_input::{Deviations, closed};
+use crate::effects::deviations_of;
+use crate::gap::simulator::{Applied, Outline};
+
+/// Points around a wheel.
+const AROUND: usize = 72;
+
+/// Points along a rail at most, and the length that is shown of a shape which goes all around the lap, m.
+const ALONG: usize = 200;
+const SHOWN: f64 = 10.0;
+
+impl Chains {
+    /// The first wheel or rail that an effect changes; `None` where it changes none.
+    pub(super) fn outline_of(&self, applied: &Applied) -> Option<Outline> {
+        let run = self.runs.first()?;
+        let deviations = deviations_of(&run.with(vec![self.effect(applied)]).simulation).ok()?.1;
+        wheel(&deviations).or_else(|| rail(&deviations, run.model.spec.places.lap))
+    }
+}
+
+/// The radius beside the nominal one over a turn.
+fn wheel(deviations: &Deviations) -> Option<Outline> {
+    let names =
+        ["left steering wheel", "right steering wheel", "steering wheels", "left running wheel", "right running wheel"];
+    let tables = deviations.steering.iter().chain(&deviations.wheels);
+    let (name, table) = names.into_iter().zip(tables).find(|(_, table)| table.iter().any(|x| *x != 0.0))?;
+    let point = |k: usize| {
+        let share = k as f64 / AROUND as f64;
+        (trig::TAU * share, closed(table, share).0)
+    };
+    Some(Outline { of: format!("{name}, radius"), over: "rad", points: (0..=AROUND).map(point).collect() })
+}
+
+/// Where a rail is beside the centre line's, over the stretch on which it is off.
+fn rail(deviations: &Deviations, lap: f64) -> Option<Outline> {
+    let names = ["steering rails, to the left", "left rail, upwards", "right rail, upwards"];
+    let off = |table: &Vec<f64>| table.iter().any(|x| *x != 0.0);
+    let (name, table) = names.into_iter().zip(&deviations.rails).find(|(_, table)| off(table))?;
+    let n = table.len();
+    // From behind the longest stretch that is not off, so that one over the lap's begin stays whole.
+    let some: Vec<usize> = (0..n).filter(|k| table[*k] != 0.0).collect();
+    let gap = |k: usize| (some[(k + 1) % some.len()] + n - some[k] - 1) % n + 1;
+    let widest = (0..some.len()).max_by_key(|k| gap(*k))?;
+    let (first, last) = (some[(widest + 1) % some.len()], some[widest]);
+    let count = (last + n - first) % n + 1;
+    let length = (count + 1) as f64 * lap / n as f64;
+    let (begin, length) =
+        if 2 * count > n { (0.0, SHOWN.min(lap)) } else { ((first as f64 - 1.0) * lap / n as f64, length) };
+    let points = ALONG.min(count + 2).max(2);
+    let point = |k: usize| {
+        let at = begin + length * k as f64 / (points - 1) as f64;
+        (at, closed(table, at / lap).0)
+    };
+    Some(Outline { of: name.to_owned(), over: "m", points: (0..points).map(point).collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wheel_is_shown_over_a_turn_and_a_rail_where_it_is_off() {
+        let table =
+            |from: usize, to: usize| (0..1000).map(|k| if (from..to).contains(&k) { 1e-3 } else { 0.0 }).collect();
+        let flat = Deviations { steering: [vec![0.0, -1e-4, 0.0, 0.0], Vec::new()], ..Deviations::default() };
+        let found = wheel(&flat).expect("a wheel");
+        assert_eq!(
+            (found.of.as_str(), found.over, found.points.len()),
+            ("left steering wheel, radius", "rad", AROUND + 1)
+        );
+        assert!((found.points[AROUND / 4].1 + 1e-4).abs() < 1e-12);
+        let step = Deviations { rails: [Vec::new(), table(300, 340), Vec::new()], ..Deviations::default() };
+        let found = rail(&step, 50.0).expect("a rail");
+        let ends = (found.points[0].0, found.points[found.points.len() - 1].0);
+        assert!((ends.0 - 14.95).abs() < 0.06 && (ends.1 - 17.0).abs() < 0.06, "{ends:?}");
+        // Over the begin of the lap.
+        let mut over = table(0, 20);
+        table(980, 1000).iter().zip(&mut over).for_each(|(x, y): (&f64, &mut f64)| *y += x);
+        let found =
+            rail(&Deviations { rails: [over, Vec::new(), Vec::new()], ..Deviations::default() }, 50.0).expect("a rail");
+        assert!((found.points[0].0 - 48.95).abs() < 0.06, "{:?}", found.points[0]);
+        assert_eq!(rail(&Deviations::default(), 50.0), None);
+    }
+}
