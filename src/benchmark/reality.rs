@@ -171,11 +171,16 @@ pub fn distances(a: &Run, b: &Run, nominal: &Simulation) -> BTreeMap<Channel, f6
     found.filter_map(|(c, d)| Some((c, d.nrmsd_two_carts? * (d.reference.max - d.reference.min)))).collect()
 }
 
-/// What the sensor cart brings home: noise, a trigger that comes a sample early or late, whole steps of a converter.
+/// What the sensor cart brings home: noise, white and with a memory, a trigger that comes a sample early or late, whole
+/// steps of a converter.
 pub fn measured(mut run: Run, planned: &Simulation, layout: &str, state: &mut u64) -> Run {
     let (force, speed) = (draw(state, 0.5, 1.5), draw(state, 0.03, 0.08));
     let (force_step, speed_step) = ([0.1, 0.2, 0.5][pick(state, 3)], [0.005, 0.01, 0.02][pick(state, 3)]);
     let jitter = pick(state, 5) as i64 - 2;
+    let (slow, time) = (draw(state, 0.0, 0.6), draw_log(state, 0.1, 0.6));
+    let period = run.time.get(1).zip(run.time.first()).map_or(0.0, |(b, a)| b - a);
+    let memory = trig::exp(-period / time);
+    let innovation = (1.0 - memory * memory).sqrt();
     for (channel, samples) in &mut run.channels {
         let (deviation, step) = match channel.unit() {
             "N" => (force, force_step),
@@ -183,8 +188,17 @@ pub fn measured(mut run: Run, planned: &Simulation, layout: &str, state: &mut u6
             "rad" => (1e-4, 1e-5),
             _ => (0.0, 0.0),
         };
+        let slow = match *channel {
+            Channel::JointXi => 3.0 * slow,
+            _ if channel.unit() == "N" => slow,
+            _ => 0.0,
+        };
+        let mut remembered = normal(state);
         if step > 0.0 {
-            samples.iter_mut().for_each(|x| *x = ((*x + deviation * normal(state)) / step).round() * step);
+            for x in samples.iter_mut() {
+                *x = ((*x + deviation * normal(state) + slow * remembered) / step).round() * step;
+                remembered = memory * remembered + innovation * normal(state);
+            }
         }
         if *channel == Channel::Trigger && !samples.is_empty() {
             let now = samples.clone();

@@ -6,7 +6,7 @@ use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::benchmark::draw::{add, draw, draw_log, lap, pick, shuffle};
 use crate::benchmark::source::{Act, Change, Source, chain, sign};
-use crate::chain_input::{Ripple, Simulation};
+use crate::chain_input::{Every, Guides, Ripple, Simulation};
 use crate::dynamics::law::tangent;
 use crate::signal::{Channel, FORCES, Run};
 use std::collections::BTreeMap;
@@ -22,16 +22,21 @@ pub fn machine(which: usize, nominal: &Simulation, state: &mut u64) -> Source {
     match which {
         0 => chain("joint_clearance", "gap", (2e-5, 1.5e-3), Box::new(|x, _, d| d.clearance += x)),
         1 => {
-            let slow = draw(state, 0.004, 0.03);
-            let act: Act = Box::new(move |x, _, d| (d.sliding, d.smoothing[0]) = (d.sliding + x, slow));
-            chain("wheel_sliding", "friction", (0.01, 0.6), act)
+            let (slow, held) = (draw(state, 0.004, 0.03), uniform(state) < 0.5);
+            let act: Act = Box::new(move |x, _, d| {
+                (d.sliding, d.smoothing[0], d.held) = (d.sliding + x, slow, held);
+            });
+            let mut source = chain("wheel_sliding", "friction", (0.01, 0.6), act);
+            source.fixed.insert("held".to_owned(), f64::from(u8::from(held)));
+            source
         }
         2 => {
             let slow = draw(state, 0.01, 0.04);
             let act: Act = Box::new(move |x, _, d| (d.swivel, d.smoothing[1]) = (d.swivel + x, slow));
             chain("fork_swivel", "moment", (0.3, 60.0), act)
         }
-        3 => flexibility(nominal, lap, state),
+        3 if uniform(state) < 0.5 => flexibility(nominal, lap, state),
+        3 => guides(nominal, state),
         4 => wheel(nominal, state),
         5 => step(lap, state),
         6 => ripple(nominal, state),
@@ -117,19 +122,33 @@ fn flexibility(nominal: &Simulation, lap: f64, state: &mut u64) -> Source {
     chain("track_flexibility", "compliance", (3e-8, 5e-6), act)
 }
 
+/// Guides that give way between supports which are not where the drawing has them.
+fn guides(nominal: &Simulation, state: &mut u64) -> Source {
+    let span = draw(state, 0.6, 1.4) * nominal.supports_every_m.unwrap_or(3.0);
+    let first = span * uniform(state);
+    let act: Act = Box::new(move |x, _, d| d.guides = Guides { compliance: x, span, first });
+    chain("track_flexibility", "guides", (5e-8, 1e-5), act)
+}
+
+/// Of all carts, or of the one with the sensors only.
 fn wheel(nominal: &Simulation, state: &mut u64) -> Source {
     const POINTS: usize = 64;
-    let (wheel, flat) = (pick(state, 3), uniform(state) < 0.4);
+    let (wheel, flat) = (pick(state, 5), uniform(state) < 0.4);
     let (phase, second) = (trig::TAU * uniform(state), draw(state, 0.0, 0.2));
-    let radius = if wheel == 0 { nominal.steering_wheel.radius_m } else { nominal.running_wheel.radius_m };
+    let own = Every { nth: nominal.chain.carts, from: nominal.sensor.cart.saturating_sub(1) };
+    let worn = if uniform(state) < 0.5 { own } else { Every::default() };
+    let running = (1..3).contains(&wheel);
+    let radius = if running { nominal.running_wheel.radius_m } else { nominal.steering_wheel.radius_m };
     let act: Act = Box::new(move |x, _, d| {
         // Half the angle of the worn spot, whose bottom is rounded.
         let half = (2.0 * x / radius.max(1e-6)).sqrt().max(0.3);
-        if d.wheels[wheel].is_empty() {
-            d.wheels[wheel].resize(POINTS, 0.0);
+        d.worn = worn;
+        let table = if wheel < 3 { &mut d.wheels[wheel] } else { &mut d.steering[wheel - 3] };
+        if table.is_empty() {
+            table.resize(POINTS, 0.0);
         }
-        let n = d.wheels[wheel].len();
-        for (k, y) in d.wheels[wheel].iter_mut().enumerate() {
+        let n = table.len();
+        for (k, y) in table.iter_mut().enumerate() {
             let angle = trig::TAU * k as f64 / n as f64;
             let off = trig::wrap(angle - phase);
             *y += if !flat {
@@ -172,14 +191,14 @@ fn ripple(nominal: &Simulation, state: &mut u64) -> Source {
     source
 }
 
-/// Some carts by chance, with unequal items; or all of them.
+/// Some carts by chance, with unequal items, the one with the sensors among them or not; or all of them.
 fn load(nominal: &Simulation, state: &mut u64) -> Source {
-    let (all, share) = (uniform(state) < 0.4, draw(state, 0.4, 0.6));
-    let sensor = nominal.sensor.cart;
+    let (all, share) = (uniform(state) < 0.3, draw(state, 0.2, 0.7));
+    let (sensor, empty) = (nominal.sensor.cart, uniform(state) < 0.6);
     let each: Vec<f64> = (0..nominal.chain.carts)
         .map(|i| match all {
             true => draw(state, 0.95, 1.05),
-            false if i + 1 == sensor => 0.0,
+            false if i + 1 == sensor && empty => 0.0,
             false => f64::from(u8::from(uniform(state) < share)) * draw(state, 0.7, 1.3),
         })
         .collect();
@@ -188,7 +207,9 @@ fn load(nominal: &Simulation, state: &mut u64) -> Source {
         d.load.iter_mut().zip(&each).for_each(|(x, e)| *x += e * mass / sim.cart.mass_kg.max(1e-9));
     });
     let mut source = chain("load_distribution", "mass", (0.3, 100.0), act);
-    source.fixed.insert("on_sensor".to_owned(), f64::from(u8::from(all)));
+    if all {
+        source.fixed.insert("on_sensor".to_owned(), 1.0);
+    }
     source
 }
 

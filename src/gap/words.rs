@@ -192,9 +192,13 @@ fn left(run: &RunGap) -> String {
     )
 }
 
-/// A mean square over that of repeated measurements.
+/// A mean square over that of repeated measurements: near the limit to the third decimal, as it is held beside that.
 fn times(x: f64) -> String {
-    if x.is_finite() { trimmed(x, 3) } else { "unknown".to_owned() }
+    match x {
+        _ if !x.is_finite() => "unknown".to_owned(),
+        _ if x.abs() < 2.0 => trimmed(x, 3),
+        _ => significant(x, 3),
+    }
 }
 
 fn likely(finding: &Finding) -> String {
