@@ -223,11 +223,11 @@ fn telling(
     tells
 }
 
-/// Whether it is the first strength of an effect that has few places, `most` of them.
+/// Whether an effect has few places, `most` of them.
 fn few(candidates: &Candidates, trial: Trial, most: usize) -> bool {
     let own = &candidates[trial.candidate];
     let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
-    trial.strength == 0 && !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
+    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.

@@ -20,7 +20,7 @@ settings! {
         /// Places of an effect that is tried at several strengths, at most.
         few_places: usize = 10, "–", Chosen("the cost is places times strengths");
         /// At how many strengths such an effect is tried.
-        rungs: usize = 5, "–", Chosen("a fit that begins far off ends far off; the cost grows with them");
+        rungs: usize = 6, "–", Chosen("a fit that begins far off ends far off; the cost grows with them");
         /// Share of the squares that may be left where such a strength is taken.
         rung_left: f64 = 0.98, "–", Chosen("less than what chance explains is no reason to leave the first size");
         /// No larger strength is tried where so many times the squares are left.
