@@ -6,7 +6,7 @@ use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::benchmark::draw::{add, draw, draw_log, lap, pick, shuffle};
 use crate::benchmark::source::Change;
-use crate::chain_input::{Deviations, Simulation};
+use crate::chain_input::{Deviations, Every, Simulation, WheelPlace, WornWheel};
 use crate::dynamics;
 use crate::dynamics::{End, Method, Plan, Progress, Width};
 use crate::identify::{COUNT, Parameter};
@@ -155,9 +155,10 @@ fn scatter(nominal: &Simulation, state: &mut u64) -> Deviations {
             .collect();
         add(table, lap, |s| waves.iter().map(|(a, k, phase)| a * trig::sin(k * s + phase)).sum());
     }
-    for table in &mut scatter.wheels {
+    for wheel in [WheelPlace::Steering, WheelPlace::RunningLeft, WheelPlace::RunningRight] {
         let (amplitude, phase) = (3e-6 * normal(state), trig::TAU * uniform(state));
-        *table = (0..64).map(|k| amplitude * trig::sin(trig::TAU * f64::from(k) / 64.0 + phase)).collect();
+        let radius = (0..64).map(|k| amplitude * trig::sin(trig::TAU * f64::from(k) / 64.0 + phase)).collect();
+        scatter.worn.push(WornWheel { wheel, radius, carts: Every::default() });
     }
     scatter.thrust = nominal.motors.s_m.iter().map(|_| 1.0 + 0.01 * normal(state)).collect();
     scatter

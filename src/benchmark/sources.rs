@@ -6,7 +6,7 @@ use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::benchmark::draw::{add, draw, draw_log, lap, pick, shuffle};
 use crate::benchmark::source::{Act, Change, Source, chain, sign};
-use crate::chain_input::{Every, Guides, Ripple, Simulation};
+use crate::chain_input::{Every, Guides, Ripple, Simulation, WheelPlace, WornWheel};
 use crate::dynamics::law::tangent;
 use crate::signal::{Channel, FORCES, Run};
 use std::collections::BTreeMap;
@@ -133,35 +133,31 @@ fn guides(nominal: &Simulation, state: &mut u64) -> Source {
 /// Of all carts, or of the one with the sensors only.
 fn wheel(nominal: &Simulation, state: &mut u64) -> Source {
     const POINTS: usize = 64;
-    let (wheel, flat) = (pick(state, 5), uniform(state) < 0.4);
+    let (number, flat) = (pick(state, WheelPlace::ALL.len()), uniform(state) < 0.4);
+    let wheel = WheelPlace::ALL[number];
     let (phase, second) = (trig::TAU * uniform(state), draw(state, 0.0, 0.2));
     let own = Every { nth: nominal.chain.carts, from: nominal.sensor.cart.saturating_sub(1) };
-    let worn = if uniform(state) < 0.5 { own } else { Every::default() };
-    let running = (1..3).contains(&wheel);
-    let radius = if running { nominal.running_wheel.radius_m } else { nominal.steering_wheel.radius_m };
+    let carts = if uniform(state) < 0.5 { own } else { Every::default() };
+    let wheels = if wheel.is_running() { &nominal.running_wheel } else { &nominal.steering_wheel };
+    let nominal_radius = wheels.radius_m;
     let act: Act = Box::new(move |x, _, d| {
         // Half the angle of the worn spot, whose bottom is rounded.
-        let half = (2.0 * x / radius.max(1e-6)).sqrt().max(0.3);
-        d.worn = worn;
-        let table = if wheel < 3 { &mut d.wheels[wheel] } else { &mut d.steering[wheel - 3] };
-        if table.is_empty() {
-            table.resize(POINTS, 0.0);
-        }
-        let n = table.len();
-        for (k, y) in table.iter_mut().enumerate() {
-            let angle = trig::TAU * k as f64 / n as f64;
+        let half = (2.0 * x / nominal_radius.max(1e-6)).sqrt().max(0.3);
+        let at = |k: usize| {
+            let angle = trig::TAU * k as f64 / POINTS as f64;
             let off = trig::wrap(angle - phase);
-            *y += if !flat {
+            if !flat {
                 x * (trig::sin(angle + phase) + second * trig::sin(2.0 * angle))
             } else if off.abs() < half {
                 -0.5 * x * (1.0 + trig::cos(trig::PI * off / half))
             } else {
                 0.0
-            };
-        }
+            }
+        };
+        d.worn.push(WornWheel { wheel, radius: (0..POINTS).map(at).collect(), carts });
     });
     let mut source = chain("wheel_out_of_round", "amplitude", (1e-5, 1.5e-3), act);
-    source.fixed = [("wheel".to_owned(), wheel as f64 + 1.0), ("shape".to_owned(), f64::from(u8::from(flat)))].into();
+    source.fixed = [("wheel".to_owned(), number as f64 + 1.0), ("shape".to_owned(), f64::from(u8::from(flat)))].into();
     source
 }
 

@@ -36,13 +36,8 @@ pub struct Deviations {
     /// Where the rails are beside where the centre line has them, m: to the left; upwards under the left and the right
     /// running wheel. Closed tables over the lap, at equal distances; empty for none.
     pub rails: [Vec<f64>; 3],
-    /// Radius of the steering wheels, the left and the right running wheels beside the nominal one, m, over a
-    /// revolution. Every cart's wheels are at another angle.
-    pub wheels: [Vec<f64>; 3],
-    /// The same of the left and of the right steering wheels alone.
-    pub steering: [Vec<f64>; 2],
-    /// Which carts have these wheels.
-    pub worn: Every,
+    /// Wheels whose radius is not the nominal one. Every cart's wheels are at another angle.
+    pub worn: Vec<WornWheel>,
     /// How the guides of the steering wheels give way.
     pub guides: Guides,
     /// Whether running wheels slide across the cart, which holds them; else across the track, along which they swivel.
@@ -61,6 +56,41 @@ pub struct Ripple {
     pub wavelength: f64,
     /// rad
     pub phase: f64,
+}
+
+/// A wheel of some carts that is worn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WornWheel {
+    pub wheel: WheelPlace,
+    /// Radius beside the nominal one, m, over a revolution, at equal angles.
+    pub radius: Vec<f64>,
+    pub carts: Every,
+}
+
+/// A wheel of a cart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WheelPlace {
+    /// Both steering wheels as one, which shifts the cart to the left by what its radius has more.
+    Steering,
+    RunningLeft,
+    RunningRight,
+    SteeringLeft,
+    SteeringRight,
+}
+
+impl WheelPlace {
+    /// In the order in which layouts count them, from 1.
+    pub const ALL: [WheelPlace; 5] = [
+        WheelPlace::Steering,
+        WheelPlace::RunningLeft,
+        WheelPlace::RunningRight,
+        WheelPlace::SteeringLeft,
+        WheelPlace::SteeringRight,
+    ];
+
+    pub fn is_running(self) -> bool {
+        matches!(self, WheelPlace::RunningLeft | WheelPlace::RunningRight)
+    }
 }
 
 /// Each so manyth cart from one on, which is counted from 0.
@@ -119,9 +149,7 @@ impl Default for Deviations {
             load: Vec::new(),
             pitch: Vec::new(),
             rails: Default::default(),
-            wheels: Default::default(),
-            steering: Default::default(),
-            worn: Every::default(),
+            worn: Vec::new(),
             guides: Guides::default(),
             held: false,
             resistance: Vec::new(),
@@ -145,7 +173,7 @@ impl Deviations {
 
     /// Whether rails or wheels are not where or as they should be.
     pub fn has_profiles(&self) -> bool {
-        self.rails.iter().chain(&self.wheels).chain(&self.steering).any(|table| !table.is_empty())
+        !self.worn.is_empty() || self.rails.iter().any(|table| !table.is_empty())
     }
 
     /// Whether forces act at front joints that the nominal ones lack.
@@ -222,22 +250,25 @@ impl Deviations {
     /// `lap` and `radius` in m.
     pub fn offset(&self, k: usize, i: usize, station: f64, lap: f64, radius: f64) -> (f64, f64) {
         let (rail, slope) = closed(&self.rails[k], station / lap);
-        if !self.worn.has(i) {
-            return (rail, slope / lap);
-        }
-        let (wheel, rate) = closed(&self.wheels[k], turns(i, station, radius));
-        (rail + wheel, slope / lap + rate / (trig::TAU * radius))
+        let (wheel, rate) = self.of_wheel(WheelPlace::ALL[k], i, station, radius);
+        (rail + wheel, slope / lap + rate)
     }
 
     /// The same of the steering wheel that is nearer to its rail, of a cart that lies `across` to the left, m: where the
     /// wheel's radius is larger, its rail is as much nearer.
     pub fn steered(&self, across: f64, i: usize, station: f64, radius: f64) -> (f64, f64) {
-        if !self.worn.has(i) {
-            return (0.0, 0.0);
-        }
-        let (side, nearer) = if across > 0.0 { (0, -1.0) } else { (1, 1.0) };
-        let (wheel, rate) = closed(&self.steering[side], turns(i, station, radius));
-        (nearer * wheel, nearer * rate / (trig::TAU * radius))
+        let (wheel, nearer) =
+            if across > 0.0 { (WheelPlace::SteeringLeft, -1.0) } else { (WheelPlace::SteeringRight, 1.0) };
+        let (more, rate) = self.of_wheel(wheel, i, station, radius);
+        (nearer * more, nearer * rate)
+    }
+
+    /// What a wheel's radius has more where cart `i` is, m, and its slope.
+    fn of_wheel(&self, wheel: WheelPlace, i: usize, station: f64, radius: f64) -> (f64, f64) {
+        let own = self.worn.iter().filter(|worn| worn.wheel == wheel && worn.carts.has(i));
+        let each = own.map(|worn| closed(&worn.radius, turns(i, station, radius)));
+        let (more, rate) = each.fold((0.0, 0.0), |sum, (more, rate)| (sum.0 + more, sum.1 + rate));
+        (more, rate / (trig::TAU * radius))
     }
 }
 

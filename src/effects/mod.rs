@@ -28,7 +28,7 @@ pub mod sites;
 mod speed_drag;
 mod stiffness_temperature;
 mod track_flexibility;
-pub mod wheel_out_of_round;
+mod wheel_out_of_round;
 mod wheel_sliding;
 
 use crate::base::random::uniform;

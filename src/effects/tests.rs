@@ -45,9 +45,14 @@ fn every_effect_of_the_chain_moves_what_carts_measure() {
     let plain = ensemble_of(&nominal());
     for effect in LIBRARY.into_iter().chain(AS_BUILT).filter(|e| !e.is_sensor()) {
         for (strength, fitted) in effect.strengths() {
-            // Wheels beyond the first strength are single ones.
-            let wheel = if effect.name() == "wheel_out_of_round" { Some(("wheel", 4.0)) } else { None };
-            let given: Vec<(&str, f64)> = wheel.into_iter().chain([(strength.name, fitted.trial)]).collect();
+            // At the first of the listed sites that has the strength.
+            let listed = match effect.sites {
+                Sites::Listed(listed) => listed(&nominal()),
+                Sites::Suspected => Vec::new(),
+            };
+            let site = listed.into_iter().find(|site| (effect.has)(site, strength.name));
+            let place = site.into_iter().flat_map(|site| site.fixed);
+            let given: Vec<(&str, f64)> = place.chain([(strength.name, fitted.trial)]).collect();
             let moved = ensemble_of(&with(effect.name(), &given));
             assert!(
                 plain.carts[0].forces != moved.carts[0].forces,
@@ -347,6 +352,12 @@ fn wheels_of_one_side_and_of_some_carts_are_worn_alone() {
         let worn = (0..40).any(|k| some.offset(1, cart, 0.01 * f64::from(k), 60.0, 0.06).0 != 0.0);
         assert_eq!(worn, cart.abs_diff(sensor).is_multiple_of(3), "{cart}");
     }
+    // Of two worn wheels each has its own carts.
+    let mut two = with("wheel_out_of_round", &[("amplitude", 1e-4), ("wheel", 2.0), ("every", 3.0)]);
+    two.effects.extend(with("wheel_out_of_round", &[("amplitude", 1e-4), ("wheel", 3.0)]).effects);
+    let two = deviations_of(&two).expect("built").1;
+    let beside = |wheel: usize| two.offset(wheel, sensor + 1, 0.1, 60.0, 0.06).0;
+    assert!(beside(1) == 0.0 && beside(2) != 0.0);
     // Waves twice a turn repeat after half a turn.
     let wavy = deviations(&[("amplitude", 0.0), ("twice", 1e-4), ("wheel", 3.0)]);
     let half = trig::PI * 0.06;

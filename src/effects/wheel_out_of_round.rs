@@ -1,5 +1,5 @@
 //! A wheel out of round, r(φ) = r₀ + Σ aₙ sin nφ with waves once to four times a turn, or with a flat spot: a chord that
-//! takes its depth a from the radius once a revolution (Nielsen and Johansson 2000). Wheel 1 is both steering wheels, 2
+//! takes its depth a from the radius once a revolution (Nielsen and Johansson 2000). WheelPlace 1 is both steering wheels, 2
 //! the left and 3 the right running wheel, 4 the left and 5 the right steering wheel; shape 1 is the flat spot.
 //!
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
@@ -7,7 +7,7 @@
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths};
 use crate::base::trig;
-use crate::chain_input::{Deviations, Every, Simulation};
+use crate::chain_input::{Deviations, Every, Simulation, WheelPlace, WornWheel};
 use crate::model::effect_definitions;
 
 pub const EFFECT: Effect = Effect {
@@ -30,22 +30,21 @@ pub const EFFECT: Effect = Effect {
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     const POINTS: usize = 128;
     let (amplitude, flat) = (strengths.of("amplitude"), strengths.of("shape") > 0.5);
-    let wheel = strengths.index("wheel").min(4);
-    let running = (1..3).contains(&wheel);
-    let radius = if running { simulation.running_wheel.radius_m } else { simulation.steering_wheel.radius_m };
-    deviations.worn = worn(strengths.of("every"), simulation);
+    let wheel = WheelPlace::ALL[strengths.index("wheel").min(WheelPlace::ALL.len() - 1)];
+    let wheels = if wheel.is_running() { &simulation.running_wheel } else { &simulation.steering_wheel };
     let waves = ["twice", "thrice", "four_times"].map(|name| strengths.of(name));
     // Half the angle of a chord of that depth.
-    let reach = (2.0 * amplitude / radius.max(1e-6)).sqrt().max(2.5 / POINTS as f64 * trig::TAU);
-    let table = if wheel < 3 { &mut deviations.wheels[wheel] } else { &mut deviations.steering[wheel - 3] };
-    table.resize(POINTS, 0.0);
-    for (k, x) in table.iter_mut().enumerate() {
+    let reach = (2.0 * amplitude / wheels.radius_m.max(1e-6)).sqrt().max(2.5 / POINTS as f64 * trig::TAU);
+    let radius = (0..POINTS).map(|k| {
         let angle = trig::TAU * k as f64 / POINTS as f64;
         let off = (angle - trig::PI) / reach;
         // Less radius lets the cart down.
-        *x += if flat { -amplitude * (1.0 - off * off).max(0.0) } else { amplitude * trig::sin(angle) };
-        *x += waves.iter().zip(2..).map(|(wave, n)| wave * trig::sin(f64::from(n) * angle)).sum::<f64>();
-    }
+        let first = if flat { -amplitude * (1.0 - off * off).max(0.0) } else { amplitude * trig::sin(angle) };
+        first + waves.iter().zip(2..).map(|(wave, n)| wave * trig::sin(f64::from(n) * angle)).sum::<f64>()
+    });
+    let nth = strengths.of("every").round().max(1.0) as usize;
+    let carts = Every { nth, from: simulation.sensor.cart.saturating_sub(1) };
+    deviations.worn.push(WornWheel { wheel, radius: radius.collect(), carts });
 }
 
 fn wheels(_: &Simulation) -> Vec<Site> {
@@ -57,18 +56,6 @@ fn wheels(_: &Simulation) -> Vec<Site> {
         fixed: vec![("wheel", k as f64 + 1.0), ("shape", shape)],
     })
     .collect()
-}
-
-/// Which carts have such wheels: each so manyth from the one with the sensors on.
-fn worn(every: f64, simulation: &Simulation) -> Every {
-    Every { nth: every.round().max(1.0) as usize, from: simulation.sensor.cart.saturating_sub(1) }
-}
-
-/// Of an input with such wheels.
-pub fn worn_in(simulation: &Simulation) -> Every {
-    let effect = simulation.effects.iter().find(|e| e.name == EFFECT.name());
-    let every = effect.and_then(|e| e.strengths.get("every")).copied().unwrap_or(1.0);
-    worn(every, simulation)
 }
 
 /// So far apart, carts do not feel each other's wheels.

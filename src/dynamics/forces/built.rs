@@ -3,7 +3,7 @@
 
 use super::Forces;
 use crate::base::trig;
-use crate::chain_input::closed;
+use crate::chain_input::{WheelPlace, closed};
 use crate::dynamics::law::tangent;
 use crate::dynamics::model::Model;
 use crate::dynamics::segments::Home;
@@ -66,14 +66,20 @@ pub(super) fn build(model: &Model, home: &Home, bodies: &Bodies, pack: usize, fo
     }
 }
 
+/// Whether it is one steering wheel of its own.
+fn steers(wheel: WheelPlace) -> bool {
+    matches!(wheel, WheelPlace::SteeringLeft | WheelPlace::SteeringRight)
+}
+
 /// Offsets of rails and wheels.
 fn profiles(model: &Model, pack: usize, carts: usize, forces: &Forces, built: &mut Built) {
     let lap = model.segments.line.length;
     let radii = [model.steering.radius, model.running.radius, model.running.radius];
     let deviations = &model.deviations;
     for (k, radius) in radii.into_iter().enumerate() {
-        let steered = k == 0 && deviations.steering.iter().any(|wheel| !wheel.is_empty());
-        if deviations.rails[k].is_empty() && deviations.wheels[k].is_empty() && !steered {
+        let steered = k == 0 && deviations.worn.iter().any(|worn| steers(worn.wheel));
+        let own = deviations.worn.iter().any(|worn| worn.wheel == WheelPlace::ALL[k]);
+        if deviations.rails[k].is_empty() && !own && !steered {
             continue;
         }
         for lane in 0..carts {

@@ -2,11 +2,10 @@
 
 use super::{Chains, frame};
 use crate::chain_input as input;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::dynamics::Ensemble;
 use crate::effects::deviations_of;
 use crate::effects::load_distribution::{DRAW, EFFECT as LOAD, Loaded};
-use crate::effects::wheel_out_of_round::worn_in;
 use crate::gap::simulator::{Laps, Request};
 use crate::identify::{Model, repeatability::Repeatability};
 use std::iter;
@@ -53,8 +52,8 @@ impl Chains {
     fn like(&self, request: &Request, effects: Vec<input::DeclaredEffect>) -> Option<(Model, Ensemble)> {
         let carts = self.runs[request.run].model.simulation.chain.carts as f64;
         let (model, _, mut ensemble) = self.run_ensemble(request.run, &request.step, effects, carts)?;
-        let load = deviations_of(&model.simulation).ok()?.1.load;
-        let observed = observed(&model.simulation, &load, ensemble.carts.len());
+        let deviations = deviations_of(&model.simulation).ok()?.1;
+        let observed = observed(&model.simulation, &deviations, ensemble.carts.len());
         let mut each = observed.iter();
         ensemble.carts.retain(|_| each.next().is_none_or(|observed| *observed));
         Some((model, ensemble))
@@ -72,14 +71,13 @@ fn with_draw(effects: &[input::DeclaredEffect], draw: usize) -> Vec<input::Decla
 
 /// Which carts are like the one with the sensors: all, or where some carry items or have wheels out of round those that
 /// are as it is and have such carts beside them.
-pub(super) fn observed(simulation: &Simulation, load: &[f64], carts: usize) -> Vec<bool> {
-    let loaded = |k: usize| load.get(k % carts).is_some_and(|x| *x != 0.0);
-    let worn = worn_in(simulation);
+pub(super) fn observed(simulation: &Simulation, deviations: &Deviations, carts: usize) -> Vec<bool> {
+    let loaded = |k: usize| deviations.load.get(k % carts).is_some_and(|x| *x != 0.0);
     let own = Loaded::in_input(simulation);
     let like = |k: usize| {
         let as_loaded =
             |own: Loaded| loaded(k) == own.own && loaded(k + carts - 1) == own.before && loaded(k + 1) == own.after;
-        worn.has(k) && own.is_none_or(as_loaded)
+        deviations.worn.iter().all(|worn| worn.carts.has(k)) && own.is_none_or(as_loaded)
     };
     let observed: Vec<bool> = (0..carts).map(like).collect();
     if observed.contains(&true) { observed } else { vec![true; carts] }

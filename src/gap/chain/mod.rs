@@ -13,7 +13,7 @@ use super::settings::{self, Settings};
 use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator, Strength};
 use crate::base::{parallel, trig};
 use crate::chain_input as input;
-use crate::chain_input::Simulation;
+use crate::chain_input::{Deviations, Simulation};
 use crate::dynamics::{CartRecord, Ensemble, Width};
 use crate::effects::sites::Site;
 use crate::effects::{AS_BUILT, Effect, LIBRARY, Sensed, Sites, Start, StrengthSearch, deviations_of, named, sense};
@@ -211,12 +211,13 @@ impl Chains {
         let passes = if step.is_empty() { settings.signature_passes } else { settings.passes };
         let fitted = &self.runs[run];
         let chain = fitted.with(effects.clone()).simulation;
-        let (load, carts) = (deviations_of(&chain).ok()?.1.load, chain.chain.carts);
+        let (deviations, carts) = (deviations_of(&chain).ok()?.1, chain.chain.carts);
         // Where few carts are like the one with the sensors, they pass more often.
-        let like = observed(&chain, &load, carts).iter().filter(|observed| **observed).count() as f64 / carts as f64;
+        let like =
+            observed(&chain, &deviations, carts).iter().filter(|observed| **observed).count() as f64 / carts as f64;
         let all = (passes / like).min(passes.max(carts as f64));
         let (model, at, ensemble) = self.run_ensemble(run, step, effects, all)?;
-        let features = fitted.features(&model, &ensemble, &load, sensor, at);
+        let features = fitted.features(&model, &ensemble, &deviations, sensor, at);
         // Of what differs, chaos' share is taken out, block by block.
         Some(fitted.calmed(&self.frames[run], &features, all * like))
     }
@@ -365,8 +366,15 @@ impl FittedRun {
 
     /// Features of an ensemble as sensors with the model's effects observe it; of the carts that are not loaded, where
     /// some are.
-    fn features(&self, model: &Model, ensemble: &Ensemble, load: &[f64], sensor: bool, at: Coordinates) -> Vec<f64> {
-        let observed = observed(&model.simulation, load, ensemble.carts.len());
+    fn features(
+        &self,
+        model: &Model,
+        ensemble: &Ensemble,
+        deviations: &Deviations,
+        sensor: bool,
+        at: Coordinates,
+    ) -> Vec<f64> {
+        let observed = observed(&model.simulation, deviations, ensemble.carts.len());
         // Moving the measured samples ahead leaves the model behind.
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - self.landing.at[trigger];

@@ -2,7 +2,7 @@
 
 use super::Chains;
 use crate::base::trig;
-use crate::chain_input::{Deviations, closed};
+use crate::chain_input::{Deviations, WheelPlace, closed};
 use crate::effects::deviations_of;
 use crate::gap::simulator::{Applied, Outline};
 
@@ -24,13 +24,17 @@ impl Chains {
 
 /// The radius beside the nominal one over a turn.
 fn wheel(deviations: &Deviations) -> Option<Outline> {
-    let names =
-        ["left steering wheel", "right steering wheel", "steering wheels", "left running wheel", "right running wheel"];
-    let tables = deviations.steering.iter().chain(&deviations.wheels);
-    let (name, table) = names.into_iter().zip(tables).find(|(_, table)| table.iter().any(|x| *x != 0.0))?;
+    let worn = deviations.worn.iter().find(|worn| worn.radius.iter().any(|x| *x != 0.0))?;
+    let name = match worn.wheel {
+        WheelPlace::Steering => "steering wheels",
+        WheelPlace::RunningLeft => "left running wheel",
+        WheelPlace::RunningRight => "right running wheel",
+        WheelPlace::SteeringLeft => "left steering wheel",
+        WheelPlace::SteeringRight => "right steering wheel",
+    };
     let point = |k: usize| {
         let share = k as f64 / AROUND as f64;
-        (trig::TAU * share, closed(table, share).0)
+        (trig::TAU * share, closed(&worn.radius, share).0)
     };
     Some(Outline { of: format!("{name}, radius"), over: "rad", points: (0..=AROUND).map(point).collect() })
 }
@@ -61,12 +65,20 @@ fn rail(deviations: &Deviations, lap: f64) -> Option<Outline> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chain_input::{Every, WornWheel};
 
     #[test]
     fn a_wheel_is_shown_over_a_turn_and_a_rail_where_it_is_off() {
         let table =
             |from: usize, to: usize| (0..1000).map(|k| if (from..to).contains(&k) { 1e-3 } else { 0.0 }).collect();
-        let flat = Deviations { steering: [vec![0.0, -1e-4, 0.0, 0.0], Vec::new()], ..Deviations::default() };
+        let flat = Deviations {
+            worn: vec![WornWheel {
+                wheel: WheelPlace::SteeringLeft,
+                radius: vec![0.0, -1e-4, 0.0, 0.0],
+                carts: Every::default(),
+            }],
+            ..Deviations::default()
+        };
         let found = wheel(&flat).expect("a wheel");
         assert_eq!(
             (found.of.as_str(), found.over, found.points.len()),
