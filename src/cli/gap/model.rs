@@ -12,7 +12,7 @@ pub struct Model {
     /// A program that simulates the runs, as docs/outside-models.md has it; the campaign declares its own channels then.
     #[arg(long, value_name = "COMMAND")]
     pub model: Option<String>,
-    /// A functional mock-up unit (FMI 2.0 or 3.0, co-simulation) that simulates the runs; fmu.toml beside the
+    /// A functional mock-up unit (FMI 2.0 or 3.0, co-simulation) that simulates the runs; the table [fmu] of
     /// campaign.toml names its parameters. Needs Python with lss_model and FMPy.
     #[arg(long, value_name = "FILE", conflicts_with = "model")]
     pub fmu: Option<PathBuf>,
