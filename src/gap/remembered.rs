@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 
 const MARK: &str = "lss gap simulations 3";
@@ -42,7 +42,6 @@ pub enum Left {
 /// A simulator that asks another one only what is not known.
 pub struct Remembered<'a> {
     simulator: &'a dyn Simulator,
-    path: PathBuf,
     left: Left,
     book: Mutex<Book>,
 }
@@ -74,7 +73,7 @@ impl<'a> Remembered<'a> {
             Some(Some(known)) => (Known::new(), Left::Contradicted(known.len())),
         };
         let file = begun(path, &first, &known).ok();
-        Remembered { simulator, path: path.to_owned(), left, book: Mutex::new(Book { known, file }) }
+        Remembered { simulator, left, book: Mutex::new(Book { known, file }) }
     }
 
     /// What the file held.
@@ -82,9 +81,9 @@ impl<'a> Remembered<'a> {
         self.left
     }
 
-    /// Removes the file, once the diagnosis is written.
-    pub fn forget(self) {
-        let _ = fs::remove_file(&self.path);
+    /// Removes a file of simulations, once the diagnosis is written.
+    pub fn forget(path: &Path) {
+        let _ = fs::remove_file(path);
     }
 
     fn book(&self) -> std::sync::MutexGuard<'_, Book> {
@@ -393,7 +392,7 @@ mod tests {
         assert_eq!(counting.asked(), 8, "a failure is never kept");
         let third = Remembered::new(&counting, &path, "a", &Checks::default());
         assert_eq!(third.left(), Left::Used(3));
-        third.forget();
+        Remembered::forget(&path);
         assert!(!path.exists());
     }
 

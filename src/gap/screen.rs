@@ -94,8 +94,7 @@ pub fn signatures(
     found
 }
 
-/// Signatures in the run of which most is left, at the sizes that it asks for; `None` in place of what could not be
-/// simulated.
+/// Trials at the sizes that the run asks for of which most is left.
 fn sized(
     context: Context,
     observations: &PerRun<Observation>,
@@ -127,7 +126,7 @@ fn sized(
                 own.signature = Some(signature);
             } else {
                 // As large as could be simulated.
-                *own = Sized { trial: firsts[k], signature: own.signature.take() };
+                own.trial = firsts[k];
             }
         }
         open = again;
@@ -167,16 +166,16 @@ fn sized(
     all
 }
 
-/// A trial at the size that a run asks for, and the last signature in that run that led to it.
+/// A trial at the size that a run asks for, and the last signature in that run that led to it; none where it could not
+/// be simulated.
 struct Sized {
     trial: Trial,
     signature: Option<Signature>,
 }
 
 /// Which of them are worth simulations of all runs: those that tell something of what is left of the run they were taken
-/// in, or of what the best of them together leave there (orthogonal matching pursuit, Pati,
-/// Rezaiifar and Krishnaprasad 1993); those that could
-/// not be simulated, and those that every built machine has.
+/// in, or of what the best of them together leave there (orthogonal matching pursuit, Pati, Rezaiifar and Krishnaprasad
+/// 1993); those that could not be simulated, and those that every built machine has.
 fn telling(
     context: Context,
     observations: &PerRun<Observation>,
@@ -186,20 +185,20 @@ fn telling(
     let settings = &context.settings.screening;
     let candidates = context.simulator.candidates();
     let run = most_off(observations, left);
+    // Where little is left, a score over all runs may see what none shows.
+    if observations[run].mean_square(&left[run]) < settings.selects_from {
+        return vec![true; sized.len()];
+    }
     let free = |trial: &Trial| candidates[trial.candidate].sensor && context.simulator.applies_sensor_models();
     let known = |s: &Sized| {
         let strength = &candidates[s.trial.candidate].strengths[s.trial.strength];
         s.signature.is_none() || strength.as_built > 0.0 || free(&s.trial)
     };
     let mut tells: Vec<bool> = sized.iter().map(known).collect();
-    // Where little is left, a score over all runs may see what none shows.
-    if observations[run].mean_square(&left[run]) < settings.halved_from {
-        return vec![true; sized.len()];
-    }
     let mut residual = left[run].clone();
     // Orthonormal, of what was taken out.
     let mut out: Vec<DVector<f64>> = Vec::new();
-    for _ in 0..settings.halvings {
+    for _ in 0..settings.selections {
         let worth = (settings.telling_share * residual.norm_squared())
             .max(settings.telling_score * settings.telling_score * observations[run].replicate);
         let explains = |s: &Sized| {

@@ -205,7 +205,7 @@ impl Diagnose {
             return could_not("write", &error.path, &error.reason);
         }
         // What is written needs no simulations any more.
-        books.iter().for_each(|book| drop(std::fs::remove_file(book)));
+        books.iter().for_each(|book| Remembered::forget(book));
         report::print(&match self.format {
             OutputFormat::Json => with_cost(found, cost),
             OutputFormat::Text => {

@@ -3,6 +3,7 @@
 use super::data::RunPart;
 use super::fit::{left, share};
 use super::protocol::Description;
+use super::told::root_mean_square;
 use super::{Error, Outside, Rows, Settings};
 use crate::base::number::{fixed, significant};
 use crate::gap::Applied;
@@ -64,11 +65,6 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-fn root_mean_square(x: &[f64]) -> f64 {
-    let known: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
-    (known.iter().map(|x| x * x).sum::<f64>() / known.len().max(1) as f64).sqrt()
-}
-
 impl Outside {
     /// Where the nuisances begin.
     pub(super) fn nominal_start(&self) -> Vec<f64> {
@@ -127,8 +123,8 @@ impl Outside {
         let each = self.channels.iter().enumerate().map(|(c, (name, unit))| {
             let known: Vec<f64> = part.channels[c].iter().copied().filter(|x| x.is_finite()).collect();
             let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
-            let moves = root_mean_square(&known.iter().map(|x| x - mean).collect::<Vec<_>>());
-            let error = root_mean_square(&errors[c]);
+            let moves = root_mean_square(known.iter().map(|x| x - mean));
+            let error = root_mean_square(errors[c].iter().copied());
             format!("{name} {} of {} {unit}", significant(error, 2), significant(moves, 2))
         });
         let each: Vec<String> = each.collect();
@@ -147,8 +143,8 @@ impl Outside {
                 Ok(rows) if trial => {
                     let errors = left(part, nominal);
                     let change = |c: usize| {
-                        let by: Vec<f64> = rows[c].iter().zip(&nominal[c]).map(|(a, b)| a - b).collect();
-                        root_mean_square(&by) / root_mean_square(&errors[c]).max(1e-300)
+                        let by = rows[c].iter().zip(&nominal[c]).map(|(a, b)| a - b);
+                        root_mean_square(by) / root_mean_square(errors[c].iter().copied()).max(1e-300)
                     };
                     let most = (0..rows.len()).map(change).fold(0.0, f64::max);
                     // Far below what is off, rounding and the solver's tolerance are seen; far above, nothing is linear.

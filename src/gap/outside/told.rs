@@ -213,7 +213,8 @@ fn solved(fitted: &FittedPart, weights: &[f64], some: &dyn Fn(usize) -> bool, k:
     }
 }
 
-fn root_mean_square(x: impl Iterator<Item = f64>) -> f64 {
+/// Of what is finite; 0 where nothing is.
+pub(super) fn root_mean_square(x: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for x in x.filter(|x| x.is_finite()) {
         (sum, count) = (sum + x * x, count + 1.0);

@@ -27,13 +27,13 @@ settings! {
         overshot: f64 = 3.0, "–", Chosen("beyond it an effect does far more than there is to explain");
         /// Mean square over that of replicate laps from which on signatures of all runs are taken only of what tells
         /// something in the run of which most is left.
-        halved_from: f64 = 4.0, "–", Chosen("below it scores over all runs may see what one run does not");
+        selects_from: f64 = 4.0, "–", Chosen("below it scores over all runs may see what one run does not");
         /// What tells something explains this share of the squares there.
         telling_share: f64 = 0.01, "–", Chosen("half of what is worth a relinearisation");
         /// Or it is there with so many deviations, whichever is more.
         telling_score: f64 = 4.0, "–", Chosen("of some hundred normal deviates the largest is seldom above it");
         /// In what is left of the run, then in what the best leaves there, and so on, so often.
-        halvings: usize = 4, "–", Chosen("twice as many as a hypothesis has members");
+        selections: usize = 4, "–", Chosen("twice as many as a hypothesis has members");
         /// Simulations that are asked for at once.
         batch: usize = 24, "–", Chosen("progress is told between them, and threads are busy within them");
     }
