@@ -112,8 +112,8 @@ impl Simulator for Remembered<'_> {
         self.simulator.effort()
     }
 
-    fn outline(&self, applied: &Applied) -> Option<Outline> {
-        self.simulator.outline(applied)
+    fn outline(&self, applied: &Applied, at: Option<&[f64]>) -> Option<Outline> {
+        self.simulator.outline(applied, at)
     }
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {

@@ -8,13 +8,14 @@ use std::collections::BTreeMap;
 
 /// Of a candidate with fitted strengths; `None` where it gives nothing a shape.
 pub fn shape(simulator: &dyn Simulator, candidate: CandidateId, strength: &BTreeMap<String, Amount>) -> Option<Shape> {
-    let with = |of: fn(&Amount) -> f64| -> Option<Outline> {
+    let with = |of: fn(&Amount) -> f64, at: Option<&[f64]>| -> Option<Outline> {
         let strengths = simulator.candidates()[candidate].strengths.iter();
         let strengths = strengths.map(|s| strength.get(&s.name).map_or(0.0, of)).collect();
-        simulator.outline(&Applied { candidate, strengths })
+        simulator.outline(&Applied { candidate, strengths }, at)
     };
-    let whole = with(|amount| amount.value)?;
-    let ends = [with(|amount| amount.low), with(|amount| amount.high)];
+    let whole = with(|amount| amount.value, None)?;
+    let at: Vec<f64> = whole.points.iter().map(|(at, _)| *at).collect();
+    let ends = [with(|amount| amount.low, Some(&at)), with(|amount| amount.high, Some(&at))];
     // A strength of 0 has no shape, which is one of zeros.
     let at_end = |end: &Option<Outline>, k: usize| {
         end.as_ref().filter(|p| p.of == whole.of).and_then(|p| p.points.get(k)).map_or(0.0, |(_, y)| *y)
@@ -26,7 +27,7 @@ pub fn shape(simulator: &dyn Simulator, candidate: CandidateId, strength: &BTree
     Some(Shape {
         of: whole.of.clone(),
         over: whole.over.to_owned(),
-        at: values(&|k| whole.points[k].0),
+        at: values(&|k| at[k]),
         value_m: values(&|k| whole.points[k].1),
         low_m: edge(f64::min),
         high_m: edge(f64::max),

@@ -60,8 +60,8 @@ pub trait Simulator: Sync {
         Effort::default()
     }
 
-    /// The shape that effects give a wheel or a rail, where they give one.
-    fn outline(&self, _: &Applied) -> Option<Outline> {
+    /// The shape that effects give a wheel or a rail, where they give one: at places, or at those that show it.
+    fn outline(&self, _: &Applied, _: Option<&[f64]>) -> Option<Outline> {
         None
     }
 

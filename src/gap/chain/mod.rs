@@ -327,8 +327,8 @@ impl Simulator for Chains {
         self.runs.iter().map(|run| run.model.counter.effort()).fold(self.counter.effort(), Effort::plus)
     }
 
-    fn outline(&self, applied: &Applied) -> Option<Outline> {
-        self.outline_of(applied)
+    fn outline(&self, applied: &Applied, at: Option<&[f64]>) -> Option<Outline> {
+        self.outline_of(applied, at)
     }
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {

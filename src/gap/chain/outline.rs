@@ -15,15 +15,15 @@ const SHOWN: f64 = 10.0;
 
 impl Chains {
     /// The first wheel or rail that an effect changes; `None` where it changes none.
-    pub(super) fn outline_of(&self, applied: &Applied) -> Option<Outline> {
+    pub(super) fn outline_of(&self, applied: &Applied, at: Option<&[f64]>) -> Option<Outline> {
         let run = self.runs.first()?;
         let deviations = deviations_of(&run.with(vec![self.effect(applied)]).simulation).ok()?.1;
-        wheel(&deviations).or_else(|| rail(&deviations, run.model.spec.places.lap))
+        wheel(&deviations, at).or_else(|| rail(&deviations, run.model.spec.places.lap, at))
     }
 }
 
 /// The radius beside the nominal one over a turn.
-fn wheel(deviations: &Deviations) -> Option<Outline> {
+fn wheel(deviations: &Deviations, at: Option<&[f64]>) -> Option<Outline> {
     let worn = deviations.worn.iter().find(|worn| worn.radius.iter().any(|x| *x != 0.0))?;
     let name = match worn.wheel {
         WheelPlace::Steering => "steering wheels",
@@ -32,18 +32,24 @@ fn wheel(deviations: &Deviations) -> Option<Outline> {
         WheelPlace::SteeringLeft => "left steering wheel",
         WheelPlace::SteeringRight => "right steering wheel",
     };
-    let point = |k: usize| {
-        let share = k as f64 / AROUND as f64;
-        (trig::TAU * share, closed(&worn.radius, share).0)
-    };
-    Some(Outline { of: format!("{name}, radius"), over: "rad", points: (0..=AROUND).map(point).collect() })
+    let around = || (0..=AROUND).map(|k| trig::TAU * k as f64 / AROUND as f64).collect();
+    let points = at.map_or_else(around, <[f64]>::to_vec).into_iter();
+    let points = points.map(|angle| (angle, closed(&worn.radius, angle / trig::TAU).0)).collect();
+    Some(Outline { of: format!("{name}, radius"), over: "rad", points })
 }
 
 /// Where a rail is beside the centre line's, over the stretch on which it is off.
-fn rail(deviations: &Deviations, lap: f64) -> Option<Outline> {
+fn rail(deviations: &Deviations, lap: f64, at: Option<&[f64]>) -> Option<Outline> {
     let names = ["steering rails, to the left", "left rail, upwards", "right rail, upwards"];
     let off = |table: &Vec<f64>| table.iter().any(|x| *x != 0.0);
     let (name, table) = names.into_iter().zip(&deviations.rails).find(|(_, table)| off(table))?;
+    let places = at.map_or_else(|| stretch(table, lap), |at| Some(at.to_vec()))?;
+    let points = places.into_iter().map(|at| (at, closed(table, at / lap).0)).collect();
+    Some(Outline { of: name.to_owned(), over: "m", points })
+}
+
+/// Places of the stretch on which a table is off.
+fn stretch(table: &[f64], lap: f64) -> Option<Vec<f64>> {
     let n = table.len();
     // From behind the longest stretch that is not off, so that one over the lap's begin stays whole.
     let some: Vec<usize> = (0..n).filter(|k| table[*k] != 0.0).collect();
@@ -52,14 +58,11 @@ fn rail(deviations: &Deviations, lap: f64) -> Option<Outline> {
     let (first, last) = (some[(widest + 1) % some.len()], some[widest]);
     let count = (last + n - first) % n + 1;
     let length = (count + 1) as f64 * lap / n as f64;
-    let (begin, length) =
-        if 2 * count > n { (0.0, SHOWN.min(lap)) } else { ((first as f64 - 1.0) * lap / n as f64, length) };
+    let around = 2 * count > n;
+    let begin = if around { 0.0 } else { (first as f64 - 1.0) * lap / n as f64 };
+    let length = if around { SHOWN.min(lap) } else { length };
     let points = ALONG.min(count + 2).max(2);
-    let point = |k: usize| {
-        let at = begin + length * k as f64 / (points - 1) as f64;
-        (at, closed(table, at / lap).0)
-    };
-    Some(Outline { of: name.to_owned(), over: "m", points: (0..points).map(point).collect() })
+    Some((0..points).map(|k| begin + length * k as f64 / (points - 1) as f64).collect())
 }
 
 #[cfg(test)]
@@ -79,22 +82,27 @@ mod tests {
             }],
             ..Deviations::default()
         };
-        let found = wheel(&flat).expect("a wheel");
+        let found = wheel(&flat, None).expect("a wheel");
         assert_eq!(
             (found.of.as_str(), found.over, found.points.len()),
             ("left steering wheel, radius", "rad", AROUND + 1)
         );
         assert!((found.points[AROUND / 4].1 + 1e-4).abs() < 1e-12);
         let step = Deviations { rails: [Vec::new(), table(300, 340), Vec::new()], ..Deviations::default() };
-        let found = rail(&step, 50.0).expect("a rail");
+        let found = rail(&step, 50.0, None).expect("a rail");
         let ends = (found.points[0].0, found.points[found.points.len() - 1].0);
         assert!((ends.0 - 14.95).abs() < 0.06 && (ends.1 - 17.0).abs() < 0.06, "{ends:?}");
+        // Another one at the same places.
+        let places: Vec<f64> = found.points.iter().map(|(at, _)| *at).collect();
+        let wider = Deviations { rails: [Vec::new(), table(260, 380), Vec::new()], ..Deviations::default() };
+        let wider = rail(&wider, 50.0, Some(&places)).expect("a rail");
+        assert!(wider.points.iter().zip(&places).all(|((at, y), other)| at == other && (y - 1e-3).abs() < 1e-9));
         // Over the begin of the lap.
         let mut over = table(0, 20);
         table(980, 1000).iter().zip(&mut over).for_each(|(x, y): (&f64, &mut f64)| *y += x);
-        let found =
-            rail(&Deviations { rails: [over, Vec::new(), Vec::new()], ..Deviations::default() }, 50.0).expect("a rail");
+        let found = rail(&Deviations { rails: [over, Vec::new(), Vec::new()], ..Deviations::default() }, 50.0, None)
+            .expect("a rail");
         assert!((found.points[0].0 - 48.95).abs() < 0.06, "{:?}", found.points[0]);
-        assert_eq!(rail(&Deviations::default(), 50.0), None);
+        assert_eq!(rail(&Deviations::default(), 50.0, None), None);
     }
 }

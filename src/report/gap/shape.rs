@@ -5,22 +5,25 @@ use crate::gap::{Finding, Shape};
 use crate::report::lap::chart::{HEIGHT, Scale, WIDTH, coordinates, frame};
 use maud::{Markup, html};
 
-/// Micrometres a metre: what shapes are drawn in.
-const MICRO: f64 = 1e6;
-
 /// Of each effect that has one.
 pub fn shapes(named: &[&Finding]) -> Markup {
     html! {
         @for (finding, shape) in named.iter().filter_map(|f| Some((f, f.shape.as_ref()?))) {
             figure {
                 figcaption {
-                    b { (heading(&finding.name)) } ": the shape that was found — " (shape.of) ", µm; the band is that of the \
+                    b { (heading(&finding.name)) } ": the shape that was found — " (shape.of) ", " (scale(shape).1) "; the band is that of the \
                     strengths' 90 % intervals"
                 }
                 (chart(shape))
             }
         }
     }
+}
+
+/// Units a metre that a shape is drawn in.
+fn scale(shape: &Shape) -> (f64, &'static str) {
+    let most = shape.value_m.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    if most < 1e-3 { (1e6, "µm") } else { (1e3, "mm") }
 }
 
 /// Nothing where no number can be drawn.
@@ -35,9 +38,10 @@ fn chart(shape: &Shape) -> Markup {
     if !(from < to && low < high) {
         return html! {};
     }
-    let scale = Scale::new(factor * from, factor * to, MICRO * low.min(0.0), MICRO * high.max(0.0));
+    let a_metre = scale(shape).0;
+    let scale = Scale::new(factor * from, factor * to, a_metre * low.min(0.0), a_metre * high.max(0.0));
     let points = |values: &[f64]| -> Vec<String> {
-        shape.at.iter().zip(values).map(|(x, y)| coordinates(scale.at(factor * x, MICRO * y))).collect()
+        shape.at.iter().zip(values).map(|(x, y)| coordinates(scale.at(factor * x, a_metre * y))).collect()
     };
     let around: Vec<String> = points(&shape.low_m).into_iter().chain(points(&shape.high_m).into_iter().rev()).collect();
     html! {
