@@ -43,28 +43,32 @@ for line in sys.stdin:
     asked = json.loads(line)
     if asked["request"] == "describe":
         if mode == "dies at once": sys.exit(3)
-        if mode == "prints": say("Loading the model ...")
-        if mode == "no effects": say(good | {"effects": []})
-        if mode == "bytes": sys.stdout.buffer.write(b"\xff\n"); sys.stdout.flush()
+        if mode == "bytes": sys.stdout.buffer.write(b"\xff\n"); sys.stdout.flush(); continue
         if mode == "endless": sys.stdout.write("x" * (1 << 28)); sys.stdout.flush(); time.sleep(60)
-        huge = {"name": "x", "trial": 1, "low": 0, "high": 1e308}
-        if mode == "huge": say(good | {"effects": [{"name": "a", "strengths": [huge]}]})
         if mode == "no newline": sys.stdout.write("{"); sys.stdout.flush(); sys.exit(0)
-        say(good)
+        huge = {"name": "x", "trial": 1, "low": 0, "high": 1e308}
+        wrong = {
+            "prints": "Loading the model ...",
+            "no effects": good | {"effects": []},
+            "huge": good | {"effects": [{"name": "a", "strengths": [huge]}]},
+        }
+        say(wrong.get(mode, good))
         if mode == "chatty": say("done")
         continue
     t = [0.5 * i for i in range(100)]
     x = [0.0] * 100
     if mode == "dies later": os._exit(4)
     if mode == "sleeps": time.sleep(60)
-    if mode == "refuses": say({"error": "no licence for this run"})
-    if mode == "nan": say({"time": t, "channels": {"x": [float("nan")] * 100}})
-    if mode == "short": say({"time": t, "channels": {"x": x[:99]}})
-    if mode == "ends early": say({"time": t[:50], "channels": {"x": x[:50]}})
-    if mode == "other channel": say({"time": t, "channels": {"y": x}})
-    if mode == "backwards": say({"time": t[::-1], "channels": {"x": x}})
-    if mode == "nothing": say({"time": t, "channels": {"x": [None] * 100}})
-    say({"time": t, "channels": {"x": x}})
+    answers = {
+        "refuses": {"error": "no licence for this run"},
+        "nan": {"time": t, "channels": {"x": [float("nan")] * 100}},
+        "short": {"time": t, "channels": {"x": x[:99]}},
+        "ends early": {"time": t[:50], "channels": {"x": x[:50]}},
+        "other channel": {"time": t, "channels": {"y": x}},
+        "backwards": {"time": t[::-1], "channels": {"x": x}},
+        "nothing": {"time": t, "channels": {"x": [None] * 100}},
+    }
+    say(answers.get(mode, {"time": t, "channels": {"x": x}}))
 "#;
 
 /// Every mistake has its words, ends in time, and leaves no process behind.
