@@ -277,13 +277,19 @@ fn turns(i: usize, station: f64, radius: f64) -> f64 {
     station / (trig::TAU * radius) + GOLDEN * i as f64
 }
 
+/// What a number has beyond the whole one below it: without `floor`, which older processors have no instruction for.
+fn part(x: f64) -> f64 {
+    let beyond = x - x as i64 as f64;
+    if beyond < 0.0 { beyond + 1.0 } else { beyond }
+}
+
 /// Value and slope of a closed table at a share of its period, by Catmull and Rom's cubic (1974); 0 of an empty one.
 pub fn closed(table: &[f64], share: f64) -> (f64, f64) {
     let n = table.len();
     if n == 0 {
         return (0.0, 0.0);
     }
-    let x = (share - share.floor()) * n as f64;
+    let x = part(share) * n as f64;
     let i = (x as usize).min(n - 1);
     let t = x - i as f64;
     // Without the remainders of divisions, which took most of the time.

@@ -3,10 +3,10 @@
 
 use super::chain::Chain;
 use super::clock::Clock;
-use super::forces::Memory;
 use super::model::Model;
 use super::run::Method;
-use super::state::{PACK, PackRow, State, packs};
+use super::settled::Settled;
+use super::state::{PACK, PackRow, packs};
 use super::trouble::Trouble;
 use super::width::Width;
 use crate::chain_input::{Deviations, Simulation, Unfit};
@@ -28,53 +28,6 @@ pub struct EnsemblePlan {
     pub method: Method,
     /// Arc length of the first cart's front joint at the start, m.
     pub front: f64,
-}
-
-/// A chain that has settled, from which others with nearly the same parameters settle sooner.
-#[derive(Clone, Debug)]
-pub struct Settled {
-    state: State,
-    memory: Memory,
-    /// What the controller's integral commands, N a motor.
-    thrust: f64,
-    /// m/s
-    speed: f64,
-    /// c_rr of the running wheels.
-    resistance: f64,
-}
-
-impl Settled {
-    fn of(chain: &Chain) -> Self {
-        let model = &chain.model;
-        Settled {
-            state: chain.state.clone(),
-            memory: chain.memory.clone(),
-            thrust: model.controller.integral * chain.control.integral,
-            speed: model.speed,
-            resistance: model.running.resistance,
-        }
-    }
-
-    /// Puts a chain in this state, at its own speed and with the thrust that its own resistance needs.
-    fn put(&self, chain: &mut Chain) {
-        if self.state.carts != chain.model.carts {
-            return;
-        }
-        let model = chain.model.clone();
-        chain.state = self.state.clone();
-        chain.memory = self.memory.clone();
-        let faster = model.speed / self.speed;
-        for bodies in &mut chain.state.bodies {
-            for row in bodies.velocity.iter_mut().chain(&mut bodies.spin) {
-                row.iter_mut().for_each(|x| *x *= faster);
-            }
-        }
-        let thrust = self.thrust * model.running.resistance / self.resistance;
-        if model.controller.integral > 0.0 && thrust.is_finite() {
-            chain.control.integral = thrust / model.controller.integral;
-        }
-        chain.evaluate(true);
-    }
 }
 
 /// What one cart measured: forces behind the low-pass, sampled.
@@ -100,29 +53,15 @@ pub struct Ensemble {
     pub trouble: Option<Trouble>,
 }
 
-#[cfg(test)]
-impl Ensemble {
-    /// Of records that no chain made.
-    pub fn of_records(rate: f64, carts: Vec<CartRecord>) -> Self {
-        let settled = Settled {
-            state: State::new(0),
-            memory: Memory { home: Vec::new(), approach: Vec::new(), motors: Vec::new() },
-            thrust: 0.0,
-            speed: 0.0,
-            resistance: 0.0,
-        };
-        Ensemble { rate, carts, settled, trouble: None }
-    }
-}
-
 /// Columns of a cart's record: arc length, speed, forces.
 const COLUMNS: usize = 2 + FORCES;
 
 /// Forces of a record that are of the joint in front, which is the one behind the leader.
 const OF_JOINT: std::ops::Range<usize> = 4..FORCES;
 
-/// Samples that are gathered before they are sorted by cart: as many single numbers as a line of the cache holds.
-const BLOCK: usize = 16;
+/// Samples that are gathered before they are sorted by cart: each cart's column then grows by whole lines of the cache,
+/// and what is gathered of a hundred carts stays in it.
+const BLOCK: usize = 64;
 
 /// Simulates a chain that deviates from its input as it is told, from its start or one that has settled, and records
 /// its carts.
@@ -151,7 +90,7 @@ pub fn run_ensemble(
     let mut integrator = ensemble.method.integrator(clock.step, false);
     let mut chain = Chain::new(model.clone(), ensemble.front, width)?;
     match from {
-        Some(settled) => settled.put(&mut chain),
+        Some(settled) => settled.put(&mut chain)?,
         None => chain.control.integral = rolling_thrust(&model),
     }
     let settling = (ensemble.settle / clock.step).round() as u64;

@@ -9,11 +9,10 @@
 //! Signature: steering forces of one curve; with another heading those of the next one, too; and, as the way between
 //! curves is another, joint_xi as carts pass.
 
-use super::{Act, Effect, Experiment, Sites, Start, StrengthSearch, Strengths, add_profile, rebuilt, sites};
+use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths, add_profile, rebuilt, sites};
 use crate::base::trig;
 use crate::chain_input::{CentreLinePiece, Deviations, Simulation};
 use crate::model::effect_definitions;
-use std::collections::BTreeMap;
 
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::CURVE_GEOMETRY,
@@ -26,16 +25,9 @@ pub const EFFECT: Effect = Effect {
     ],
     sites: Sites::Listed(sites::each_curve),
     separated_by: Experiment::Runs,
-    start,
     act: Act::Chain(act),
     ..Effect::PLAIN
 };
-
-/// Another radius or heading is another centre line.
-fn start(strengths: &BTreeMap<String, f64>) -> Start {
-    let moved = |name: &str| strengths.get(name).is_some_and(|x| *x != 0.0);
-    if moved("radius") || moved("heading") { Start::Own } else { Start::Settled }
-}
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let curves = sites::curves(simulation);

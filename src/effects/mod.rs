@@ -135,8 +135,6 @@ pub enum RandomEffect {
 pub enum Start {
     /// From the chain as it has settled without the effect.
     Settled,
-    /// From a start of its own: on its track the settled chain would begin off the rails.
-    Own,
     /// From a start of its own, of which something is left that a settled chain does not have. The parameters named
     /// begin as planned: a fit without the effect bends them to imitate it.
     Unsettled(&'static [&'static str]),

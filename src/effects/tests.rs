@@ -40,6 +40,25 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; FORCES] {
     forces
 }
 
+/// On a track whose curve is 30 mm wider or whose heading is another, a settled chain goes on as it ran: what its joints
+/// carry changes by far less than the tension.
+#[test]
+fn a_settled_chain_goes_on_on_another_track() {
+    let settled = ensemble_of(&nominal()).settled;
+    let first = |simulation: &Simulation| -> Vec<f32> {
+        let plan = EnsemblePlan { settle: 0.0, duration: 0.004, step: None, method: Method::Verlet, front: 0.0 };
+        let ensemble = run_ensemble(simulation, &plan, Some(&settled), Width::widest()).expect("a chain");
+        ensemble.carts.iter().map(|cart| cart.forces[4][0]).collect()
+    };
+    let plain = first(&nominal());
+    for changed in [("radius", 0.03), ("heading", 0.005)] {
+        let moved = first(&with("curve_geometry", &[("curve", 1.0), changed]));
+        let apart: Vec<f32> = plain.iter().zip(&moved).map(|(a, b)| (a - b).abs()).collect();
+        let most = apart.iter().copied().fold(0.0, f32::max);
+        assert!(most > 0.0 && most < 150.0, "{changed:?}: {most} N, {apart:?}");
+    }
+}
+
 #[test]
 fn every_effect_of_the_chain_moves_what_carts_measure() {
     let plain = ensemble_of(&nominal());

@@ -80,6 +80,10 @@ impl Simulator for Checked<'_> {
         self.simulator.frames()
     }
 
+    fn threads(&self) -> usize {
+        self.simulator.threads()
+    }
+
     fn axis(&self) -> Axis {
         self.simulator.axis()
     }

@@ -100,6 +100,10 @@ impl Simulator for Remembered<'_> {
         self.simulator.frames()
     }
 
+    fn threads(&self) -> usize {
+        self.simulator.threads()
+    }
+
     fn axis(&self) -> Axis {
         self.simulator.axis()
     }

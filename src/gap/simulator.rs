@@ -45,6 +45,11 @@ pub trait Simulator: Sync {
         self.simulate_all(&[request]).pop().flatten()
     }
 
+    /// How many threads may work for it.
+    fn threads(&self) -> usize {
+        1
+    }
+
     /// What places are counted in.
     fn axis(&self) -> Axis {
         Axis::Track

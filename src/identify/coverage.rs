@@ -17,6 +17,7 @@ const MOST: f64 = 16384.0;
 #[derive(Clone, Debug)]
 pub struct Coverage {
     lap: f64,
+    parts: usize,
     /// Of single samples.
     samples: [Passes; FORCES],
     /// Of the middles of a spectrum's segments.
@@ -46,6 +47,7 @@ impl Coverage {
         let passage = lap / parts as f64 / each;
         Coverage {
             lap,
+            parts,
             samples: forces.map(|values| Passes::of_samples(station, values, lap, parts, passage)),
             segments: forces.map(|values| Passes::of_segments(station, values, lap, parts, (rate, each))),
         }
@@ -105,6 +107,7 @@ impl Passes {
 }
 
 /// Part of the lap of a station past the trigger.
+#[inline(always)]
 fn part(past: f64, lap: f64, parts: usize) -> usize {
     let share = past / lap;
     (((share - share.floor()) * parts as f64) as usize).min(parts - 1)
@@ -135,33 +138,43 @@ pub enum Weighing<'a> {
 }
 
 impl Weighing<'_> {
-    /// Of a sample of a force; all alike where the force was not measured.
-    pub fn sample(self, force: usize, station: f32) -> Weight {
-        self.of(|coverage| &coverage.samples[force], station)
-    }
-
-    /// Of a spectrum's segment by its middle.
-    pub fn segment(self, force: usize, station: f32) -> Weight {
-        self.of(|coverage| &coverage.segments[force], station)
-    }
-
-    fn of(self, which: impl Fn(&Coverage) -> &Passes, station: f32) -> Weight {
+    /// Part of the lap in which a station is weighed.
+    #[inline(always)]
+    pub fn part(self, station: f32) -> u32 {
         let (coverage, from) = match self {
-            Weighing::Alike => return Weight::ONE,
+            Weighing::Alike => return 0,
             Weighing::Measured(coverage) => (coverage, 0.0),
             Weighing::Within(coverage, trigger) => (coverage, trigger),
         };
-        let passes = which(coverage);
-        if passes.count.is_empty() {
-            return Weight::ONE;
-        }
-        let part = part(f64::from(station) - from, coverage.lap, passes.count.len());
+        part(f64::from(station) - from, coverage.lap, coverage.parts) as u32
+    }
+
+    /// Of a sample of a force in a part; all alike where the force was not measured.
+    #[inline(always)]
+    pub fn sample(self, force: usize, part: u32) -> Weight {
+        self.of(|coverage| &coverage.samples[force], part)
+    }
+
+    /// Of a spectrum's segment by its middle.
+    #[inline(always)]
+    pub fn segment(self, force: usize, part: u32) -> Weight {
+        self.of(|coverage| &coverage.segments[force], part)
+    }
+
+    #[inline(always)]
+    fn of<'a>(&'a self, which: impl Fn(&'a Coverage) -> &'a Passes, part: u32) -> Weight {
+        let part = part as usize;
         match self {
-            Weighing::Measured(_) => {
+            Weighing::Measured(coverage) if !which(coverage).count.is_empty() => {
+                let passes = which(coverage);
                 let own = f64::from(passes.measured[part]);
                 Weight { own, shared: own / f64::from(passes.count[part].max(1.0)) }
             }
-            _ => Weight { own: f64::from(passes.simulated[part]), shared: f64::from(passes.simulated[part]) },
+            Weighing::Within(coverage, _) if !which(coverage).count.is_empty() => {
+                let simulated = f64::from(which(coverage).simulated[part]);
+                Weight { own: simulated, shared: simulated }
+            }
+            _ => Weight::ONE,
         }
     }
 }
@@ -191,7 +204,8 @@ mod tests {
     fn what_was_passed_twice_counts_half_and_what_was_lost_nothing() {
         let coverage = coverage();
         assert!(!coverage.is_whole());
-        let measured = |s: f32| Weighing::Measured(&coverage).sample(4, s);
+        let sample = |weighing: Weighing, force: usize, s: f32| weighing.sample(force, weighing.part(s));
+        let measured = |s: f32| sample(Weighing::Measured(&coverage), 4, s);
         // The last quarter of a lap before the trigger was passed at the end, too.
         for s in [-5.0, 35.0] {
             assert!(
@@ -201,15 +215,16 @@ mod tests {
             );
         }
         assert!((measured(5.0).own - 1.0).abs() < 0.3 && measured(16.0).own == 0.0);
-        let within = |s: f32| Weighing::Within(&coverage, 3.0).sample(4, s).own;
+        let within = |s: f32| sample(Weighing::Within(&coverage, 3.0), 4, s).own;
         assert_eq!((within(18.9), within(8.0), within(38.0 - 40.0)), (0.0, 1.0, 1.0));
-        assert_eq!(Weighing::Within(&coverage, 3.0).sample(0, 18.9).own, 1.0, "not measured, hence not limited");
+        assert_eq!(sample(Weighing::Within(&coverage, 3.0), 0, 18.9).own, 1.0, "not measured, hence not limited");
     }
 
     #[test]
     fn segments_with_losses_tell_nothing() {
         let coverage = coverage();
-        let within = |s: f32| Weighing::Within(&coverage, 0.0).segment(4, s).own;
+        let weighing = Weighing::Within(&coverage, 0.0);
+        let within = |s: f32| weighing.segment(4, weighing.part(s)).own;
         assert_eq!(within(16.0), 0.0);
         assert!(within(2.0) > 0.9 && within(28.0) > 0.9, "{} {}", within(2.0), within(28.0));
     }

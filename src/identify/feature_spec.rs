@@ -3,7 +3,9 @@
 use super::coverage::{Coverage, Weighing, hop};
 use super::noise::Noise;
 use super::places::{PlaceKind, Places};
+use crate::base::random::mix;
 use crate::base::trig;
+use crate::dynamics::Width;
 use crate::signal::FORCES;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::sync::Arc;
@@ -47,8 +49,11 @@ pub struct FeatureSpec {
     pub passing: f64,
     /// Of each kind of place and force, N.
     pub thresholds: [[[f32; THRESHOLDS]; FORCES]; KINDS],
-    /// Noise that a simulated sensor needs to measure as the real one.
-    pub noise: [Noise; FORCES],
+    /// Which vector instructions features are worked out with.
+    pub width: Width,
+    noise: [Noise; FORCES],
+    /// Draws of it that all simulated sensors take theirs from.
+    drawn: [Arc<Vec<f32>>; FORCES],
     pub(super) segment: usize,
     pub(super) block: usize,
     pub(super) window: Arc<Vec<f32>>,
@@ -81,7 +86,9 @@ impl FeatureSpec {
             rate,
             passing,
             thresholds: Default::default(),
+            width: Width::used(),
             noise: Default::default(),
+            drawn: Default::default(),
             segment,
             block: ((BLOCK_S * rate).round() as usize).max(1),
             window: Arc::new(window),
@@ -109,7 +116,17 @@ impl FeatureSpec {
     /// above: a wheel that does not touch has a force of 0 for long, which no threshold must split.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
-        self.blocks(samples, offset, |kind, force, _, mean| found[kind * FORCES + force].push(mean));
+        for (n, station) in samples.station.chunks_exact(self.block).enumerate() {
+            let fine: Vec<u32> = station.iter().map(|s| self.places.part(f64::from(*s) + offset)).collect();
+            let Some(kind) = self.kind_of_block(&fine) else { continue };
+            for (force, values) in samples.forces.iter().enumerate() {
+                let values = values.get(n * self.block..(n + 1) * self.block);
+                let mean = values.map_or(f32::NAN, |values| values.iter().sum::<f32>() / self.block as f32);
+                if !mean.is_nan() {
+                    found[kind * FORCES + force].push(mean);
+                }
+            }
+        }
         for (k, means) in found.iter_mut().enumerate() {
             means.sort_by(f32::total_cmp);
             let above = 0.01 * means.last().zip(means.first()).map_or(0.0, |(high, low)| high - low);
@@ -129,37 +146,48 @@ impl FeatureSpec {
         }
     }
 
-    /// Means of blocks of samples that lie in one zone, with the kind of place and where they begin.
-    pub(super) fn blocks(&self, samples: &Samples, offset: f64, mut take: impl FnMut(usize, usize, usize, f32)) {
-        let places = &self.places;
-        for begin in (0..samples.station.len()).step_by(self.block) {
-            let end = begin + self.block;
-            let Some(station) = samples.station.get(begin..end) else { break };
-            let zone = |s: f32| places.zone(fine(places, s, offset));
-            let first = zone(station[0]);
-            if zone(station[self.block - 1]) != first {
-                continue;
-            }
-            let kind = match places.zones[first].kind {
-                PlaceKind::Straight | PlaceKind::Vertical => 0,
-                PlaceKind::Left => 1,
-                PlaceKind::Right => 2,
-            };
-            for (force, values) in samples.forces.iter().enumerate() {
-                if let Some(values) = values.get(begin..end) {
-                    let mean = values.iter().sum::<f32>() / self.block as f32;
-                    if !mean.is_nan() {
-                        take(kind, force, begin, mean);
-                    }
-                }
-            }
-        }
+    /// The kind of place of a block of samples, by their parts of the lap; `None` where it begins and ends in two zones.
+    #[inline(always)]
+    pub(super) fn kind_of_block(&self, fine: &[u32]) -> Option<usize> {
+        let zone = |k: usize| self.places.zone(fine[k] as usize);
+        let first = zone(0);
+        (zone(fine.len() - 1) == first).then(|| match self.places.zones[first].kind {
+            PlaceKind::Straight | PlaceKind::Vertical => 0,
+            PlaceKind::Left => 1,
+            PlaceKind::Right => 2,
+        })
     }
-}
 
-/// Part of the lap in which a station lies.
-pub(super) fn fine(places: &Places, station: f32, offset: f64) -> usize {
-    let share = (f64::from(station) + offset) / places.lap;
-    let fine = ((share - share.floor()) * places.fine() as f64) as usize;
-    fine.min(places.fine() - 1)
+    /// Noise that a simulated sensor needs to measure as the real one.
+    pub fn noise(&self) -> &[Noise; FORCES] {
+        &self.noise
+    }
+
+    /// Gives the simulated sensors this noise.
+    pub fn set_noise(&mut self, noise: [Noise; FORCES]) {
+        self.noise = noise;
+        self.drawn = std::array::from_fn(|k| Arc::new(noise[k].draw(self.rate, k as u64)));
+    }
+
+    /// Whether a sensor has noise.
+    pub(super) fn is_noisy(&self) -> bool {
+        self.noise.iter().any(|n| n.variance() > 0.0)
+    }
+
+    /// A force's samples with a draw of its sensor's noise that `seed` picks.
+    pub(super) fn with_noise(&self, force: usize, samples: &[f32], seed: u64) -> Vec<f32> {
+        let drawn = &self.drawn[force];
+        if drawn.is_empty() {
+            return samples.to_vec();
+        }
+        let mut noisy = Vec::with_capacity(samples.len());
+        let mut from = mix(&mut { seed }) as usize % drawn.len();
+        let mut left = samples;
+        while !left.is_empty() {
+            let (now, later) = left.split_at(left.len().min(drawn.len() - from));
+            noisy.extend(now.iter().zip(&drawn[from..]).map(|(x, noise)| x + noise));
+            (left, from) = (later, 0);
+        }
+        noisy
+    }
 }

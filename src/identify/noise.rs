@@ -7,12 +7,16 @@
 //! a time T has the variance 2 σ² (T/τ − 1 + exp(−T/τ)) (τ/T)².
 
 use crate::base::number::{significant, tidy};
+use crate::base::random::{add_correlated, noisy};
 use crate::base::trig;
-use crate::dynamics::{CartRecord, Ensemble};
+use crate::dynamics::CartRecord;
 use crate::signal::{Channel, FORCES};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// Samples of noise that are drawn: a thousand correlation times of half a second.
+const DRAWN: usize = 1 << 18;
 
 /// A sensor's noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,14 +34,17 @@ impl Noise {
         self.white * self.white + self.correlated * self.correlated
     }
 
-    /// Adds a draw to samples at a rate, Hz, that `seed` picks.
-    pub fn add(&self, samples: &[f32], rate: f64, seed: u64) -> Vec<f32> {
-        let mut noisy = crate::base::random::noisy(samples, self.white as f32, seed);
+    /// Samples of it at a rate, Hz, long enough that simulated sensors can take theirs anywhere; none of no noise.
+    pub fn draw(&self, rate: f64, seed: u64) -> Vec<f32> {
+        if self.variance() == 0.0 {
+            return Vec::new();
+        }
+        let mut drawn = noisy(&vec![0.0; DRAWN], self.white as f32, seed);
         if self.correlated > 0.0 && self.time > 0.0 {
             let memory = trig::exp(-1.0 / (rate * self.time));
-            crate::base::random::add_correlated(&mut noisy, self.correlated, memory, !seed);
+            add_correlated(&mut drawn, self.correlated, memory, !seed);
         }
-        noisy
+        drawn
     }
 }
 
@@ -136,10 +143,14 @@ pub struct Lap {
 }
 
 impl Excess {
-    /// Of forces measured at stations, m, as their trigger is at a place, m, beside an ensemble in which every cart goes
+    /// Of forces measured at stations, m, as their trigger is at a place, m, beside records of carts each of which goes
     /// around once.
-    pub fn new((station, forces): (&[f32], [&[f32]; FORCES]), trigger: f64, lap: Lap, ensemble: &Ensemble) -> Excess {
-        let rate = ensemble.rate;
+    pub fn new(
+        (station, forces): (&[f32], [&[f32]; FORCES]),
+        trigger: f64,
+        lap: Lap,
+        (rate, records): (f64, &[CartRecord]),
+    ) -> Excess {
         let places = (lap.length / lap.speed * rate).round().max(16.0) as usize;
         let passing = lap.length / lap.carts as f64 / lap.speed;
         let grid = Grid { lap: lap.length, places, rate, over: OVER.map(|carts| carts * passing) };
@@ -150,11 +161,11 @@ impl Excess {
             if differences.is_empty() {
                 return Vec::new();
             }
-            let carts = ensemble.carts.len();
+            let carts = records.len();
             let once = |cart: &CartRecord| grid.once(&cart.station, &cart.forces[force]);
             let pairs = (carts / 2).min(PAIRS);
             let simulated: Vec<Vec<f32>> =
-                (0..pairs).map(|k| less(&once(&ensemble.carts[k]), &once(&ensemble.carts[k + carts / 2]))).collect();
+                (0..pairs).map(|k| less(&once(&records[k]), &once(&records[k + carts / 2]))).collect();
             let found: Vec<[f64; OVER.len()]> = differences.iter().map(|d| grid.variances(d)).collect();
             // Of the same places.
             let alike: Vec<[f64; OVER.len()]> = simulated
@@ -388,12 +399,8 @@ mod tests {
         force.extend(&more[..extra]);
         let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
         forces[2] = &force;
-        let excess = Excess::new(
-            (&station, forces),
-            0.0,
-            Lap { length: 80.0, speed: 2.0, carts: 64 },
-            &Ensemble::of_records(500.0, ensemble()),
-        );
+        let excess =
+            Excess::new((&station, forces), 0.0, Lap { length: 80.0, speed: 2.0, carts: 64 }, (500.0, &ensemble()));
         assert_eq!(excess.is_known(), share > 0.0);
         Excess::noise(&[excess])[2]
     }
@@ -416,7 +423,7 @@ mod tests {
     #[test]
     fn a_draw_has_its_deviation_and_its_correlation_time() {
         let noise = Noise { white: 0.0, correlated: 2.0, time: 0.4 };
-        let x = noise.add(&[0.0; 400_000], 100.0, 5);
+        let x = noise.draw(100.0, 5);
         let covariance = |apart: usize| {
             x.iter().zip(&x[apart..]).map(|(a, b)| f64::from(a * b)).sum::<f64>() / (x.len() - apart) as f64
         };

@@ -61,6 +61,13 @@ impl Places {
         self.zone_of.len()
     }
 
+    /// Part of the lap in which a station lies.
+    #[inline(always)]
+    pub fn part(&self, station: f64) -> u32 {
+        let (share, most) = (station / self.lap, self.fine() as u32 - 1);
+        (((share - share.floor()) * f64::from(most + 1)) as u32).min(most)
+    }
+
     pub fn cell(fine: usize) -> usize {
         fine / FINE
     }

@@ -152,7 +152,7 @@ fn means_without_noise(model: &Model, ensemble: &Ensemble) -> Vec<f64> {
     let mut sums = vec![[0.0; 3]; cells];
     for cart in &ensemble.carts {
         let mut one = FeatureAccumulator::new(&model.spec);
-        one.add_places(&model.spec, &samples(cart), 0.0, [0.0; FORCES]);
+        one.add_places(&model.spec, &samples(cart), 0.0);
         for (sum, x) in sums.iter_mut().zip(one.means(1.0)).filter(|(_, x)| !x.is_nan()) {
             sum.iter_mut().zip([1.0, x, x * x]).for_each(|(sum, x)| *sum += x);
         }

@@ -134,7 +134,7 @@ impl Impact {
         let carts = (squares / force_slopes.len().max(1) as f64).sqrt();
         let measured = Line::new(&run.profiles[force], part, settings.parts);
         // A line's rise to its end has three times the variance of its mean.
-        let own = run.model.spec.noise[force];
+        let own = run.model.spec.noise()[force];
         let half = 0.5 * settings.parts as f64 * lap / parts as f64 / run.model.simulation.chain.speed_m_s;
         let of = |line: &Line| {
             let correlated = own.correlated * (1.0 - trig::exp(-half / own.time.max(1e-9))).sqrt();

@@ -69,6 +69,21 @@ fn with_draw(effects: &[input::DeclaredEffect], draw: usize) -> Vec<input::Decla
     effects
 }
 
+/// How many carts have to pass a place, wherever it is, so that so many of those that are like the one with the sensors
+/// do; a lap's at most.
+pub(super) fn passing(like: &[bool], passes: f64) -> f64 {
+    let carts = like.len();
+    let each: Vec<usize> = (0..carts).filter(|k| like[*k]).collect();
+    if each.len() == carts {
+        return passes;
+    }
+    let n = (passes.ceil() as usize).max(1);
+    // From behind one of them to the so manyth behind it.
+    let stretch = |k: usize| each[(k + n) % each.len()] + carts * ((k + n) / each.len()) - each[k];
+    let longest = (0..each.len()).map(stretch).max().unwrap_or(carts);
+    longest.min(carts).max(passes as usize) as f64
+}
+
 /// Which carts are like the one with the sensors: all, or where some carry items or have wheels out of round those that
 /// are as it is and have such carts beside them.
 pub(super) fn observed(simulation: &Simulation, deviations: &Deviations, carts: usize) -> Vec<bool> {
@@ -81,4 +96,18 @@ pub(super) fn observed(simulation: &Simulation, deviations: &Deviations, carts: 
     };
     let observed: Vec<bool> = (0..carts).map(like).collect();
     if observed.contains(&true) { observed } else { vec![true; carts] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn enough_carts_pass_that_some_are_like_the_one_with_the_sensors() {
+        assert_eq!(passing(&[true; 9], 2.5), 2.5);
+        let each_third: Vec<bool> = (0..9).map(|k| k % 3 == 1).collect();
+        assert_eq!((passing(&each_third, 1.0), passing(&each_third, 2.0), passing(&each_third, 7.0)), (3.0, 6.0, 9.0));
+        let two: Vec<bool> = (0..9).map(|k| k < 2).collect();
+        assert_eq!((passing(&two, 1.0), passing(&two, 2.0)), (8.0, 9.0));
+    }
 }

@@ -212,10 +212,14 @@ impl Chains {
         let fitted = &self.runs[run];
         let chain = fitted.with(effects.clone()).simulation;
         let (deviations, carts) = (deviations_of(&chain).ok()?.1, chain.chain.carts);
-        // Where few carts are like the one with the sensors, they pass more often.
-        let like =
-            observed(&chain, &deviations, carts).iter().filter(|observed| **observed).count() as f64 / carts as f64;
-        let all = (passes / like).min(passes.max(carts as f64));
+        // Where few carts are like the one with the sensors, more have to pass.
+        let like = observed(&chain, &deviations, carts);
+        let mut all = laps::passing(&like, passes);
+        if step.is_empty() {
+            let enough = laps::passing(&like, settings.signature_least);
+            all = all.min(enough.max(settings.signature_carts * carts as f64));
+        }
+        let like = like.iter().filter(|like| **like).count() as f64 / carts as f64;
         let (model, at, ensemble) = self.run_ensemble(run, step, effects, all)?;
         let features = fitted.features(&model, &ensemble, &deviations, sensor, at);
         // Of what differs, chaos' share is taken out, block by block.
@@ -251,9 +255,6 @@ impl Chains {
                 let planned = fitted.model.coordinate(p, fitted.model.nominal[p.index()]);
                 at[p.index()] += planned - fitted.landing.at[p.index()];
             }
-        }
-        if starts.contains(&Start::Own) {
-            (plan.from, plan.settle) = (None, None);
         }
         let model = fitted.with(effects);
         let mut ensemble = model.run_ensemble(&at, &plan);
@@ -323,6 +324,10 @@ impl Simulator for Chains {
         self.simulated(run, step, effects, sensor)
     }
 
+    fn threads(&self) -> usize {
+        self.threads
+    }
+
     fn effort(&self) -> Effort {
         self.runs.iter().map(|run| run.model.counter.effort()).fold(self.counter.effort(), Effort::plus)
     }
@@ -333,7 +338,7 @@ impl Simulator for Chains {
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {
         let of = |(frame, run): (&Frame, &FittedRun)| {
-            (frame.run.clone(), channel_noise(&run.model.spec.noise, |k| run.measured[k]))
+            (frame.run.clone(), channel_noise(run.model.spec.noise(), |k| run.measured[k]))
         };
         self.frames.iter().zip(&self.runs).map(of).collect()
     }

@@ -53,7 +53,7 @@ pub fn fitted(
         begin,
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples, settings.ensembles.top_samples),
-        high_frequency_power: high_frequency_power(&landing, (lap, parts), &samples, trigger, model.spec.noise),
+        high_frequency_power: high_frequency_power(&landing, (lap, parts), &samples, trigger, *model.spec.noise()),
         profiles: profiles(&samples, (lap, parts), trigger),
         impacts: Vec::new(),
         settings: settings.clone(),

@@ -27,24 +27,24 @@ pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &E
     let trigger = at[Parameter::TriggerPosition.index()];
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     let lap = Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts };
-    Excess::new((samples.station, samples.forces), trigger, lap, ensemble)
+    Excess::new((samples.station, samples.forces), trigger, lap, (ensemble.rate, &ensemble.carts))
 }
 
 impl Fitter<'_> {
     /// Finds the sensors' noise: white noise as what is measured above the low-pass and not simulated there, and
     /// correlated noise by passes of the same places.
     pub(super) fn find_noise(&self, model: &mut Model, at: &Coordinates, ensemble: &Ensemble) {
-        model.spec.noise = Default::default();
+        model.spec.set_noise(Default::default());
         let simulated = model.answer(ensemble, 0.0, 0).accumulator;
         let mut measured = FeatureAccumulator::new(&model.spec);
         measured.add(&model.spec, &self.measured.samples(), 0.0, NoiseDraw::None);
         let ((a, share), (b, _)) = (measured.high_power(&model.spec), simulated.high_power(&model.spec));
         let correlated =
             self.settings.correlated.unwrap_or_else(|| Excess::noise(&[excess(model, self.measured, at, ensemble)]));
-        for k in 0..FORCES {
+        model.spec.set_noise(std::array::from_fn(|k| {
             let variance = if share > 0.0 { (a[k] - b[k]).max(0.0) / share } else { 0.0 };
-            model.spec.noise[k] = Noise { white: variance.sqrt(), ..correlated[k] };
-        }
+            Noise { white: variance.sqrt(), ..correlated[k] }
+        }));
     }
 
     /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel
@@ -89,7 +89,7 @@ impl Fitter<'_> {
         repeatability: &Repeatability,
     ) -> [Vec<f64>; FORCES] {
         let mut accumulator = FeatureAccumulator::new(&model.spec);
-        accumulator.add_places(&model.spec, &self.measured.samples(), trigger, [0.0; FORCES]);
+        accumulator.add_places(&model.spec, &self.measured.samples(), trigger);
         let places = &model.spec.places;
         // Cells that the run covers: of the others it has other places than the simulation.
         let whole = places.lap / places.cells as f64 / self.measured.nominal_speed * self.measured.rate;
@@ -127,7 +127,7 @@ impl Fitter<'_> {
     pub(super) fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
         let mut measured = FeatureAccumulator::new(&model.spec);
-        measured.add_places(&model.spec, &self.measured.samples(), 0.0, [0.0; FORCES]);
+        measured.add_places(&model.spec, &self.measured.samples(), 0.0);
         let (Some(found), Some(simulated)) =
             (measured.mean(TELLS_TENSION), centre.answer.accumulator.mean(TELLS_TENSION))
         else {

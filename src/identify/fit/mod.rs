@@ -339,7 +339,7 @@ impl Fitter<'_> {
             own,
             steps,
             simulations: self.simulations,
-            noise: model.spec.noise,
+            noise: *model.spec.noise(),
         };
         (fit, landing)
     }
