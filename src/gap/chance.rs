@@ -9,7 +9,7 @@ use super::repeatability::{Repeatability, repeatabilities};
 use super::screen::{Signature, Signatures, explain};
 use super::settings::{RandomEffects, SHARES, Settings};
 use super::simulator::{Context, Laps, Request, Simulator, Strength};
-use crate::base::trig;
+use crate::base::{parallel, trig};
 use crate::effects::RandomEffect;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use nalgebra::{DMatrix, DVector};
@@ -76,7 +76,8 @@ impl Chance<'_> {
             let further = |tried: &Tried| {
                 tried.further(&self.settings.random_effects).filter(|x| *x < self.strength(&tried.hypothesis).high)
             };
-            asked = all.iter().map(|tried| further(tried).into_iter().collect()).collect();
+            let worth = |(tried, before): (&Tried, &f64)| tried.may_explain(*before).then(|| further(tried)).flatten();
+            asked = all.iter().zip(&before).map(|each| worth(each).into_iter().collect()).collect();
         }
         let found: Vec<Fitted> = all
             .iter()
@@ -116,18 +117,20 @@ impl Chance<'_> {
         let each = all.iter().zip(asked);
         let requests: Vec<Request> =
             each.flat_map(|(tried, sizes)| sizes.iter().map(|size| self.request(tried, run, *size))).collect();
-        let mut answers = self.simulator.laps_all(&requests).into_iter();
+        let answers = self.simulator.laps_all(&requests);
+        let points = |all: &[Tried]| -> Vec<Option<ScatterPoint>> {
+            let sizes = all.iter().zip(asked).flat_map(|(tried, sizes)| sizes.iter().map(move |size| (tried, *size)));
+            let each: Vec<(&Tried, f64, Option<&Laps>)> =
+                sizes.zip(&answers).map(|((tried, size), laps)| (tried, size, laps.as_ref())).collect();
+            parallel::map(&each, self.simulator.threads(), |(tried, size, laps)| {
+                let (size, laps, mean) = (*size, (*laps)?, self.mean(&tried.hypothesis, run, *size));
+                let misfit = |share: f64| self.misfit(tried, run, laps, share, mean.as_deref());
+                Some(ScatterPoint { size, misfits: self.settings.random_effects.shares.map(misfit) })
+            })
+        };
+        let mut points = points(all).into_iter();
         for (tried, sizes) in all.iter_mut().zip(asked) {
-            for size in sizes {
-                let Some(laps) = answers.next().flatten() else { continue };
-                let mean = self.mean(&tried.hypothesis, run, *size);
-                let misfits = self
-                    .settings
-                    .random_effects
-                    .shares
-                    .map(|share| self.misfit(tried, run, &laps, share, mean.as_deref()));
-                tried.points.push(ScatterPoint { size: *size, misfits });
-            }
+            tried.points.extend(points.by_ref().take(sizes.len()).flatten());
             tried.points.sort_by(|a, b| a.size.total_cmp(&b.size));
         }
     }
@@ -249,6 +252,11 @@ impl Tried<'_> {
         Some((little * each[much].0).sqrt())
     }
 
+    /// Whether there is a strength with which laps scatter more like the run than without.
+    fn may_explain(&self, before: f64) -> bool {
+        self.points.iter().flat_map(|point| point.misfits).any(|misfit| misfit < before)
+    }
+
     /// The simulated strength that fits best, where scatter explains something.
     fn size(&self, before: f64, settings: &RandomEffects) -> Option<f64> {
         let best = self.points.iter().min_by(|a, b| a.misfit(settings).total_cmp(&b.misfit(settings)))?;
@@ -310,7 +318,8 @@ mod tests {
         let mut beside = tried(&[9.0], 3.0);
         beside.points.insert(0, flat);
         assert!((beside.further(&settings).unwrap() - 0.9_f64.sqrt()).abs() < 1e-9);
-        // What explains nothing is not believed.
+        // What explains nothing is not believed, nor looked for any further.
         assert_eq!(there.size(-1.0, &settings), None);
+        assert!(there.may_explain(0.1) && !there.may_explain(-1.0));
     }
 }

@@ -10,7 +10,7 @@ use super::screen::{Signature, Signatures};
 use super::settings::{Likelihood, Settings};
 use super::significance::ScoreTest;
 use super::simulator::{Band, Candidate, Candidates, Context, Simulator};
-use crate::base::trig;
+use crate::base::{parallel, trig};
 use crate::effects::RandomEffect;
 use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared};
 use nalgebra::DVector;
@@ -119,16 +119,24 @@ impl Comparison<'_> {
     /// All candidates with signatures, the likeliest first.
     pub fn singles(&self) -> Vec<Scored> {
         let known: BTreeSet<CandidateId> = self.signatures.iter().map(|s| s.candidate).collect();
-        let ways = known.into_iter().flat_map(|c| {
-            let whole = self.single(c);
-            // Of an effect with several strengths each may be there without the others.
-            let some = if whole.signatures.len() > 1 { whole.signatures.clone() } else { Vec::new() };
-            let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
-            some.chain([whole]).collect::<Vec<_>>()
-        });
-        let mut singles: Vec<Scored> = ways.map(|h| self.screened(h)).collect();
-        scored::sort(&mut singles);
-        singles
+        let ways: Vec<Hypothesis> = known
+            .into_iter()
+            .flat_map(|c| {
+                let whole = self.single(c);
+                // Of an effect with several strengths each may be there without the others.
+                let some = if whole.signatures.len() > 1 { whole.signatures.clone() } else { Vec::new() };
+                let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
+                some.chain([whole]).collect::<Vec<_>>()
+            })
+            .collect();
+        self.likeliest(&ways)
+    }
+
+    /// Hypotheses by signatures alone, the likeliest first.
+    pub fn likeliest(&self, hypotheses: &[Hypothesis]) -> Vec<Scored> {
+        let mut scored = parallel::map(hypotheses, self.simulator.threads(), |h| self.screened(h.clone()));
+        scored::sort(&mut scored);
+        scored
     }
 
     /// The place of a candidate: one beside another is at that one's.
@@ -141,7 +149,7 @@ impl Comparison<'_> {
         self.simulator.candidates()
     }
 
-    pub fn screened(&self, hypothesis: Hypothesis) -> Scored {
+    fn screened(&self, hypothesis: Hypothesis) -> Scored {
         self.score(hypothesis.screened(&self.observations, &self.signatures, self.candidates()), None)
     }
 

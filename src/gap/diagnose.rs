@@ -4,6 +4,7 @@ use super::chance::Chance;
 use super::checked::Checked;
 use super::comparison::{Comparison, overall_mean_square};
 use super::diagnosis::Diagnosis;
+use super::hypothesis::{Fitted, Hypothesis};
 use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::refit::refit;
@@ -13,7 +14,6 @@ use super::scored::{self, Explanation, Scored};
 use super::screen::{self, Signature};
 use super::settings::Settings;
 use super::simulator::{Context, Simulator};
-use crate::gap::hypothesis::Fitted;
 use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -150,7 +150,7 @@ impl Comparison<'_> {
     /// Pairs of other effects with the best single ones, the likeliest first.
     fn pairs(&self, singles: &[Scored]) -> Vec<Scored> {
         let first = |scored: &Scored| scored.fitted.hypothesis.members[0];
-        let mut pairs: Vec<Scored> = Vec::new();
+        let mut pairs: Vec<Hypothesis> = Vec::new();
         // Each candidate once, in whichever way it is likeliest: a pair has some of its strengths, or all.
         let mut met = BTreeSet::new();
         let leading: Vec<&Scored> = singles.iter().filter(|j| met.insert(first(j))).collect();
@@ -161,13 +161,12 @@ impl Comparison<'_> {
                     let ways =
                         |c: CandidateId| singles.iter().filter(move |j| first(j) == c).map(|j| &j.fitted.hypothesis);
                     for one in ways(x) {
-                        pairs.extend(ways(y).map(|two| self.screened(one.with(two))));
+                        pairs.extend(ways(y).map(|two| one.with(two)));
                     }
                 }
             }
         }
-        scored::sort(&mut pairs);
-        pairs
+        self.likeliest(&pairs)
     }
 
     /// The effect that leaves least of those that differ by nothing and explain something.

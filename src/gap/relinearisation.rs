@@ -4,7 +4,7 @@
 
 use super::comparison::Comparison;
 use super::ids::CandidateId;
-use super::scored::{self, Scored};
+use super::scored::Scored;
 use super::screen::{self, Runs, Signature, Trial};
 use super::simulator::Context;
 use super::tune::Tuner;
@@ -150,10 +150,8 @@ impl Comparison<'_> {
     fn with_leader(&self, leader: &Scored, others: impl Iterator<Item = Scored>) -> Vec<Scored> {
         let effect = |j: &Scored| &self.simulator.candidates()[j.fitted.hypothesis.members[0]].effect;
         let others = others.filter(|j| effect(j) != effect(leader));
-        let mut both: Vec<Scored> =
-            others.map(|j| self.screened(leader.fitted.hypothesis.with(&j.fitted.hypothesis))).collect();
-        scored::sort(&mut both);
-        both
+        let both: Vec<Hypothesis> = others.map(|j| leader.fitted.hypothesis.with(&j.fitted.hypothesis)).collect();
+        self.likeliest(&both)
     }
 
     /// The same effects with the other sign, by signatures of their own, where they strike at a place: up and down look

@@ -4,6 +4,7 @@
 use super::comparison::Comparison;
 use super::scored::{self, Scored};
 use super::screen::explain;
+use crate::base::parallel;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
 
@@ -19,8 +20,11 @@ impl Comparison<'_> {
         };
         let simulated = scored.iter().filter(|j| j.fitted.simulated());
         let mut met: BTreeSet<BTreeSet<&str>> = simulated.map(|j| names(&j.fitted.hypothesis)).collect();
-        let both = self.singles().into_iter().map(|j| self.score(self.joined(first, &j.fitted.hypothesis), None));
-        let mut both: Vec<Scored> = both.filter(|j| j.fitted.all_there(&self.signatures)).collect();
+        let singles = self.singles();
+        let both = parallel::map(&singles, self.simulator.threads(), |j| {
+            self.score(self.joined(first, &j.fitted.hypothesis), None)
+        });
+        let mut both: Vec<Scored> = both.into_iter().filter(|j| j.fitted.all_there(&self.signatures)).collect();
         scored::sort(&mut both);
         both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
         both.into_iter().take(self.settings.selection.seconds).map(|j| j.fitted).collect()

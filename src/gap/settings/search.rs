@@ -127,7 +127,7 @@ settings! {
         /// Each of these is so many times the one before.
         rung: f64 = 3.0, "–", Chosen("scatter, which grows with the square, then grows by about ten");
         /// Rounds of further strengths between these.
-        further: usize = 4, "–", Chosen("halving a factor of 3 four times leaves 7 %");
+        further: usize = 3, "–", Chosen("halving a factor of 3 three times leaves 15 %, half of the deviation below");
         /// Shares of a simulated strength at which the scatter is thought of, by its square.
         shares: [f64; SHARES] = [0.57, 0.67, 0.8, 1.0, 1.25, 1.5, 1.75], "–", Chosen("about the square root of the \
             factor \
