@@ -24,6 +24,7 @@ pub const EFFECT: Effect = Effect {
         StrengthSearch { trial: 0.3, as_built: 0.0 },
     ],
     sites: Sites::Listed(sites::each_curve),
+    several: true,
     separated_by: Experiment::Runs,
     act: Act::Chain(act),
     ..Effect::PLAIN

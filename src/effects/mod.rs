@@ -94,6 +94,8 @@ pub struct Effect {
     pub sites: Sites,
     /// Whether it has a strength at a site.
     pub has: fn(&Site, &str) -> bool,
+    /// Whether it may be at several of its sites at once.
+    pub several: bool,
     /// Sites that look much like one at which the effect explains something, each with those beside it in turn. The
     /// number is how well the site is known, m.
     pub alternatives: Alternatives,
@@ -274,6 +276,7 @@ impl Effect {
         fitted: &[],
         sites: Sites::Listed(sites::everywhere),
         has: |_, _| true,
+        several: false,
         alternatives: |_, _| Vec::new(),
         random: None,
         start: |_| Start::Settled,

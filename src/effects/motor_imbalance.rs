@@ -12,6 +12,7 @@ pub const EFFECT: Effect = Effect {
     discrepancy: super::ASSUMED,
     fitted: &[StrengthSearch { trial: 0.3, as_built: 0.01 }],
     sites: Sites::Listed(sites::motors),
+    several: true,
     separated_by: Experiment::Motors,
     act: Act::Chain(act),
     ..Effect::PLAIN

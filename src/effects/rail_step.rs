@@ -15,6 +15,7 @@ pub const EFFECT: Effect = Effect {
     discrepancy: super::ASSUMED,
     fitted: &[StrengthSearch { trial: 1e-4, as_built: 3e-5 }],
     sites: Sites::Suspected,
+    several: true,
     separated_by: Experiment::Runs,
     alternatives,
     act: Act::Chain(act),

@@ -1,6 +1,8 @@
-//! A wheel out of round, r(φ) = r₀ + Σ aₙ sin nφ with waves once to four times a turn, or with a flat spot: a chord that
-//! takes its depth a from the radius once a revolution (Nielsen and Johansson 2000). WheelPlace 1 is both steering wheels, 2
-//! the left and 3 the right running wheel, 4 the left and 5 the right steering wheel; shape 1 is the flat spot.
+//! A wheel out of round, r(φ) = r₀ + Σ aₙ sin nφ with waves once to four times a turn, or with a flat spot, a chord of
+//! depth a (Nielsen and Johansson 2000). Over a chord the wheel turns about its one end, then about its other: with the
+//! chord's half angle α, cos α = 1 − a/r₀, its middle is r₀ cos(α − |φ|) from the rail, which for a small α is
+//! r₀ − a (1 − |φ|/α)². Wheel 1 is both steering wheels, 2 the left and 3 the right running wheel, 4 the left and 5 the
+//! right steering wheel; shape 1 is the flat spot.
 //!
 //! Signature: the wheel's force at the order of its turning, v/(2πr), and its multiples.
 
@@ -28,18 +30,19 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
-    const POINTS: usize = 128;
+    const POINTS: usize = 512;
     let (amplitude, flat) = (strengths.of("amplitude"), strengths.of("shape") > 0.5);
     let wheel = WheelPlace::ALL[strengths.index("wheel").min(WheelPlace::ALL.len() - 1)];
     let wheels = if wheel.is_running() { &simulation.running_wheel } else { &simulation.steering_wheel };
     let waves = ["twice", "thrice", "four_times"].map(|name| strengths.of(name));
-    // Half the angle of a chord of that depth.
-    let reach = (2.0 * amplitude / wheels.radius_m.max(1e-6)).sqrt().max(2.5 / POINTS as f64 * trig::TAU);
+    let round = wheels.radius_m.max(1e-6);
+    // Half the angle of a chord of that depth, and no less than the table tells.
+    let reach = trig::acos(1.0 - (amplitude / round).min(1.0)).max(2.5 / POINTS as f64 * trig::TAU);
     let radius = (0..POINTS).map(|k| {
         let angle = trig::TAU * k as f64 / POINTS as f64;
-        let off = (angle - trig::PI) / reach;
+        let inside = (1.0 - (angle - trig::PI).abs() / reach).max(0.0);
         // Less radius lets the cart down.
-        let first = if flat { -amplitude * (1.0 - off * off).max(0.0) } else { amplitude * trig::sin(angle) };
+        let first = if flat { -amplitude * inside * inside } else { amplitude * trig::sin(angle) };
         first + waves.iter().zip(2..).map(|(wave, n)| wave * trig::sin(f64::from(n) * angle)).sum::<f64>()
     });
     let nth = strengths.of("every").round().max(1.0) as usize;

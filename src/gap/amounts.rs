@@ -3,7 +3,7 @@
 use super::comparison::Comparison;
 use super::diagnosis::{Amount, Bound};
 use super::hypothesis::norm_squared;
-use super::ids::PerRun;
+use super::ids::{CandidateId, PerRun};
 use super::scored::Scored;
 use super::simulator::Strength;
 use crate::base::number::tidy;
@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 /// Deviations of a normal distribution's 90 % interval.
 const NINETY: f64 = 1.644_853_627;
 
-/// Strengths of an effect with their intervals.
-pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<String, Amount> {
+/// Strengths of a candidate with their intervals.
+pub fn amounts(comparison: &Comparison, told: &Scored, of: CandidateId) -> BTreeMap<String, Amount> {
     let fitted = &told.fitted;
     let settings = comparison.settings;
     let deviation = settings.random_effects.deviation;
@@ -28,10 +28,10 @@ pub fn amounts(comparison: &Comparison, told: &Scored, name: &str) -> BTreeMap<S
     let mut out = BTreeMap::new();
     for (i, k) in fitted.hypothesis.signatures.iter().enumerate() {
         let signature = &comparison.signatures[*k];
-        let candidate = &comparison.candidates()[signature.candidate];
-        if candidate.effect != name {
+        if signature.candidate != of {
             continue;
         }
+        let candidate = &comparison.candidates()[of];
         let strength = &candidate.strengths[signature.strength];
         let value = fitted.strengths[i];
         let own = told.covariance()[(i, i)].max(0.0).sqrt();

@@ -179,7 +179,14 @@ impl Comparison<'_> {
         Scored { fitted, repeatability, mean_square, terms }
     }
 
-    /// Log prior of a hypothesis: effects share theirs, and places of an effect.
+    /// The effects of a hypothesis, each once.
+    pub fn effects(&self, hypothesis: &Hypothesis) -> Vec<&str> {
+        let mut met = BTreeSet::new();
+        let all = hypothesis.members.iter().map(|c| self.candidates()[*c].effect.as_str());
+        all.filter(|name| met.insert(*name)).collect()
+    }
+
+    /// Log prior of a hypothesis: effects share theirs, and places of an effect; each further place of an effect costs.
     pub fn prior(&self, hypothesis: &Hypothesis) -> f64 {
         let candidates = self.candidates();
         let effects = {
@@ -191,9 +198,11 @@ impl Comparison<'_> {
         let members = &hypothesis.members;
         let alike = |c: CandidateId, o: &Candidate| o.alternative_to.is_none() && o.effect == candidates[c].effect;
         let sites = |c: CandidateId| candidates.iter().filter(|o| alike(c, o)).count() as f64;
-        let shared: f64 = members.iter().map(|c| trig::ln(effects * sites(*c))).sum();
+        let named = self.effects(hypothesis).len();
+        let shared = named as f64 * trig::ln(effects) + members.iter().map(|c| trig::ln(sites(*c))).sum::<f64>();
         let settings = self.likelihood();
-        trig::ln(if members.len() == 1 { settings.prior_one } else { settings.prior_pair }) - shared
+        let further = (members.len() - named) as f64 * trig::ln(settings.prior_place);
+        trig::ln(if named == 1 { settings.prior_one } else { settings.prior_pair }) + further - shared
     }
 
     /// The hypotheses with what it costs that their impacts go the other way round than measured, by what was simulated

@@ -131,6 +131,19 @@ pub fn diagnose_and_explain(
         tell(Stage::Replicating);
         scored.extend(comparison.with_own_repeatability(both, &as_built));
     }
+    for _ in 1..settings.selection.places {
+        let Some(more) = comparison.one_place_more(&scored).filter(|_| gap && unsettled(&scored)) else { break };
+        let before = scored.iter().map(|j| j.mean_square).fold(f64::INFINITY, f64::min);
+        let more = refit(context, &comparison.observations, &comparison.signatures, vec![more], &mut |done, of| {
+            tell(Stage::Fitting { done, of })
+        });
+        let more = comparison.with_own_repeatability(more, &as_built);
+        let better = more.iter().any(|j| j.mean_square < before);
+        scored.extend(more);
+        if !better {
+            break;
+        }
+    }
     tell(Stage::ByChance);
     if unsettled(&scored) {
         let both = comparison
@@ -171,12 +184,11 @@ impl Comparison<'_> {
 
     /// The effect that leaves least of those that differ by nothing and explain something.
     fn companion<'b>(&self, scored: &'b [Scored]) -> Option<&'b Fitted> {
-        let most = self.mean_square - self.settings.selection.own_repeatability_worth * (self.mean_square - 1.0);
         let alone = |j: &&Scored| {
             let members = &j.fitted.hypothesis.members;
             members.len() == 1 && self.candidates()[members[0]].random_effect.is_none() && j.fitted.simulated()
         };
-        let explains = scored.iter().filter(alone).filter(|j| j.mean_square < most);
+        let explains = scored.iter().filter(alone).filter(|j| self.explains(j.mean_square));
         explains.min_by(|a, b| a.mean_square.total_cmp(&b.mean_square)).map(|j| &j.fitted)
     }
 
@@ -211,6 +223,12 @@ impl Comparison<'_> {
         there.map(|(fitted, repeatability)| self.score(fitted, repeatability)).collect()
     }
 
+    /// Whether what leaves this mean square explains something of the gap.
+    pub fn explains(&self, mean_square: f64) -> bool {
+        let gap = (self.mean_square - 1.0).max(0.0);
+        self.mean_square - mean_square > self.settings.selection.own_repeatability_worth * gap
+    }
+
     /// Which fitted hypotheses are held against the repeatability that they make themselves: the best of those that
     /// explain something.
     fn worth_own_repeatability(&self, fitted: &[Fitted]) -> Vec<bool> {
@@ -218,11 +236,7 @@ impl Comparison<'_> {
             fitted.iter().map(|f| overall_mean_square(&self.observations, &f.residuals)).collect();
         let mut order: Vec<usize> = (0..fitted.len()).collect();
         order.sort_by(|a, b| mean_square[*a].total_cmp(&mean_square[*b]));
-        let worth = |k: &usize| {
-            fitted[*k].simulated()
-                && self.mean_square - mean_square[*k]
-                    > self.settings.selection.own_repeatability_worth * (self.mean_square - 1.0).max(0.0)
-        };
+        let worth = |k: &usize| fitted[*k].simulated() && self.explains(mean_square[*k]);
         let best: BTreeSet<usize> =
             order.into_iter().filter(worth).take(self.settings.selection.own_repeatabilities).collect();
         (0..fitted.len()).map(|k| best.contains(&k)).collect()

@@ -148,6 +148,18 @@ pub struct Finding {
     pub fixed: BTreeMap<String, f64>,
     /// The shape that it gives a wheel or a rail; null where it gives none.
     pub shape: Option<Shape>,
+    /// Where else it sits, with its strengths there.
+    pub elsewhere: Vec<Elsewhere>,
+}
+
+/// Another place of an effect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Elsewhere {
+    /// In words.
+    pub place: String,
+    /// What says the place, as an `effect` of a layout takes it.
+    pub fixed: BTreeMap<String, f64>,
+    pub strength: BTreeMap<String, Amount>,
 }
 
 /// A shape of a wheel or a rail with the ends of its strengths' 90 % intervals.

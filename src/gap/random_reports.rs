@@ -66,6 +66,7 @@ impl Random {
             place: if self.chance(0.3) { "somewhere".into() } else { String::new() },
             fixed: BTreeMap::new(),
             shape: None,
+            elsewhere: Vec::new(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
-use super::diagnosis::{Amount, Diagnosis, Finding, Group, Lost, RunGap, Verdict};
+use super::diagnosis::{Amount, Diagnosis, Elsewhere, Finding, Group, Lost, RunGap, Verdict};
 use super::hypothesis::room;
 use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
@@ -57,7 +57,7 @@ fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
     let probability = likelihood::normalised(&log_posteriors);
     let (none, unknown) = (probability[0], probability[1]);
     let (scored, untested) = probability[2..].split_at(compared.scored.len());
-    let count = |j: &Scored| j.fitted.hypothesis.members.len();
+    let count = |j: &Scored| compared.comparison.effects(&j.fitted.hypothesis).len();
     let of = |members: usize| -> f64 {
         compared.scored.iter().zip(scored).filter(|(j, _)| count(j) == members).map(|(_, p)| p).sum()
     };
@@ -86,8 +86,8 @@ fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
 /// Whether a member of a hypothesis may be absent: the intervals of all its strengths hold 0.
 fn may_lack(compared: &Compared, scored: usize) -> bool {
     let scored = &compared.scored[scored];
-    let names = scored.fitted.hypothesis.members.iter().map(|c| compared.comparison.candidates()[*c].effect.as_str());
-    let mut each = names.map(|name| amounts(&compared.comparison, whole(compared, scored), name));
+    let members = scored.fitted.hypothesis.members.iter();
+    let mut each = members.map(|member| amounts(&compared.comparison, whole(compared, scored), *member));
     each.any(|own| !own.is_empty() && own.values().all(Amount::may_be_zero))
 }
 
@@ -134,11 +134,11 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
     let gap = runs.iter().any(RunGap::over);
     let closed = shown.filter(|_| gap).and_then(|j| closed(&compared.comparison, j, false));
     let places = places(&compared.comparison, shown.filter(|_| verdict != Verdict::Unknown), axis);
-    let with = shown.map_or(&[][..], |j| &j.fitted.hypothesis.members);
+    let with = shown.map_or_else(Vec::new, |j| compared.comparison.effects(&j.fitted.hypothesis));
     let mut out = Diagnosis {
         verdict,
         summary: String::new(),
-        shown: with.iter().map(|c| candidates[*c].effect.clone()).collect(),
+        shown: with.into_iter().map(str::to_owned).collect(),
         overlays: overlays(&compared.comparison, shown, &places),
         places: if compared.comparison.mean_square > 1.0 { places } else { Vec::new() },
         unknown_probability: tidy(choice.unknown),
@@ -175,16 +175,21 @@ fn finding(compared: &Compared, name: &str, best: Option<&Scored>) -> Finding {
         place: String::new(),
         fixed: BTreeMap::new(),
         shape: None,
+        elsewhere: Vec::new(),
     };
     let Some(scored) = best else { return out };
-    // Strengths are told with those beside them that may be there, too.
-    out.strength = amounts(&compared.comparison, whole(compared, scored), name);
     let own = |c: &&CandidateId| compared.comparison.candidates()[**c].effect == name;
-    if let Some(candidate) = scored.fitted.hypothesis.members.iter().find(own) {
-        out.shape = shape(compared.comparison.simulator, *candidate, &out.strength);
-        let candidate = &compared.comparison.candidates()[*candidate];
-        out.place.clone_from(&candidate.place);
-        out.fixed = candidate.fixed.iter().cloned().collect();
+    for (n, member) in scored.fitted.hypothesis.members.iter().filter(own).enumerate() {
+        // Strengths are told with those beside them that may be there, too.
+        let strength = amounts(&compared.comparison, whole(compared, scored), *member);
+        let candidate = &compared.comparison.candidates()[*member];
+        let (place, fixed) = (candidate.place.clone(), candidate.fixed.iter().cloned().collect());
+        if n > 0 {
+            out.elsewhere.push(Elsewhere { place, fixed, strength });
+            continue;
+        }
+        out.shape = shape(compared.comparison.simulator, *member, &strength);
+        (out.place, out.fixed, out.strength) = (place, fixed, strength);
     }
     let gap = compared.comparison.observations.ids().any(|run| over(&compared.comparison, run));
     if gap && scored.fitted.features.is_some() {

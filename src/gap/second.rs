@@ -2,6 +2,7 @@
 //! signature leaves may be several times as much, in which a second one drowns.
 
 use super::comparison::Comparison;
+use super::ids::CandidateId;
 use super::scored::{self, Scored};
 use super::screen::explain;
 use crate::base::parallel;
@@ -15,19 +16,40 @@ impl Comparison<'_> {
         let alone = |j: &&Scored| j.fitted.hypothesis.members.len() == 1 && j.fitted.simulated() && self.leads(j);
         let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
         let Some(Scored { fitted: first, .. }) = first else { return Vec::new() };
-        let names = |h: &Hypothesis| -> BTreeSet<&str> {
-            h.members.iter().map(|c| self.candidates()[*c].effect.as_str()).collect()
-        };
+        let names = |h: &Hypothesis| -> BTreeSet<&str> { self.effects(h).into_iter().collect() };
         let simulated = scored.iter().filter(|j| j.fitted.simulated());
         let mut met: BTreeSet<BTreeSet<&str>> = simulated.map(|j| names(&j.fitted.hypothesis)).collect();
-        let singles = self.singles();
-        let both = parallel::map(&singles, self.simulator.threads(), |j| {
+        let mut both = self.beside(first, |_| true);
+        both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
+        both.into_iter().take(self.settings.selection.seconds).map(|j| j.fitted).collect()
+    }
+
+    /// The effect that leaves least of those that were simulated alone and may be at several places, at one place more,
+    /// where it explains something.
+    pub fn one_place_more(&self, scored: &[Scored]) -> Option<Fitted> {
+        let candidates = self.candidates();
+        let alone = |j: &&Scored| {
+            let hypothesis = &j.fitted.hypothesis;
+            let several = candidates[hypothesis.members[0]].several && self.effects(hypothesis).len() == 1;
+            several && j.fitted.simulated() && self.explains(j.mean_square)
+        };
+        let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square))?;
+        let own = &candidates[first.fitted.hypothesis.members[0]].effect;
+        self.beside(&first.fitted, |c| candidates[c].effect == *own).into_iter().next().map(|j| j.fitted)
+    }
+
+    /// What was simulated with others beside it, at other places, the likeliest first.
+    fn beside(&self, first: &Fitted, which: impl Fn(CandidateId) -> bool) -> Vec<Scored> {
+        let taken: BTreeSet<CandidateId> = first.hypothesis.members.iter().map(|c| self.place(*c)).collect();
+        let member = |j: &Scored| j.fitted.hypothesis.members[0];
+        let mut others = self.singles();
+        others.retain(|j| which(member(j)) && !taken.contains(&self.place(member(j))));
+        let both = parallel::map(&others, self.simulator.threads(), |j| {
             self.score(self.joined(first, &j.fitted.hypothesis), None)
         });
         let mut both: Vec<Scored> = both.into_iter().filter(|j| j.fitted.all_there(&self.signatures)).collect();
         scored::sort(&mut both);
-        both.retain(|j| met.insert(names(&j.fitted.hypothesis)));
-        both.into_iter().take(self.settings.selection.seconds).map(|j| j.fitted).collect()
+        both
     }
 
     /// What was simulated with another effect beside it, by that one's signatures.

@@ -150,6 +150,8 @@ pub struct Candidate {
     /// By what share of itself a strength may be another in the machine, whose equation is not this one: a standard
     /// deviation.
     pub discrepancy: f64,
+    /// Whether its effect may be at several places at once.
+    pub several: bool,
     /// The candidate whose alternative site this is: it is screened only where that one explains something.
     pub alternative_to: Option<CandidateId>,
 }

@@ -189,6 +189,7 @@ mod tests {
             sensor: true,
             random_effect: None,
             discrepancy: 0.0,
+            several: false,
             alternative_to: None,
         };
         let label = |k: usize| {

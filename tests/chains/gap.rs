@@ -100,6 +100,7 @@ fn level(k: usize) -> f64 {
 
 fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     let one = |effect: &str, place: &str, sensor: bool| Candidate {
+        several: effect == "step",
         effect: effect.into(),
         place: place.into(),
         fixed: Vec::new(),
@@ -231,6 +232,26 @@ fn one_effect_is_named_with_its_strength_and_place() {
         assert!(first.gap_closed.expect("runs left out") > 0.9, "{first:?}");
         assert!(first.gap_closed_placebo.expect("a placebo") < 0.4, "{first:?}");
     }
+}
+
+#[test]
+fn an_effect_at_several_places_is_one_effect() {
+    let truth = [(2, 6.0), (3, -5.0), (5, 4.0)];
+    let found = found(&truth, 0.0, 21);
+    let first = &found.effects[0];
+    assert_eq!((found.verdict, first.name.as_str()), (Verdict::Effect, "step"), "{}", found.summary);
+    assert!(found.explained() && first.probability > 0.95, "{}", found.summary);
+    let own = (first.place.as_str(), &first.strength);
+    let all = || std::iter::once(own).chain(first.elsewhere.iter().map(|e| (e.place.as_str(), &e.strength)));
+    assert_eq!(all().count(), truth.len(), "{first:?}");
+    for (place, size) in ["first", "second", "fourth"].into_iter().zip(truth.map(|(_, size)| size)) {
+        let amount = &all().find(|(own, _)| *own == place).expect(place).1["size"];
+        assert!(amount.low <= size && size <= amount.high && amount.high - amount.low < 2.0, "{place}: {amount:?}");
+        assert!(found.summary.contains(place), "{}", found.summary);
+    }
+    // What is at one place alone stays there.
+    let alone = self::found(&[(4, -4.0)], 0.0, 15);
+    assert!(alone.effects[0].elsewhere.is_empty(), "{}", alone.summary);
 }
 
 #[test]

@@ -167,6 +167,7 @@ impl Chains {
             sensor: effect.is_sensor(),
             random_effect,
             discrepancy: effect.discrepancy,
+            several: effect.several,
             alternative_to,
         })
     }

@@ -211,6 +211,7 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         sensor: e.sensor,
         random_effect: None,
         discrepancy: 0.0,
+        several: false,
         alternative_to: None,
     };
     Ok(Description { nuisances, effects: effects.into_iter().map(candidate).collect(), accuracy })

@@ -98,6 +98,8 @@ settings! {
         unsettled: f64 = 1.25, "–", Chosen("with 60 degrees of freedom, 1.4 deviations of a mean square above 1");
         /// Second effects that are fitted beside what the best one really leaves.
         seconds: usize = 3, "–", Chosen("each is one more re-fit");
+        /// Places of an effect that are tried together at most.
+        places: usize = 4, "–", Chosen("each further one is one more re-fit");
         /// Hypotheses that are held against what is seen beyond them.
         compared: usize = 40, "–", Chosen("each costs a score along every signature");
     }

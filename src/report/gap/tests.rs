@@ -27,6 +27,7 @@ fn finding(name: &str, probability: f64) -> Finding {
         place: String::new(),
         fixed: BTreeMap::new(),
         shape: None,
+        elsewhere: Vec::new(),
     }
 }
 
