@@ -132,8 +132,8 @@ pub fn diagnose_and_explain(
         scored.extend(comparison.with_own_repeatability(both, &as_built));
     }
     for _ in 1..settings.selection.places {
-        let Some(more) = comparison.one_place_more(&scored).filter(|_| gap && unsettled(&scored)) else { break };
-        let before = scored.iter().map(|j| j.mean_square).fold(f64::INFINITY, f64::min);
+        let more = comparison.one_place_more(&scored).filter(|_| gap && unsettled(&scored));
+        let Some((more, before)) = more else { break };
         let more = refit(context, &comparison.observations, &comparison.signatures, vec![more], &mut |done, of| {
             tell(Stage::Fitting { done, of })
         });

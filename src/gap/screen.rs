@@ -107,9 +107,9 @@ fn sized(
     let run = most_off(observations, left);
     let mut all: Vec<Sized> = firsts.iter().map(|trial| Sized { trial: *trial, signature: None }).collect();
     // What is there of an effect where hardly a gap is has no strength far from the first.
-    let gap = observations[run].mean_square(&left[run]) >= settings.selects_from;
+    let large = observations[run].mean_square(&left[run]) >= settings.selects_from;
     let (ladder, mut open): (Vec<usize>, Vec<usize>) =
-        (0..all.len()).partition(|k| gap && few(candidates, firsts[*k], settings.few_places));
+        (0..all.len()).partition(|k| large && few(candidates, firsts[*k], settings.few_places));
     for _ in 0..settings.resizings {
         let now: Vec<Trial> = open.iter().map(|k| all[*k].trial).collect();
         let before = all.len() - open.len();

@@ -25,8 +25,8 @@ impl Comparison<'_> {
     }
 
     /// The effect that leaves least of those that were simulated alone and may be at several places, at one place more,
-    /// where it explains something.
-    pub fn one_place_more(&self, scored: &[Scored]) -> Option<Fitted> {
+    /// where it explains something; and what it leaves without it, as a mean square.
+    pub fn one_place_more(&self, scored: &[Scored]) -> Option<(Fitted, f64)> {
         let candidates = self.candidates();
         let alone = |j: &&Scored| {
             let hypothesis = &j.fitted.hypothesis;
@@ -35,7 +35,8 @@ impl Comparison<'_> {
         };
         let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square))?;
         let own = &candidates[first.fitted.hypothesis.members[0]].effect;
-        self.beside(&first.fitted, |c| candidates[c].effect == *own).into_iter().next().map(|j| j.fitted)
+        let more = self.beside(&first.fitted, |c| candidates[c].effect == *own).into_iter().next()?;
+        Some((more.fitted, first.mean_square))
     }
 
     /// What was simulated with others beside it, at other places, the likeliest first.

@@ -90,7 +90,7 @@ impl Chains {
         let correlated = Some(Excess::noise(&repeated));
         let fit = FitSettings { seed, steps, threads: 1, correlated, ..FitSettings::default() };
         // More runs than threads at a time, so that none is left to a single one in the end.
-        let fitted = parallel::map(subjects, (2 * threads).min(subjects.len()), |subject| {
+        let fitted = parallel::map(subjects, if threads > 1 { 2 * threads } else { 1 }, |subject| {
             let found = fitted(subject, &fit, settings, width).map_err(|why| (subject.name.clone(), why));
             tell(&subject.name);
             found
@@ -215,11 +215,7 @@ impl Chains {
         let (deviations, carts) = (deviations_of(&chain).ok()?.1, chain.chain.carts);
         // Where few carts are like the one with the sensors, more have to pass.
         let like = observed(&chain, &deviations, carts);
-        let mut all = laps::passing(&like, passes);
-        if step.is_empty() {
-            let enough = laps::passing(&like, settings.signature_least);
-            all = all.min(enough.max(settings.signature_carts * carts as f64));
-        }
+        let all = laps::passing(&like, passes);
         let like = like.iter().filter(|like| **like).count() as f64 / carts as f64;
         let (model, at, ensemble) = self.run_ensemble(run, step, effects, all)?;
         let features = fitted.features(&model, &ensemble, &deviations, sensor, at);

@@ -9,10 +9,6 @@ settings! {
         passes: f64 = 24.0, "–", Chosen("chaos moves their mean by a fifth of what it moves a lap");
         /// The same in one that only takes a signature.
         signature_passes: f64 = 10.0, "–", Chosen("a signature is taken where it is large");
-        /// Where few carts are like the one with the sensors, this share of all pass each place in one for a signature.
-        signature_carts: f64 = 0.5, "–", Chosen("a lap's costs as much as four signatures");
-        /// Or as many as that so many of the few do, whichever is more.
-        signature_least: f64 = 3.0, "–", Chosen("a mean of fewer is mostly chaos");
         /// Time that one for a signature settles before it is recorded.
         signature_settle: f64 = 5.0, "s", Chosen("it begins from the settled nominal chain");
         /// How often a simulation that does not come to its end is made again with half the step.
