@@ -56,9 +56,7 @@ impl Settled {
             let from = start(&self.model, self.front, self.model.speed)?.0;
             let (state, memory, _) = start(&model, self.front * lap(&model) / lap(&self.model), model.speed)?;
             (chain.state, chain.memory) = (state, memory);
-            for (own, settled) in chain.memory.approach.iter_mut().zip(&self.memory.approach) {
-                *own = *settled;
-            }
+            chain.memory.approach.clone_from(&self.memory.approach);
             for cart in 0..model.carts {
                 move_as(&mut chain.state, &self.state, &from, cart);
             }

@@ -5,6 +5,7 @@
 //!
 //! Parts of the lap are counted from the trigger, as a run knows no other places.
 
+use super::places::part;
 use crate::signal::FORCES;
 
 /// Samples of one passage that a part of the lap is long.
@@ -67,7 +68,7 @@ impl Passes {
         let (mut samples, mut count) = (vec![0.0_f32; parts], vec![0.0_f32; parts]);
         let mut before = None;
         for (s, x) in station.iter().zip(values) {
-            let part = (!x.is_nan()).then(|| part(f64::from(*s), lap, parts));
+            let part = (!x.is_nan()).then(|| part(f64::from(*s), lap, parts) as usize);
             if let Some(part) = part {
                 samples[part] += 1.0;
                 count[part] += if before == Some(part) { 0.0 } else { 1.0 };
@@ -106,13 +107,6 @@ impl Passes {
     }
 }
 
-/// Part of the lap of a station past the trigger.
-#[inline(always)]
-fn part(past: f64, lap: f64, parts: usize) -> usize {
-    let share = past / lap;
-    (((share - share.floor()) * parts as f64) as usize).min(parts - 1)
-}
-
 /// What a sample counts.
 #[derive(Clone, Copy, Debug)]
 pub struct Weight {
@@ -146,7 +140,7 @@ impl Weighing<'_> {
             Weighing::Measured(coverage) => (coverage, 0.0),
             Weighing::Within(coverage, trigger) => (coverage, trigger),
         };
-        part(f64::from(station) - from, coverage.lap, coverage.parts) as u32
+        part(f64::from(station) - from, coverage.lap, coverage.parts)
     }
 
     /// Of a sample of a force in a part; all alike where the force was not measured.

@@ -50,7 +50,7 @@ pub struct FeatureSpec {
     /// Of each kind of place and force, N.
     pub thresholds: [[[f32; THRESHOLDS]; FORCES]; KINDS],
     /// Which vector instructions features are worked out with.
-    pub width: Width,
+    pub(super) width: Width,
     noise: [Noise; FORCES],
     /// Draws of it that all simulated sensors take theirs from.
     drawn: [Arc<Vec<f32>>; FORCES],
@@ -69,8 +69,23 @@ pub struct FeatureSpec {
     pub within: Option<(Arc<Coverage>, f64)>,
 }
 
+/// Numbers that are added side by side: sums in a fixed order that a processor can take several at once of.
+pub(super) const SIDE_BY_SIDE: usize = 8;
+
+/// The sum of samples.
+#[inline(always)]
+pub(super) fn total(values: &[f32]) -> f32 {
+    let mut sums = [0.0; SIDE_BY_SIDE];
+    let chunks = values.chunks_exact(SIDE_BY_SIDE);
+    let rest: f32 = chunks.remainder().iter().sum();
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, x)| *sum += x);
+    }
+    sums.iter().sum::<f32>() + rest
+}
+
 impl FeatureSpec {
-    pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64) -> Self {
+    pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64, width: Width) -> Self {
         let segment = 2 * hop(rate);
         let line = |hz: f64| ((hz * segment as f64 / rate).round() as usize).clamp(1, segment / 2);
         let bands = std::array::from_fn(|k| {
@@ -86,7 +101,7 @@ impl FeatureSpec {
             rate,
             passing,
             thresholds: Default::default(),
-            width: Width::used(),
+            width,
             noise: Default::default(),
             drawn: Default::default(),
             segment,
@@ -116,17 +131,8 @@ impl FeatureSpec {
     /// above: a wheel that does not touch has a force of 0 for long, which no threshold must split.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
-        for (n, station) in samples.station.chunks_exact(self.block).enumerate() {
-            let fine: Vec<u32> = station.iter().map(|s| self.places.part(f64::from(*s) + offset)).collect();
-            let Some(kind) = self.kind_of_block(&fine) else { continue };
-            for (force, values) in samples.forces.iter().enumerate() {
-                let values = values.get(n * self.block..(n + 1) * self.block);
-                let mean = values.map_or(f32::NAN, |values| values.iter().sum::<f32>() / self.block as f32);
-                if !mean.is_nan() {
-                    found[kind * FORCES + force].push(mean);
-                }
-            }
-        }
+        let fine: Vec<u32> = samples.station.iter().map(|s| self.places.part(f64::from(*s) + offset)).collect();
+        self.blocks(&fine, samples, |kind, force, _, mean| found[kind * FORCES + force].push(mean));
         for (k, means) in found.iter_mut().enumerate() {
             means.sort_by(f32::total_cmp);
             let above = 0.01 * means.last().zip(means.first()).map_or(0.0, |(high, low)| high - low);
@@ -146,16 +152,31 @@ impl FeatureSpec {
         }
     }
 
-    /// The kind of place of a block of samples, by their parts of the lap; `None` where it begins and ends in two zones.
+    /// Means of blocks of samples that begin and end in one zone, by their parts of the lap: the kind of place, the
+    /// force, where they begin, and their mean.
     #[inline(always)]
-    pub(super) fn kind_of_block(&self, fine: &[u32]) -> Option<usize> {
-        let zone = |k: usize| self.places.zone(fine[k] as usize);
-        let first = zone(0);
-        (zone(fine.len() - 1) == first).then(|| match self.places.zones[first].kind {
-            PlaceKind::Straight | PlaceKind::Vertical => 0,
-            PlaceKind::Left => 1,
-            PlaceKind::Right => 2,
-        })
+    pub(super) fn blocks(&self, fine: &[u32], samples: &Samples, mut take: impl FnMut(usize, usize, usize, f32)) {
+        let length = self.block;
+        for (n, fine) in fine.chunks_exact(length).enumerate() {
+            let zone = |k: usize| self.places.zone(fine[k] as usize);
+            let first = zone(0);
+            if zone(length - 1) != first {
+                continue;
+            }
+            let kind = match self.places.zones[first].kind {
+                PlaceKind::Straight | PlaceKind::Vertical => 0,
+                PlaceKind::Left => 1,
+                PlaceKind::Right => 2,
+            };
+            let begin = n * length;
+            for (force, values) in samples.forces.iter().enumerate() {
+                let Some(values) = values.get(begin..begin + length) else { continue };
+                let mean = total(values) / length as f32;
+                if !mean.is_nan() {
+                    take(kind, force, begin, mean);
+                }
+            }
+        }
     }
 
     /// Noise that a simulated sensor needs to measure as the real one.

@@ -67,12 +67,10 @@ impl Model {
         let places = Arc::new(Places::new(&simulation));
         let pitch = places.lap / simulation.chain.carts as f64;
         let passing = measured.speed.map_or(measured.nominal_speed, |s| s.0) / pitch;
-        let mut spec = FeatureSpec::new(places.clone(), measured.rate, passing, measured.lowpass);
-        spec.width = width;
         Model {
             nominal,
             bounds: Parameter::ALL.map(|p| p.bounds(nominal[p.index()])),
-            spec,
+            spec: FeatureSpec::new(places, measured.rate, passing, measured.lowpass, width),
             simulation,
             law,
             width,

@@ -64,8 +64,7 @@ impl Places {
     /// Part of the lap in which a station lies.
     #[inline(always)]
     pub fn part(&self, station: f64) -> u32 {
-        let (share, most) = (station / self.lap, self.fine() as u32 - 1);
-        (((share - share.floor()) * f64::from(most + 1)) as u32).min(most)
+        part(station, self.lap, self.fine())
     }
 
     pub fn cell(fine: usize) -> usize {
@@ -75,6 +74,13 @@ impl Places {
     pub fn zone(&self, fine: usize) -> usize {
         self.zone_of[fine] as usize
     }
+}
+
+/// Which of so many equal parts of a lap a station lies in; any lap's.
+#[inline(always)]
+pub fn part(station: f64, lap: f64, parts: usize) -> u32 {
+    let (share, most) = (station / lap, parts as u32 - 1);
+    (((share - share.floor()) * f64::from(most + 1)) as u32).min(most)
 }
 
 /// The pieces of the centre line; short ones belong to the one before.

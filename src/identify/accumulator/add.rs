@@ -3,6 +3,7 @@
 
 use super::super::coverage::{Weighing, Weight};
 use super::{FORCES, FeatureAccumulator, FeatureSpec, Moments, NoiseDraw, Samples, THRESHOLDS};
+use crate::identify::feature_spec::{SIDE_BY_SIDE, total};
 use crate::identify::places::Places;
 use pulp::{Simd, WithSimd};
 use realfft::num_complex::Complex;
@@ -119,9 +120,9 @@ fn add_places(to: &mut FeatureAccumulator, at: &Stations, samples: &Samples, var
             }
         }
     }
-    for (force, values) in samples.forces.iter().enumerate().filter(|(_, values)| !values.is_empty()) {
+    for (force, values) in samples.forces.iter().enumerate() {
         for (cell, zone, begin, end) in &runs {
-            let values = &values[*begin..*end];
+            let Some(values) = values.get(*begin..*end) else { break };
             let mut sums = match at.is_alike() {
                 true => moments(values),
                 false => weighed(values, |k| at.weight(force, begin + k)),
@@ -140,29 +141,20 @@ fn add_places(to: &mut FeatureAccumulator, at: &Stations, samples: &Samples, var
 
 #[inline(always)]
 fn add_blocks(to: &mut FeatureAccumulator, spec: &FeatureSpec, at: &Stations, samples: &Samples) {
-    let length = spec.block;
-    for (n, fine) in at.fine.chunks_exact(length).enumerate() {
-        let Some(kind) = spec.kind_of_block(fine) else { continue };
-        let begin = n * length;
-        for (force, values) in samples.forces.iter().enumerate().filter(|(_, values)| !values.is_empty()) {
-            let mean = total(&values[begin..begin + length]) / length as f32;
-            if mean.is_nan() {
-                continue;
-            }
-            let mut weight = Weight::ONE;
-            if !at.is_alike() {
-                let all = (begin..begin + length).map(|k| at.weight(force, k));
-                let (own, shared) = all.fold((0.0, 0.0), |sum, w| (sum.0 + w.own, sum.1 + w.shared));
-                weight = Weight { own: own / length as f64, shared: shared / length as f64 };
-            }
-            let below = &mut to.below[kind][force];
-            for (count, threshold) in below.iter_mut().zip(spec.thresholds[kind][force]) {
-                *count += if mean < threshold { weight.own } else { 0.0 };
-            }
-            below[THRESHOLDS] += weight.own;
-            below[THRESHOLDS + 1] += weight.shared;
+    spec.blocks(&at.fine, samples, |kind, force, begin, mean| {
+        let mut weight = Weight::ONE;
+        if !at.is_alike() {
+            let all = (begin..begin + spec.block).map(|k| at.weight(force, k));
+            let (own, shared) = all.fold((0.0, 0.0), |sum, w| (sum.0 + w.own, sum.1 + w.shared));
+            weight = Weight { own: own / spec.block as f64, shared: shared / spec.block as f64 };
         }
-    }
+        let below = &mut to.below[kind][force];
+        for (count, threshold) in below.iter_mut().zip(spec.thresholds[kind][force]) {
+            *count += if mean < threshold { weight.own } else { 0.0 };
+        }
+        below[THRESHOLDS] += weight.own;
+        below[THRESHOLDS + 1] += weight.shared;
+    });
 }
 
 #[inline(always)]
@@ -246,21 +238,6 @@ impl Spectrum {
         let rest: f64 = rest.iter().map(|line| f64::from(line.norm_sqr())).sum();
         self.scale * (sums.iter().sum::<f64>() + rest)
     }
-}
-
-/// Numbers that are added side by side: sums in a fixed order that a processor can take several at once of.
-const SIDE_BY_SIDE: usize = 8;
-
-/// The sum of samples.
-#[inline(always)]
-fn total(values: &[f32]) -> f32 {
-    let mut sums = [0.0; SIDE_BY_SIDE];
-    let chunks = values.chunks_exact(SIDE_BY_SIDE);
-    let rest: f32 = chunks.remainder().iter().sum();
-    for chunk in chunks {
-        sums.iter_mut().zip(chunk).for_each(|(sum, x)| *sum += x);
-    }
-    sums.iter().sum::<f32>() + rest
 }
 
 /// The moments of samples that count alike.

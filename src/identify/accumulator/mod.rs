@@ -231,6 +231,7 @@ impl FeatureAccumulator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::Width;
     use crate::identify::noise::Noise;
     use crate::identify::places::{PlaceKind, Places, Zone};
     use std::sync::Arc;
@@ -239,7 +240,7 @@ mod tests {
     fn spec() -> FeatureSpec {
         let zone = |from, to, kind| Zone { from, to, kind };
         let places = Places::of(40.0, 8, vec![zone(0.0, 20.0, PlaceKind::Straight), zone(20.0, 40.0, PlaceKind::Left)]);
-        FeatureSpec::new(Arc::new(places), 500.0, 1.6, 100.0)
+        FeatureSpec::new(Arc::new(places), 500.0, 1.6, 100.0, Width::widest())
     }
 
     /// Two laps at 2 m/s: 100 N on the straight, 300 N in the curve, and a sine of 10 N at 4 Hz.
