@@ -88,6 +88,17 @@ impl WheelPlace {
         WheelPlace::SteeringRight,
     ];
 
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            WheelPlace::Steering => "steering wheels",
+            WheelPlace::RunningLeft => "left running wheel",
+            WheelPlace::RunningRight => "right running wheel",
+            WheelPlace::SteeringLeft => "left steering wheel",
+            WheelPlace::SteeringRight => "right steering wheel",
+        }
+    }
+
     pub fn is_running(self) -> bool {
         matches!(self, WheelPlace::RunningLeft | WheelPlace::RunningRight)
     }

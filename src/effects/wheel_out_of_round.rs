@@ -51,11 +51,13 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
 }
 
 fn wheels(_: &Simulation) -> Vec<Site> {
-    let names =
-        ["steering wheels", "left running wheel", "right running wheel", "left steering wheel", "right steering wheel"];
-    let all = names.iter().enumerate().flat_map(|(k, name)| [(k, name, 0.0), (k, name, 1.0)]);
+    let all = WheelPlace::ALL
+        .map(WheelPlace::name)
+        .into_iter()
+        .enumerate()
+        .flat_map(|(k, name)| [(k, name, 0.0), (k, name, 1.0)]);
     all.map(|(k, name, shape)| Site {
-        words: if shape > 0.5 { format!("{name}, flat spot") } else { (*name).to_owned() },
+        words: if shape > 0.5 { format!("{name}, flat spot") } else { name.to_owned() },
         fixed: vec![("wheel", k as f64 + 1.0), ("shape", shape)],
     })
     .collect()

@@ -121,23 +121,12 @@ pub fn diagnose_and_explain(
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > settings.selection.unsettled);
     if gap && unsettled(&scored) {
-        let both = refit(
-            context,
-            &comparison.observations,
-            &comparison.signatures,
-            comparison.seconds(&scored),
-            &mut |done, of| tell(Stage::Fitting { done, of }),
-        );
-        tell(Stage::Replicating);
-        scored.extend(comparison.with_own_repeatability(both, &as_built));
+        scored.extend(comparison.refitted(comparison.seconds(&scored), &as_built, tell));
     }
     for _ in 1..settings.selection.places {
         let more = comparison.one_place_more(&scored).filter(|_| gap && unsettled(&scored));
         let Some((more, before)) = more else { break };
-        let more = refit(context, &comparison.observations, &comparison.signatures, vec![more], &mut |done, of| {
-            tell(Stage::Fitting { done, of })
-        });
-        let more = comparison.with_own_repeatability(more, &as_built);
+        let more = comparison.refitted(vec![more], &as_built, tell);
         let better = more.iter().any(|j| j.mean_square < before);
         scored.extend(more);
         if !better {
@@ -208,6 +197,20 @@ impl Comparison<'_> {
         let mut met = BTreeSet::new();
         found.retain(|j| met.insert(j.fitted.hypothesis.members[0]));
         found.into_iter().take(self.settings.selection.random_beside).map(|j| &j.fitted).collect()
+    }
+
+    /// Hypotheses re-fitted, before the repeatabilities that they make themselves.
+    fn refitted(
+        &self,
+        hypotheses: Vec<Fitted>,
+        as_built: &PerRun<Vec<Vec<f64>>>,
+        tell: &mut dyn FnMut(Stage),
+    ) -> Vec<Scored> {
+        let fitted = refit(self.context(), &self.observations, &self.signatures, hypotheses, &mut |done, of| {
+            tell(Stage::Fitting { done, of });
+        });
+        tell(Stage::Replicating);
+        self.with_own_repeatability(fitted, as_built)
     }
 
     /// What was fitted before the repeatabilities that it makes itself. A pair of which one does nothing is the other

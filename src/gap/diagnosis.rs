@@ -162,6 +162,20 @@ pub struct Elsewhere {
     pub strength: BTreeMap<String, Amount>,
 }
 
+impl Elsewhere {
+    fn at_place(&self) -> AtPlace<'_> {
+        AtPlace { place: &self.place, fixed: &self.fixed, strength: &self.strength }
+    }
+}
+
+/// An effect at one of its places.
+#[derive(Clone, Copy, Debug)]
+pub struct AtPlace<'a> {
+    pub place: &'a str,
+    pub fixed: &'a BTreeMap<String, f64>,
+    pub strength: &'a BTreeMap<String, Amount>,
+}
+
 /// A shape of a wheel or a rail with the ends of its strengths' 90 % intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Shape {
@@ -350,9 +364,15 @@ impl Finding {
         self.untested_probability > 0.0
     }
 
-    /// Whether none of its strengths is known not to be 0.
+    /// Whether none of its strengths is known not to be 0, at any place.
     pub fn may_be_absent(&self) -> bool {
-        !self.strength.is_empty() && self.strength.values().all(Amount::may_be_zero)
+        !self.strength.is_empty() && self.places().flat_map(|at| at.strength.values()).all(Amount::may_be_zero)
+    }
+
+    /// All places where it sits, the one that is told first before those elsewhere.
+    pub fn places(&self) -> impl Iterator<Item = AtPlace<'_>> {
+        let first = AtPlace { place: &self.place, fixed: &self.fixed, strength: &self.strength };
+        std::iter::once(first).chain(self.elsewhere.iter().map(Elsewhere::at_place))
     }
 }
 

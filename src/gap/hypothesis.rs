@@ -7,7 +7,7 @@ use crate::gap::simulator::{Applied, Candidates, Request};
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 
-/// One effect or two, each at one place.
+/// One effect, at one place or several, or two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
     /// Candidates.

@@ -207,7 +207,7 @@ impl Fitted {
         self.features.is_some() && self.strengths.iter().any(|x| *x != 0.0)
     }
 
-    /// Whether a pair's members both do something.
+    /// Whether all members do something, where there are several.
     pub fn all_there(&self, signatures: &Signatures) -> bool {
         let Hypothesis { members, signatures: own } = &self.hypothesis;
         let does = |member: &CandidateId| {

@@ -146,8 +146,7 @@ fn closure(found: &Diagnosis) -> String {
 fn at_bounds(found: &Diagnosis) -> String {
     let mut out = Vec::new();
     for finding in found.named() {
-        let elsewhere = finding.elsewhere.iter().flat_map(|e| &e.strength);
-        for (name, amount) in finding.strength.iter().chain(elsewhere) {
+        for (name, amount) in finding.places().flat_map(|at| at.strength) {
             if amount.at_bound.is_some() {
                 out.push(format!("The {name} of {} is {}: the truth may lie beyond.", finding.name, bound(amount)));
             }
@@ -207,13 +206,8 @@ fn likely(finding: &Finding) -> String {
 }
 
 fn named(finding: &Finding) -> String {
-    if finding.place.is_empty() { finding.name.clone() } else { format!("{} ({})", finding.name, all_places(finding)) }
-}
-
-/// All places of an effect.
-pub fn all_places(finding: &Finding) -> String {
-    let all = [&finding.place].into_iter().chain(finding.elsewhere.iter().map(|e| &e.place));
-    all.map(String::as_str).collect::<Vec<_>>().join("; ")
+    let places: Vec<&str> = finding.places().map(|at| at.place).collect();
+    if finding.place.is_empty() { finding.name.clone() } else { format!("{} ({})", finding.name, places.join("; ")) }
 }
 
 fn names(findings: &[&Finding]) -> String {

@@ -7,7 +7,7 @@ use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
 use crate::gap::chain::Chains;
-use crate::gap::{Amount, Diagnosis, Finding, Id, RunId};
+use crate::gap::{Diagnosis, Finding, Id, RunId};
 use crate::model::effect_definitions::{named, spelled};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -42,18 +42,10 @@ pub fn files(
     Ok(out.into_iter().collect())
 }
 
-/// Strengths and what says the place, of each place of an effect.
-type Place<'a> = (&'a BTreeMap<String, Amount>, &'a BTreeMap<String, f64>);
-
-fn places(finding: &Finding) -> impl Iterator<Item = Place<'_>> {
-    let elsewhere = finding.elsewhere.iter().map(|other| (&other.strength, &other.fixed));
-    std::iter::once((&finding.strength, &finding.fixed)).chain(elsewhere)
-}
-
 fn declared(finding: &Finding) -> impl Iterator<Item = DeclaredEffect> + '_ {
-    places(finding).map(|(strength, fixed)| {
-        let strengths = strength.iter().map(|(name, amount)| (name.clone(), amount.value));
-        let places = fixed.iter().map(|(name, x)| (name.clone(), *x));
+    finding.places().map(|at| {
+        let strengths = at.strength.iter().map(|(name, amount)| (name.clone(), amount.value));
+        let places = at.fixed.iter().map(|(name, x)| (name.clone(), *x));
         DeclaredEffect { name: finding.name.clone(), strengths: strengths.chain(places).collect() }
     })
 }
@@ -63,12 +55,12 @@ fn text(layout: &str, import: &str, effects: &[&Finding]) -> String {
         "// `{layout}` with what `lss gap diagnose` found.\n\nuse \"{import}\"\n\n\
          layout {layout}_gap from {layout} {{\n"
     );
-    for (finding, (strength, fixed)) in effects.iter().flat_map(|f| places(f).map(move |place| (f, place))) {
-        let strength = strength.iter().map(|(name, a)| {
+    for (finding, at) in effects.iter().flat_map(|f| f.places().map(move |at| (f, at))) {
+        let strength = at.strength.iter().map(|(name, a)| {
             let unit = if a.unit.is_empty() { String::new() } else { format!(" {}", spelled(&a.unit)) };
             format!("{name}: {}{unit}", shortest(a.value))
         });
-        let place = fixed.iter().map(|(name, x)| {
+        let place = at.fixed.iter().map(|(name, x)| {
             let unit = named(&finding.name).and_then(|e| e.place_unit(name)).unwrap_or_default();
             format!("{name}: {} {unit}", shortest(*x)).trim_end().to_owned()
         });

@@ -63,7 +63,7 @@ pub fn text(found: &Diagnosis) -> String {
             let strengths: Vec<String> = finding.strength.iter().map(|(n, a)| amount(n, a)).chain(untested).collect();
             let place = if finding.place.is_empty() { String::new() } else { format!(" ({})", finding.place) };
             let _ = write!(out, "{own:>9}{placebo:>9}  {}{place}", strengths.join(", "));
-            for other in &finding.elsewhere {
+            for other in finding.places().skip(1) {
                 let strengths: Vec<String> = other.strength.iter().map(|(n, a)| amount(n, a)).collect();
                 let _ = write!(out, "\n{:56}{} ({})", "", strengths.join(", "), other.place);
             }

@@ -2,7 +2,7 @@
 
 use super::Chains;
 use crate::base::trig;
-use crate::chain_input::{Deviations, WheelPlace, closed};
+use crate::chain_input::{Deviations, closed};
 use crate::effects::deviations_of;
 use crate::gap::simulator::{Applied, Outline};
 
@@ -25,17 +25,10 @@ impl Chains {
 /// The radius beside the nominal one over a turn.
 fn wheel(deviations: &Deviations, at: Option<&[f64]>) -> Option<Outline> {
     let worn = deviations.worn.iter().find(|worn| worn.radius.iter().any(|x| *x != 0.0))?;
-    let name = match worn.wheel {
-        WheelPlace::Steering => "steering wheels",
-        WheelPlace::RunningLeft => "left running wheel",
-        WheelPlace::RunningRight => "right running wheel",
-        WheelPlace::SteeringLeft => "left steering wheel",
-        WheelPlace::SteeringRight => "right steering wheel",
-    };
     let around = || (0..=AROUND).map(|k| trig::TAU * k as f64 / AROUND as f64).collect();
     let points = at.map_or_else(around, <[f64]>::to_vec).into_iter();
     let points = points.map(|angle| (angle, closed(&worn.radius, angle / trig::TAU).0)).collect();
-    Some(Outline { of: format!("{name}, radius"), over: "rad", points })
+    Some(Outline { of: format!("{}, radius", worn.wheel.name()), over: "rad", points })
 }
 
 /// Where a rail is beside the centre line's, over the stretch on which it is off.
@@ -68,7 +61,7 @@ fn stretch(table: &[f64], lap: f64) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chain_input::{Every, WornWheel};
+    use crate::chain_input::{Every, WheelPlace, WornWheel};
 
     #[test]
     fn a_wheel_is_shown_over_a_turn_and_a_rail_where_it_is_off() {

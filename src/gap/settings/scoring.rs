@@ -38,7 +38,7 @@ settings! {
         prior_pair: f64 = 0.15, "–", Chosen("a guess before any case; sealed challenges, made later, have 15 % of \
             these");
         /// Factor on it for each further place of an effect.
-        prior_place: f64 = 0.3, "–", Chosen("a rail that was laid badly once was so elsewhere as often as not");
+        prior_place: f64 = 0.3, "–", Chosen("a guess: most often one place is off");
         /// Prior of something unknown.
         prior_unknown: f64 = 0.15, "–", Chosen("a guess before any case; sealed challenges, made later, have 15 % of \
             these");

@@ -14,7 +14,7 @@ use super::lap::lap_track::LapTrack;
 use crate::base::number::{decimal, trimmed};
 use crate::base::words::list;
 use crate::chain_input::Track;
-use crate::gap::{Amount, Axis, Diagnosis, Finding, Overlay, Verdict, bound};
+use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
 use crate::report::style::document;
 use crate::signal::Channel;
 use maud::{Markup, html};
@@ -111,28 +111,21 @@ fn strengths(named: &[&Finding]) -> Markup {
                 tr { th { "effect" } th { "where" } th { "strength" } th.number { "value" } th { "90 % interval" } }
             }
             tbody { @for finding in named {
-                @for (n, (k, (name, strength)), place) in rows(finding) {
+                @for (n, at) in finding.places().enumerate() { @for (k, (name, strength)) in at.strength.iter().enumerate() {
                     @let (value, interval) = amount(strength);
                     tr {
                         td { @if n == 0 && k == 0 { (heading(&finding.name)) } }
-                        td { @if k == 0 { @if place.is_empty() { "everywhere" } @else { (place) } } }
+                        td { @if k == 0 { @if at.place.is_empty() { "everywhere" } @else { (at.place) } } }
                         td { (plain(name)) } td.number { (value) }
                         td { (interval) @if strength.at_bound.is_some() { ", " b { (bound(strength)) } } }
                     }
-                }
+                } }
                 @if finding.strength.is_empty() {
                     tr { td { (heading(&finding.name)) } td { (finding.place) } td {} td {} td {} }
                 }
             } }
         } }
     }
-}
-
-/// Strengths of an effect at each of its places, counted.
-fn rows(finding: &Finding) -> impl Iterator<Item = (usize, (usize, (&String, &Amount)), &str)> {
-    let elsewhere = finding.elsewhere.iter().map(|other| (other.place.as_str(), &other.strength));
-    let all = std::iter::once((finding.place.as_str(), &finding.strength)).chain(elsewhere).enumerate();
-    all.flat_map(|(n, (place, strength))| strength.iter().enumerate().map(move |row| (n, row, place)))
 }
 
 fn closed_by_channel(diagnosis: &Diagnosis) -> Markup {
