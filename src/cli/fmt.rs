@@ -4,7 +4,7 @@ use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
 use crate::source::{Root, SourceMap, disk, root, shown};
 use crate::syntax;
-use similar::TextDiff;
+use diffy::DiffOptions;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -83,7 +83,9 @@ impl Fmt {
 
 fn diff(path: &Path, before: &str, after: &str) -> String {
     let name = shown(path);
-    TextDiff::from_lines(before, after).unified_diff().header(&name, &format!("{name} (formatted)")).to_string()
+    let mut options = DiffOptions::new();
+    options.set_original_filename(name.to_string()).set_modified_filename(format!("{name} (formatted)"));
+    options.create_patch(before, after).to_string()
 }
 
 /// Replaces a file's text whole or not at all. A link stays a link, and may not lead out of its project.

@@ -9,6 +9,7 @@
 
 use super::{Evaluation, arm, load, store};
 use crate::dynamics::lanes::{Axes, Lane, Lane3, Splat};
+use crate::dynamics::model::Model;
 use crate::dynamics::state::{PACK, PackRow};
 use crate::dynamics::step::kick;
 use pulp::Simd;
@@ -111,7 +112,8 @@ impl Evaluation<'_> {
 
         let one = c.of(1.0);
         let Lane3 { x, y, z } = dampings.joint.scale(half);
-        let [steering, left, right] = dampings.wheels.map(|damping| damping * half);
+        let [steering, left, right] = dampings.wheels;
+        let (steering, left, right) = (steering * half, left * half, right * half);
         let rates = dampings.rates;
         let along = rates.x.mul_add(half, one);
         let lateral = rates.y.mul_add(half, one);
@@ -166,8 +168,7 @@ impl Evaluation<'_> {
             rear.neg_mul_add(behind.z, x.neg_mul_add(upwards, z * behind.x)),
             rear.mul_add(behind.y, x * sideways),
         );
-        let [ix, iy, iz] = model.cart.inertia.map(|inertia| c.of(1.0 / inertia));
-        let turned = torque.times(Lane3::new(ix, iy, iz));
+        let turned = torque.times(per_inertia(simd, model));
         (angular + turned).put(&mut held.angular, part);
         store(world, &mut forces.damped, place + 1);
     }
@@ -184,8 +185,15 @@ impl Evaluation<'_> {
         let linear = ahead.scale_add(c.of(-1.0 / model.cart.mass), Lane3::of(simd, &held.linear, part));
         let [x, z] = arm(simd, model);
         let torque = super::lever(x, z, axes.turn_back(ahead));
-        let [ix, iy, iz] = model.cart.inertia.map(|inertia| c.of(-1.0 / inertia));
-        let angular = Lane3::of(simd, &held.angular, part) + torque.times(Lane3::new(ix, iy, iz));
+        let angular = Lane3::of(simd, &held.angular, part) - torque.times(per_inertia(simd, model));
         kick(simd, &mut self.bodies[pack], &mut self.accelerations[pack], [linear, angular], part, h);
     }
+}
+
+/// 1/I of the carts about their axes, 1/(kg m²).
+#[inline(always)]
+fn per_inertia<S: Simd>(simd: S, model: &Model) -> Lane3<S> {
+    let c = Splat(simd);
+    let [x, y, z] = model.cart.inertia;
+    Lane3::new(c.of(1.0 / x), c.of(1.0 / y), c.of(1.0 / z))
 }
