@@ -1,9 +1,10 @@
 //! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes
 //! back over the next `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985),
 //! and 10 mm hold two points of the profile: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the
-//! left), 2 the left and 3 the right running wheel's.
+//! left), 2 the left and 3 the right running wheel's; 4 are both of these, where a whole element is higher than the
+//! next.
 //!
-//! Signature: an impact at one place of the track, in the channels of one side.
+//! Signature: an impact at one place of the track, in the channels of one side, or of both running wheels.
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, SPACING, Sites, StrengthSearch, Strengths, add_profile};
@@ -25,15 +26,22 @@ pub const EFFECT: Effect = Effect {
 fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Deviations) {
     let (height, at) = (strengths.of("height"), strengths.of("at"));
     let lap = simulation.track.centre_line().length;
-    let rail = strengths.index("rail").min(2);
-    let wheel = if rail == 0 { &simulation.steering_wheel } else { &simulation.running_wheel };
+    let rails = RAILS[strengths.index("rail").min(BOTH)].1;
+    let wheel = if rails == [0] { &simulation.steering_wheel } else { &simulation.running_wheel };
     let climbed = (2.0 * wheel.radius_m * height.abs()).sqrt();
     let (rise, back) = (strengths.of("rise").max(climbed).max(SHARPEST), strengths.of("back").max(0.05));
-    add_profile(&mut deviations.rails[rail], lap, |s| {
+    let step = |s: f64| {
         let past = (s - at).rem_euclid(lap);
         if past < back { height * (past / rise).min(1.0) * (1.0 - past / back) } else { 0.0 }
-    });
+    };
+    rails.iter().for_each(|rail| add_profile(&mut deviations.rails[*rail], lap, step));
 }
+
+/// What steps, with the rails that go off, counted from 0.
+const RAILS: [(&str, &[usize]); 4] =
+    [("steering rail", &[0]), ("left rail", &[1]), ("right rail", &[2]), ("both running rails", &[1, 2])];
+/// The running rails together, as a place in [`RAILS`].
+pub const BOTH: usize = 3;
 
 /// No step is sharper, whatever its height, m.
 const SHARPEST: f64 = 2.0 * SPACING;
@@ -42,9 +50,9 @@ const SHARPEST: f64 = 2.0 * SPACING;
 pub const RISE: f64 = effect_definitions::RAIL_STEP.places[2].default;
 pub const BACK: f64 = effect_definitions::RAIL_STEP.places[3].default;
 
-/// A step of a rail, counted from 0, at an arc length, with its lengths, m.
+/// A step of a rail, counted from 0, or of [`BOTH`] running rails, at an arc length, with its lengths, m.
 pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
-    let name = ["steering rail", "left rail", "right rail"][rail.min(2)];
+    let name = RAILS[rail.min(BOTH)].0;
     Site {
         words: format!("{name} at {at:.1} m"),
         fixed: vec![("at", at), ("rail", rail as f64 + 1.0), ("rise", rise), ("back", back)],

@@ -87,6 +87,16 @@ fn every_effect_of_the_chain_moves_what_carts_measure() {
     }
 }
 
+#[test]
+fn an_element_that_is_higher_steps_both_running_rails() {
+    let of = |rail: f64| {
+        let step = with("rail_step", &[("height", 1e-3), ("at", 10.0), ("rail", rail)]);
+        deviations_of(&step).expect("a track").1.rails
+    };
+    let (both, left, right) = (of(4.0), of(2.0), of(3.0));
+    assert!(both[0].is_empty() && both[1] == left[1] && both[2] == right[2] && both[1] == both[2]);
+}
+
 /// The steepest slope of the left rail in a step, over height and length of its rise.
 fn steepness(at: f64, height: f64, rise: f64, length: f64) -> f64 {
     let step = with("rail_step", &[("height", height), ("at", at), ("rail", 2.0), ("rise", rise)]);

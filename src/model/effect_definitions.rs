@@ -193,7 +193,7 @@ pub const RAIL_STEP: EffectDefinition = EffectDefinition {
         PlaceDefinition {
             name: "rail",
             kind: PlaceKind::Number,
-            about: "1 of the steering wheels, 2 of the left and 3 of the right running wheels",
+            about: "1 of the steering wheels, 2 of the left and 3 of the right running wheels, 4 both of these",
             default: 2.0,
         },
         PlaceDefinition { name: "rise", kind: PlaceKind::Length, about: "over which it goes off", default: 0.05 },

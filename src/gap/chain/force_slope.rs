@@ -112,7 +112,9 @@ impl Line {
 impl Impact {
     /// Blows at suspects' places as a fitted run has them.
     pub fn all(suspects: &[Suspect], run: &FittedRun) -> Vec<Impact> {
-        let places = suspects.iter().filter(|s| s.struck).flat_map(|s| RAILS[s.rail].iter().map(move |f| (s.at, *f)));
+        // Both running rails are suspect where each of them is.
+        let struck = suspects.iter().filter(|s| s.struck && s.rail < RAILS.len());
+        let places = struck.flat_map(|s| RAILS[s.rail].iter().map(move |f| (s.at, *f)));
         places.map(|(at, force)| Impact::new(run, at, force)).collect()
     }
 

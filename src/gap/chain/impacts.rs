@@ -31,13 +31,14 @@ pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
 
 /// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those
 /// simulated; NaN where nothing was measured. `measured` begins with its trigger at `trigger`, m, and has noise of
-/// its sensors.
+/// its sensors. Where the simulation is quieter than a share `quiet` of what it is on average, that share is what
+/// changes are compared with: next to nothing is a multiple of nothing.
 pub fn high_frequency_power(
     landing: &Landing,
     (lap, parts): (f64, usize),
-    measured: &Samples,
-    trigger: f64,
+    (measured, trigger): (&Samples, f64),
     noise: [Noise; FORCES],
+    quiet: f64,
 ) -> Vec<Vec<f64>> {
     let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
         for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
@@ -54,7 +55,9 @@ pub fn high_frequency_power(
         add(&mut real, measured, force, trigger);
         landing.centre.ensemble.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
         let white = 2.0 * noise[force].white * noise[force].white;
-        let louder = |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / (y / m + white));
+        let (changes, power) = simulated.iter().fold((0.0, 0.0), |(m, y), part| (m + part.0, y + part.1));
+        let least = quiet * power / changes;
+        let louder = |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / ((y / m).max(least) + white));
         real.iter().zip(&simulated).map(louder).collect()
     };
     (0..FORCES).map(of).collect()
@@ -63,7 +66,7 @@ pub fn high_frequency_power(
 /// Where a step of a rail may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Suspect {
-    /// Counted from 0, as in [`RAILS`].
+    /// Counted from 0, as in [`RAILS`], or [`rail_step::BOTH`].
     pub rail: usize,
     /// Along the lap, m.
     pub at: f64,
@@ -78,7 +81,7 @@ impl Suspect {
 }
 
 /// Where steps of the rails may be: where each rail is struck hardest, which is seen beside whatever else is wrong with
-/// its channels, and in the cells in which these are worst.
+/// its channels, and in the cells in which these are worst; and of both running rails, where both are suspect.
 pub fn suspects(frames: &[Frame], runs: &[FittedRun]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
     let places = &first.model.spec.places;
@@ -97,7 +100,25 @@ pub fn suspects(frames: &[Frame], runs: &[FittedRun]) -> Vec<Suspect> {
         }
         all.extend(found);
     }
-    all
+    let both = both(&all, 0.5 * cell);
+    all.into_iter().chain(both).collect()
+}
+
+/// Where both running rails are suspect, no farther apart than so, m: an element that is higher than the next one is so
+/// for both.
+fn both(all: &[Suspect], apart: f64) -> Vec<Suspect> {
+    let of = |rail: usize| all.iter().filter(move |s| s.rail == rail);
+    let mut found: Vec<Suspect> = Vec::new();
+    for (left, right) in of(1).flat_map(|left| of(2).map(move |right| (left, right))) {
+        if (left.at - right.at).abs() <= apart {
+            let surer = if right.struck && !left.struck { right } else { left };
+            let suspect = Suspect { rail: rail_step::BOTH, ..*surer };
+            if !found.contains(&suspect) {
+                found.push(suspect);
+            }
+        }
+    }
+    found
 }
 
 /// Where cells begin, those in which channels are worst first, m.
@@ -146,6 +167,19 @@ fn begins(high_power: &[f64], settings: &Impacts, inside: impl Fn(usize) -> bool
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn both_running_rails_are_suspect_where_each_of_them_is() {
+        let suspect = |rail, at, struck| Suspect { rail, at, struck };
+        let each = [
+            suspect(0, 7.0, true),
+            suspect(1, 30.0, false),
+            suspect(1, 8.0, true),
+            suspect(2, 30.2, true),
+            suspect(2, 12.0, true),
+        ];
+        assert_eq!(both(&each, 0.5), [suspect(rail_step::BOTH, 30.2, true)]);
+    }
 
     #[test]
     fn an_impact_begins_before_it_is_strongest_and_rings_after() {

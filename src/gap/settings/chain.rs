@@ -43,6 +43,8 @@ settings! {
         part: f64 = 0.1, "m", Chosen("about how far an impact rings");
         /// An impact is where changes have so many times the power that is simulated.
         power: f64 = 3.0, "–", Chosen("what stands out of the scatter of parts");
+        /// Changes are compared with no less than this share of the power that is simulated over the lap.
+        quiet: f64 = 0.1, "–", Chosen("where a simulation is as good as silent, anything is many times as loud");
         /// An impact begins where changes have this part of the strongest ones' power.
         rings: f64 = 30.0, "–", Chosen("it rings longer than that; what is weaker is another one");
     }
