@@ -65,6 +65,13 @@ pub fn normal(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value }
 }
 
+/// What a number has beyond the whole one below it, in [0, 1): bit for bit `rem_euclid(1.0)`, without a division, and
+/// without `floor`, which older processors have no instruction for. For what is smaller than 2⁶³.
+pub fn fraction(x: f64) -> f64 {
+    let beyond = x - x as i64 as f64;
+    if beyond < 0.0 { beyond + 1.0 } else { beyond }
+}
+
 /// Round steps: 1, 2 or 5 times a power of ten, about `count` of them.
 pub fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
     let raw = (high - low) / count;

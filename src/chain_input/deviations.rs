@@ -1,5 +1,6 @@
 //! How a built chain may deviate from the nominal one: what effects set and forces read.
 
+use crate::base::number::fraction;
 use crate::base::trig;
 use crate::geometry::CentreLine;
 use nalgebra::Vector3;
@@ -288,25 +289,23 @@ fn turns(i: usize, station: f64, radius: f64) -> f64 {
     station / (trig::TAU * radius) + GOLDEN * i as f64
 }
 
-/// What a number has beyond the whole one below it: without `floor`, which older processors have no instruction for.
-fn part(x: f64) -> f64 {
-    let beyond = x - x as i64 as f64;
-    if beyond < 0.0 { beyond + 1.0 } else { beyond }
-}
-
 /// Value and slope of a closed table at a share of its period, by Catmull and Rom's cubic (1974); 0 of an empty one.
 pub fn closed(table: &[f64], share: f64) -> (f64, f64) {
     let n = table.len();
     if n == 0 {
         return (0.0, 0.0);
     }
-    let x = part(share) * n as f64;
+    let x = fraction(share) * n as f64;
     let i = (x as usize).min(n - 1);
     let t = x - i as f64;
     // Without the remainders of divisions, which took most of the time.
     let next = |k: usize| if k + 1 < n { k + 1 } else { 0 };
     let (before, after) = (if i > 0 { i - 1 } else { n - 1 }, next(i));
     let (a, b, c, d) = (table[before], table[i], table[after], table[next(after)]);
+    // As most of a rail is where one step is all that is wrong.
+    if [a, b, c, d] == [0.0; 4] {
+        return (0.0, 0.0);
+    }
     let (p, q, r) = (c - a, 2.0 * a - 5.0 * b + 4.0 * c - d, 3.0 * (b - c) + d - a);
     (b + 0.5 * t * (p + t * (q + t * r)), 0.5 * n as f64 * (p + t * (2.0 * q + 3.0 * t * r)))
 }

@@ -41,6 +41,14 @@ pub struct SlopeSums {
 }
 
 impl SlopeSums {
+    /// A force, N, if it was measured, at a share of the part.
+    fn sample(&mut self, share: f64, force: f32) {
+        if force.is_finite() {
+            let (u, x) = (share - 0.5, f64::from(force));
+            self.add(&SlopeSums { count: 1.0, u, square: u * u, force: x, moment: u * x });
+        }
+    }
+
     fn add(&mut self, more: &SlopeSums) {
         self.count += more.count;
         self.u += more.u;
@@ -69,10 +77,9 @@ fn empty(parts: usize) -> Profile {
 
 fn add(profile: &mut Profile, samples: &Samples, force: usize, lap: f64, offset: f64) {
     let parts = profile.len();
-    for (x, station) in samples.forces[force].iter().zip(samples.station).filter(|(x, _)| x.is_finite()) {
+    for (x, station) in samples.forces[force].iter().zip(samples.station) {
         let (part, share) = impacts::part_of(f64::from(*station) + offset, lap, parts);
-        let (u, x) = (share - 0.5, f64::from(*x));
-        profile[part].add(&SlopeSums { count: 1.0, u, square: u * u, force: x, moment: u * x });
+        profile[part].sample(share, *x);
     }
 }
 
@@ -164,24 +171,34 @@ pub struct ForceSlopes<'a> {
     impacts: &'a [Impact],
     settings: &'a settings::ForceSlopes,
     lap: f64,
+    /// Of each part of the lap, the forces whose lines lie over it.
+    lines: Vec<[bool; FORCES]>,
     sums: Vec<Profile>,
 }
 
 impl<'a> ForceSlopes<'a> {
     pub fn new(run: &'a FittedRun) -> ForceSlopes<'a> {
-        let lap = run.model.spec.places.lap;
-        ForceSlopes {
-            impacts: &run.impacts,
-            settings: &run.settings.force_slopes,
-            lap,
-            sums: vec![empty(run.parts()); FORCES],
+        let (lap, parts, settings) = (run.model.spec.places.lap, run.parts(), &run.settings.force_slopes);
+        let mut lines = vec![[false; FORCES]; parts];
+        for impact in &run.impacts {
+            (0..settings.parts).for_each(|k| lines[(impact.part + k) % parts][impact.force] = true);
         }
+        ForceSlopes { impacts: &run.impacts, settings, lap, lines, sums: vec![empty(parts); FORCES] }
     }
 
     /// Adds a cart's samples, moved along the track by `offset`, m.
     pub fn add(&mut self, samples: &Samples, offset: f64) {
-        for force in (0..FORCES).filter(|force| self.impacts.iter().any(|impact| impact.force == *force)) {
-            add(&mut self.sums[force], samples, force, self.lap, offset);
+        for (k, station) in samples.station.iter().enumerate() {
+            let (part, share) = impacts::part_of(f64::from(*station) + offset, self.lap, self.lines.len());
+            let lines = self.lines[part];
+            if lines == [false; FORCES] {
+                continue;
+            }
+            for force in (0..FORCES).filter(|force| lines[*force]) {
+                if let Some(x) = samples.forces[force].get(k) {
+                    self.sums[force][part].sample(share, *x);
+                }
+            }
         }
     }
 

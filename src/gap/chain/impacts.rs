@@ -1,6 +1,7 @@
 //! Where something strikes a rail: the places at which a step is looked for.
 
 use super::FittedRun;
+use crate::base::number::fraction;
 use crate::base::trig;
 use crate::effects::rail_step;
 use crate::effects::sites::Site;
@@ -24,7 +25,7 @@ pub fn parts(lap: f64, length: f64) -> usize {
 
 /// The part of the lap that a place lies in, and how far from its beginning, as a share.
 pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
-    let along = (station / lap).rem_euclid(1.0) * parts as f64;
+    let along = fraction(station / lap) * parts as f64;
     let part = (along as usize).min(parts - 1);
     (part, along - part as f64)
 }
