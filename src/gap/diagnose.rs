@@ -102,20 +102,13 @@ pub fn diagnose_and_explain(
     if !gap {
         rest.append(&mut chosen);
     }
-    let (comparison, turned) = comparison.turned(&chosen);
+    let (mut comparison, turned) = comparison.turned(&chosen);
     let chosen = chosen.into_iter().map(|j| j.fitted).chain(turned).collect();
     let fitted = refit(context, &comparison.observations, &comparison.signatures, chosen, &mut |done, of| {
         tell(Stage::Fitting { done, of });
     });
-    let chance = Chance {
-        simulator,
-        settings,
-        nominal: &comparison.observations,
-        as_built: &as_built,
-        signatures: &comparison.signatures,
-    };
     tell(Stage::ByChance);
-    let scattered = if gap { chance.hypotheses() } else { Vec::new() };
+    let scattered = if gap { comparison.chance(&as_built).hypotheses() } else { Vec::new() };
     tell(Stage::Replicating);
     let mut scored = comparison.with_own_repeatability(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
@@ -124,9 +117,9 @@ pub fn diagnose_and_explain(
         scored.extend(comparison.refitted(comparison.seconds(&scored), &as_built, tell));
     }
     for _ in 1..settings.selection.places {
-        let more = comparison.one_place_more(&scored).filter(|_| gap && unsettled(&scored));
+        let more = if gap && unsettled(&scored) { comparison.one_place_more(&scored) } else { None };
         let Some((more, before)) = more else { break };
-        let more = comparison.refitted(vec![more], &as_built, tell);
+        let more = comparison.refitted(more, &as_built, tell);
         let better = more.iter().any(|j| j.mean_square < before);
         scored.extend(more);
         if !better {
@@ -137,7 +130,7 @@ pub fn diagnose_and_explain(
     if unsettled(&scored) {
         let both = comparison
             .companion(&scored)
-            .map(|other| chance.with_another(other, &comparison.by_chance(&scored, other)));
+            .map(|other| comparison.chance(&as_built).with_another(other, &comparison.by_chance(&scored, other)));
         let there = both.into_iter().flatten().filter(|(fitted, _)| fitted.all_there(&comparison.signatures));
         let both: Vec<Scored> = there.map(|(fitted, repeatability)| comparison.score(fitted, repeatability)).collect();
         scored.extend(both);
@@ -149,6 +142,12 @@ pub fn diagnose_and_explain(
 }
 
 impl Comparison<'_> {
+    /// What differs by chance in these runs.
+    fn chance<'b>(&'b self, as_built: &'b PerRun<Vec<Vec<f64>>>) -> Chance<'b> {
+        let Comparison { simulator, settings, observations, signatures, .. } = self;
+        Chance { simulator: *simulator, settings, nominal: observations, as_built, signatures }
+    }
+
     /// Pairs of other effects with the best single ones, the likeliest first.
     fn pairs(&self, singles: &[Scored]) -> Vec<Scored> {
         let first = |scored: &Scored| scored.fitted.hypothesis.members[0];

@@ -169,23 +169,24 @@ impl Comparison<'_> {
             };
             pairs += usize::from(hypothesis.members.len() > 1);
             if hypothesis.members.len() == 1 || pairs <= self.settings.relinearisation.turned_pairs {
-                ways.push((
-                    hypothesis,
-                    k,
-                    Trial { size: -fitting(self.context(), signature, *size), ..signature.trial() },
-                ));
+                ways.push((hypothesis, k, turned(self.context(), signature, *size)));
             }
         }
         let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
         let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
-        let mut turned = Vec::new();
+        let mut found = Vec::new();
         for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
             let mut hypothesis = (*hypothesis).clone();
             hypothesis.signatures[*k] = self.signatures.push(signature);
-            turned.push(hypothesis.screened(&self.observations, &self.signatures, candidates));
+            found.push(hypothesis.screened(&self.observations, &self.signatures, candidates));
         }
-        (self, turned)
+        (self, found)
     }
+}
+
+/// A signature's trial with the strength that fits, of the other sign.
+pub fn turned(context: Context, signature: &Signature, size: f64) -> Trial {
+    Trial { size: -fitting(context, signature, size), ..signature.trial() }
 }
 
 /// The strength that fits, no smaller than a signature is clear at, as one that is not tells of the simulation's own
@@ -212,7 +213,7 @@ fn again(context: Context, signature: &Signature, size: f64) -> Option<Trial> {
 }
 
 /// The same strength at the places beside, of either sign where it has one.
-fn at_alternatives(context: Context, signature: &Signature, size: f64) -> Vec<Trial> {
+pub fn at_alternatives(context: Context, signature: &Signature, size: f64) -> Vec<Trial> {
     let candidates = context.simulator.candidates();
     let size = if size == 0.0 { signature.size } else { fitting(context, signature, size) };
     let signed = candidates[signature.candidate].strengths[signature.strength].low < 0.0;

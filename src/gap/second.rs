@@ -3,8 +3,9 @@
 
 use super::comparison::Comparison;
 use super::ids::CandidateId;
+use super::relinearisation::{at_alternatives, turned};
 use super::scored::{self, Scored};
-use super::screen::explain;
+use super::screen::{self, Runs, explain};
 use crate::base::parallel;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
@@ -25,8 +26,10 @@ impl Comparison<'_> {
     }
 
     /// The effect that leaves least of those that were simulated alone and may be at several places, at one place more,
-    /// where it explains something; and what it leaves without it, as a mean square.
-    pub fn one_place_more(&self, scored: &[Scored]) -> Option<(Fitted, f64)> {
+    /// where it explains something; and what it leaves without it, as a mean square. Where it strikes, with the other
+    /// sign and other shapes of that place, too: the known signatures are those that tell more of the nominal model's
+    /// residual, in which the other places drown it.
+    pub fn one_place_more(&mut self, scored: &[Scored]) -> Option<(Vec<Fitted>, f64)> {
         let candidates = self.candidates();
         let alone = |j: &&Scored| {
             let hypothesis = &j.fitted.hypothesis;
@@ -35,8 +38,35 @@ impl Comparison<'_> {
         };
         let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square))?;
         let own = &candidates[first.fitted.hypothesis.members[0]].effect;
-        let more = self.beside(&first.fitted, |c| candidates[c].effect == *own).into_iter().next()?;
-        Some((more.fitted, first.mean_square))
+        let more = self.beside(&first.fitted, |c| candidates[c].effect == *own).into_iter().next()?.fitted;
+        let otherwise = self.last_otherwise(&first.fitted, &more);
+        Some(([more].into_iter().chain(otherwise).collect(), first.mean_square))
+    }
+
+    /// A hypothesis whose last member was added to a first one, with that member's strength of the other sign, and with
+    /// its alternatives, by signatures of their own: those of which least is left. None where it does not strike.
+    fn last_otherwise(&mut self, first: &Fitted, more: &Fitted) -> Vec<Fitted> {
+        let (Some(own), Some(&size)) = (more.hypothesis.signatures.last(), more.strengths.last()) else {
+            return Vec::new();
+        };
+        let signature = &self.signatures[*own];
+        if size == 0.0 || !self.strikes(signature) {
+            return Vec::new();
+        }
+        let mut trials = at_alternatives(self.context(), signature, size);
+        trials.push(turned(self.context(), signature, size));
+        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
+        let mut found = Vec::new();
+        for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
+            let members = vec![signature.candidate];
+            let signatures = vec![self.signatures.push(signature)];
+            let fitted = self.joined(first, &Hypothesis { members, signatures });
+            if fitted.all_there(&self.signatures) {
+                found.push(self.score(fitted, None));
+            }
+        }
+        found.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
+        found.into_iter().take(self.settings.selection.place_shapes).map(|j| j.fitted).collect()
     }
 
     /// What was simulated with others beside it, at other places, the likeliest first.

@@ -100,6 +100,8 @@ settings! {
         seconds: usize = 3, "–", Chosen("each is one more re-fit");
         /// Places of an effect that are tried together at most.
         places: usize = 4, "–", Chosen("each further one is one more re-fit");
+        /// Signs and shapes of a further place that are re-fitted beside the first at most.
+        place_shapes: usize = 2, "–", Chosen("each is one more re-fit");
         /// Hypotheses that are held against what is seen beyond them.
         compared: usize = 40, "–", Chosen("each costs a score along every signature");
     }
