@@ -200,7 +200,10 @@ impl<'p> Run<'p> {
             let size = norm(&step.d);
             let predicted = self.predicted(&hessian, &gradient, &model, &rows, &step.d);
             if size < STEP || predicted <= 1e-13 * merit.abs() {
-                self.remember(&rows, &step);
+                // Rows that depend on one another share their multipliers in many ways: an active set's are at an end
+                // of them, and what a limit costs is read off those in the middle.
+                let middle = self.interior(&model, &rows).unwrap_or(step);
+                self.remember(&rows, &middle);
                 return Progress::Stopped;
             }
             let mut trial = self.trial(&step.d);
@@ -258,14 +261,9 @@ impl<'p> Run<'p> {
 
     /// By the active set of the last one if that is near enough, and else by an interior-point method.
     fn subproblem(&mut self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
-        let limit = |k: usize, low: bool| {
-            let (v, bound) = (self.free[k], self.problem.bounds[self.free[k]]);
-            if low { (bound.low - self.x[v]).max(-self.radius) } else { (bound.high - self.x[v]).min(self.radius) }
-        };
-        let low: Vec<f64> = (0..self.free.len()).map(|k| limit(k, true)).collect();
-        let high: Vec<f64> = (0..self.free.len()).map(|k| limit(k, false)).collect();
-        let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
+        let (low, high) = self.room();
         let bounds = [&low[..], &high[..]];
+        let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
         let guess = ActiveSet {
             rows: rows.iter().map(|(key, _)| self.limits.0.get(key).copied().unwrap_or_default()).collect(),
             bounds: self.limits.1.clone(),
@@ -278,6 +276,22 @@ impl<'p> Run<'p> {
         })?;
         self.limits = (rows.iter().map(|(key, _)| *key).zip(set.rows).collect(), set.bounds);
         Some(solution)
+    }
+
+    /// By an interior-point method.
+    fn interior(&self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
+        let (low, high) = self.room();
+        let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
+        subproblem::solve(model, &low, &high, &linear)
+    }
+
+    /// How far the free variables may go down and up within their bounds and the trust region.
+    fn room(&self) -> (Vec<f64>, Vec<f64>) {
+        let of = |v: &usize| {
+            let (x, bound) = (self.x[*v], self.problem.bounds[*v]);
+            ((bound.low - x).max(-self.radius), (bound.high - x).min(self.radius))
+        };
+        self.free.iter().map(of).unzip()
     }
 
     /// The variables after a step with their evaluation; `None` where the model does not hold.
