@@ -113,6 +113,7 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &SqpSettings, watch:
             }
         }
     }
+    run.price_limits();
     Solution {
         length: run.here.value(),
         max_violation: run.max_violation(&run.here),
@@ -200,10 +201,7 @@ impl<'p> Run<'p> {
             let size = norm(&step.d);
             let predicted = self.predicted(&hessian, &gradient, &model, &rows, &step.d);
             if size < STEP || predicted <= 1e-13 * merit.abs() {
-                // Rows that depend on one another share their multipliers in many ways: an active set's are at an end
-                // of them, and what a limit costs is read off those in the middle.
-                let middle = self.interior(&model, &rows).unwrap_or(step);
-                self.remember(&rows, &middle);
+                self.remember(&rows, &step);
                 return Progress::Stopped;
             }
             let mut trial = self.trial(&step.d);
@@ -278,11 +276,17 @@ impl<'p> Run<'p> {
         Some(solution)
     }
 
-    /// By an interior-point method.
-    fn interior(&self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
+    /// Multipliers where the run ended, by the interior-point method: rows that depend on one another share them in many
+    /// ways, of which an active set's are at an end, and what a limit costs is read off those in the middle.
+    fn price_limits(&mut self) {
+        self.radius = self.radius.max(self.settings.radius);
+        let model = convexify(&self.lagrangian_hessian(), &self.objective_gradient(), &self.active_rows());
+        let rows = self.linear_rows(None);
         let (low, high) = self.room();
         let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
-        subproblem::solve(model, &low, &high, &linear)
+        if let Some(middle) = subproblem::solve(&model, &low, &high, &linear) {
+            self.remember(&rows, &middle);
+        }
     }
 
     /// How far the free variables may go down and up within their bounds and the trust region.
