@@ -6,8 +6,7 @@
 //! unbounded below.
 
 use super::Stop;
-use super::active_set::{self, ActiveSet, Limit};
-use super::convex::{ActiveRow, DENSE, Quadratic, Symmetric, convexify};
+use super::convex::{ActiveRow, Quadratic, Symmetric, convexify};
 use super::subproblem::{self, LinearRow, SubproblemSolution};
 use crate::problem::{Evaluation, Problem, RowKey, RowValue};
 use std::collections::BTreeMap;
@@ -113,7 +112,6 @@ pub fn minimise(problem: &Problem, start: &[f64], settings: &SqpSettings, watch:
             }
         }
     }
-    run.price_limits();
     Solution {
         length: run.here.value(),
         max_violation: run.max_violation(&run.here),
@@ -142,8 +140,6 @@ struct Run<'p> {
     x: Vec<f64>,
     here: Evaluation,
     multipliers: BTreeMap<RowKey, f64>,
-    /// The limits that the last subproblem ended on: of rows, and of the box around the free variables.
-    limits: (BTreeMap<RowKey, Limit>, Vec<Limit>),
 }
 
 impl<'p> Run<'p> {
@@ -155,9 +151,7 @@ impl<'p> Run<'p> {
         let here = problem.evaluate(&x, reach(settings.radius));
         let scales = here.rows[..problem.rows.len()].iter().map(unit_gradient).collect();
         let radius = settings.radius;
-        let limits = (BTreeMap::new(), vec![Limit::None; free.len()]);
-        let multipliers = BTreeMap::new();
-        Run { problem, settings, free, place, scales, price: PRICE, radius, x, here, multipliers, limits }
+        Run { problem, settings, free, place, scales, price: PRICE, radius, x, here, multipliers: BTreeMap::new() }
     }
 
     fn scale(&self, key: RowKey) -> f64 {
@@ -211,8 +205,7 @@ impl<'p> Run<'p> {
             {
                 // Second-order correction: the rows as they are at the trial point (Fletcher 1987, §14.4).
                 let corrected = self.linear_rows(Some((at, &step.d)));
-                let again = self.subproblem(&model, &corrected);
-                let again = again.and_then(|s| self.trial(&s.d));
+                let again = self.subproblem(&model, &corrected).and_then(|s| self.trial(&s.d));
                 let better = again.as_ref().map_or(f64::NEG_INFINITY, |(_, e)| merit - self.merit(e));
                 if better > gained {
                     (trial, gained) = (again, better);
@@ -257,45 +250,15 @@ impl<'p> Run<'p> {
             .collect();
     }
 
-    /// By the active set of the last one if that is near enough, and else by an interior-point method.
-    fn subproblem(&mut self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
-        let (low, high) = self.room();
-        let bounds = [&low[..], &high[..]];
-        let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
-        let guess = ActiveSet {
-            rows: rows.iter().map(|(key, _)| self.limits.0.get(key).copied().unwrap_or_default()).collect(),
-            bounds: self.limits.1.clone(),
+    fn subproblem(&self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
+        let limit = |k: usize, low: bool| {
+            let (v, bound) = (self.free[k], self.problem.bounds[self.free[k]]);
+            if low { (bound.low - self.x[v]).max(-self.radius) } else { (bound.high - self.x[v]).min(self.radius) }
         };
-        let quick = if self.free.len() <= DENSE { active_set::solve(model, bounds, &linear, guess) } else { None };
-        let (solution, set) = quick.or_else(|| {
-            let solution = subproblem::solve(model, &low, &high, &linear)?;
-            let set = ActiveSet::of(&solution, bounds, &linear);
-            Some((solution, set))
-        })?;
-        self.limits = (rows.iter().map(|(key, _)| *key).zip(set.rows).collect(), set.bounds);
-        Some(solution)
-    }
-
-    /// Multipliers where the run ended, by the interior-point method: rows that depend on one another share them in many
-    /// ways, of which an active set's are at an end, and what a limit costs is read off those in the middle.
-    fn price_limits(&mut self) {
-        self.radius = self.radius.max(self.settings.radius);
-        let model = convexify(&self.lagrangian_hessian(), &self.objective_gradient(), &self.active_rows());
-        let rows = self.linear_rows(None);
-        let (low, high) = self.room();
+        let low: Vec<f64> = (0..self.free.len()).map(|k| limit(k, true)).collect();
+        let high: Vec<f64> = (0..self.free.len()).map(|k| limit(k, false)).collect();
         let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
-        if let Some(middle) = subproblem::solve(&model, &low, &high, &linear) {
-            self.remember(&rows, &middle);
-        }
-    }
-
-    /// How far the free variables may go down and up within their bounds and the trust region.
-    fn room(&self) -> (Vec<f64>, Vec<f64>) {
-        let of = |v: &usize| {
-            let (x, bound) = (self.x[*v], self.problem.bounds[*v]);
-            ((bound.low - x).max(-self.radius), (bound.high - x).min(self.radius))
-        };
-        self.free.iter().map(of).unzip()
+        subproblem::solve(model, &low, &high, &linear)
     }
 
     /// The variables after a step with their evaluation; `None` where the model does not hold.
