@@ -275,7 +275,7 @@ impl Signature {
     }
 
     /// How much of the squares of what is left it explains, with its own sign.
-    fn explains(&self, left: &PerRun<DVector<f64>>) -> f64 {
+    pub fn explains(&self, left: &PerRun<DVector<f64>>) -> f64 {
         let (mut own, mut along) = (0.0, 0.0);
         for (column, left) in self.columns.iter().zip(left) {
             own += column.norm_squared();

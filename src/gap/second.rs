@@ -5,7 +5,7 @@ use super::comparison::Comparison;
 use super::ids::CandidateId;
 use super::relinearisation::{at_alternatives, turned};
 use super::scored::{self, Scored};
-use super::screen::{self, Runs, explain};
+use super::screen::{self, Runs, Signature, explain};
 use crate::base::parallel;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
@@ -44,7 +44,8 @@ impl Comparison<'_> {
     }
 
     /// A hypothesis whose last member was added to a first one, with that member's strength of the other sign, and with
-    /// its alternatives, by signatures of their own: those of which least is left. None where it does not strike.
+    /// its alternatives, by signatures of their own: those that explain most of what the first leaves. None where it
+    /// does not strike.
     fn last_otherwise(&mut self, first: &Fitted, more: &Fitted) -> Vec<Fitted> {
         let (Some(own), Some(&size)) = (more.hypothesis.signatures.last(), more.strengths.last()) else {
             return Vec::new();
@@ -56,17 +57,18 @@ impl Comparison<'_> {
         let mut trials = at_alternatives(self.context(), signature, size);
         trials.push(turned(self.context(), signature, size));
         let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
-        let mut found = Vec::new();
-        for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
+        let mut taken: Vec<Signature> =
+            taken.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature).collect();
+        taken.sort_by(|a, b| b.explains(&first.residuals).total_cmp(&a.explains(&first.residuals)));
+        // The others are not kept: scores count how many signatures there are.
+        taken.truncate(self.settings.selection.place_shapes);
+        let joined = taken.into_iter().map(|signature| {
             let members = vec![signature.candidate];
             let signatures = vec![self.signatures.push(signature)];
-            let fitted = self.joined(first, &Hypothesis { members, signatures });
-            if fitted.all_there(&self.signatures) {
-                found.push(self.score(fitted, None));
-            }
-        }
-        found.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
-        found.into_iter().take(self.settings.selection.place_shapes).map(|j| j.fitted).collect()
+            self.joined(first, &Hypothesis { members, signatures })
+        });
+        let found: Vec<Fitted> = joined.collect();
+        found.into_iter().filter(|fitted| fitted.all_there(&self.signatures)).collect()
     }
 
     /// What was simulated with others beside it, at other places, the likeliest first.
