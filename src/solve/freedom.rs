@@ -2,18 +2,20 @@
 //!
 //! A vertex can move, to first order, along the null space of the rows that are active (Nocedal and Wright 2006,
 //! §12.4); without the inequalities among them, of the equations alone. A row's multiplier is the derivative of the
-//! shortest length by its limit (ibid., §12.9).
+//! shortest length by its limit (ibid., §12.9); where several are possible, the one nearest to zero is what it is worth alone.
 
 use super::Stage;
+use super::multipliers;
 use super::sqp::{self, SqpSettings};
 use crate::base::number::{normal, significant};
 use crate::base::trig::PI;
 use crate::model::{ConstraintKind, Interval, Layout};
 use crate::problem::measures::{self, to_variables};
-use crate::problem::{Problem, RowKey, RowValue, Scope};
+use crate::problem::{Evaluation, Expansion, Problem, RowKey, RowValue, Scope};
 use crate::source::Span;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A row is active this close to its limit, m or rad.
 const ACTIVE: f64 = 1e-6;
@@ -59,8 +61,8 @@ pub struct ActiveRow {
     pub limit: Interval,
     /// `m` or `rad`.
     pub unit: &'static str,
-    /// Derivative of the shortest length by the value the row is held at, m a unit; `None` where the length is
-    /// not at a minimum.
+    /// Derivative of the shortest length by the value the row is held at while all others stay, m a unit: the nearest to
+    /// zero where limits depend on one another. `None` where the length is not at a minimum.
     pub length_per_unit: Option<f64>,
     /// What that means.
     pub words: String,
@@ -98,16 +100,11 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
     let limits = variable_limits(&problem, &x);
 
     let n = x.len();
-    let dense = |row: &RowValue| {
-        let mut gradient = DVector::zeros(n);
-        row.expansion.variables.iter().zip(&row.expansion.gradient).for_each(|(&k, &g)| gradient[k] = g);
-        gradient
-    };
-    let unit = |k: usize| DVector::from_fn(n, |i, _| if i == k { 1.0 } else { 0.0 });
     let directions = |equations_only: bool| {
-        let rows = active.iter().filter(|row| !equations_only || row.low == row.high).map(|row| dense(row));
+        let rows =
+            active.iter().filter(|row| !equations_only || row.low == row.high).map(|row| gradient(n, &row.expansion));
         let bounds = limits.iter().filter(|(_, limit)| !equations_only || limit.low == limit.high);
-        null_space(n, rows.chain(bounds.map(|&(k, _)| unit(k))))
+        null_space(n, rows.chain(bounds.map(|&(k, _)| unit(n, k))))
     };
     let (all, equations) = (directions(false), directions(true));
     let hold = |variables: &[usize]| match (rank(&all, variables), rank(&equations, variables)) {
@@ -125,25 +122,17 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
         }
     };
 
-    let price = |key: RowKey| multipliers.as_ref().map(|all| all.get(&key).copied().unwrap_or(0.0));
-    // The slope of the length along what only bounds hold.
-    let mut slope = DVector::<f64>::zeros(n);
-    let objective = here.objective.iter().map(|term| (term, 1.0));
-    let weighted = here.rows.iter().filter_map(|row| price(row.key).map(|price| (&row.expansion, price)));
-    for (expansion, weight) in objective.chain(weighted) {
-        expansion.variables.iter().zip(&expansion.gradient).for_each(|(&k, &g)| slope[k] += weight * g);
-    }
+    let prices = multipliers.map(|known| least_prices(&problem, &here, &active, &limits, &known));
+    let mut prices = prices.into_iter().flatten();
     let mut rows: Vec<ActiveRow> = active
         .iter()
         .map(|row| {
             let (name, span) = problem.describe(row.key);
-            let limit = held_at(row.expansion.value, row.low, row.high);
-            ActiveRow::new(name, span, limit, problem.unit(row.key), price(row.key).map(|price| -price))
+            ActiveRow::new(name, span, row_limit(row), problem.unit(row.key), prices.next())
         })
         .collect();
     rows.extend(limits.iter().map(|&(k, limit)| {
-        let (span, limit) = (line_of(layout, &problem, k), held_at(x[k], limit.low, limit.high));
-        ActiveRow::new(problem.variable_name(k), span, limit, "m", multipliers.as_ref().map(|_| slope[k]))
+        ActiveRow::new(problem.variable_name(k), line_of(layout, &problem, k), limit, "m", prices.next())
     }));
     // To a millionth, so that rows that cost the same stay in their order.
     let size = |row: &ActiveRow| row.length_per_unit.map_or(0.0, |price| (price.abs() * 1e6).round());
@@ -179,6 +168,53 @@ impl ActiveRow {
     }
 }
 
+/// Derivatives of the length by the value of each active row, then of each variable at its limit: of all that are
+/// possible the ones nearest to zero. `known` are multipliers of rows.
+fn least_prices(
+    problem: &Problem,
+    here: &Evaluation,
+    active: &[&RowValue],
+    limits: &[(usize, Interval)],
+    known: &BTreeMap<RowKey, f64>,
+) -> Vec<f64> {
+    let n = problem.start.len();
+    let price = |row: &RowValue| -known.get(&row.key).copied().unwrap_or(0.0);
+    // The slope of the length along what only limits of variables hold.
+    let mut slope = DVector::<f64>::zeros(n);
+    let objective = here.objective.iter().map(|term| (term, 1.0));
+    let weighted = here.rows.iter().map(|row| (&row.expansion, -price(row)));
+    for (expansion, weight) in objective.chain(weighted) {
+        add_gradient(&mut slope, expansion, weight);
+    }
+    let held = |gradient, multiplier, limit: Interval| multipliers::Held {
+        gradient,
+        multiplier,
+        below: limit.low.is_finite(),
+        above: limit.high.is_finite(),
+    };
+    let rows = active.iter().map(|row| held(gradient(n, &row.expansion), price(row), row_limit(row)));
+    let bounds = limits.iter().map(|&(k, limit)| held(unit(n, k), slope[k], limit));
+    multipliers::least(&rows.chain(bounds).collect::<Vec<_>>())
+}
+
+fn add_gradient(to: &mut DVector<f64>, expansion: &Expansion, weight: f64) {
+    expansion.variables.iter().zip(&expansion.gradient).for_each(|(&k, &g)| to[k] += weight * g);
+}
+
+fn gradient(n: usize, expansion: &Expansion) -> DVector<f64> {
+    let mut gradient = DVector::zeros(n);
+    add_gradient(&mut gradient, expansion, 1.0);
+    gradient
+}
+
+fn unit(n: usize, k: usize) -> DVector<f64> {
+    DVector::from_fn(n, |i, _| if i == k { 1.0 } else { 0.0 })
+}
+
+fn row_limit(row: &RowValue) -> Interval {
+    held_at(row.expansion.value, row.low, row.high)
+}
+
 fn is_active(row: &RowValue) -> bool {
     let value = row.expansion.value;
     value - row.low <= ACTIVE || row.high - value <= ACTIVE
@@ -193,10 +229,11 @@ fn held_at(value: f64, low: f64, high: f64) -> Interval {
     }
 }
 
-/// The variables at their limits.
+/// The variables at their limits, with these.
 fn variable_limits(problem: &Problem, x: &[f64]) -> Vec<(usize, Interval)> {
-    let at = |k: &usize| x[*k] - problem.bounds[*k].low <= ACTIVE || problem.bounds[*k].high - x[*k] <= ACTIVE;
-    (0..x.len()).filter(at).map(|k| (k, problem.bounds[k])).collect()
+    let at = |k: usize| (problem.bounds[k].low, problem.bounds[k].high);
+    let is_held = |&k: &usize| x[k] - at(k).0 <= ACTIVE || at(k).1 - x[k] <= ACTIVE;
+    (0..x.len()).filter(is_held).map(|k| (k, held_at(x[k], at(k).0, at(k).1))).collect()
 }
 
 /// The statement that limits a variable.
@@ -243,6 +280,7 @@ fn rank(basis: &[DVector<f64>], variables: &[usize]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::fixture::loop_through;
     use crate::model::instances::thesis10;
     use crate::solve::{Discretise, Options, solve_with};
 
@@ -285,6 +323,31 @@ mod tests {
             compared += 1;
         }
         assert!(compared > 20, "{compared}");
+    }
+
+    /// All four turns are at 90 degrees and the winding is 360, so these limits depend on one another. Each gives way alone.
+    #[test]
+    fn limits_that_depend_on_one_another_cost_what_each_alone_gains() {
+        let layout = loop_through("smallest", &[(0.0, 0.0, 3.0), (12.0, 0.0, 3.0), (12.0, 9.0, 3.0), (0.0, 9.0, 3.0)]);
+        let stages = continuous(&layout);
+        let found = freedom(&layout, &stages[1]);
+        let problem = Problem::new(&layout, Scope::Obstacles);
+        let step = 1e-3;
+        for row in &found.rows {
+            let price = row.length_per_unit.unwrap();
+            let mut looser = problem.clone();
+            if let Some(listed) = looser.rows.iter_mut().find(|r| r.label == row.row) {
+                (listed.low, listed.high) = (listed.low - step, listed.high + step);
+            } else {
+                let k = (0..problem.start.len()).find(|&k| problem.variable_name(k) == row.row).unwrap();
+                looser.bounds[k].low -= step;
+            }
+            let settings = SqpSettings { radius: 0.01, ..SqpSettings::default() };
+            let start = to_variables(&stages[1].corners);
+            let gain = (stages[1].length - sqp::minimise(&looser, &start, &settings, &|_, _, _| {}).length) / step;
+            assert!((gain - price.abs()).abs() < 0.02, "{}: gains {gain}, said to be {price}", row.row);
+        }
+        assert!(found.rows.len() >= 8);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod exact;
 mod freedom;
 mod goals;
 mod left_over;
+mod multipliers;
 mod options;
 mod outcome;
 mod pareto;
