@@ -4,18 +4,26 @@
 //! Adding ρ a aᵀ for a row a·d = b that stays active changes nothing on that row's plane when the linear term
 //! moves with it (Nocedal and Wright 2006, §17.3), so curvature that is negative only across active rows costs no
 //! convergence. What is left negative is flattened by its eigenvectors, or in large problems lifted by τ I.
-//! Definiteness is read off a sparse LDLᵀ factorisation.
+//! Definiteness is read off a factorisation: Cholesky's of a small matrix, a sparse LDLᵀ of a large one.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettingsBuilder};
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 use std::collections::BTreeMap;
 
-/// A symmetric sparse matrix by its upper triangle, (column, row) to value.
-#[derive(Clone, Debug, Default)]
+/// A symmetric matrix by its upper triangle.
+#[derive(Clone, Debug)]
 pub struct Symmetric {
     pub size: usize,
-    entries: BTreeMap<(usize, usize), f64>,
+    entries: Entries,
+}
+
+#[derive(Clone, Debug)]
+enum Entries {
+    /// Column after column, each down to its diagonal.
+    Dense(Vec<f64>),
+    /// (column, row) to value.
+    Sparse(BTreeMap<(usize, usize), f64>),
 }
 
 /// An active row of the subproblem: a·d = target, as (index, coefficient).
@@ -32,49 +40,80 @@ pub struct Quadratic {
 
 impl Symmetric {
     pub fn new(size: usize) -> Self {
-        Symmetric { size, entries: BTreeMap::new() }
+        let entries = if size <= DENSE {
+            Entries::Dense(vec![0.0; size * (size + 1) / 2])
+        } else {
+            Entries::Sparse(BTreeMap::new())
+        };
+        Symmetric { size, entries }
     }
 
     /// Adds to entry (i, j); call once for each pair in either order, or for both triangles with `i <= j` only.
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
-        if i <= j {
-            *self.entries.entry((j, i)).or_insert(0.0) += value;
+        if i > j {
+            return;
+        }
+        match &mut self.entries {
+            Entries::Dense(values) => values[j * (j + 1) / 2 + i] += value,
+            Entries::Sparse(entries) => *entries.entry((j, i)).or_insert(0.0) += value,
+        }
+    }
+
+    /// What is not zero, as (row, column, value), by columns.
+    fn each(&self, mut what: impl FnMut(usize, usize, f64)) {
+        match &self.entries {
+            Entries::Dense(values) => {
+                let mut values = values.iter();
+                for j in 0..self.size {
+                    for i in 0..=j {
+                        match values.next() {
+                            Some(&value) if value != 0.0 => what(i, j, value),
+                            _ => {}
+                        }
+                    }
+                }
+            }
+            Entries::Sparse(entries) => entries.iter().for_each(|(&(j, i), &value)| what(i, j, value)),
         }
     }
 
     /// xᵀ M x
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        self.entries
-            .iter()
-            .map(|(&(j, i), value)| if i == j { value * x[i] * x[i] } else { 2.0 * value * x[i] * x[j] })
-            .sum()
+        let mut sum = 0.0;
+        self.each(|i, j, value| sum += if i == j { value * x[i] * x[i] } else { 2.0 * value * x[i] * x[j] });
+        sum
     }
 
     /// Upper triangle in compressed columns, with `extra` further empty columns.
     pub fn to_csc(&self, extra: usize) -> CscMatrix<f64> {
         let size = self.size + extra;
         let mut starts = vec![0; size + 1];
-        let (mut rows, mut values) = (Vec::with_capacity(self.entries.len()), Vec::with_capacity(self.entries.len()));
-        for (&(j, i), &value) in &self.entries {
+        let (mut rows, mut values) = (Vec::new(), Vec::new());
+        self.each(|i, j, value| {
             starts[j + 1] += 1;
             rows.push(i);
             values.push(value);
-        }
+        });
         for j in 0..size {
             starts[j + 1] += starts[j];
         }
         CscMatrix::new(size, size, starts, rows, values)
     }
 
+    /// The whole matrix.
+    pub fn dense(&self) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(self.size, self.size);
+        self.each(|i, j, value| {
+            dense[(i, j)] = value;
+            dense[(j, i)] = value;
+        });
+        dense
+    }
+
     /// The same matrix with every negative eigenvalue made slightly positive: a step along it goes to the trust
     /// region's edge, and directions of little curvature keep theirs, which a lift of all would take away.
     fn flattened(&self) -> Self {
-        let mut dense = DMatrix::zeros(self.size, self.size);
-        for (&(j, i), &value) in &self.entries {
-            dense[(i, j)] = value;
-            dense[(j, i)] = value;
-        }
-        let eigen = SymmetricEigen::new(dense);
+        let eigen = SymmetricEigen::new(self.dense());
         let mut out = self.clone();
         for k in 0..self.size {
             let missing = FLAT - eigen.eigenvalues[k];
@@ -95,13 +134,19 @@ impl Symmetric {
     }
 
     fn is_positive_definite(&self) -> bool {
+        if self.size <= DENSE {
+            let factor = Cholesky::new(self.dense());
+            return factor.is_some_and(|f| f.l_dirty().diagonal().iter().all(|&l| l * l > LEAST_PIVOT));
+        }
         let Ok(settings) = QDLDLSettingsBuilder::default().regularize_enable(false).build() else { return false };
-        QDLDLFactorisation::new(&self.to_csc(0), Some(settings)).is_ok_and(|f| f.D.iter().all(|&d| d > 1e-9))
+        QDLDLFactorisation::new(&self.to_csc(0), Some(settings)).is_ok_and(|f| f.D.iter().all(|&d| d > LEAST_PIVOT))
     }
 }
 
-/// Up to this size negative curvature is removed direction by direction.
-const DENSE: usize = 75;
+/// Up to this size matrices are dense, and negative curvature is removed direction by direction.
+pub const DENSE: usize = 75;
+/// A matrix whose pivots are not above this is not definite, 1/m.
+const LEAST_PIVOT: f64 = 1e-9;
 /// Curvature that is left of a negative one, 1/m.
 const FLAT: f64 = 1e-5;
 

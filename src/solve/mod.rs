@@ -1,5 +1,6 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
+mod active_set;
 mod certificate;
 mod complex;
 mod conflict;

@@ -6,7 +6,8 @@
 //! unbounded below.
 
 use super::Stop;
-use super::convex::{ActiveRow, Quadratic, Symmetric, convexify};
+use super::active_set::{self, ActiveSet, Limit};
+use super::convex::{ActiveRow, DENSE, Quadratic, Symmetric, convexify};
 use super::subproblem::{self, LinearRow, SubproblemSolution};
 use crate::problem::{Evaluation, Problem, RowKey, RowValue};
 use std::collections::BTreeMap;
@@ -140,6 +141,8 @@ struct Run<'p> {
     x: Vec<f64>,
     here: Evaluation,
     multipliers: BTreeMap<RowKey, f64>,
+    /// The limits that the last subproblem ended on: of rows, and of the box around the free variables.
+    limits: (BTreeMap<RowKey, Limit>, Vec<Limit>),
 }
 
 impl<'p> Run<'p> {
@@ -151,7 +154,9 @@ impl<'p> Run<'p> {
         let here = problem.evaluate(&x, reach(settings.radius));
         let scales = here.rows[..problem.rows.len()].iter().map(unit_gradient).collect();
         let radius = settings.radius;
-        Run { problem, settings, free, place, scales, price: PRICE, radius, x, here, multipliers: BTreeMap::new() }
+        let limits = (BTreeMap::new(), vec![Limit::None; free.len()]);
+        let multipliers = BTreeMap::new();
+        Run { problem, settings, free, place, scales, price: PRICE, radius, x, here, multipliers, limits }
     }
 
     fn scale(&self, key: RowKey) -> f64 {
@@ -205,7 +210,8 @@ impl<'p> Run<'p> {
             {
                 // Second-order correction: the rows as they are at the trial point (Fletcher 1987, §14.4).
                 let corrected = self.linear_rows(Some((at, &step.d)));
-                let again = self.subproblem(&model, &corrected).and_then(|s| self.trial(&s.d));
+                let again = self.subproblem(&model, &corrected);
+                let again = again.and_then(|s| self.trial(&s.d));
                 let better = again.as_ref().map_or(f64::NEG_INFINITY, |(_, e)| merit - self.merit(e));
                 if better > gained {
                     (trial, gained) = (again, better);
@@ -250,7 +256,8 @@ impl<'p> Run<'p> {
             .collect();
     }
 
-    fn subproblem(&self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
+    /// By the active set of the last one if that is near enough, and else by an interior-point method.
+    fn subproblem(&mut self, model: &Quadratic, rows: &[(RowKey, LinearRow)]) -> Option<SubproblemSolution> {
         let limit = |k: usize, low: bool| {
             let (v, bound) = (self.free[k], self.problem.bounds[self.free[k]]);
             if low { (bound.low - self.x[v]).max(-self.radius) } else { (bound.high - self.x[v]).min(self.radius) }
@@ -258,7 +265,19 @@ impl<'p> Run<'p> {
         let low: Vec<f64> = (0..self.free.len()).map(|k| limit(k, true)).collect();
         let high: Vec<f64> = (0..self.free.len()).map(|k| limit(k, false)).collect();
         let linear: Vec<LinearRow> = rows.iter().map(|(_, row)| row.clone()).collect();
-        subproblem::solve(model, &low, &high, &linear)
+        let bounds = [&low[..], &high[..]];
+        let guess = ActiveSet {
+            rows: rows.iter().map(|(key, _)| self.limits.0.get(key).copied().unwrap_or_default()).collect(),
+            bounds: self.limits.1.clone(),
+        };
+        let quick = if self.free.len() <= DENSE { active_set::solve(model, bounds, &linear, guess) } else { None };
+        let (solution, set) = quick.or_else(|| {
+            let solution = subproblem::solve(model, &low, &high, &linear)?;
+            let set = ActiveSet::of(&solution, bounds, &linear);
+            Some((solution, set))
+        })?;
+        self.limits = (rows.iter().map(|(key, _)| *key).zip(set.rows).collect(), set.bounds);
+        Some(solution)
     }
 
     /// The variables after a step with their evaluation; `None` where the model does not hold.
