@@ -32,7 +32,7 @@ mod wheel_out_of_round;
 mod wheel_sliding;
 
 use crate::base::random::uniform;
-use crate::chain_input::{Deviations, Simulation, Unfit};
+use crate::chain_input::{DeclaredEffect, Deviations, Simulation, Unfit};
 use crate::model::effect_definitions::{self, EffectDefinition, StrengthDefinition};
 use crate::signal::FORCES;
 use crate::syntax::by_likeness;
@@ -208,6 +208,11 @@ pub struct Sensed<'a> {
 /// The effect of a name.
 pub fn named(name: &str) -> Option<&'static Effect> {
     LIBRARY.into_iter().chain(AS_BUILT).find(|e| e.name() == name)
+}
+
+/// Whether an effect moves the chain; otherwise it is one of sensors alone.
+pub fn is_of_machine(declared: &DeclaredEffect) -> bool {
+    named(&declared.name).is_none_or(|effect| !effect.is_sensor())
 }
 
 /// The chain of an input with effects: the input without them, and how the chain deviates from it.

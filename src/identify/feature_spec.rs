@@ -128,14 +128,23 @@ impl FeatureSpec {
     }
 
     /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range
-    /// above: a wheel that does not touch has a force of 0 for long, which no threshold must split.
+    /// above, at least a thousandth of the force's range on the whole lap: a wheel that does not touch has a force of 0 for
+    /// long, in some kinds of place all the time, and no threshold must split that.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
         let fine: Vec<u32> = samples.station.iter().map(|s| self.places.part(f64::from(*s) + offset)).collect();
         self.blocks(&fine, samples, |kind, force, _, mean| found[kind * FORCES + force].push(mean));
-        for (k, means) in found.iter_mut().enumerate() {
-            means.sort_by(f32::total_cmp);
-            let above = 0.01 * means.last().zip(means.first()).map_or(0.0, |(high, low)| high - low);
+        found.iter_mut().for_each(|means| means.sort_by(f32::total_cmp));
+        let lowest = |means: &Vec<f32>| means.first().copied().unwrap_or(f32::INFINITY);
+        let highest = |means: &Vec<f32>| means.last().copied().unwrap_or(f32::NEG_INFINITY);
+        let whole: [f32; FORCES] = std::array::from_fn(|force| {
+            let kinds = || found.iter().skip(force).step_by(FORCES);
+            let (high, low) = (kinds().map(highest).fold(f32::NEG_INFINITY, f32::max), kinds().map(lowest));
+            (high - low.fold(f32::INFINITY, f32::min)).max(0.0)
+        });
+        for (k, means) in found.iter().enumerate() {
+            let range = (highest(means) - lowest(means)).max(0.0);
+            let above = (0.01 * range).max(0.001 * whole[k % FORCES]);
             for (t, share) in [0.1, 0.5, 0.9].into_iter().enumerate() {
                 let at = (share * means.len() as f64) as usize;
                 self.thresholds[k / FORCES][k % FORCES][t] = above + means.get(at).copied().unwrap_or(0.0);

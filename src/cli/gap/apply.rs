@@ -27,7 +27,7 @@ pub fn files(
     for (run, case) in cases.iter().enumerate() {
         let Some(own_name) = names.get(&case.layout) else { continue };
         let mut simulation = chains.simulation(RunId::new(run)).clone();
-        simulation.effects = effects.iter().flat_map(|finding| declared(finding)).collect();
+        simulation.effects.extend(effects.iter().flat_map(|finding| declared(finding)));
         let name = format!("{own_name}-gap");
         out.entry(format!("{name}.json")).or_insert_with(|| json::to_json(&simulation));
         if case.layout.extension().is_some_and(|e| e == "lss") && !out.contains_key(&format!("{name}.lss")) {

@@ -4,9 +4,10 @@ use super::model::Model;
 use super::{apply, text};
 use crate::base::json;
 use crate::chain_input::Track;
-use crate::cli::cases::cases;
+use crate::cli::cases::{Case, cases};
 use crate::cli::{Outcome, OutputFormat, could_not, report};
 use crate::dynamics::Width;
+use crate::effects::is_of_machine;
 use crate::emit::Files;
 use crate::gap::chain::Chains;
 use crate::gap::outside::{self, Outside};
@@ -17,6 +18,7 @@ use crate::gap::{
 use crate::identify::study::Subject;
 use crate::source::{one_line, shown};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -58,6 +60,20 @@ pub struct Diagnose {
     format: OutputFormat,
 }
 
+/// Says which effects of the layouts take no part.
+fn left_out(cases: &[Case]) {
+    let sensors = |case: &Case| {
+        let effects = case.subject.simulation.effects.iter().filter(|effect| !is_of_machine(effect));
+        effects.map(|effect| (shown(&case.layout), effect.name.clone())).collect::<Vec<_>>()
+    };
+    let all: BTreeSet<(String, String)> = cases.iter().flat_map(sensors).collect();
+    for (layout, effect) in all {
+        report::warning(&format!(
+            "effect `{effect}` of {layout} is one of sensors: it is left out, and looked for like any other"
+        ));
+    }
+}
+
 impl Diagnose {
     pub fn run(&self) -> Outcome {
         match self.model.command(&self.campaign) {
@@ -76,6 +92,7 @@ impl Diagnose {
             report::error("no run is left to diagnose");
             return Outcome::Problems;
         };
+        left_out(&cases);
         let mut bar = Progress::new();
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");

@@ -359,10 +359,10 @@ impl FittedRun {
         impacts::parts(self.model.spec.places.lap, self.settings.impacts.part)
     }
 
-    /// The model with effects.
+    /// The model with more effects than its layout has.
     fn with(&self, effects: Vec<input::DeclaredEffect>) -> Model {
         let mut model = self.model.clone();
-        model.simulation.effects = effects;
+        model.simulation.effects.extend(effects);
         model
     }
 

@@ -6,6 +6,7 @@ use super::impacts::{self, high_frequency_power};
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::dynamics::Width;
+use crate::effects::is_of_machine;
 use crate::gap::settings;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, excess, land};
@@ -20,7 +21,7 @@ pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Ex
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap).ok().filter(|run| run.laps > 1.0)?;
     let mut simulation = subject.simulation.clone();
-    simulation.effects.clear();
+    simulation.effects.retain(is_of_machine);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     model.counter = counter.clone();
     let at = Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()]));
@@ -28,7 +29,8 @@ pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Ex
     Some(excess(&model, &measured, &at, &ensemble))
 }
 
-/// Fits the nominal model to a run.
+/// Fits the nominal model to a run. Effects of the machine that its layout has are part of the model; those of sensors are
+/// left out, as the diagnosis looks for them anyway.
 pub fn fitted(
     subject: &Subject,
     fit: &FitSettings,
@@ -38,7 +40,7 @@ pub fn fitted(
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let mut simulation = subject.simulation.clone();
-    simulation.effects.clear();
+    simulation.effects.retain(is_of_machine);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     model.spec.set_orders(&orders(&simulation, speed));

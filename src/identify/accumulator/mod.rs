@@ -309,6 +309,24 @@ mod tests {
         assert!(features.iter().zip(&both).all(same));
     }
 
+    /// A wheel that touches nowhere in the curve, where the smallest noise must not decide about half of its samples.
+    #[test]
+    fn no_threshold_splits_a_force_that_rests() {
+        let mut spec = spec();
+        let (station, mut force) = lap();
+        force.iter_mut().filter(|x| **x > 200.0).for_each(|x| *x = 0.0);
+        let samples = of_joint(&station, &force);
+        spec.set_thresholds(&samples, 0.0);
+        let noisy: Vec<f32> =
+            force.iter().enumerate().map(|(i, x)| x + if i % 3 == 0 { 1e-3 } else { -1e-3 }).collect();
+        let shares = |force: &[f32]| {
+            let mut accumulator = FeatureAccumulator::new(&spec);
+            accumulator.add(&spec, &of_joint(&station, force), 0.0, NoiseDraw::None);
+            features_of(Block::Share(4), &spec, &accumulator.features(1.0))
+        };
+        assert_eq!((&shares(&force)[3..6], &shares(&noisy)[3..6]), (&[1.0; 3][..], &[1.0; 3][..]));
+    }
+
     #[test]
     fn lost_samples_take_no_part_and_noise_shows_above_the_low_pass() {
         let mut spec = spec();
