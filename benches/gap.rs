@@ -36,10 +36,15 @@ fn main() {
     let mut costs = Costs::new("nominal_fits");
     let chains = Chains::new(&subjects, &Settings::default(), 1, threads, Width::widest(), &|_| {})
         .expect("runs that can be fitted");
-    let found = diagnose(&chains, &Settings::default(), &mut |stage| costs.enter(stage.name(), chains.effort()));
-    let cost = costs.finish(chains.effort());
-
+    let mut found = diagnose(&chains, &Settings::default(), &mut |stage| costs.enter(stage.name(), chains.effort()));
     let candidates = chains.candidates().len();
+    costs.enter("nominal_fits", chains.effort());
+    let anew = chains.anew(&subjects, &found, &|_| {});
+    if let Some(anew) = &anew {
+        found = diagnose(anew, &Settings::default(), &mut |stage| costs.enter(stage.name(), anew.effort()));
+    }
+    let cost = costs.finish(anew.as_ref().map_or(chains.effort(), |anew| anew.effort()));
+
     let (fits, refits) =
         (cost.by_stage["nominal_fits"].wall_s, cost.by_stage.get("refits").cloned().unwrap_or_default());
     let each = refits.wall_s / refits.simulations.max(1) as f64;

@@ -1,6 +1,7 @@
 //! What a diagnosis found, as `gap.json` has it.
 
 use super::simulator::Axis;
+use crate::chain_input::DeclaredEffect;
 use crate::identify::noise::ChannelNoise;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -376,6 +377,17 @@ impl Finding {
     }
 }
 
+impl Finding {
+    /// As a simulation input has it, at each of its places.
+    pub fn declared(&self) -> impl Iterator<Item = DeclaredEffect> + '_ {
+        self.places().map(|at| {
+            let strengths = at.strength.iter().map(|(name, amount)| (name.clone(), amount.value));
+            let places = at.fixed.iter().map(|(name, x)| (name.clone(), *x));
+            DeclaredEffect { name: self.name.clone(), strengths: strengths.chain(places).collect() }
+        })
+    }
+}
+
 impl Diagnosis {
     /// The effects that the verdict names; never one that may be absent.
     pub fn named(&self) -> Vec<&Finding> {
@@ -400,6 +412,11 @@ impl Diagnosis {
     pub fn explained(&self) -> bool {
         let closes = self.gap_closed.is_some_and(|closed| closed > 0.0);
         self.has_gap() && closes && self.runs.iter().all(RunGap::settled) && !self.named().is_empty()
+    }
+
+    /// What the shown effects leave in the run in which it is farthest over its limit, over that limit.
+    pub fn left(&self) -> f64 {
+        self.runs.iter().map(|run| run.after / run.replicate_high).fold(0.0, f64::max)
     }
 
     /// Effects of which something could not be simulated.

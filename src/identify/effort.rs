@@ -27,6 +27,11 @@ impl Effort {
 pub struct Counter(Arc<[AtomicU64; 2]>);
 
 impl Counter {
+    /// Goes on from what was simulated before.
+    pub fn after(before: Effort) -> Counter {
+        Counter(Arc::new([AtomicU64::new(before.simulations), AtomicU64::new(before.simulated)]))
+    }
+
     /// One more simulation, of so many seconds.
     pub fn add(&self, seconds: f64) {
         let [simulations, simulated] = &*self.0;

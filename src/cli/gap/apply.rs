@@ -2,7 +2,6 @@
 
 use crate::base::json;
 use crate::base::number::shortest;
-use crate::chain_input::DeclaredEffect;
 use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
@@ -27,7 +26,7 @@ pub fn files(
     for (run, case) in cases.iter().enumerate() {
         let Some(own_name) = names.get(&case.layout) else { continue };
         let mut simulation = chains.simulation(RunId::new(run)).clone();
-        simulation.effects.extend(effects.iter().flat_map(|finding| declared(finding)));
+        simulation.effects.extend(effects.iter().flat_map(|finding| finding.declared()));
         let name = format!("{own_name}-gap");
         out.entry(format!("{name}.json")).or_insert_with(|| json::to_json(&simulation));
         if case.layout.extension().is_some_and(|e| e == "lss") && !out.contains_key(&format!("{name}.lss")) {
@@ -40,14 +39,6 @@ pub fn files(
         }
     }
     Ok(out.into_iter().collect())
-}
-
-fn declared(finding: &Finding) -> impl Iterator<Item = DeclaredEffect> + '_ {
-    finding.places().map(|at| {
-        let strengths = at.strength.iter().map(|(name, amount)| (name.clone(), amount.value));
-        let places = at.fixed.iter().map(|(name, x)| (name.clone(), *x));
-        DeclaredEffect { name: finding.name.clone(), strengths: strengths.chain(places).collect() }
-    })
 }
 
 fn text(layout: &str, import: &str, effects: &[&Finding]) -> String {

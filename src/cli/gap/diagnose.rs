@@ -96,8 +96,10 @@ impl Diagnose {
         let mut bar = Progress::new();
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
-        let tell = |run: &str| bar.say(&format!("fitted {run}"));
-        let chains = match Chains::new(&subjects, &Settings::default(), self.seed, threads(), Width::used(), &tell) {
+        let line = bar.line.clone();
+        let tell = |run: &str| line.say(&format!("fitted {run}"));
+        let mut chains = match Chains::new(&subjects, &Settings::default(), self.seed, threads(), Width::used(), &tell)
+        {
             Ok(chains) => chains,
             Err((run, why)) => {
                 bar.clear();
@@ -105,8 +107,23 @@ impl Diagnose {
                 return Outcome::Problems;
             }
         };
-        let known = self.remembered(&chains, &self.origin(&subjects), PARTIAL);
-        let mut answer = bar.diagnose(&known, &Settings::default());
+        let origin = self.origin(&subjects);
+        let mut books = vec![self.output.join(PARTIAL)];
+        let mut answer = bar.diagnose(&self.remembered(&chains, &origin, PARTIAL), &Settings::default());
+        bar.say("fitting the runs with what was found");
+        bar.costs.enter("nominal_fits", chains.effort());
+        if let Some(next) = chains.anew(&subjects, &answer.found, &tell) {
+            let name = format!("{PARTIAL}.2");
+            let again = bar.diagnose(&self.remembered(&next, &origin, &name), &Settings::default());
+            books.push(self.output.join(name));
+            let better = again.found.left() < answer.found.left() && !again.found.named().is_empty();
+            let cost = again.cost.clone();
+            if better {
+                (chains, answer) = (next, again);
+            }
+            answer.cost = cost;
+        }
+        bar.clear();
         let found = &mut answer.found;
         found.lost.extend(chains.lost().into_iter().map(Lost::data));
         let mut files = Files::default();
@@ -119,8 +136,7 @@ impl Diagnose {
         // One map is drawn of runs on one layout.
         let same = subjects.iter().all(|s| s.simulation.track == first.subject.simulation.track);
         let track = same.then_some(&first.subject.simulation.track);
-        drop(known);
-        self.finish(&answer, track, files, broken, &[self.output.join(PARTIAL)])
+        self.finish(&answer, track, files, broken, &books)
     }
 
     /// With a program outside as the model.
@@ -280,30 +296,56 @@ struct Answer {
     cost: Cost,
 }
 
-/// A line on the terminal that says what is going on.
+/// How far a diagnosis is, told on the terminal.
 struct Progress {
-    bar: Option<ProgressBar>,
+    line: Line,
     costs: Costs,
     begin: Instant,
     /// Simulations that are thought to be needed, where that is known.
     expected: Option<u64>,
 }
 
-impl Progress {
+/// A line on the terminal, if there is one.
+#[derive(Clone)]
+struct Line(Option<ProgressBar>);
+
+impl Line {
     fn new() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        Line(std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
             let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
             bar.enable_steady_tick(Duration::from_millis(200));
             bar
-        });
-        Progress { bar, costs: Costs::new("nominal_fits"), begin: Instant::now(), expected: None }
+        }))
     }
 
     fn say(&self, what: &str) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = &self.0 {
+            if bar.is_finished() {
+                bar.reset();
+            }
             bar.set_message(one_line(what).into_owned());
         }
+    }
+
+    fn clear(&self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Progress {
+    fn new() -> Self {
+        Progress { line: Line::new(), costs: Costs::new("nominal_fits"), begin: Instant::now(), expected: None }
+    }
+
+    fn say(&self, what: &str) {
+        self.line.say(what);
+    }
+
+    fn clear(&self) {
+        self.line.clear();
     }
 
     /// What is left of the time, as far as it went.
@@ -341,11 +383,5 @@ impl Progress {
         self.clear();
         self.costs = costs.clone();
         Answer { found, explained, cost: costs.finish(model.effort()) }
-    }
-
-    fn clear(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
     }
 }

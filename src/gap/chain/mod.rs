@@ -1,6 +1,7 @@
 //! The chain of carts as a model of the diagnosis: runs fitted by identification, effects of the library at their
 //! sites.
 
+mod anew;
 mod force_slope;
 mod frame;
 mod impacts;
@@ -38,6 +39,8 @@ pub struct Chains {
     frames: PerRun<Frame>,
     candidates: Candidates,
     settings: settings::Chain,
+    fit: FitSettings,
+    width: Width,
     threads: usize,
     /// Of what was simulated before the runs were fitted.
     counter: Counter,
@@ -66,6 +69,18 @@ struct FittedRun {
     seed: u64,
 }
 
+/// How runs are fitted, and which effects are offered.
+struct Fitting<'a> {
+    fit: FitSettings,
+    settings: &'a settings::Chain,
+    threads: usize,
+    width: Width,
+    /// Effects with which parameters and noise are found.
+    about: &'a [input::DeclaredEffect],
+    offered: &'a dyn Fn(&Effect) -> bool,
+    counter: Counter,
+}
+
 impl Chains {
     /// Fits the nominal model to each run, over `threads`. `tell` is told which are done.
     ///
@@ -89,9 +104,16 @@ impl Chains {
         let repeated: Vec<Excess> = repeated.into_iter().flatten().collect();
         let correlated = Some(Excess::noise(&repeated));
         let fit = FitSettings { seed, steps, threads: 1, correlated, ..FitSettings::default() };
+        let fitting = Fitting { fit, settings, threads, width, about: &[], offered: &|_| true, counter };
+        Chains::about(subjects, fitting, tell)
+    }
+
+    /// Fits runs, and offers effects at their sites.
+    fn about(subjects: &[Subject], fitting: Fitting, tell: &(dyn Fn(&str) + Sync)) -> Result<Chains, (String, String)> {
+        let Fitting { fit, settings, threads, width, about, offered, counter } = fitting;
         // More runs than threads at a time, so that none is left to a single one in the end.
         let fitted = parallel::map(subjects, if threads > 1 { 2 * threads } else { 1 }, |subject| {
-            let found = fitted(subject, &fit, settings, width).map_err(|why| (subject.name.clone(), why));
+            let found = fitted(subject, &fit, settings, width, about).map_err(|why| (subject.name.clone(), why));
             tell(&subject.name);
             found
         });
@@ -103,10 +125,10 @@ impl Chains {
             run.impacts = Impact::all(&suspects, run);
             force_slope::extend(frame, run);
         }
-        let mut out =
-            Chains { frames, runs, candidates: Candidates::default(), settings: settings.clone(), threads, counter };
+        let (candidates, settings) = (Candidates::default(), settings.clone());
+        let mut out = Chains { frames, runs, candidates, settings, fit, width, threads, counter };
         out.draw_as_built(threads);
-        for effect in LIBRARY {
+        for effect in LIBRARY.into_iter().filter(|effect| offered(effect)) {
             for (site, known) in out.sites(effect, &suspects) {
                 let around = (effect.alternatives)(&site, known);
                 let first = out.offer(effect, site, None);

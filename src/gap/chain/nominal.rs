@@ -4,7 +4,7 @@ use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::{self, high_frequency_power};
 use crate::base::trig;
-use crate::chain_input::Simulation;
+use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
 use crate::effects::is_of_machine;
 use crate::gap::settings;
@@ -30,12 +30,14 @@ pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Ex
 }
 
 /// Fits the nominal model to a run. Effects of the machine that its layout has are part of the model; those of sensors are
-/// left out, as the diagnosis looks for them anyway.
+/// left out, as the diagnosis looks for them anyway. With effects to be `about`, parameters and noise are those of a fit that
+/// has them, and what is returned is the model without them at that point.
 pub fn fitted(
     subject: &Subject,
     fit: &FitSettings,
     settings: &settings::Chain,
     width: Width,
+    about: &[DeclaredEffect],
 ) -> Result<FittedRun, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
@@ -45,7 +47,15 @@ pub fn fitted(
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     model.spec.set_orders(&orders(&simulation, speed));
     model.spec.local = true;
-    let (_, landing) = land(&mut model, &measured, None, fit)?;
+    let landing = if about.is_empty() {
+        land(&mut model, &measured, None, fit)?.1
+    } else {
+        let mut with = model.clone();
+        with.simulation.effects.extend(about.iter().cloned());
+        let found = land(&mut with, &measured, None, fit)?.0;
+        let here = FitSettings { steps: 0, noise: Some(found.noise), numerics: true, ..*fit };
+        land(&mut model, &measured, Some(found.at), &here)?.1
+    };
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
     let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;

@@ -34,6 +34,10 @@ impl Fitter<'_> {
     /// Finds the sensors' noise: white noise as what is measured above the low-pass and not simulated there, and
     /// correlated noise by passes of the same places.
     pub(super) fn find_noise(&self, model: &mut Model, at: &Coordinates, ensemble: &Ensemble) {
+        if let Some(noise) = self.settings.noise {
+            model.spec.set_noise(noise);
+            return;
+        }
         model.spec.set_noise(Default::default());
         let simulated = model.answer(ensemble, 0.0, 0).accumulator;
         let mut measured = FeatureAccumulator::new(&model.spec);

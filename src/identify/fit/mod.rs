@@ -32,11 +32,23 @@ pub struct FitSettings {
     pub steps: usize,
     /// The sensors' correlated noise where it is known; else it is found from the run alone.
     pub correlated: Option<[Noise; FORCES]>,
+    /// All of the sensors' noise where it is known, as from a fit of a model that lacks less.
+    pub noise: Option<[Noise; FORCES]>,
+    /// Whether the shares of the integration's step and of the start are found though no step is made.
+    pub numerics: bool,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        FitSettings { free: [true; COUNT], seed: 1, threads: 1, steps: STEPS, correlated: None }
+        FitSettings {
+            free: [true; COUNT],
+            seed: 1,
+            threads: 1,
+            steps: STEPS,
+            correlated: None,
+            noise: None,
+            numerics: false,
+        }
     }
 }
 
@@ -123,6 +135,9 @@ pub fn land(
     let mut fitter = Fitter { measured, settings, simulations: 0, blocks: FeatureAccumulator::blocks(&model.spec) };
     let Begin { mut at, mut repeatability, mut centre } = fitter.begin(model, start).ok_or(LOST)?;
     let mut numerics = Numerics::none(repeatability.deviation.len());
+    if settings.numerics && settings.steps == 0 {
+        numerics = fitter.numerics(model, &at, &centre).ok_or(LOST)?;
+    }
     let base = Parameter::ALL.map(Parameter::reach);
     let mut reach = base;
     let mut designed: Option<(Coordinates, Sensitivity)> = None;
@@ -186,9 +201,7 @@ pub fn land(
         let far = |k: usize| base[k] * (8.0 * found.covariance[(k, k)].sqrt()).max(found.step[k].abs());
         reach = std::array::from_fn(|k| far(k).clamp(LEAST_REACH * base[k], base[k]));
         if steps == 1 {
-            let (features, settled) = (&centre.answer.features, &centre.ensemble.settled);
-            numerics = Numerics::new(model, &at, features, settled, settings.seed).ok_or(LOST)?;
-            fitter.simulations += 2;
+            numerics = fitter.numerics(model, &at, &centre).ok_or(LOST)?;
         }
         designed = Some(slopes);
         steps += 1;
@@ -368,6 +381,13 @@ impl Fitter<'_> {
     fn centre(&mut self, model: &Model, at: &Coordinates, from: &Centre) -> Option<Centre> {
         self.simulations += 1;
         Centre::new(model, at, &from.ensemble.settled, self.settings.seed.wrapping_add(self.simulations as u64))
+    }
+
+    /// What the integration's step and a fresh start change.
+    fn numerics(&mut self, model: &Model, at: &Coordinates, centre: &Centre) -> Option<Numerics> {
+        self.simulations += 2;
+        let (features, settled) = (&centre.answer.features, &centre.ensemble.settled);
+        Numerics::new(model, at, features, settled, self.settings.seed)
     }
 
     fn repeatability(&mut self, model: &Model, ensemble: &Ensemble) -> Repeatability {

@@ -1,0 +1,48 @@
+//! The runs fitted again once the cause is nearly known: what the nominal model lacks pulls its parameters to where they
+//! imitate it and counts in part as noise, and slopes reach no farther than they were taken.
+
+use super::{Chains, Fitting};
+use crate::chain_input::DeclaredEffect;
+use crate::gap::diagnosis::{Diagnosis, Finding, RunGap};
+use crate::gap::simulator::Simulator;
+use crate::identify::Counter;
+use crate::identify::study::Subject;
+use std::collections::BTreeSet;
+
+impl Chains {
+    /// The same runs, with parameters and noise as a model has them that lacks nothing of what a diagnosis named; `None` where
+    /// it named no effect of the machine, or that leaves no run over its limit, or runs cannot be fitted with it. Effects of the machine that
+    /// were the likeliest are offered, and all of sensors.
+    pub fn anew(&self, subjects: &[Subject], found: &Diagnosis, tell: &(dyn Fn(&str) + Sync)) -> Option<Chains> {
+        if found.runs.iter().all(RunGap::settled) {
+            return None;
+        }
+        let named = found.named();
+        let by_chance = |finding: &&Finding| {
+            let own = self.candidates.iter().filter(|c| c.effect == finding.name && c.place == finding.place);
+            own.into_iter().any(|c| c.random_effect.is_some())
+        };
+        if named.iter().any(by_chance) {
+            return None;
+        }
+        let of_machine = |finding: &&&Finding| {
+            self.candidates.iter().any(|candidate| candidate.effect == finding.name && !candidate.sensor)
+        };
+        let about: Vec<DeclaredEffect> = named.iter().filter(of_machine).flat_map(|f| f.declared()).collect();
+        if about.is_empty() {
+            return None;
+        }
+        let likeliest: BTreeSet<&str> =
+            found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
+        let fitting = Fitting {
+            fit: self.fit,
+            settings: &self.settings,
+            threads: self.threads,
+            width: self.width,
+            about: &about,
+            offered: &|effect| effect.is_sensor() || likeliest.contains(effect.name()),
+            counter: Counter::after(self.effort()),
+        };
+        Chains::about(subjects, fitting, tell).ok()
+    }
+}
