@@ -3,32 +3,33 @@
 
 use super::{Chains, Fitting};
 use crate::chain_input::DeclaredEffect;
-use crate::gap::diagnosis::{Diagnosis, Finding, RunGap};
+use crate::gap::diagnosis::{Diagnosis, Finding, RunGap, Verdict};
 use crate::gap::simulator::Simulator;
 use crate::identify::Counter;
 use crate::identify::study::Subject;
 use std::collections::BTreeSet;
 
 impl Chains {
-    /// The same runs, with parameters and noise as a model has them that lacks nothing of what a diagnosis named; `None` where
-    /// it named no effect of the machine, or that leaves no run over its limit, or runs cannot be fitted with it. Effects of the machine that
-    /// were the likeliest are offered, and all of sensors.
+    /// The same runs, with parameters and noise as a model has them that lacks nothing of what a diagnosis named or, where it named
+    /// nothing, of the best that it knew; `None` where that is no effect of the machine, or leaves no run over its limit, or runs cannot
+    /// be fitted with it. Effects of the machine that were the likeliest are offered, and all of sensors.
     pub fn anew(&self, subjects: &[Subject], found: &Diagnosis, tell: &(dyn Fn(&str) + Sync)) -> Option<Chains> {
-        if found.runs.iter().all(RunGap::settled) {
+        if found.verdict == Verdict::None || found.runs.iter().all(RunGap::settled) {
             return None;
         }
-        let named = found.named();
+        let mut best = found.with();
+        best.retain(|finding| !finding.may_be_absent());
         let by_chance = |finding: &&Finding| {
             let own = self.candidates.iter().filter(|c| c.effect == finding.name && c.place == finding.place);
             own.into_iter().any(|c| c.random_effect.is_some())
         };
-        if named.iter().any(by_chance) {
+        if best.iter().any(by_chance) {
             return None;
         }
         let of_machine = |finding: &&&Finding| {
             self.candidates.iter().any(|candidate| candidate.effect == finding.name && !candidate.sensor)
         };
-        let about: Vec<DeclaredEffect> = named.iter().filter(of_machine).flat_map(|f| f.declared()).collect();
+        let about: Vec<DeclaredEffect> = best.iter().filter(of_machine).flat_map(|f| f.declared()).collect();
         if about.is_empty() {
             return None;
         }
