@@ -16,7 +16,9 @@
     sensor = false
 
 Columns of a run that are named like inputs of the unit are fed into it, the run's settings are start values, and the
-declared channels are read from variables of the same names. Needs FMPy (`pip install fmpy`).
+declared channels are read from variables of the same names. Nuisances and effects are varied continuously, so their
+parameters are real numbers: Real of FMI 2.0, Float64 or Float32 of FMI 3.0. Settings may be integers and Booleans, too.
+Arrays are refused. Event mode, early return and intermediate updates of FMI 3.0 are off. Needs FMPy (`pip install fmpy`).
 """
 import os
 import shutil
@@ -29,6 +31,38 @@ from . import effect, nuisance, serve
 def fail(why):
     print(f"lss_model.fmu: {why}", file=sys.stderr)
     sys.exit(1)
+
+
+REAL = ("Real", "Float64", "Float32")
+
+
+def number(variable, file):
+    """A variable that is one number."""
+    if getattr(variable, "dimensions", None):
+        sizes = " x ".join(str(x.start if x.start is not None else x.valueReference) for x in variable.dimensions)
+        raise ValueError(f"{variable.name} of {file} is an array ({sizes}); only variables of one number are read and set")
+    if variable.type in ("String", "Binary", "Clock"):
+        raise ValueError(f"{variable.name} of {file} is of type {variable.type}, no number")
+    return variable
+
+
+def real(variable, file):
+    """A variable whose values are real numbers."""
+    if number(variable, file).type not in REAL:
+        raise ValueError(
+            f"{variable.name} of {file} is of type {variable.type}; a nuisance or an effect is varied continuously, so it"
+            f" has to be one of {', '.join(REAL)}. A setting of a run may be of any numeric type"
+        )
+    return variable
+
+
+def whole(variable, value):
+    """The value of a setting in the variable's type; an integer or Boolean is not rounded without a word."""
+    if variable.type in REAL:
+        return value
+    if value != int(value) or (variable.type == "Boolean" and value not in (0, 1)):
+        raise ValueError(f"{variable.name} is of type {variable.type}, but {value} was given")
+    return int(value)
 
 
 class Unit:
@@ -54,6 +88,8 @@ class Unit:
         for name in self.channels:
             if name not in variables:
                 fail(f"the channel {name} is no variable of {file}; it has {', '.join(sorted(variables)[:20])}")
+            number(variables[name], file)
+        self.variables, self.file = variables, file
         self.inputs = [v.name for v in self.description.modelVariables if v.causality == "input"]
         self.parameters, self.nuisances, self.effects = {}, [], []
         for table, kind in ((own.get("nuisance", []), "nuisance"), (own.get("effect", []), "effect")):
@@ -62,6 +98,7 @@ class Unit:
                 variable = variables.get(parameter)
                 if variable is None or variable.start is None:
                     fail(f"[[fmu.{kind}]]: {parameter or 'a parameter'} is no variable of {file} with a start value")
+                real(variable, file)
                 start, unit, name = float(variable.start), variable.unit or "", said.get("name", parameter)
                 try:
                     if kind == "nuisance":
@@ -82,11 +119,12 @@ class Unit:
 
     def simulate(self, inputs, parameters):
         time = inputs["time"]
-        known = {v.name for v in self.description.modelVariables}
-        start = {name: x for name, x in parameters.items() if name in known}
+        start = {}
+        for name in parameters.keys() & self.variables.keys():
+            start[name] = whole(number(self.variables[name], self.file), parameters[name])
         for name, (parameter, added) in self.parameters.items():
             start[parameter] = parameters[name] + added
-        fed = [name for name in self.inputs if name in inputs]
+        fed = [number(self.variables[name], self.file).name for name in self.inputs if name in inputs]
         key = id(inputs)
         if fed and key not in self.signals:
             rows = zip(time, *(inputs[name] for name in fed))
@@ -120,7 +158,10 @@ class Unit:
 def main():
     if len(sys.argv) != 3:
         fail("usage: python3 -m lss_model.fmu FILE.fmu CAMPAIGN")
-    unit = Unit(sys.argv[1], sys.argv[2])
+    try:
+        unit = Unit(sys.argv[1], sys.argv[2])
+    except ValueError as why:
+        fail(why)
     try:
         serve(unit.simulate, unit.effects, unit.nuisances, unit.accuracy)
     finally:

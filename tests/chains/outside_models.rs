@@ -1,5 +1,6 @@
 //! Models outside that oscillate, that are written as a Python function or as an FMU, that are random or deaf to a
-//! parameter; and the dry run. Without python3 (or gcc and FMPy, for the FMU) these say that they were skipped.
+//! parameter; and the dry run. Without python3 (or gcc and FMPy, for the FMUs) these
+//! say that they were skipped.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -238,21 +239,18 @@ fn a_model_in_mujoco() {
     assert!(remarks.contains("damping differs between the runs by more than its noise"), "{said}");
 }
 
-/// A mass on a spring with dry friction as a unit that gcc compiles, against data of the same equation.
-#[test]
-fn an_fmu_is_a_model() {
+/// A mass on a spring with dry friction as a unit that gcc compiles, in the folder with runs of the same equation; nothing
+/// where there is no compiler or no FMPy, and that is said.
+fn with_unit(version: &str) -> Option<tempfile::TempDir> {
     let gcc = Command::new("gcc").arg("--version").stdout(Stdio::null()).status().is_ok_and(|s| s.success());
     if !gcc || !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !python("import fmpy") {
         println!("skipped: it takes gcc on Linux, and FMPy");
-        return;
+        return None;
     }
     let at = tempfile::tempdir().expect("a folder");
-    let made = Command::new("python3")
-        .arg(root().join("tests/chains/fmu/make.py"))
-        .arg(at.path())
-        .status()
-        .expect("python runs");
-    assert!(made.success());
+    let mut make = Command::new("python3");
+    make.arg(root().join("tests/chains/fmu/make.py")).arg(at.path()).arg(version);
+    assert!(make.status().expect("python runs").success());
     for (k, size) in [0.6, 1.0, 1.5].into_iter().enumerate() {
         let (mut x, mut v, mut state) = (0.0_f64, 0.0_f64, k as u64);
         let mut text = "time,force,position\n".to_owned();
@@ -268,10 +266,54 @@ fn an_fmu_is_a_model() {
         }
         fs::write(at.path().join(format!("run{}.csv", k + 1)), text).expect("written");
     }
+    Some(at)
+}
+
+/// The dry friction is found by a unit of FMI 2.0 and by one of FMI 3.0, whose friction is a Float32.
+#[test]
+fn an_fmu_is_a_model() {
+    for version in ["2", "3"] {
+        let Some(at) = with_unit(version) else { return };
+        let fmu = at.path().join("unit.fmu").display().to_string();
+        let (found, said) = diagnosed(at.path(), &["--fmu", &fmu, "--no-sweep"]);
+        assert_eq!(found["verdict"], "effect", "FMI {version}: {said}");
+        assert_eq!(found["with"][0], "coulomb", "FMI {version}: {said}");
+        let force = found["effects"][0]["strength"]["deviation"]["value"].as_f64().unwrap();
+        println!("FMI {version}: coulomb {force} N");
+        assert!((force - 0.25).abs() < 0.03, "FMI {version}: {force}");
+    }
+}
+
+/// What of a unit of FMI 3.0 cannot be varied or compared ends the diagnosis with a reason; an integer is a setting.
+#[test]
+fn types_of_a_unit_of_fmi_3() {
+    let Some(at) = with_unit("3") else { return };
     let fmu = at.path().join("unit.fmu").display().to_string();
-    let (found, said) = diagnosed(at.path(), &["--fmu", &fmu, "--no-sweep"]);
-    assert_eq!(found["verdict"], "effect", "{said}");
-    assert_eq!(found["with"][0], "coulomb", "{said}");
-    let force = found["effects"][0]["strength"]["deviation"]["value"].as_f64().unwrap();
-    assert!((force - 0.25).abs() < 0.03, "{force}");
+    let campaign = at.path().join("campaign.toml");
+    let right = fs::read_to_string(&campaign).expect("the campaign");
+    let said = |text: &str| {
+        fs::write(&campaign, text).expect("written");
+        let ran = lss("check", at.path(), &["--fmu", &fmu]);
+        (
+            ran.status.success(),
+            String::from_utf8_lossy(&ran.stdout).into_owned() + &String::from_utf8_lossy(&ran.stderr),
+        )
+    };
+    let effect = |name: &str| right.replace("parameter = \"cubic\"", &format!("parameter = \"{name}\""));
+    let (runs, told) = said(&effect("masses"));
+    assert!(!runs && told.contains("masses of") && told.contains("is an array (2)"), "{told}");
+    let (runs, told) = said(&effect("substeps"));
+    assert!(!runs && told.contains("is of type Int32; a nuisance or an effect is varied continuously"), "{told}");
+    let set = |value: &str| right.replace("file = \"run1.csv\"", &format!("file = \"run1.csv\"\nsubsteps = {value}"));
+    let (runs, told) = said(&set("2.5"));
+    assert!(!runs && told.contains("substeps is of type Int32, but 2.5 was given"), "{told}");
+    let (runs, told) = said(&set("4"));
+    assert!(runs, "{told}");
+    for k in 1..=3 {
+        let run = at.path().join(format!("run{k}.csv"));
+        let text = fs::read_to_string(&run).expect("a run");
+        fs::write(run, text.replacen("position", "masses", 1)).expect("written");
+    }
+    let (runs, told) = said(&right.replace("position = \"m\"", "masses = \"kg\""));
+    assert!(!runs && told.contains("masses of") && told.contains("is an array (2)"), "{told}");
 }

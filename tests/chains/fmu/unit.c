@@ -1,15 +1,8 @@
 /* A mass on a spring with dry friction as an FMI 2.0 unit for co-simulation; no header of the standard is needed. */
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
+#include "mass.h"
 typedef void *Unit;
 typedef unsigned int Ref;
-enum { FORCE, POSITION, SPEED, STIFFNESS, VISCOUS, COULOMB, MASS, CUBIC, COUNT };
-typedef struct { double v[COUNT]; } State;
-static void begin(State *s) {
-    memset(s, 0, sizeof *s);
-    s->v[STIFFNESS] = 100; s->v[VISCOUS] = 0.5; s->v[MASS] = 1;
-}
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 Unit fmi2Instantiate(const char *n, int t, const char *g, const char *r, const void *f, int v, int l) {
@@ -30,17 +23,7 @@ int fmi2SetReal(Unit u, const Ref r[], size_t n, const double x[]) {
     for (size_t i = 0; i < n; i++) ((State *)u)->v[r[i]] = x[i];
     return 0;
 }
-int fmi2DoStep(Unit u, double t, double h, int keep) {
-    double *v = ((State *)u)->v;
-    int steps = 8;
-    for (int k = 0; k < steps; k++) {
-        double dt = h / steps, x = v[POSITION];
-        double f = v[FORCE] - v[STIFFNESS] * x - v[VISCOUS] * v[SPEED] - v[COULOMB] * tanh(v[SPEED] / 0.002) - v[CUBIC] * x * x * x;
-        v[SPEED] += dt * f / v[MASS];
-        v[POSITION] += dt * v[SPEED];
-    }
-    return 0;
-}
+int fmi2DoStep(Unit u, double t, double h, int keep) { step(u, h, 8); return 0; }
 #define NONE(name) int name() { return 3; }
 NONE(fmi2GetInteger) NONE(fmi2GetBoolean) NONE(fmi2GetString) NONE(fmi2SetInteger) NONE(fmi2SetBoolean) NONE(fmi2SetString)
 NONE(fmi2GetFMUstate) NONE(fmi2SetFMUstate) NONE(fmi2FreeFMUstate) NONE(fmi2SerializedFMUstateSize) NONE(fmi2SerializeFMUstate)
