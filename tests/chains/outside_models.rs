@@ -1,6 +1,6 @@
 //! Models outside that oscillate, that are written as a Python function or as an FMU, that are random or deaf to a
-//! parameter; and the dry run. Without python3 (or gcc and FMPy, for the FMUs) these
-//! say that they were skipped.
+//! parameter; and the dry run. Without python3 (or gcc and FMPy for the FMUs, Octave for the function in MATLAB's language)
+//! these say that they were skipped.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -31,7 +31,7 @@ fn python(line: &str) -> bool {
 fn lss(verb: &str, at: &Path, rest: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lss"));
     command.args(["gap", verb]).arg(at).args(rest).env("PYTHONPATH", root().join("python")).current_dir(root());
-    command.output().expect("it runs")
+    command.env("LSS_MATLAB", "octave").output().expect("it runs")
 }
 
 /// What `lss gap diagnose` found, and what it said.
@@ -237,6 +237,44 @@ fn a_model_in_mujoco() {
     let (found, said) = diagnosed(at.path(), &["--model", &model, "--no-sweep"]);
     let remarks = found["outside"]["remarks"].to_string();
     assert!(remarks.contains("damping differs between the runs by more than its noise"), "{said}");
+}
+
+/// The oven in MATLAB's language, run by Octave: it answers what the Python function does, an error is told in Octave's
+/// words, and the radiation is found.
+#[test]
+fn a_function_in_matlab_by_octave() {
+    let octave = Command::new("octave-cli").arg("--version").stdout(Stdio::null()).status().is_ok_and(|s| s.success());
+    if !octave || !python("pass") {
+        println!("skipped: octave-cli is not installed");
+        return;
+    }
+    let compare = "import sys; sys.path[:0] = ['python', 'examples/outside']
+import lss_model, oven_function, oven_matlab
+inputs = lss_model.read('examples/outside/monday.csv')
+p = {'capacity': 8000, 'loss': 4.5, 'radiation.area': 0.03, 'door_leak.loss': 0.2, 'sensor_offset.offset': 0.1, 'start': 20.0}
+own, other = oven_function.simulate(inputs, p)['temperature'], oven_matlab.simulate(inputs, p)['temperature']
+assert len(own) == len(other) == 900 and max(own) > 100, (len(own), len(other), max(own))
+assert max(abs(x - y) for x, y in zip(own, other)) < 1e-9
+try:
+    oven_matlab.simulate(inputs, {'start': 20.0})
+    assert False
+except RuntimeError as why:
+    assert 'sensor_offset_offset' in str(why) or 'undefined' in str(why), why
+assert oven_matlab.simulate(inputs, p)['temperature'] == other";
+    let mut asked = Command::new("python3");
+    asked.args(["-c", compare]).env("LSS_MATLAB", "octave").current_dir(root());
+    let ran = asked.output().expect("it runs");
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let at = tempfile::tempdir().expect("a folder");
+    let oven = root().join("examples/outside");
+    for file in ["monday.csv", "tuesday.csv", "friday.csv", "campaign.toml"] {
+        fs::copy(oven.join(file), at.path().join(file)).expect("copied");
+    }
+    let model = format!("python3 -m lss_model \"{}\"", oven.join("oven_matlab.py").display());
+    let (found, said) = diagnosed(at.path(), &["--model", &model, "--no-sweep"]);
+    assert_eq!(found["with"][0], "radiation", "{said}");
+    let area = found["effects"][0]["strength"]["area"]["value"].as_f64().unwrap();
+    assert!((area - 0.05).abs() < 0.005, "{area}");
 }
 
 /// A mass on a spring with dry friction as a unit that gcc compiles, in the folder with runs of the same equation; nothing
