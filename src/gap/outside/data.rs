@@ -92,6 +92,17 @@ impl RunPart {
         (end(self.time.first()), end(self.time.last()))
     }
 
+    /// The first share of it in time, of two samples at least.
+    pub fn first(&self, share: f64) -> RunPart {
+        let (from, to) = self.ends();
+        let count = self.time.partition_point(|t| *t <= from + share * (to - from)).max(2).min(self.time.len());
+        RunPart {
+            time: self.time[..count].to_vec(),
+            channels: self.channels.iter().map(|x| x[..count].to_vec()).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Consecutive stretches of equal length that hold two samples or more.
     fn cut(self, parts: usize) -> Vec<RunPart> {
         let (from, to) = self.ends();

@@ -13,6 +13,7 @@ mod data;
 mod early;
 mod error;
 mod fit;
+mod grown;
 mod model_error;
 mod process;
 mod protocol;
@@ -156,6 +157,7 @@ impl Outside {
         let starts = outside.starts(all.iter().map(|(_, fitted)| &fitted.at));
         for (part, fitted) in all {
             let fitted = outside.restarted(&part, &[], fitted, &starts);
+            let fitted = outside.grown(&part, &[], fitted);
             outside.keep(part, fitted);
         }
         if outside.has_shared() { outside.with_shared() } else { Ok(outside) }

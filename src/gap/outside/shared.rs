@@ -6,7 +6,7 @@
 use super::data::RunPart;
 use super::{Error, Outside};
 use crate::base::parallel;
-use crate::gap::{Applied, Frame, RunId};
+use crate::gap::{Applied, Frame, Label, RunId};
 use crate::identify::mode_within;
 use nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, PoisonError};
@@ -18,6 +18,8 @@ pub(super) struct Joint {
     pub features: Vec<Vec<f64>>,
     /// Of each nuisance that is shared, its deviation; 0 of others.
     pub deviation: Vec<f64>,
+    /// Squares of what is left over the noise, and of what moves the nuisances from before the runs.
+    pub cost: f64,
 }
 
 /// Where a search is.
@@ -69,12 +71,32 @@ impl Outside {
 
     /// Fits all runs together while a step promises to leave a share of the squares less.
     pub(super) fn fit_jointly(&self, effects: &[Applied], at: Vec<Vec<f64>>, enough: f64) -> Result<Joint, Error> {
-        let mut now = self.point(effects, at)?;
+        let begin = if effects.is_empty() { vec![self.nominal_start(); at.len()] } else { at.clone() };
+        let joint = self.fit_until(1.0, effects, at, enough)?;
+        if self.went_astray_jointly(effects, &joint) {
+            self.grown_jointly(effects, joint, begin, enough)
+        } else {
+            Ok(joint)
+        }
+    }
+
+    /// The same to each run's first share.
+    pub(super) fn fit_until(
+        &self,
+        until: f64,
+        effects: &[Applied],
+        at: Vec<Vec<f64>>,
+        enough: f64,
+    ) -> Result<Joint, Error> {
+        let mut now = self.point(effects, at, until)?;
         // Those of the nominal model do to begin with.
         let mut slopes = match effects {
-            [] => self.slopes_at(&[], &now),
-            _ => self.nominal_slopes()?,
+            [_, ..] if until >= 1.0 => self.nominal_slopes()?,
+            _ => self.slopes_at(effects, &now, until),
         };
+        // Corrected slopes mislead at last; where more than the noise is left they are taken anew, once.
+        let noise = now.left.iter().flat_map(|left| left.iter()).filter(|x| **x != 0.0).count() as f64;
+        let mut renewed = false;
         for round in 0..self.settings.fitting.steps {
             let (a, g, index) = self.normal(&now, &slopes);
             let range: Vec<(f64, f64)> =
@@ -82,25 +104,14 @@ impl Outside {
             let step = mode_within(&a, &g, &range, &mut vec![None; range.len()], 1e-12).0;
             let gain = 2.0 * g.dot(&step) - (&a * &step).dot(&step);
             // One step is always made with effects, as a small effect's trace is small against all that is left.
-            if gain < enough * now.cost && (round > 0 || effects.is_empty()) {
-                break;
-            }
-            let mut better = None;
-            let mut share = 1.0;
-            while better.is_none() && share > 0.05 {
-                let at = self.moved(&now.at, &(&step * share));
-                share *= 0.3;
-                let Ok(next) = self.point(effects, at) else { continue };
-                for (r, slopes) in slopes.iter_mut().enumerate() {
-                    let by =
-                        DVector::from_iterator(next.at[r].len(), next.at[r].iter().zip(&now.at[r]).map(|(a, b)| a - b));
-                    let missed = (&now.left[r] - &next.left[r]) - &*slopes * &by;
-                    *slopes += missed * by.transpose() / by.norm_squared().max(1e-300);
-                }
-                better = (next.cost < now.cost).then_some(next);
-            }
+            let promises = gain >= enough * now.cost || (round == 0 && !effects.is_empty());
+            let better = if promises { self.along(effects, &now, &step, &mut slopes, until) } else { None };
             match better {
                 Some(next) => now = next,
+                None if !renewed && now.cost > noise && (round > 0 || !effects.is_empty()) => {
+                    slopes = self.slopes_at(effects, &now, until);
+                    renewed = true;
+                }
                 None => break,
             }
         }
@@ -111,7 +122,34 @@ impl Outside {
             let own = index.iter().position(|(_, other)| *shared && *other == k);
             own.zip(inverse.as_ref()).map_or(0.0, |(i, inverse)| inverse[(i, i)].max(0.0).sqrt())
         });
-        Ok(Joint { deviation: deviation.collect(), at: now.at, features: now.features })
+        Ok(Joint { deviation: deviation.collect(), at: now.at, features: now.features, cost: now.cost })
+    }
+
+    /// Goes along a step as far as that fits better, and corrects the slopes by what each try was found to change.
+    fn along(
+        &self,
+        effects: &[Applied],
+        now: &Point,
+        step: &DVector<f64>,
+        slopes: &mut [DMatrix<f64>],
+        until: f64,
+    ) -> Option<Point> {
+        let mut share = 1.0;
+        while share > 0.05 {
+            let at = self.moved(&now.at, &(step * share));
+            share *= 0.3;
+            let Ok(next) = self.point(effects, at, until) else { continue };
+            for (r, slopes) in slopes.iter_mut().enumerate() {
+                let by =
+                    DVector::from_iterator(next.at[r].len(), next.at[r].iter().zip(&now.at[r]).map(|(a, b)| a - b));
+                let missed = (&now.left[r] - &next.left[r]) - &*slopes * &by;
+                *slopes += missed * by.transpose() / by.norm_squared().max(1e-300);
+            }
+            if next.cost < now.cost {
+                return Some(next);
+            }
+        }
+        None
     }
 
     /// Slopes of the nominal model where it is fitted.
@@ -120,17 +158,18 @@ impl Outside {
         if let Some(slopes) = known().clone() {
             return Ok(slopes);
         }
-        let slopes = self.slopes_at(&[], &self.point(&[], self.fitted.to_vec())?);
+        let slopes = self.slopes_at(&[], &self.point(&[], self.fitted.to_vec(), 1.0)?, 1.0);
         known().replace(slopes.clone());
         Ok(slopes)
     }
 
-    /// All runs simulated, as features.
-    fn point(&self, effects: &[Applied], at: Vec<Vec<f64>>) -> Result<Point, Error> {
+    /// All runs simulated, as features, of which each run's first share counts.
+    fn point(&self, effects: &[Applied], at: Vec<Vec<f64>>, until: f64) -> Result<Point, Error> {
         let each: Vec<(usize, RunId)> = self.parts.ids().enumerate().collect();
         let answers = parallel::map(&each, self.pool.most(), |(k, run)| self.features_at(*run, &at[*k], effects));
         let features = answers.into_iter().collect::<Result<Vec<_>, Error>>()?;
-        let left: Vec<DVector<f64>> = self.frames.iter().zip(&features).map(|(frame, f)| left(frame, f)).collect();
+        let left: Vec<DVector<f64>> =
+            self.frames.iter().zip(&features).map(|(frame, f)| left(frame, f, until)).collect();
         let start = self.nominal_start();
         let prior = self.settings.fitting.prior;
         let off = |at: &Vec<f64>| at.iter().zip(&start).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / (prior * prior);
@@ -150,7 +189,7 @@ impl Outside {
     }
 
     /// Of each run the change of weighted features with each nuisance, by differences to the inner side.
-    fn slopes_at(&self, effects: &[Applied], now: &Point) -> Vec<DMatrix<f64>> {
+    fn slopes_at(&self, effects: &[Applied], now: &Point, until: f64) -> Vec<DMatrix<f64>> {
         let difference = self.settings.fitting.difference;
         let count = self.description.nuisances.len();
         let runs = self.parts.ids().enumerate();
@@ -160,7 +199,7 @@ impl Outside {
             let by = if at[*k] < 0.5 { difference } else { -difference };
             at[*k] += by;
             let other = self.features_at(*run, &at, effects).ok()?;
-            Some((&now.left[*r] - left(&self.frames[*run], &other)) / by)
+            Some((&now.left[*r] - left(&self.frames[*run], &other, until)) / by)
         });
         let zero = |r: usize| DVector::zeros(now.left[r].len());
         let columns: Vec<DVector<f64>> =
@@ -219,9 +258,14 @@ fn unknowns(shared: &[bool], runs: usize) -> Vec<(usize, usize)> {
     common.chain(own).collect()
 }
 
-/// Residuals over their deviations; 0 of what is lost.
-fn left(frame: &Frame, features: &[f64]) -> DVector<f64> {
-    let of = |(x, v): (f64, &f64)| if x.is_finite() { x / v.sqrt() } else { 0.0 };
-    let each = frame.residual(features).into_iter().zip(&frame.laps.variance).map(of);
+/// Residuals over their deviations; 0 of what is lost, and of what begins later than a share of the run.
+pub(super) fn left(frame: &Frame, features: &[f64], until: f64) -> DVector<f64> {
+    let ends = frame.labels.iter().map(|label| (label.from, label.to));
+    let (first, last) = ends.fold((i64::MAX, i64::MIN), |(a, b), (from, to)| (a.min(from), b.max(to)));
+    let until = first as f64 + until * (last as f64 - first as f64);
+    let of = |((x, v), label): ((f64, &f64), &Label)| {
+        if x.is_finite() && label.from as f64 <= until { x / v.sqrt() } else { 0.0 }
+    };
+    let each = frame.residual(features).into_iter().zip(&frame.laps.variance).zip(&frame.labels).map(of);
     DVector::from_vec(each.collect())
 }

@@ -103,6 +103,11 @@ settings! {
         other_start: f64 = 0.05, "–", Chosen("nearer starts mostly end alike");
         /// Such starts at most: the nominal values, and where other runs are.
         starts: usize = 4, "–", Chosen("each costs a simulation, and the best of them a fit");
+        /// A fit that leaves more than such a share of what a channel moves is tried on growing stretches of the run, too.
+        astray: f64 = 0.1, "–", Chosen("what leaves less follows the oscillations, and is refined by steps");
+        /// Those stretches, of the run.
+        stretching: [f64; 4] = [0.0625, 0.125, 0.25, 0.5], "–", Chosen("a phase that fits over one is off by little \
+            over its double");
         /// Stretches of a run by which a nuisance is looked at for drift.
         stretches: usize = 4, "–", Chosen("each still holds enough to tell a nuisance");
         /// Deviations by which a nuisance has to differ to be told.
