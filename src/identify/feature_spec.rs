@@ -54,6 +54,8 @@ pub struct FeatureSpec {
     noise: [Noise; FORCES],
     /// Draws of it that all simulated sensors take theirs from.
     drawn: [Arc<Vec<f32>>; FORCES],
+    /// The same of the chain's speed, m/s.
+    drawn_speed: Arc<Vec<f32>>,
     pub(super) segment: usize,
     pub(super) block: usize,
     pub(super) window: Arc<Vec<f32>>,
@@ -104,6 +106,7 @@ impl FeatureSpec {
             width,
             noise: Default::default(),
             drawn: Default::default(),
+            drawn_speed: Arc::default(),
             segment,
             block: ((BLOCK_S * rate).round() as usize).max(1),
             window: Arc::new(window),
@@ -199,6 +202,16 @@ impl FeatureSpec {
         self.drawn = std::array::from_fn(|k| Arc::new(noise[k].draw(self.rate, k as u64)));
     }
 
+    /// Gives the simulated speed this noise, m/s.
+    pub fn set_speed_noise(&mut self, noise: Noise) {
+        self.drawn_speed = Arc::new(noise.draw(self.rate, FORCES as u64));
+    }
+
+    /// The chain's speed with a draw of its noise; none where it has none.
+    pub(super) fn noisy_speed(&self, samples: &[f32], seed: u64) -> Option<Vec<f32>> {
+        (!self.drawn_speed.is_empty()).then(|| drawn_at(&self.drawn_speed, samples, seed))
+    }
+
     /// Whether a sensor has noise.
     pub(super) fn is_noisy(&self) -> bool {
         self.noise.iter().any(|n| n.variance() > 0.0)
@@ -207,17 +220,19 @@ impl FeatureSpec {
     /// A force's samples with a draw of its sensor's noise that `seed` picks.
     pub(super) fn with_noise(&self, force: usize, samples: &[f32], seed: u64) -> Vec<f32> {
         let drawn = &self.drawn[force];
-        if drawn.is_empty() {
-            return samples.to_vec();
-        }
-        let mut noisy = Vec::with_capacity(samples.len());
-        let mut from = mix(&mut { seed }) as usize % drawn.len();
-        let mut left = samples;
-        while !left.is_empty() {
-            let (now, later) = left.split_at(left.len().min(drawn.len() - from));
-            noisy.extend(now.iter().zip(&drawn[from..]).map(|(x, noise)| x + noise));
-            (left, from) = (later, 0);
-        }
-        noisy
+        if drawn.is_empty() { samples.to_vec() } else { drawn_at(drawn, samples, seed) }
     }
+}
+
+/// Samples with noise from a place of a table that `seed` picks.
+fn drawn_at(drawn: &[f32], samples: &[f32], seed: u64) -> Vec<f32> {
+    let mut noisy = Vec::with_capacity(samples.len());
+    let mut from = mix(&mut { seed }) as usize % drawn.len();
+    let mut left = samples;
+    while !left.is_empty() {
+        let (now, later) = left.split_at(left.len().min(drawn.len() - from));
+        noisy.extend(now.iter().zip(&drawn[from..]).map(|(x, noise)| x + noise));
+        (left, from) = (later, 0);
+    }
+    noisy
 }

@@ -140,6 +140,7 @@ mod tests {
             goodness: Goodness { limit, stretches: vec![stretch], lap_m: 50.0, profiles: BTreeMap::new() },
             noise: none(),
             correlated_noise: BTreeMap::new(),
+            hum: BTreeMap::new(),
             laps: 1.0,
             filled: 0,
             masked: 0,

@@ -1,12 +1,15 @@
 //! A measured run made ready: gaps bridged, and every sample's place told from the trigger and the wheels.
 
 use super::coverage::Coverage;
+use super::hum::{Hum, take_off};
+use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::identify::accumulator::Samples;
 use crate::signal::gaps::bridge;
 use crate::signal::measures::statistics;
 use crate::signal::position::position;
 use crate::signal::{Channel, FORCES, Run};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// How well the wheels tell the speed, as a share of it: their radii are known to no better.
@@ -29,6 +32,8 @@ pub struct Measured {
     /// Samples left out of every residual, and those bridged.
     pub masked: usize,
     pub filled: usize,
+    /// Hum that was taken off, by channel.
+    pub hum: BTreeMap<Channel, Vec<Hum>>,
     /// Distance past the first edge of the trigger, m.
     past: Vec<f32>,
     speeds: Vec<f32>,
@@ -50,9 +55,18 @@ impl Measured {
             return Err("the trigger never rises, so no sample has a place on the track".into());
         };
         let (mut masked, mut filled) = (0, 0);
+        let mut hum = BTreeMap::new();
+        // Frequencies of the passing of carts and of wheels: their multiples are the chain's.
+        let pitch = lap / simulation.chain.carts.max(1) as f64;
+        let wheels = [&simulation.running_wheel, &simulation.steering_wheel].map(|wheel| trig::TAU * wheel.radius_m);
+        let own = [pitch, wheels[0], wheels[1]].map(|length| place.speed / length);
         let mut channel = |channel: Channel| {
             let samples = run.channels.get(&channel)?;
-            let bridged = bridge(&run.time, samples);
+            let mut bridged = bridge(&run.time, samples);
+            let lines = take_off(&mut bridged.samples, run.rate(), &own);
+            if !lines.is_empty() {
+                hum.insert(channel, lines);
+            }
             masked += bridged.masked.iter().filter(|m| **m).count();
             filled += bridged.filled;
             bridged.samples.iter().any(|x| !x.is_nan()).then_some(bridged.samples)
@@ -93,6 +107,7 @@ impl Measured {
             nominal_trigger: run.sidecar.trigger_position,
             masked,
             filled,
+            hum,
             past,
             speeds: speeds.map(narrow).unwrap_or_default(),
             forces,

@@ -15,17 +15,36 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Samples of noise that are drawn: a thousand correlation times of half a second.
+/// Samples of noise that are drawn: a thousand correlation times of half a second, and of noise that drifts more.
 const DRAWN: usize = 1 << 18;
+const DRAWN_OF_DRIFT: usize = 1 << 20;
+
+/// Processes of first order that correlated noise is a sum of, at most.
+pub const PROCESSES: usize = 3;
+
+/// Noise that lasts as long as this drifts, s.
+pub const DRIFTS: f64 = 10.0;
+
+/// A process of first order, of covariance σ² exp(−t/τ).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Process {
+    /// σ², N²; 0 for none.
+    pub variance: f64,
+    /// τ, s
+    pub time: f64,
+}
 
 /// A sensor's noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Deviation of the white noise, N.
     pub white: f64,
-    /// Deviation of the correlated noise, N, and its correlation time, s.
+    /// Deviation of the correlated noise, N, and its correlation time, s: of a sum of processes the integral of its
+    /// covariance over its variance.
     pub correlated: f64,
     pub time: f64,
+    /// What it is a sum of; none where it is one process of the time above.
+    pub processes: [Process; PROCESSES],
 }
 
 impl Noise {
@@ -34,15 +53,36 @@ impl Noise {
         self.white * self.white + self.correlated * self.correlated
     }
 
+    /// White noise and a sum of processes.
+    pub fn of_processes(white: f64, processes: [Process; PROCESSES]) -> Noise {
+        let variance: f64 = processes.iter().map(|own| own.variance).sum();
+        if variance <= 0.0 {
+            return Noise { white, ..Noise::default() };
+        }
+        let time = processes.iter().map(|own| own.variance * own.time).sum::<f64>() / variance;
+        Noise { white, correlated: variance.sqrt(), time, processes }
+    }
+
     /// Samples of it at a rate, Hz, long enough that simulated sensors can take theirs anywhere; none of no noise.
     pub fn draw(&self, rate: f64, seed: u64) -> Vec<f32> {
         if self.variance() == 0.0 {
             return Vec::new();
         }
-        let mut drawn = noisy(&vec![0.0; DRAWN], self.white as f32, seed);
-        if self.correlated > 0.0 && self.time > 0.0 {
-            let memory = trig::exp(-1.0 / (rate * self.time));
-            add_correlated(&mut drawn, self.correlated, memory, !seed);
+        let processes = || self.processes.iter().filter(|own| own.variance > 0.0);
+        let drifts = processes().any(|own| own.time >= DRIFTS);
+        let samples = if drifts { DRAWN_OF_DRIFT } else { DRAWN };
+        let mut drawn = noisy(&vec![0.0; samples], self.white as f32, seed);
+        let memory = |time: f64| trig::exp(-1.0 / (rate * time));
+        if self.correlated > 0.0 && self.time > 0.0 && processes().next().is_none() {
+            add_correlated(&mut drawn, self.correlated, memory(self.time), !seed);
+        }
+        for (k, own) in processes().enumerate() {
+            add_correlated(
+                &mut drawn,
+                own.variance.sqrt(),
+                memory(own.time),
+                !seed.wrapping_add(7919 * (k as u64 + 1)),
+            );
         }
         drawn
     }
@@ -127,9 +167,18 @@ struct Row {
 impl Row {
     /// The variance of means of noise of unit variance with a correlation time, s.
     fn of(&self, time: f64) -> f64 {
-        let share = self.over / time;
-        2.0 * (share - 1.0 + trig::exp(-share)) / (share * share)
+        mean_variance(self.over, time)
     }
+}
+
+/// The variance of means over a time, s, of a process of first order of unit variance with a correlation time, s.
+pub fn mean_variance(over: f64, time: f64) -> f64 {
+    let share = over / time;
+    // Near 0 by its series, as 1 is subtracted from nearly 1.
+    if share < 1e-3 {
+        return 1.0 - share / 3.0;
+    }
+    2.0 * (share - 1.0 + trig::exp(-share)) / (share * share)
 }
 
 /// What of a lap is compared.
@@ -151,9 +200,7 @@ impl Excess {
         lap: Lap,
         (rate, records): (f64, &[CartRecord]),
     ) -> Excess {
-        let places = (lap.length / lap.speed * rate).round().max(16.0) as usize;
-        let passing = lap.length / lap.carts as f64 / lap.speed;
-        let grid = Grid { lap: lap.length, places, rate, over: OVER.map(|carts| carts * passing) };
+        let grid = Grid::new(lap, rate);
         let of = |force: usize| -> Vec<Row> {
             let passes = grid.passes(station, forces[force], trigger);
             let differences: Vec<Vec<f32>> = passes.windows(2).map(|two| less(&two[1], &two[0])).collect();
@@ -204,7 +251,7 @@ impl Excess {
         std::array::from_fn(|force| {
             let rows: Vec<Row> = runs.iter().flat_map(|run| &run.0[force]).copied().collect();
             let Some((variance, time)) = exponential(&rows) else { return Noise::default() };
-            Noise { white: 0.0, correlated: variance.sqrt(), time }
+            Noise { correlated: variance.sqrt(), time, ..Noise::default() }
         })
     }
 }
@@ -244,16 +291,24 @@ fn exponential(rows: &[Row]) -> Option<(f64, f64)> {
 }
 
 /// Equal places of a lap, about as many as it has samples.
-struct Grid {
-    lap: f64,
-    places: usize,
+pub struct Grid {
+    /// m
+    pub lap: f64,
+    pub places: usize,
     /// Hz
-    rate: f64,
+    pub rate: f64,
     /// Times over which means are taken, s.
     over: [f64; OVER.len()],
 }
 
 impl Grid {
+    /// Of a lap that is measured at a rate, Hz.
+    pub fn new(lap: Lap, rate: f64) -> Grid {
+        let places = (lap.length / lap.speed * rate).round().max(16.0) as usize;
+        let passing = lap.length / lap.carts as f64 / lap.speed;
+        Grid { lap: lap.length, places, rate, over: OVER.map(|carts| carts * passing) }
+    }
+
     /// What was measured at each place in each pass; NaN where nothing was.
     fn passes(&self, station: &[f32], values: &[f32], trigger: f64) -> Vec<Vec<f32>> {
         let mut passes = vec![vec![f32::NAN; self.places]];
@@ -274,7 +329,7 @@ impl Grid {
     }
 
     /// The same of a cart that goes around once, wherever it begins.
-    fn once(&self, station: &[f32], values: &[f32]) -> Vec<f32> {
+    pub fn once(&self, station: &[f32], values: &[f32]) -> Vec<f32> {
         let mut once = vec![f32::NAN; self.places];
         for pass in self.passes(station, values, 0.0) {
             once.iter_mut().zip(pass).filter(|(_, x)| x.is_finite()).for_each(|(to, x)| *to = x);
@@ -407,7 +462,7 @@ mod tests {
 
     #[test]
     fn correlated_noise_is_found_where_places_are_passed_again() {
-        let noise = Noise { white: 0.5, correlated: 0.6, time: 0.3 };
+        let noise = Noise { white: 0.5, correlated: 0.6, time: 0.3, ..Noise::default() };
         let found_noise = found(&noise, 0.9);
         assert!((found_noise.correlated / 0.6 - 1.0).abs() < 0.3, "{found_noise:?}");
         assert!((0.15..0.6).contains(&found_noise.time), "{found_noise:?}");
@@ -422,7 +477,7 @@ mod tests {
 
     #[test]
     fn a_draw_has_its_deviation_and_its_correlation_time() {
-        let noise = Noise { white: 0.0, correlated: 2.0, time: 0.4 };
+        let noise = Noise { correlated: 2.0, time: 0.4, ..Noise::default() };
         let x = noise.draw(100.0, 5);
         let covariance = |apart: usize| {
             x.iter().zip(&x[apart..]).map(|(a, b)| f64::from(a * b)).sum::<f64>() / (x.len() - apart) as f64

@@ -6,6 +6,7 @@
 
 use super::fit::{Fit, FitSettings, fit};
 use super::goodness::{Goodness, is_wrong};
+use super::hum::Hum;
 use super::measured::Measured;
 use super::model::{Coordinates, Model};
 use super::parameter::{COUNT, Parameter, damping};
@@ -78,6 +79,9 @@ pub struct RunFit {
     /// Of the sensors, noise with a correlation time beside it, where it stands out.
     #[serde(default)]
     pub correlated_noise: BTreeMap<String, CorrelatedNoise>,
+    /// Mains hum that was taken off, by channel.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub hum: BTreeMap<String, Vec<Hum>>,
     pub laps: f64,
     /// Samples bridged and left out.
     pub filled: usize,
@@ -349,6 +353,7 @@ fn fitted(
         goodness,
         noise: noise.iter().map(|(name, noise)| (name.clone(), noise.white_n)).collect(),
         correlated_noise: noise.iter().filter_map(|(name, noise)| Some((name.clone(), noise.correlated?))).collect(),
+        hum: measured.hum.iter().map(|(channel, lines)| (channel.name().to_owned(), lines.clone())).collect(),
         laps: tidy(measured.laps),
         filled: measured.filled,
         masked: measured.masked,

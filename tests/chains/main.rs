@@ -9,10 +9,13 @@ mod compare;
 mod gap;
 mod identify;
 mod long_runs;
+mod noisy_windows;
 mod outside;
 mod outside_failures;
 mod outside_models;
 mod runs;
 mod simulate;
 mod single_effect;
+#[path = "../../benches/common/track.rs"]
+mod track;
 mod windows;

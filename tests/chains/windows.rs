@@ -3,9 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-#[path = "../../benches/common/track.rs"]
-mod track;
-
+use crate::track;
 use lss::base::random::{normal, uniform};
 use lss::chain_input::Simulation;
 use lss::dynamics::{Plan, Width};

@@ -24,6 +24,13 @@ impl FeatureAccumulator {
         if let Some(noisy) = &noisy {
             all.forces = std::array::from_fn(|k| noisy[k].as_slice());
         }
+        let speed = match noise {
+            NoiseDraw::None => None,
+            NoiseDraw::Lap(seed) | NoiseDraw::Mean(seed) => spec.noisy_speed(samples.speed, !seed),
+        };
+        if let Some(speed) = &speed {
+            all.speed = speed;
+        }
         let (of_places, variance) = match noise {
             NoiseDraw::Mean(_) => (*samples, spec.noise().map(|n| n.variance())),
             NoiseDraw::None | NoiseDraw::Lap(_) => (all, [0.0; FORCES]),

@@ -125,6 +125,11 @@ impl FeatureAccumulator {
         (std::array::from_fn(|k| middle(&self.high[k])), share)
     }
 
+    /// Power of a force in each band; NaN where nothing was measured.
+    pub fn band_power(&self, force: usize) -> [f64; BANDS] {
+        self.power[force].map(|power| power / self.segments[force])
+    }
+
     /// Mean speed, m/s.
     pub fn mean_speed(&self) -> Option<f64> {
         (self.speed.0 > 0.0).then(|| self.speed.1 / self.speed.0)

@@ -2,14 +2,15 @@
 
 use super::Fitter;
 use crate::base::trig;
-use crate::dynamics::Ensemble;
+use crate::dynamics::{CartRecord, Ensemble};
 use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
 use crate::identify::local::Centre;
 use crate::identify::measured::Measured;
 use crate::identify::model::{Coordinates, Model};
-use crate::identify::noise::{Excess, Lap, Noise};
+use crate::identify::noise::{Excess, Grid, Lap, Noise};
 use crate::identify::parameter::Parameter;
 use crate::identify::repeatability::Repeatability;
+use crate::identify::scales::{Known, Power, Record, noise};
 use crate::signal::FORCES;
 
 /// The channel whose mean tells the tension: joint_xi.
@@ -20,6 +21,17 @@ const HARDLY_WORSE: f64 = 0.1;
 
 /// A cell is covered with so much of a passage, at a speed up to a tenth above the nominal one.
 const WHOLE: f64 = 0.88;
+
+/// White noise of a sensor that has less, N and m/s: that of a file's digits.
+const LEAST_FORCE: f64 = 1e-3;
+const LEAST_SPEED: f64 = 1e-6;
+
+/// Variance of white noise by steps from sample to sample, where nothing else changes as fast.
+fn variance_of_steps(samples: &[f32]) -> f64 {
+    let steps = samples.windows(2).map(|two| f64::from(two[1] - two[0])).filter(|x| x.is_finite());
+    let (count, sum) = steps.fold((0.0, 0.0), |(n, sum), x| (n + 1.0, sum + 0.5 * x * x));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
 
 /// What a run's passes of the same places differ by beyond those of an ensemble at a point.
 pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Excess {
@@ -32,23 +44,67 @@ pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &E
 
 impl Fitter<'_> {
     /// Finds the sensors' noise: white noise as what is measured above the low-pass and not simulated there, and
-    /// correlated noise by passes of the same places.
-    pub(super) fn find_noise(&self, model: &mut Model, at: &Coordinates, ensemble: &Ensemble) {
+    /// correlated noise by passes of the same places. Where no place was passed twice, it is found once the parameters
+    /// are `near`.
+    pub(super) fn find_noise(&self, model: &mut Model, at: &Coordinates, ensemble: &Ensemble, near: bool) {
         if let Some(noise) = self.settings.noise {
             model.spec.set_noise(noise);
             return;
         }
         model.spec.set_noise(Default::default());
+        model.spec.set_speed_noise(Noise::default());
         let simulated = model.answer(ensemble, 0.0, 0).accumulator;
         let mut measured = FeatureAccumulator::new(&model.spec);
         measured.add(&model.spec, &self.measured.samples(), 0.0, NoiseDraw::None);
         let ((a, share), (b, _)) = (measured.high_power(&model.spec), simulated.high_power(&model.spec));
-        let correlated =
-            self.settings.correlated.unwrap_or_else(|| Excess::noise(&[excess(model, self.measured, at, ensemble)]));
-        model.spec.set_noise(std::array::from_fn(|k| {
+        let white: [f64; FORCES] = std::array::from_fn(|k| {
             let variance = if share > 0.0 { (a[k] - b[k]).max(0.0) / share } else { 0.0 };
-            Noise { white: variance.sqrt(), ..correlated[k] }
-        }));
+            variance.sqrt()
+        });
+        if let Some(known) = self.settings.correlated {
+            model.spec.set_noise(std::array::from_fn(|k| Noise { white: white[k], ..known[k] }));
+            return;
+        }
+        let samples = self.measured.samples();
+        let trigger = at[Parameter::TriggerPosition.index()];
+        let grid = Grid::new(self.lap(model), ensemble.rate);
+        let of = |values: &[f32],
+                  simulated: &dyn Fn(&CartRecord) -> Vec<f32>,
+                  (white, floor),
+                  high: Option<Power>,
+                  bands| {
+            let record = Record { station: samples.station, values, trigger };
+            let carts: Vec<Vec<f32>> = ensemble.carts.iter().map(simulated).collect();
+            let sizes = values.iter().filter(|x| x.is_finite()).map(|x| f64::from(x.abs()));
+            let known = Known { white, floor, largest: sizes.fold(0.0, f64::max), high, bands };
+            noise(&grid, &record, &carts, &known, near)
+        };
+        let line = |line: usize| line as f64 / model.spec.segment as f64;
+        let band = (line(model.spec.high.0), line(model.spec.high.1));
+        let noise = std::array::from_fn(|k| match samples.forces[k] {
+            [] => Noise::default(),
+            force => {
+                let high = Power { measured: a[k], simulated: b[k], band };
+                let both = measured.band_power(k).into_iter().zip(simulated.band_power(k)).zip(model.spec.bands);
+                let bands = both
+                    .filter(|((a, b), _)| a.is_finite() && b.is_finite())
+                    .map(|((a, b), (from, to))| Power { measured: a, simulated: b, band: (line(from), line(to)) });
+                let once = |cart: &CartRecord| grid.once(&cart.station, &cart.forces[k]);
+                of(force, &once, (white[k], LEAST_FORCE), (share > 0.0).then_some(high), bands.collect())
+            }
+        });
+        model.spec.set_noise(noise);
+        if !samples.speed.is_empty() {
+            let own = ensemble.carts.first().map_or(0.0, |cart| variance_of_steps(&cart.speed));
+            let white = (variance_of_steps(samples.speed) - own).max(0.0).sqrt();
+            let once = |cart: &CartRecord| grid.once(&cart.station, &cart.speed);
+            model.spec.set_speed_noise(of(samples.speed, &once, (white, LEAST_SPEED), None, Vec::new()));
+        }
+    }
+
+    fn lap(&self, model: &Model) -> Lap {
+        let speed = self.measured.speed.map_or(self.measured.nominal_speed, |s| s.0);
+        Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts }
     }
 
     /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel

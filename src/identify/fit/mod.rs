@@ -196,7 +196,7 @@ pub fn land(
         }
         if steps < 2 {
             // The repeatability, and how far a design need go, depend on what is fitted.
-            (repeatability, centre) = fitter.anew(model, &at, &centre).ok_or(LOST)?;
+            (repeatability, centre) = fitter.anew(model, &at, &centre, true).ok_or(LOST)?;
         }
         let far = |k: usize| base[k] * (8.0 * found.covariance[(k, k)].sqrt()).max(found.step[k].abs());
         reach = std::array::from_fn(|k| far(k).clamp(LEAST_REACH * base[k], base[k]));
@@ -275,7 +275,7 @@ impl Fitter<'_> {
         }
         self.set_thresholds(model, &at);
         let ensemble = Repeatability::run_ensemble(model, &at, None)?;
-        self.find_noise(model, &at, &ensemble);
+        self.find_noise(model, &at, &ensemble, false);
         let mut repeatability = self.repeatability(model, &ensemble);
         let mut centre = Centre::of(model, ensemble, settings.seed);
         if !global {
@@ -299,13 +299,23 @@ impl Fitter<'_> {
             centre = tight;
         }
         self.set_thresholds(model, &at);
-        let (repeatability, centre) = self.anew(model, &at, &centre)?;
+        let (repeatability, centre) = self.anew(model, &at, &centre, false)?;
         Some(Begin { at, repeatability, centre })
     }
 
-    /// Repeatability and centre at a point, from a chain that has settled near it.
-    fn anew(&mut self, model: &Model, at: &Coordinates, near: &Centre) -> Option<(Repeatability, Centre)> {
+    /// Repeatability and centre at a point, from a chain that has settled near it; `noise` says whether the sensors'
+    /// noise is found anew, too, as it is what the chain's own scatter leaves.
+    fn anew(
+        &mut self,
+        model: &mut Model,
+        at: &Coordinates,
+        near: &Centre,
+        noise: bool,
+    ) -> Option<(Repeatability, Centre)> {
         let ensemble = Repeatability::run_ensemble(model, at, Some(&near.ensemble.settled))?;
+        if noise && self.settings.correlated.is_none() {
+            self.find_noise(model, at, &ensemble, true);
+        }
         let repeatability = self.repeatability(model, &ensemble);
         Some((repeatability, Centre::of(model, ensemble, self.settings.seed)))
     }
