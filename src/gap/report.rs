@@ -67,10 +67,18 @@ fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
         Some((first, as_fitted(compared, first)))
     };
     let candidates = compared.comparison.candidates();
+    // Many pairs may be as likely together as none of them is: then only what they have in common is known.
+    let likely = |name: &str| {
+        let has = |j: &Scored| compared.comparison.effects(&j.fitted.hypothesis).contains(&name);
+        compared.scored.iter().zip(scored).filter(|(j, _)| has(j)).map(|(_, p)| p).sum::<f64>() >= settings.told
+    };
+    let told = |(_, k): (usize, usize)| {
+        compared.comparison.effects(&compared.scored[k].fitted.hypothesis).into_iter().all(likely)
+    };
     let (verdict, chosen) = match [none, unknown, alone, pair] {
         [n, u, a, p] if n >= u && n >= a && n >= p => (Verdict::None, best(1)),
         [_, u, a, p] if u >= a && u >= p => (Verdict::Unknown, best(1)),
-        [_, _, a, p] if p > a => (Verdict::Pair, best(2)),
+        [_, _, a, p] if p > a && best(2).is_some_and(told) => (Verdict::Pair, best(2)),
         _ => {
             let first = best(1).map(|(_, k)| compared.scored[k].fitted.hypothesis.members[0]);
             let sensor = first.is_some_and(|c| candidates[c].sensor);

@@ -27,6 +27,8 @@ settings! {
         quiet: f64 = 1.25, "–", Chosen("as `selection.unsettled`; an equation that leaves more misses much");
         /// What it costs beside that a score is the best of a strength's whole range.
         score_cost: f64 = 2.0, "–", Chosen("about half the logarithm of a range of some hundred deviations");
+        /// A pair is told where each of its effects has this probability.
+        told: f64 = 0.5, "–", Chosen("likelier present than not");
         /// Prior of no gap.
         prior_none: f64 = 0.2, "–", Chosen("a guess before any case; sealed challenges, made later, have 15 % of \
             these");
