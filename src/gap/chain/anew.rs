@@ -3,7 +3,7 @@
 
 use super::{Chains, Fitting};
 use crate::chain_input::DeclaredEffect;
-use crate::gap::diagnosis::{Diagnosis, Finding, RunGap, Verdict};
+use crate::gap::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::gap::simulator::Simulator;
 use crate::identify::Counter;
 use crate::identify::study::Subject;
@@ -11,10 +11,10 @@ use std::collections::BTreeSet;
 
 impl Chains {
     /// The same runs, with parameters and noise as a model has them that lacks nothing of what a diagnosis named or, where it named
-    /// nothing, of the best that it knew; `None` where that is no effect of the machine, or leaves no run over its limit, or runs cannot
+    /// nothing, of the best that it knew; `None` where that is no effect of the machine, or leaves no run far over its limit, or runs cannot
     /// be fitted with it. Effects of the machine that were the likeliest are offered, and all of sensors.
     pub fn anew(&self, subjects: &[Subject], found: &Diagnosis, tell: &(dyn Fn(&str) + Sync)) -> Option<Chains> {
-        if found.verdict == Verdict::None || found.runs.iter().all(RunGap::settled) {
+        if found.verdict == Verdict::None || found.left() < self.settings.ensembles.left_anew {
             return None;
         }
         let mut best = found.with();

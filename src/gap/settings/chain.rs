@@ -23,6 +23,8 @@ settings! {
         approach_floor_deviation: f64 = 1.0, "–", Chosen("it is known to a factor of about e");
         /// Deviation of a feature that is no more than rounding.
         rounding: f64 = 1e-9, "N, shares or logarithms", Chosen("far below every noise");
+        /// Runs are fitted again with what was named where that leaves so much, over the limit of repeated measurements.
+        left_anew: f64 = 1.5, "–", Chosen("what leaves less has pulled parameters and noise little");
         /// The likeliest effects that are looked for again once the runs are fitted with what was named.
         offered_anew: usize = 10, "–", Chosen("twice as many as are ever likely");
         /// Fewer laps tell nothing of how they differ.
