@@ -2,7 +2,8 @@
 //!
 //! A vertex can move, to first order, along the null space of the rows that are active (Nocedal and Wright 2006,
 //! §12.4); without the inequalities among them, of the equations alone. A row's multiplier is the derivative of the
-//! shortest length by its limit (ibid., §12.9); where several are possible, the one nearest to zero is what it is worth alone.
+//! shortest length by its limit (ibid., §12.9); where several are possible, the one nearest to zero is what it is worth
+//! alone.
 
 use super::Stage;
 use super::multipliers;

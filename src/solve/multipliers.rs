@@ -1,9 +1,9 @@
 //! What a limit is worth by itself, where limits depend on one another.
 //!
-//! At an optimum the objective's gradient is a sum of the active limits' gradients, each with its multiplier. Where those gradients
-//! depend on one another the multipliers are not the only ones, and a method of optimisation ends on any of them. If one limit
-//! gives way, the objective gains as much as the least of its possible multipliers says (Gauvin and Dubeau 1982, Differential
-//! properties of the marginal function in mathematical programming): a linear program for each limit.
+//! At an optimum the objective's gradient is a sum of the active limits' gradients, each with its multiplier. Where
+//! those gradients depend on one another the multipliers are not the only ones, and a method of optimisation ends on
+//! any of them. If one limit gives way, the objective gains as much as the least of its possible multipliers says
+//! (Gauvin and Dubeau 1982): a linear program for each limit.
 
 use super::convex::{Quadratic, Symmetric};
 use super::subproblem::{self, LinearRow};
@@ -53,7 +53,8 @@ fn dependences(limits: &[Held], norms: &[f64]) -> Vec<DVector<f64>> {
     null.map(|k| eigen.eigenvectors.column(k).into_owned()).collect()
 }
 
-/// The multiplier of one limit that is nearest to zero: with multipliers k + D z that keep their signs, the least t ≥ |kᵢ + (D z)ᵢ|.
+/// The multiplier of one limit that is nearest to zero: with multipliers k + D z that keep their signs, the least
+/// t ≥ |kᵢ + (D z)ᵢ|.
 fn nearest_to_zero(i: usize, limits: &[Held], known: &[f64], directions: &[DVector<f64>]) -> Option<f64> {
     let size = directions.len();
     let row = |j: usize, sign: f64| -> Vec<(usize, f64)> {
@@ -89,7 +90,8 @@ mod tests {
         Held { gradient: DVector::from_column_slice(&gradient), multiplier, below, above }
     }
 
-    /// x + y least, with x ≥ 0, y ≥ 0, x + y ≥ 0: multipliers (1 − t, 1 − t, t) for t in 0 to 1, and no limit alone gains.
+    /// x + y least, with x ≥ 0, y ≥ 0, x + y ≥ 0: multipliers (1 − t, 1 − t, t) for t in 0 to 1, and no limit alone
+    /// gains.
     #[test]
     fn a_limit_that_others_hold_too_is_worth_nothing() {
         let below = [true, false];

@@ -10,9 +10,10 @@ use crate::identify::study::Subject;
 use std::collections::BTreeSet;
 
 impl Chains {
-    /// The same runs, with parameters and noise as a model has them that lacks nothing of what a diagnosis named or, where it named
-    /// nothing, of the best that it knew; `None` where that is no effect of the machine, or leaves no run far over its limit, or runs cannot
-    /// be fitted with it. Effects of the machine that were the likeliest are offered, and all of sensors.
+    /// The same runs, with parameters and noise as a model has them that lacks nothing of what a diagnosis named or, where
+    /// it named nothing, of the best that it knew. `None` where that is no effect of the machine, or leaves no run far
+    /// over its limit, or runs cannot be fitted with it. Offered are the likeliest effects of the machine, and all of
+    /// sensors.
     pub fn anew(&self, subjects: &[Subject], found: &Diagnosis, tell: &(dyn Fn(&str) + Sync)) -> Option<Chains> {
         if found.verdict == Verdict::None || found.left() < self.settings.ensembles.left_anew {
             return None;
