@@ -7,6 +7,7 @@
 
 use super::Stage;
 use super::multipliers;
+use super::null_space::null_space;
 use super::sqp::{self, SqpSettings};
 use crate::base::number::{normal, significant};
 use crate::base::trig::PI;
@@ -14,14 +15,12 @@ use crate::model::{ConstraintKind, Interval, Layout};
 use crate::problem::measures::{self, to_variables};
 use crate::problem::{Evaluation, Expansion, Problem, RowKey, RowValue, Scope};
 use crate::source::Span;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// A row is active this close to its limit, m or rad.
 const ACTIVE: f64 = 1e-6;
-/// Rows are scaled to unit gradients; combinations of them that are shorter than this are none.
-const RANK: f64 = 1e-5;
 /// A vertex moves along a direction of the null space if it takes this share of it.
 const SHARE: f64 = 1e-5;
 /// An optimum found again may be this far off, m.
@@ -254,22 +253,6 @@ fn line_of(layout: &Layout, problem: &Problem, k: usize) -> Span {
     let fixed = problem.bounds[k].low == problem.bounds[k].high;
     let statement = layout.constraints.iter().find(|c| fixed && fixes(&c.kind)).map(|c| c.span);
     statement.unwrap_or(layout.radii.span)
-}
-
-/// An orthonormal basis of what no row changes.
-pub(super) fn null_space(n: usize, rows: impl Iterator<Item = DVector<f64>>) -> Vec<DVector<f64>> {
-    let mut normal_matrix = DMatrix::<f64>::zeros(n, n);
-    for row in rows {
-        let size = row.norm();
-        if size > 0.0 {
-            let unit = row / size;
-            normal_matrix += &unit * unit.transpose();
-        }
-    }
-    let eigen = SymmetricEigen::new(normal_matrix);
-    // Eigenvalues are squares of the rows' singular values.
-    let null = (0..n).filter(|&k| eigen.eigenvalues[k] <= RANK * RANK);
-    null.map(|k| eigen.eigenvectors.column(k).into_owned()).collect()
 }
 
 /// In how many independent ways the basis moves these variables.

@@ -11,6 +11,7 @@ mod freedom;
 mod goals;
 mod left_over;
 mod multipliers;
+mod null_space;
 mod options;
 mod outcome;
 mod pareto;

@@ -6,11 +6,10 @@
 //! (Gauvin and Dubeau 1982): a linear program for each limit.
 
 use super::convex::{Quadratic, Symmetric};
+use super::null_space::dependences;
 use super::subproblem::{self, LinearRow};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::DVector;
 
-/// Gradients are scaled to unit length; combinations of them that are shorter than this are none.
-const RANK: f64 = 1e-5;
 /// A limit whose multiplier moves by less of a unit step among the possible ones is independent of the others.
 const INDEPENDENT: f64 = 1e-6;
 /// How far from the known multipliers others are looked for, in units of the largest.
@@ -27,30 +26,20 @@ pub struct Held {
     pub above: bool,
 }
 
-/// One multiplier a limit, in the unit of `Held::multiplier`: the one nearest to zero of all that are possible.
+/// One multiplier a limit, in the unit of `Held::multiplier`: the one nearest to zero of all that are possible, or the
+/// known one where that cannot be found.
 pub fn least(limits: &[Held]) -> Vec<f64> {
     let norms: Vec<f64> = limits.iter().map(|limit| limit.gradient.norm()).collect();
     // Multipliers of unit gradients.
     let known: Vec<f64> = limits.iter().zip(&norms).map(|(limit, norm)| limit.multiplier * norm).collect();
-    let directions = dependences(limits, &norms);
+    // What may be added to them without changing their sum.
+    let directions = dependences(&limits.iter().map(|limit| &limit.gradient).collect::<Vec<_>>());
     let one = |i: usize| {
         let moves = directions.iter().any(|direction| direction[i].abs() > INDEPENDENT);
         let found = if moves { nearest_to_zero(i, limits, &known, &directions) } else { Some(known[i]) };
         if norms[i] > 0.0 { found.unwrap_or(known[i]) / norms[i] } else { limits[i].multiplier }
     };
     (0..limits.len()).map(one).collect()
-}
-
-/// An orthonormal basis of what may be added to the multipliers of unit gradients without changing their sum.
-fn dependences(limits: &[Held], norms: &[f64]) -> Vec<DVector<f64>> {
-    let products = DMatrix::from_fn(limits.len(), limits.len(), |i, j| match norms[i] * norms[j] {
-        0.0 => 0.0,
-        scale => limits[i].gradient.dot(&limits[j].gradient) / scale,
-    });
-    let eigen = SymmetricEigen::new(products);
-    // Eigenvalues are squares of singular values.
-    let null = (0..limits.len()).filter(|&k| eigen.eigenvalues[k] <= RANK * RANK);
-    null.map(|k| eigen.eigenvectors.column(k).into_owned()).collect()
 }
 
 /// The multiplier of one limit that is nearest to zero: with multipliers k + D z that keep their signs, the least

@@ -13,7 +13,7 @@ use crate::model::Layout;
 use crate::problem::measures::to_variables;
 use crate::problem::{Problem, RowKey, RowValue, Scope};
 use crate::solve::Stage;
-use crate::solve::freedom::null_space;
+use crate::solve::null_space::null_space;
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
