@@ -39,28 +39,36 @@ pub struct Process {
 pub struct Noise {
     /// Deviation of the white noise, N.
     pub white: f64,
-    /// Deviation of the correlated noise, N, and its correlation time, s: of a sum of processes the integral of its
-    /// covariance over its variance.
-    pub correlated: f64,
-    pub time: f64,
-    /// What it is a sum of; none where it is one process of the time above.
+    /// What its correlated noise is a sum of.
     pub processes: [Process; PROCESSES],
+}
+
+impl From<Process> for Noise {
+    fn from(own: Process) -> Noise {
+        let none = Process::default();
+        Noise { white: 0.0, processes: [own, none, none] }
+    }
 }
 
 impl Noise {
     /// N²
     pub fn variance(&self) -> f64 {
-        self.white * self.white + self.correlated * self.correlated
+        self.white * self.white + self.correlated_variance()
     }
 
-    /// White noise and a sum of processes.
-    pub fn of_processes(white: f64, processes: [Process; PROCESSES]) -> Noise {
-        let variance: f64 = processes.iter().map(|own| own.variance).sum();
-        if variance <= 0.0 {
-            return Noise { white, ..Noise::default() };
-        }
-        let time = processes.iter().map(|own| own.variance * own.time).sum::<f64>() / variance;
-        Noise { white, correlated: variance.sqrt(), time, processes }
+    /// The processes that it has.
+    pub fn correlated(&self) -> impl Iterator<Item = &Process> {
+        self.processes.iter().filter(|own| own.variance > 0.0)
+    }
+
+    fn correlated_variance(&self) -> f64 {
+        self.correlated().map(|own| own.variance).sum()
+    }
+
+    /// Of the correlated noise, the integral of its covariance over its variance, s; 0 where there is none.
+    fn time(&self) -> f64 {
+        let all: f64 = self.correlated().map(|own| own.variance * own.time).sum();
+        if all > 0.0 { all / self.correlated_variance() } else { 0.0 }
     }
 
     /// Samples of it at a rate, Hz, long enough that simulated sensors can take theirs anywhere; none of no noise.
@@ -68,21 +76,12 @@ impl Noise {
         if self.variance() == 0.0 {
             return Vec::new();
         }
-        let processes = || self.processes.iter().filter(|own| own.variance > 0.0);
-        let drifts = processes().any(|own| own.time >= DRIFTS);
+        let drifts = self.correlated().any(|own| own.time >= DRIFTS);
         let samples = if drifts { DRAWN_OF_DRIFT } else { DRAWN };
         let mut drawn = noisy(&vec![0.0; samples], self.white as f32, seed);
-        let memory = |time: f64| trig::exp(-1.0 / (rate * time));
-        if self.correlated > 0.0 && self.time > 0.0 && processes().next().is_none() {
-            add_correlated(&mut drawn, self.correlated, memory(self.time), !seed);
-        }
-        for (k, own) in processes().enumerate() {
-            add_correlated(
-                &mut drawn,
-                own.variance.sqrt(),
-                memory(own.time),
-                !seed.wrapping_add(7919 * (k as u64 + 1)),
-            );
+        for (k, own) in self.correlated().enumerate() {
+            let memory = trig::exp(-1.0 / (rate * own.time));
+            add_correlated(&mut drawn, own.variance.sqrt(), memory, !seed.wrapping_add(7919 * k as u64));
         }
         drawn
     }
@@ -111,8 +110,10 @@ pub fn channel_noise(noise: &[Noise; FORCES], measured: impl Fn(usize) -> bool) 
     let all = Channel::FORCES.iter().zip(noise).enumerate().filter(|(k, _)| measured(*k));
     let report = |noise: &Noise| ChannelNoise {
         white_n: tidy(noise.white),
-        correlated: (noise.correlated > 0.0)
-            .then(|| CorrelatedNoise { deviation_n: tidy(noise.correlated), time_s: tidy(noise.time) }),
+        correlated: noise.correlated().next().map(|_| CorrelatedNoise {
+            deviation_n: tidy(noise.correlated_variance().sqrt()),
+            time_s: tidy(noise.time()),
+        }),
     };
     all.map(|(_, (channel, noise))| (channel.name().to_owned(), report(noise))).collect()
 }
@@ -251,7 +252,7 @@ impl Excess {
         std::array::from_fn(|force| {
             let rows: Vec<Row> = runs.iter().flat_map(|run| &run.0[force]).copied().collect();
             let Some((variance, time)) = exponential(&rows) else { return Noise::default() };
-            Noise { correlated: variance.sqrt(), time, ..Noise::default() }
+            Process { variance, time }.into()
         })
     }
 }
@@ -427,11 +428,12 @@ mod tests {
             .map(|(s, two)| 200.0 + 30.0 * (s * 0.7).sin() + 0.5 * (two[0] + two[1]))
             .collect();
         // Not by the table that simulated sensors draw from.
-        let memory = trig::exp(-1.0 / (500.0 * noise.time.max(1e-9)));
+        let memory = trig::exp(-1.0 / (500.0 * noise.time().max(1e-9)));
+        let correlated = noise.correlated_variance().sqrt();
         let mut own = normal(&mut state);
         let noisy = force.iter().map(|x| {
             own = memory * own + (1.0 - memory * memory).sqrt() * normal(&mut state);
-            x + (noise.correlated * own + noise.white * normal(&mut state)) as f32
+            x + (correlated * own + noise.white * normal(&mut state)) as f32
         });
         (station, noisy.collect())
     }
@@ -462,22 +464,22 @@ mod tests {
 
     #[test]
     fn correlated_noise_is_found_where_places_are_passed_again() {
-        let noise = Noise { white: 0.5, correlated: 0.6, time: 0.3, ..Noise::default() };
+        let noise = Noise { white: 0.5, ..Process { variance: 0.36, time: 0.3 }.into() };
         let found_noise = found(&noise, 0.9);
-        assert!((found_noise.correlated / 0.6 - 1.0).abs() < 0.3, "{found_noise:?}");
-        assert!((0.15..0.6).contains(&found_noise.time), "{found_noise:?}");
+        assert!((found_noise.correlated_variance().sqrt() / 0.6 - 1.0).abs() < 0.3, "{found_noise:?}");
+        assert!((0.15..0.6).contains(&found_noise.time()), "{found_noise:?}");
     }
 
     #[test]
     fn white_noise_is_no_correlated_noise_and_a_single_lap_tells_none() {
         let white = Noise { white: 2.0, ..Noise::default() };
         assert_eq!(found(&white, 0.9), Noise::default());
-        assert_eq!(found(&Noise { correlated: 5.0, time: 0.3, ..white }, 0.0), Noise::default());
+        assert_eq!(found(&Noise { white: 2.0, ..Process { variance: 25.0, time: 0.3 }.into() }, 0.0), Noise::default());
     }
 
     #[test]
     fn a_draw_has_its_deviation_and_its_correlation_time() {
-        let noise = Noise { correlated: 2.0, time: 0.4, ..Noise::default() };
+        let noise: Noise = Process { variance: 4.0, time: 0.4 }.into();
         let x = noise.draw(100.0, 5);
         let covariance = |apart: usize| {
             x.iter().zip(&x[apart..]).map(|(a, b)| f64::from(a * b)).sum::<f64>() / (x.len() - apart) as f64

@@ -194,7 +194,7 @@ pub fn noise(grid: &Grid, record: &Record, carts: &[Vec<f32>], known: &Known, on
     if !is_twice {
         bound(MOST_OF_ONE_PASS * known.largest, &mut processes, &|_| true);
     }
-    Noise::of_processes(white.sqrt(), processes)
+    Noise { white: white.sqrt(), processes }
 }
 
 /// The share of its variance that a sampled process of first order with a correlation from sample to sample has in a

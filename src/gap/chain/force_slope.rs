@@ -7,8 +7,8 @@
 //! grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean squares, which are blind to a few of a
 //! thousand features: it speaks against what strikes the other way round.
 
-use super::FittedRun;
 use super::impacts::{self, RAILS, Suspect};
+use super::run::FittedRun;
 use crate::base::trig;
 use crate::gap::settings;
 use crate::gap::simulator::{Band, Frame, Label};
@@ -146,8 +146,8 @@ impl Impact {
         let own = run.model.spec.noise()[force];
         let half = 0.5 * settings.parts as f64 * lap / parts as f64 / run.model.simulation.chain.speed_m_s;
         let of = |line: &Line| {
-            let correlated = own.correlated * (1.0 - trig::exp(-half / own.time.max(1e-9))).sqrt();
-            trig::hypot(own.white * (3.0 / line.count).sqrt(), correlated)
+            let correlated: f64 = own.correlated().map(|o| o.variance * (1.0 - trig::exp(-half / o.time))).sum();
+            trig::hypot(own.white * (3.0 / line.count).sqrt(), correlated.sqrt())
         };
         let noise = measured.as_ref().map_or(0.0, of);
         let else_known = settings.of_mean * nominal.mean.abs() + settings.of_nominal * nominal.force_slope.abs();

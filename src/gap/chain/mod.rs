@@ -8,29 +8,29 @@ mod impacts;
 mod laps;
 mod nominal;
 mod outline;
+mod run;
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
-use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator, Strength};
-use crate::base::{parallel, trig};
+use super::simulator::{Applied, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator, Strength};
+use crate::base::parallel;
 use crate::chain_input as input;
-use crate::chain_input::{Deviations, Simulation};
-use crate::dynamics::{CartRecord, Ensemble, Width};
+use crate::chain_input::Simulation;
+use crate::dynamics::{Ensemble, Width};
 use crate::effects::sites::Site;
-use crate::effects::{AS_BUILT, Effect, LIBRARY, Sensed, Sites, Start, StrengthSearch, deviations_of, named, sense};
-use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
-use crate::identify::fit::Landing;
-use crate::identify::model::{Coordinates, Plan, samples};
+use crate::effects::{AS_BUILT, Effect, LIBRARY, Sites, Start, StrengthSearch, deviations_of, named};
+use crate::identify::model::{Coordinates, Plan};
 use crate::identify::noise::{ChannelNoise, Excess, channel_noise};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
 use crate::identify::{Counter, Effort, FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
-use force_slope::{ForceSlopes, Impact, Profile};
+use force_slope::Impact;
 use impacts::Suspect;
 use laps::observed;
 use nominal::{fitted, repeated, set_tops};
+use run::FittedRun;
 use std::collections::BTreeMap;
 
 /// A campaign's runs on chains.
@@ -44,29 +44,6 @@ pub struct Chains {
     threads: usize,
     /// Of what was simulated before the runs were fitted.
     counter: Counter,
-}
-
-/// A run, fitted.
-struct FittedRun {
-    model: Model,
-    landing: Landing,
-    /// Laps, and where along the lap the run begins, m.
-    laps: f64,
-    begin: f64,
-    /// What a channel that does not clip has as its largest force, N, if one that does ends where the measured does.
-    tops: [f64; FORCES],
-    /// High forces of each channel, measured and simulated, N.
-    highs: [(f64, f64); FORCES],
-    /// How much more high-frequency power than simulated parts of the lap are, of each channel.
-    high_frequency_power: Vec<Vec<f64>>,
-    /// What was measured in each part of the lap, of each channel.
-    profiles: Vec<Profile>,
-    /// Impacts on the rails.
-    impacts: Vec<Impact>,
-    settings: settings::Chain,
-    /// Which channels were measured.
-    measured: [bool; FORCES],
-    seed: u64,
 }
 
 /// How runs are fitted, and which effects are offered.
@@ -372,145 +349,5 @@ impl Simulator for Chains {
 
     fn simulate_all(&self, requests: &[Request]) -> Vec<Option<Vec<f64>>> {
         parallel::map(requests, self.threads, |r| self.simulate(r.run, &r.step, &r.effects))
-    }
-}
-
-impl FittedRun {
-    /// How many parts its lap has.
-    fn parts(&self) -> usize {
-        impacts::parts(self.model.spec.places.lap, self.settings.impacts.part)
-    }
-
-    /// The model with more effects than its layout has.
-    fn with(&self, effects: Vec<input::DeclaredEffect>) -> Model {
-        let mut model = self.model.clone();
-        model.simulation.effects.extend(effects);
-        model
-    }
-
-    /// Features of an ensemble as sensors with the model's effects observe it; of the carts that are not loaded, where
-    /// some are.
-    fn features(
-        &self,
-        model: &Model,
-        ensemble: &Ensemble,
-        deviations: &Deviations,
-        sensor: bool,
-        at: Coordinates,
-    ) -> Vec<f64> {
-        let observed = observed(&model.simulation, deviations, ensemble.carts.len());
-        // Moving the measured samples ahead leaves the model behind.
-        let trigger = Parameter::TriggerPosition.index();
-        let moved = at[trigger] - self.landing.at[trigger];
-        let (mut accumulator, mut force_slopes) = (FeatureAccumulator::new(&self.model.spec), ForceSlopes::new(self));
-        for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]) {
-            let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
-            let sensed = sensor.then(|| self.sensed(model, cart, ensemble.rate));
-            let samples = samples(sensed.as_ref().unwrap_or(cart));
-            accumulator.add(&self.model.spec, &samples, 0.0, noise);
-            force_slopes.add(&samples, -moved);
-        }
-        let mut features = accumulator.features(1.0);
-        let landing = &self.landing;
-        for (k, x) in features.iter_mut().enumerate() {
-            *x += landing.numerics.correction[k] + landing.repeatability.bias[k] / landing.passes[k];
-        }
-        if moved != 0.0 {
-            for (k, x) in features.iter_mut().enumerate() {
-                *x += landing.sensitivity.slopes[(k, trigger)] * moved;
-            }
-        }
-        features.push(accumulator.mean_speed().unwrap_or(f64::NAN));
-        features.extend(force_slopes.features());
-        features
-    }
-
-    /// Features of the nominal chain, sensed by sensors with effects: a sensor's effect needs no simulation, and few
-    /// carts, as what chaos does to them is the same with and without it.
-    fn sensed_features(&self, model: &Model, nominal: &[f64]) -> Vec<f64> {
-        let ensemble = &self.landing.centre.ensemble;
-        let every = (ensemble.carts.len() / self.settings.ensembles.sensor_carts).max(1);
-        let (mut plain, mut other) =
-            (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
-        let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));
-        for (k, cart) in ensemble.carts.iter().enumerate().step_by(every) {
-            let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
-            let mut sensed = self.sensed(model, cart, ensemble.rate);
-            let mut as_it_is = cart.clone();
-            for force in 0..FORCES {
-                // Channels that nothing was done to say nothing.
-                if sensed.forces[force] == cart.forces[force] {
-                    sensed.forces[force].clear();
-                    as_it_is.forces[force].clear();
-                }
-            }
-            plain.add(&self.model.spec, &samples(&as_it_is), 0.0, noise);
-            other.add(&self.model.spec, &samples(&sensed), 0.0, noise);
-            force_slopes.add(&samples(&as_it_is), 0.0);
-            other_slopes.add(&samples(&sensed), 0.0);
-        }
-        // The chain's speed has no sensor of these.
-        let plain = plain.features(1.0).into_iter().chain([0.0]).chain(force_slopes.features());
-        let other = other.features(1.0).into_iter().chain([0.0]).chain(other_slopes.features());
-        let changed = nominal.iter().zip(plain.zip(other));
-        changed.map(|(n, (a, b))| if (b - a).is_finite() { n + b - a } else { *n }).collect()
-    }
-
-    /// A cart's record as sensors with effects have it. Time is that of the measured run at the same place.
-    fn sensed(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
-        let lap = self.model.spec.places.lap;
-        let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
-        let at = |station: &f32| passed(f64::from(*station) - self.begin, lap, self.laps) / speed;
-        let time: Vec<f64> = cart.station.iter().map(at).collect();
-        let mut forces: [Vec<f64>; FORCES] =
-            std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
-        sense(&model.simulation, &mut Sensed { time: &time, period: 1.0 / rate, forces: &mut forces, tops: self.tops });
-        CartRecord {
-            station: cart.station.clone(),
-            speed: cart.speed.clone(),
-            forces: forces.map(|f| f.into_iter().map(|x| x as f32).collect()),
-        }
-    }
-
-    /// Features moved back towards the nominal ones by the share of their difference that chaos makes (James and Stein
-    /// 1961, positive part), block by block.
-    fn calmed(&self, frame: &Frame, raw: &[f64], passes: f64) -> Vec<f64> {
-        let mut sums: BTreeMap<(&str, Band), (f64, f64)> = BTreeMap::new();
-        let mut each = Vec::with_capacity(raw.len());
-        for (k, (x, n)) in raw.iter().zip(&frame.nominal).enumerate() {
-            let own = self.landing.repeatability.chaos.get(k).copied().unwrap_or(0.0);
-            let difference = if (x - n).is_finite() { x - n } else { 0.0 };
-            each.push(difference);
-            if own > 0.0 {
-                let label = &frame.labels[k];
-                let sum = sums.entry((&label.channel, label.band)).or_default();
-                *sum = (sum.0 + difference * difference / (own * own), sum.1 + 1.3 / passes);
-            }
-        }
-        let keep = |k: usize| {
-            let label = &frame.labels[k];
-            let (square, noise) = sums.get(&(label.channel.as_str(), label.band)).copied().unwrap_or((1.0, 0.0));
-            (1.0 - noise / square.max(1e-300)).max(0.0)
-        };
-        each.iter().enumerate().map(|(k, d)| frame.nominal[k] + keep(k) * d).collect()
-    }
-}
-
-/// How far a run of so many laps has come, m, where it passes a place so far from where it began; on average of all
-/// passes.
-fn passed(beyond: f64, lap: f64, laps: f64) -> f64 {
-    beyond.rem_euclid(lap) + (laps.ceil() - 1.0).max(0.0) * 0.5 * lap
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_place_behind_the_beginning_is_passed_at_the_end_of_the_lap() {
-        assert_eq!(passed(3.0, 60.0, 1.0), 3.0);
-        assert_eq!(passed(-3.0, 60.0, 1.0), 57.0);
-        assert_eq!(passed(63.0, 60.0, 0.8), 3.0);
-        assert_eq!(passed(3.0, 60.0, 3.0), 63.0);
     }
 }

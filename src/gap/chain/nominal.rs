@@ -1,8 +1,8 @@
 //! The nominal chain fitted to a run, and what its sensors reach.
 
-use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::{self, high_frequency_power};
+use super::run::FittedRun;
 use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
@@ -20,8 +20,7 @@ use crate::signal::FORCES;
 pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Excess> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap).ok().filter(|run| run.laps > 1.0)?;
-    let mut simulation = subject.simulation.clone();
-    simulation.effects.retain(is_of_machine);
+    let simulation = without_sensors_effects(&subject.simulation);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     model.counter = counter.clone();
     let at = Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()]));
@@ -29,9 +28,16 @@ pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Ex
     Some(excess(&model, &measured, &at, &ensemble))
 }
 
-/// Fits the nominal model to a run. Effects of the machine that its layout has are part of the model; those of sensors are
-/// left out, as the diagnosis looks for them anyway. With effects to be `about`, parameters and noise are those of a fit that
-/// has them, and what is returned is the model without them at that point.
+/// What the nominal model is made of. Effects of the machine that a layout has are part of it; those of sensors are left
+/// out, as the diagnosis looks for them anyway.
+fn without_sensors_effects(simulation: &Simulation) -> Simulation {
+    let mut simulation = simulation.clone();
+    simulation.effects.retain(is_of_machine);
+    simulation
+}
+
+/// Fits the nominal model to a run. With effects to be `about`, parameters and noise are those of a fit that has them,
+/// and what is returned is the model without them at that point.
 pub fn fitted(
     subject: &Subject,
     fit: &FitSettings,
@@ -41,8 +47,7 @@ pub fn fitted(
 ) -> Result<FittedRun, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
-    let mut simulation = subject.simulation.clone();
-    simulation.effects.retain(is_of_machine);
+    let simulation = without_sensors_effects(&subject.simulation);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     model.spec.set_orders(&orders(&simulation, speed));
