@@ -6,17 +6,19 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+#[path = "../common/record.rs"]
+mod record;
 #[path = "../common/track.rs"]
 mod track;
 
 use lss::base::parallel;
 use lss::base::random::{normal, uniform};
 use lss::chain_input::{ContactLaw, Simulation};
-use lss::dynamics::{End, Method, Plan, Width};
-use lss::effects::simulate;
+use lss::dynamics::{Method, Plan, Width};
 use lss::identify::study::{RunFit, Subject, fit_run};
 use lss::identify::{COUNT, FitSettings, Parameter};
 use lss::signal::{Run, csv};
+use record::record;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use track::track;
@@ -63,18 +65,9 @@ fn measure(nominal: &Simulation, truth: &[f64; COUNT], case: u64, state: &mut u6
     let mut real = nominal.clone();
     Parameter::ALL.iter().for_each(|p| p.set(&mut real, truth[p.index()]));
     let method = if case % 5 == 4 { Method::CashKarp } else { Method::Verlet };
-    let mut plan =
+    let plan =
         Plan { laps: 1, settle: 30.0, step: Some(2.5e-4), method, front: 1.25 * uniform(state), supports: false };
-    let mut run = loop {
-        let outcome = simulate(&real, &plan, Width::widest(), &mut |_| true).expect("a chain");
-        if outcome.end == End::Complete {
-            break outcome.run;
-        }
-        // Damping at the joints may ask for shorter steps.
-        plan.step = plan.step.map(|h| 0.5 * h);
-    };
-    run.sidecar.speed_setpoint = nominal.chain.speed_m_s;
-    run.sidecar.trigger_position = nominal.sensor.photocell_s_m;
+    let mut run = record(&real, nominal, plan);
     for (channel, samples) in &mut run.channels {
         let deviation = match channel.unit() {
             "N" => 1.0,

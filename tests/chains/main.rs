@@ -13,6 +13,8 @@ mod noisy_windows;
 mod outside;
 mod outside_failures;
 mod outside_models;
+#[path = "../../benches/common/record.rs"]
+mod record;
 mod runs;
 mod simulate;
 mod single_effect;

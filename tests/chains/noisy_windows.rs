@@ -7,13 +7,13 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use crate::record::record;
 use crate::track;
 use lss::base::parallel;
 use lss::base::random::{normal, uniform};
 use lss::base::trig;
 use lss::chain_input::{ContactLaw, Simulation};
-use lss::dynamics::{End, Plan, Width};
-use lss::effects::simulate;
+use lss::dynamics::{Plan, Width};
 use lss::identify::fit::fit;
 use lss::identify::{COUNT, FitSettings, Measured, Model, Parameter, interval};
 use lss::signal::{Channel, Run};
@@ -172,17 +172,8 @@ fn case(layouts: &[(&str, Simulation)], seed: u64) -> Case {
     Parameter::ALL.iter().for_each(|p| p.set(&mut real, truth[p.index()]));
     let whole = (begin + laps).ceil() as usize;
     let front = 1.25 * uniform(state);
-    let mut plan = Plan { laps: whole, step: Some(2.5e-4), front, ..Plan::default() };
-    let mut run = loop {
-        let outcome = simulate(&real, &plan, Width::widest(), &mut |_| true).expect("a chain");
-        if outcome.end == End::Complete {
-            break outcome.run;
-        }
-        // Damping at the joints may ask for shorter steps.
-        plan.step = plan.step.map(|h| 0.5 * h);
-    };
-    run.sidecar.speed_setpoint = nominal.chain.speed_m_s;
-    run.sidecar.trigger_position = nominal.sensor.photocell_s_m;
+    let plan = Plan { laps: whole, step: Some(2.5e-4), front, ..Plan::default() };
+    let mut run = record(&real, &nominal, plan);
     let lap = run.time.len() as f64 / whole as f64;
     let index = |laps: f64| ((laps * lap) as usize).min(run.time.len());
     let (from, to) = (index(begin), index(begin + laps));
