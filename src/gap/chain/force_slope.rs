@@ -7,8 +7,8 @@
 //! grows with large ones (Burbidge, Magee and Robb 1988). It is no part of mean squares, which are blind to a few of a
 //! thousand features: it speaks against what strikes the other way round.
 
+use super::FittedRun;
 use super::impacts::{self, RAILS, Suspect};
-use super::run::FittedRun;
 use crate::base::trig;
 use crate::gap::settings;
 use crate::gap::simulator::{Band, Frame, Label};

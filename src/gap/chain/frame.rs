@@ -1,7 +1,7 @@
 //! A fitted run as the diagnosis sees it: what its features are about, the repeatability, discrepancies, and slopes by
 //! the nuisances.
 
-use super::run::FittedRun;
+use super::FittedRun;
 use crate::gap::simulator::{Band, Frame, Label, Laps};
 use crate::identify::Parameter;
 use crate::identify::accumulator::Block;

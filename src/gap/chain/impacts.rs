@@ -1,6 +1,6 @@
 //! Where something strikes a rail: the places at which a step is looked for.
 
-use super::run::FittedRun;
+use super::FittedRun;
 use crate::base::number::fraction;
 use crate::base::trig;
 use crate::effects::rail_step;

@@ -2,13 +2,13 @@
 //! sites.
 
 mod anew;
+mod features;
 mod force_slope;
 mod frame;
 mod impacts;
 mod laps;
 mod nominal;
 mod outline;
-mod run;
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
@@ -19,6 +19,7 @@ use crate::chain_input::Simulation;
 use crate::dynamics::{Ensemble, Width};
 use crate::effects::sites::Site;
 use crate::effects::{AS_BUILT, Effect, LIBRARY, Sites, Start, StrengthSearch, deviations_of, named};
+use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan};
 use crate::identify::noise::{ChannelNoise, Excess, channel_noise};
 use crate::identify::repeatability::RAN_BEFORE;
@@ -26,11 +27,10 @@ use crate::identify::study::Subject;
 use crate::identify::{Counter, Effort, FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
-use force_slope::Impact;
+use force_slope::{Impact, Profile};
 use impacts::Suspect;
 use laps::observed;
 use nominal::{fitted, repeated, set_tops};
-use run::FittedRun;
 use std::collections::BTreeMap;
 
 /// A campaign's runs on chains.
@@ -44,6 +44,29 @@ pub struct Chains {
     threads: usize,
     /// Of what was simulated before the runs were fitted.
     counter: Counter,
+}
+
+/// A run, fitted.
+struct FittedRun {
+    model: Model,
+    landing: Landing,
+    /// Laps, and where along the lap the run begins, m.
+    laps: f64,
+    begin: f64,
+    /// What a channel that does not clip has as its largest force, N, if one that does ends where the measured does.
+    tops: [f64; FORCES],
+    /// High forces of each channel, measured and simulated, N.
+    highs: [(f64, f64); FORCES],
+    /// How much more high-frequency power than simulated parts of the lap are, of each channel.
+    high_frequency_power: Vec<Vec<f64>>,
+    /// What was measured in each part of the lap, of each channel.
+    profiles: Vec<Profile>,
+    /// Impacts on the rails.
+    impacts: Vec<Impact>,
+    settings: settings::Chain,
+    /// Which channels were measured.
+    measured: [bool; FORCES],
+    seed: u64,
 }
 
 /// How runs are fitted, and which effects are offered.

@@ -1,8 +1,8 @@
 //! The nominal chain fitted to a run, and what its sensors reach.
 
+use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::{self, high_frequency_power};
-use super::run::FittedRun;
 use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;

@@ -1,6 +1,7 @@
-//! A fitted run: what the diagnosis asks of its chain, and features of simulations as its sensors would have them.
+//! Features of simulations as the sensors of a fitted run would have them.
 
-use super::force_slope::{ForceSlopes, Impact, Profile};
+use super::FittedRun;
+use super::force_slope::ForceSlopes;
 use super::impacts;
 use super::laps::observed;
 use crate::base::trig;
@@ -8,37 +9,12 @@ use crate::chain_input as input;
 use crate::chain_input::Deviations;
 use crate::dynamics::{CartRecord, Ensemble};
 use crate::effects::{Sensed, sense};
-use crate::gap::settings;
 use crate::gap::simulator::{Band, Frame};
 use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
-use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, samples};
 use crate::identify::{Model, Parameter};
 use crate::signal::FORCES;
 use std::collections::BTreeMap;
-
-/// A run, fitted.
-pub struct FittedRun {
-    pub model: Model,
-    pub landing: Landing,
-    /// Laps, and where along the lap the run begins, m.
-    pub laps: f64,
-    pub begin: f64,
-    /// What a channel that does not clip has as its largest force, N, if one that does ends where the measured does.
-    pub tops: [f64; FORCES],
-    /// High forces of each channel, measured and simulated, N.
-    pub highs: [(f64, f64); FORCES],
-    /// How much more high-frequency power than simulated parts of the lap are, of each channel.
-    pub high_frequency_power: Vec<Vec<f64>>,
-    /// What was measured in each part of the lap, of each channel.
-    pub profiles: Vec<Profile>,
-    /// Impacts on the rails.
-    pub impacts: Vec<Impact>,
-    pub settings: settings::Chain,
-    /// Which channels were measured.
-    pub measured: [bool; FORCES],
-    pub seed: u64,
-}
 
 impl FittedRun {
     /// How many parts its lap has.
