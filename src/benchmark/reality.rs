@@ -1,6 +1,6 @@
 //! The system that a case is measured on: nuisances by chance, a scatter that every built chain has, another contact
-//! smoothing than the model's, finer steps or another integrator, and a measuring chain with noise, a jittering trigger
-//! and quantisation.
+//! smoothing than the model's, finer steps or another integrator, records that begin and end anywhere, and a measuring
+//! chain with noise, hum, drift, a jittering trigger and quantisation.
 
 use crate::base::random::{normal, uniform};
 use crate::base::trig;
@@ -21,6 +21,11 @@ const SETTLE: f64 = 20.0;
 /// which nobody waits.
 const MOST_STEPS: f64 = 40_000.0;
 
+/// Laps of which a part is recorded, where records begin and end anywhere.
+const LAPS: usize = 2;
+/// Frequency of the mains, Hz.
+const MAINS: f64 = 50.0;
+
 /// A built system.
 #[derive(Clone, Debug)]
 pub struct Reality {
@@ -32,6 +37,8 @@ pub struct Reality {
     pub scatter: Deviations,
     /// Where the chain stands when a run begins, m.
     fronts: Vec<f64>,
+    /// Which part of `LAPS` laps each run's record covers; whole laps where that is not given.
+    windows: Vec<Option<(f64, f64)>>,
     method: Method,
 }
 
@@ -80,26 +87,41 @@ impl Reality {
         let built = built.collect();
         let scatter = scatter(nominal, state);
         let fronts = planned.iter().map(|p| p.chain.pitch_m * uniform(state)).collect();
-        Reality { planned, built, scatter, fronts, method }
+        let anywhere = uniform(state) < 0.5;
+        let window = |state: &mut u64| {
+            let long = draw(state, 0.95, 1.8) / LAPS as f64;
+            let from = draw(state, 0.0, 1.0 - long);
+            anywhere.then_some((from, from + long))
+        };
+        let windows = planned.iter().map(|_| window(state)).collect();
+        Reality { planned, built, scatter, fronts, windows, method }
     }
 
     /// A lap at the diagnosis' own steps, from one of two fronts; to see what effects do over what chance does.
     pub fn sketch(&self, change: Option<&Changes<'_>>, front: f64) -> Option<Run> {
         let pitch = self.planned.first()?.chain.pitch_m;
         let plan = Plan { front: front * pitch, settle: SETTLE, ..Plan::default() };
-        self.lap(0, change, plan)
+        self.run(0, change, plan, None)
     }
 
-    /// A lap as it is measured, without the measuring chain's noise: a quarter of the usual step or less, or by Cash
+    /// What is recorded of a run, without the measuring chain's noise: a quarter of the usual step or less, or by Cash
     /// and Karp.
     pub fn record(&self, run: usize, change: Option<&Changes<'_>>) -> Option<Run> {
         let front = *self.fronts.get(run)?;
-        let plan = Plan { method: self.method, front, step: Some(2.5e-4), settle: SETTLE, ..Plan::default() };
-        self.lap(run, change, plan)
+        let window = *self.windows.get(run)?;
+        let laps = if window.is_some() { LAPS } else { 1 };
+        let plan = Plan { laps, method: self.method, front, step: Some(2.5e-4), settle: SETTLE, ..Plan::default() };
+        self.run(run, change, plan, window)
     }
 
-    fn lap(&self, run: usize, changes: Option<&Changes<'_>>, mut plan: Plan) -> Option<Run> {
-        let mut real = self.built.get(run)?.clone();
+    fn run(
+        &self,
+        number: usize,
+        changes: Option<&Changes<'_>>,
+        mut plan: Plan,
+        window: Option<(f64, f64)>,
+    ) -> Option<Run> {
+        let mut real = self.built.get(number)?.clone();
         let mut deviations = self.scatter.clone();
         for (change, strength) in changes.into_iter().flatten() {
             if let Change::Chain(act) = change {
@@ -112,6 +134,9 @@ impl Reality {
             let outcome = dynamics::simulate(&real, deviations.clone(), &plan, Width::used(), watch).ok()?;
             if outcome.end == End::Complete {
                 let mut run = outcome.run;
+                if let Some((from, to)) = window {
+                    keep(&mut run, from, to);
+                }
                 for (change, strength) in changes.into_iter().flatten() {
                     if let Change::Sensor(act) = change {
                         act(*strength, &mut run);
@@ -127,6 +152,16 @@ impl Reality {
             }
         }
         None
+    }
+}
+
+/// Keeps what lies between two shares of a run. Its clock runs on.
+fn keep(run: &mut Run, from: f64, to: f64) {
+    let samples = run.time.len() as f64;
+    let range = (samples * from) as usize..((samples * to) as usize).min(run.time.len());
+    run.time = run.time[range.clone()].to_vec();
+    for channel in run.channels.values_mut() {
+        *channel = channel[range.clone()].to_vec();
     }
 }
 
@@ -172,8 +207,8 @@ pub fn distances(a: &Run, b: &Run, nominal: &Simulation) -> BTreeMap<Channel, f6
     found.filter_map(|(c, d)| Some((c, d.nrmsd_two_carts? * (d.reference.max - d.reference.min)))).collect()
 }
 
-/// What the sensor cart brings home: noise, white and with a memory, a trigger that comes a sample early or late, whole
-/// steps of a converter.
+/// What the sensor cart brings home: noise, white and with a memory, hum and a drift on some, a trigger that comes a
+/// sample early or late, whole steps of a converter.
 pub fn measured(mut run: Run, planned: &Simulation, layout: &str, state: &mut u64) -> Run {
     let (force, speed) = (draw(state, 0.5, 1.5), draw(state, 0.03, 0.08));
     let (force_step, speed_step) = ([0.1, 0.2, 0.5][pick(state, 3)], [0.005, 0.01, 0.02][pick(state, 3)]);
@@ -182,6 +217,10 @@ pub fn measured(mut run: Run, planned: &Simulation, layout: &str, state: &mut u6
     let period = run.time.get(1).zip(run.time.first()).map_or(0.0, |(b, a)| b - a);
     let memory = trig::exp(-period / time);
     let innovation = (1.0 - memory * memory).sqrt();
+    let hum = if uniform(state) < 0.3 { draw(state, 0.2, 1.0) } else { 0.0 };
+    let drift = if uniform(state) < 0.3 { draw(state, -0.5, 0.5) } else { 0.0 };
+    let duration = run.duration().max(period);
+    let begin = run.time.first().copied().unwrap_or(0.0);
     for (channel, samples) in &mut run.channels {
         let (deviation, step) = match channel.unit() {
             "N" => (force, force_step),
@@ -195,9 +234,12 @@ pub fn measured(mut run: Run, planned: &Simulation, layout: &str, state: &mut u6
             _ => 0.0,
         };
         let mut remembered = normal(state);
+        let (hum, drift) = if channel.unit() == "N" { (hum, drift) } else { (0.0, 0.0) };
+        let phase = trig::TAU * uniform(state);
         if step > 0.0 {
-            for x in samples.iter_mut() {
-                *x = ((*x + deviation * normal(state) + slow * remembered) / step).round() * step;
+            for (t, x) in run.time.iter().zip(samples.iter_mut()) {
+                let sensor = hum * trig::sin(trig::TAU * MAINS * t + phase) + drift * (t - begin) / duration;
+                *x = ((*x + deviation * normal(state) + slow * remembered + sensor) / step).round() * step;
                 remembered = memory * remembered + innovation * normal(state);
             }
         }
@@ -235,6 +277,23 @@ mod tests {
             let tenths = found.channels[&Channel::SteerLeft].iter().map(|x| 10.0 * x);
             assert!(tenths.clone().all(|x| (x - x.round()).abs() < 1e-9) && tenths.clone().any(|x| x != 1000.0));
         }
+    }
+
+    #[test]
+    fn records_begin_and_end_anywhere() {
+        let nominal = crate::benchmark::tracks::all().unwrap().remove(0).simulation;
+        let realities = (0..40).map(|seed| Reality::new(&nominal, Method::Verlet, &mut { seed }));
+        let windows: Vec<(f64, f64)> = realities.filter_map(|r| r.windows[0]).collect();
+        assert!((10..=30).contains(&windows.len()));
+        for (from, to) in windows {
+            let laps = LAPS as f64 * (to - from);
+            assert!(from >= 0.0 && to <= 1.0 && (0.95..=1.8).contains(&laps), "{from} {to}");
+        }
+        let mut run = Run { time: (0..100).map(|k| f64::from(k) / 500.0).collect(), ..Run::default() };
+        run.channels.insert(Channel::SteerLeft, run.time.clone());
+        keep(&mut run, 0.25, 0.75);
+        assert_eq!((run.time[0], run.time.len()), (0.05, 50));
+        assert_eq!(run.channels[&Channel::SteerLeft], run.time);
     }
 
     #[test]
