@@ -1,7 +1,10 @@
 //! What of the lap a run covers, and how often. A run begins and ends anywhere and has gaps, so that some places are
-//! measured twice and others not at all, and within a cell some of a cart's passing. Measured samples count by how
-//! often their place was passed, so that every place counts the same, and simulated ones only where the run measured:
-//! both are then means over the same places.
+//! measured twice and others not at all, and within a cell some of a cart's passing. Measured samples count less the
+//! more often their place was passed, so that every passage counts the same, and simulated ones only where the run
+//! measured: both are then means over the same places.
+//!
+//! They are means over time, not over distance: where a chain swings, its speed and its forces go together, and a place
+//! that is passed slowly has more samples, measured as simulated.
 //!
 //! Parts of the lap are counted from the trigger, as a run knows no other places.
 
@@ -45,11 +48,10 @@ impl Coverage {
         };
         let each = travelled / station.len().max(1) as f64;
         let parts = (lap / (SAMPLES * each)).floor().clamp(1.0, MOST) as usize;
-        let passage = lap / parts as f64 / each;
         Coverage {
             lap,
             parts,
-            samples: forces.map(|values| Passes::of_samples(station, values, lap, parts, passage)),
+            samples: forces.map(|values| Passes::of_samples(station, values, lap, parts)),
             segments: forces.map(|values| Passes::of_segments(station, values, lap, parts, (rate, each))),
         }
     }
@@ -61,23 +63,21 @@ impl Coverage {
 }
 
 impl Passes {
-    fn of_samples(station: &[f32], values: &[f32], lap: f64, parts: usize, passage: f64) -> Passes {
+    fn of_samples(station: &[f32], values: &[f32], lap: f64, parts: usize) -> Passes {
         if values.is_empty() {
             return Passes::default();
         }
-        let (mut samples, mut count) = (vec![0.0_f32; parts], vec![0.0_f32; parts]);
+        let mut count = vec![0.0_f32; parts];
         let mut before = None;
         for (s, x) in station.iter().zip(values) {
             let part = (!x.is_nan()).then(|| part(f64::from(*s), lap, parts) as usize);
             if let Some(part) = part {
-                samples[part] += 1.0;
                 count[part] += if before == Some(part) { 0.0 } else { 1.0 };
             }
             before = part;
         }
-        let weight = |n: &f32| if *n > 0.0 { passage as f32 / n } else { 0.0 };
         Passes {
-            measured: samples.iter().map(weight).collect(),
+            measured: count.iter().map(|n| if *n > 0.0 { 1.0 / n } else { 0.0 }).collect(),
             simulated: count.iter().map(|n| n.min(1.0)).collect(),
             count,
         }
@@ -202,13 +202,9 @@ mod tests {
         let measured = |s: f32| sample(Weighing::Measured(&coverage), 4, s);
         // The last quarter of a lap before the trigger was passed at the end, too.
         for s in [-5.0, 35.0] {
-            assert!(
-                (measured(s).own - 0.5).abs() < 0.1 && (measured(s).shared - 0.25).abs() < 0.05,
-                "{:?}",
-                measured(s)
-            );
+            assert_eq!((measured(s).own, measured(s).shared), (0.5, 0.25), "{s}");
         }
-        assert!((measured(5.0).own - 1.0).abs() < 0.3 && measured(16.0).own == 0.0);
+        assert_eq!((measured(5.0).own, measured(16.0).own), (1.0, 0.0));
         let within = |s: f32| sample(Weighing::Within(&coverage, 3.0), 4, s).own;
         assert_eq!((within(18.9), within(8.0), within(38.0 - 40.0)), (0.0, 1.0, 1.0));
         assert_eq!(sample(Weighing::Within(&coverage, 3.0), 0, 18.9).own, 1.0, "not measured, hence not limited");

@@ -237,6 +237,7 @@ impl FeatureAccumulator {
 mod tests {
     use super::*;
     use crate::dynamics::Width;
+    use crate::identify::coverage::Coverage;
     use crate::identify::noise::Noise;
     use crate::identify::places::{PlaceKind, Places, Zone};
     use std::sync::Arc;
@@ -330,6 +331,35 @@ mod tests {
             features_of(Block::Share(4), &spec, &accumulator.features(1.0))
         };
         assert_eq!((&shares(&force)[3..6], &shares(&noisy)[3..6]), (&[1.0; 3][..], &[1.0; 3][..]));
+    }
+
+    /// Where a chain swings, it is slow where it is tight: a run's means are then those of its simulation, whatever it
+    /// covers.
+    #[test]
+    fn means_of_a_run_that_swings_are_those_of_its_simulation() {
+        let mut spec = spec();
+        // 1.3 laps, with a swing of a tenth of the speed at every 1.25 m.
+        let (mut station, mut force, mut at) = (Vec::new(), Vec::new(), 3.0_f64);
+        while at < 55.0 {
+            let swing = trig::sin(trig::TAU * at / 1.25);
+            station.push(at as f32);
+            force.push((600.0 - 2000.0 * swing) as f32);
+            at += 0.004 * (1.0 + 0.1 * swing);
+        }
+        let lap = station.iter().position(|s| *s >= 43.0).unwrap();
+        let means = |spec: &FeatureSpec, samples: &Samples| {
+            let mut accumulator = FeatureAccumulator::new(spec);
+            accumulator.add(spec, samples, 0.0, NoiseDraw::None);
+            features_of(Block::Mean(4), spec, &accumulator.features(1.0))
+        };
+        let mut forces: [&[f32]; FORCES] = [&[]; FORCES];
+        forces[4] = &force;
+        let coverage = Arc::new(Coverage::new(&station, forces, 40.0, 500.0));
+        let measured = means(&spec, &Samples { coverage: Some(&coverage), ..of_joint(&station, &force) });
+        spec.within = Some((coverage.clone(), 0.0));
+        let simulated = means(&spec, &of_joint(&station[..lap], &force[..lap]));
+        let most = measured.iter().zip(&simulated).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(most < 2.0 && measured[0] > 650.0, "{most} {measured:?} {simulated:?}");
     }
 
     #[test]

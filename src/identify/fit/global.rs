@@ -1,6 +1,7 @@
 //! The global stage: what would fool a local one is found roughly first (noise, trigger, tension).
 
 use super::Fitter;
+use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::dynamics::{CartRecord, Ensemble};
 use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
@@ -31,6 +32,37 @@ fn variance_of_steps(samples: &[f32]) -> f64 {
     let steps = samples.windows(2).map(|two| f64::from(two[1] - two[0])).filter(|x| x.is_finite());
     let (count, sum) = steps.fold((0.0, 0.0), |(n, sum), x| (n + 1.0, sum + 0.5 * x * x));
     if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// How a record tells places: a chain that swings has forces that change by newtons a millimetre, so that two passes
+/// differ by that, too, and it is no noise of their sensors.
+struct MisplacedBy {
+    /// Deviation of the way that the wheels tell from sample to sample, m.
+    step: f64,
+    /// The way from sample to sample, m: an edge of the trigger lies anywhere between two.
+    sample: f64,
+}
+
+impl MisplacedBy {
+    /// Stations of a cart that goes around once as its record would tell them: right at both ends but for the edges,
+    /// and by the wheels between.
+    fn of(&self, station: &[f32], seed: u64) -> Vec<f32> {
+        let mut state = seed;
+        let mut edge = || self.sample * (uniform(&mut state) - 0.5);
+        let (first, last) = (edge(), edge());
+        let mut walk = Vec::with_capacity(station.len());
+        let mut sum = 0.0;
+        for _ in station {
+            walk.push(sum);
+            sum += self.step * normal(&mut state);
+        }
+        let length = station.len().max(1) as f64;
+        let off = |(k, walked): (usize, f64)| {
+            let share = k as f64 / length;
+            first + (last - first) * share + walked - sum * share
+        };
+        station.iter().zip(walk.into_iter().enumerate().map(off)).map(|(s, off)| s + off as f32).collect()
+    }
 }
 
 /// What a run's passes of the same places differ by beyond those of an ensemble at a point.
@@ -68,13 +100,19 @@ impl Fitter<'_> {
         let samples = self.measured.samples();
         let trigger = at[Parameter::TriggerPosition.index()];
         let grid = Grid::new(self.lap(model), ensemble.rate);
+        let own = ensemble.carts.first().map_or(0.0, |cart| variance_of_steps(&cart.speed));
+        let white_speed = (variance_of_steps(samples.speed) - own).max(0.0).sqrt();
+        let places = MisplacedBy { step: white_speed / ensemble.rate, sample: self.lap(model).speed / ensemble.rate };
+        let stations: Vec<Vec<f32>> =
+            ensemble.carts.iter().zip(0..).map(|(cart, seed)| places.of(&cart.station, seed)).collect();
         let of = |values: &[f32],
-                  simulated: &dyn Fn(&CartRecord) -> Vec<f32>,
+                  simulated: &dyn Fn(&CartRecord, &[f32]) -> Vec<f32>,
                   (white, floor),
                   high: Option<Power>,
                   bands| {
             let record = Record { station: samples.station, values, trigger };
-            let carts: Vec<Vec<f32>> = ensemble.carts.iter().map(simulated).collect();
+            let carts = ensemble.carts.iter().zip(&stations).map(|(cart, station)| simulated(cart, station));
+            let carts: Vec<Vec<f32>> = carts.collect();
             let sizes = values.iter().filter(|x| x.is_finite()).map(|x| f64::from(x.abs()));
             let known = Known { white, floor, largest: sizes.fold(0.0, f64::max), high, bands };
             noise(&grid, &record, &carts, &known, near)
@@ -89,16 +127,14 @@ impl Fitter<'_> {
                 let bands = both
                     .filter(|((a, b), _)| a.is_finite() && b.is_finite())
                     .map(|((a, b), (from, to))| Power { measured: a, simulated: b, band: (line(from), line(to)) });
-                let once = |cart: &CartRecord| grid.once(&cart.station, &cart.forces[k]);
+                let once = |cart: &CartRecord, station: &[f32]| grid.once(station, &cart.forces[k]);
                 of(force, &once, (white[k], LEAST_FORCE), (share > 0.0).then_some(high), bands.collect())
             }
         });
         model.spec.set_noise(noise);
         if !samples.speed.is_empty() {
-            let own = ensemble.carts.first().map_or(0.0, |cart| variance_of_steps(&cart.speed));
-            let white = (variance_of_steps(samples.speed) - own).max(0.0).sqrt();
-            let once = |cart: &CartRecord| grid.once(&cart.station, &cart.speed);
-            model.spec.set_speed_noise(of(samples.speed, &once, (white, LEAST_SPEED), None, Vec::new()));
+            let once = |cart: &CartRecord, station: &[f32]| grid.once(station, &cart.speed);
+            model.spec.set_speed_noise(of(samples.speed, &once, (white_speed, LEAST_SPEED), None, Vec::new()));
         }
     }
 
