@@ -144,6 +144,7 @@ mod tests {
             laps: 1.0,
             filled: 0,
             masked: 0,
+            unsteady_s: 0.0,
             steps: 1,
             simulations: 1,
             coordinates: Vec::new(),

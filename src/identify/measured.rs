@@ -2,6 +2,7 @@
 
 use super::coverage::Coverage;
 use super::hum::{Hum, take_off};
+use super::steady::{Steady, running, steady};
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::identify::accumulator::Samples;
@@ -32,6 +33,8 @@ pub struct Measured {
     /// Samples left out of every residual, and those bridged.
     pub masked: usize,
     pub filled: usize,
+    /// Time that is left out because the chain's speed changed, s.
+    pub unsteady: f64,
     /// Hum that was taken off, by channel.
     pub hum: BTreeMap<Channel, Vec<Hum>>,
     /// Distance past the first edge of the trigger, m.
@@ -71,26 +74,41 @@ impl Measured {
             filled += bridged.filled;
             bridged.samples.iter().any(|x| !x.is_nan()).then_some(bridged.samples)
         };
-        let forces = Channel::FORCES.map(|c| channel(c).unwrap_or_default());
+        let mut forces = Channel::FORCES.map(|c| channel(c).unwrap_or_default());
         let wheels = [
             (Channel::WheelSpeedRunLeft, Channel::WheelSpeedRunRight, simulation.running_wheel.radius_m),
             (Channel::WheelSpeedSteerLeft, Channel::WheelSpeedSteerRight, simulation.steering_wheel.radius_m),
         ];
         // A pair's mean is that of the front joint, in curves too.
-        let speeds = wheels.into_iter().find_map(|(left, right, radius)| {
+        let mut speeds = wheels.into_iter().find_map(|(left, right, radius)| {
             let (left, right) = (channel(left)?, channel(right)?);
             let speeds: Vec<f64> = left.iter().zip(&right).map(|(a, b)| 0.5 * (a + b) * radius).collect();
             // A sensor that stands still tells no place.
-            mean(&speeds).filter(|v| (0.5..2.0).contains(&(v / run.sidecar.speed_setpoint))).map(|_| speeds)
+            let set = run.sidecar.speed_setpoint;
+            running(&speeds, set).filter(|v| (0.5..2.0).contains(&(v / set))).map(|_| speeds)
         });
         let past = match &speeds {
             Some(speeds) => travelled(run, speeds, &place.edges, lap),
             None => place.s.iter().map(|s| s - run.sidecar.trigger_position).collect(),
         };
+        let passing = pitch / run.sidecar.speed_setpoint;
+        let steady = speeds.as_deref().and_then(|v| steady(&run.time, v, run.sidecar.speed_setpoint, passing));
+        if let Some(steady) = &steady {
+            let drop = |samples: &mut Vec<f64>| {
+                let all = samples.iter_mut().zip(&steady.kept);
+                all.filter(|(_, kept)| !**kept).for_each(|(x, _)| *x = f64::NAN);
+            };
+            forces.iter_mut().for_each(drop);
+            speeds.iter_mut().for_each(drop);
+        }
         let duration = run.duration();
-        let speed = if let ([first, .., last], false) = (&place.edges[..], place.edges.len() < 2) {
-            let time = last - first;
-            Some((place.speed, place.speed * 1.5 / run.rate() / time))
+        let unsteady = steady.as_ref().map_or(0.0, |steady| {
+            duration * steady.kept.iter().filter(|kept| !**kept).count() as f64 / steady.kept.len() as f64
+        });
+        let (laps, time) = laps(run, &place.edges, steady.as_ref());
+        let speed = if laps > 0 {
+            let speed = laps as f64 * lap / time;
+            Some((speed, speed * 1.5 / run.rate() / time))
         } else {
             speeds.as_deref().and_then(mean).map(|v| (v, WHEELS * v))
         };
@@ -100,13 +118,14 @@ impl Measured {
         let coverage = Arc::new(Coverage::new(&past, each, lap, run.rate()));
         Ok(Measured {
             rate: run.rate(),
-            laps: duration * speed.map_or(place.speed, |s| s.0) / lap,
+            laps: (duration - unsteady) * speed.map_or(place.speed, |s| s.0) / lap,
             lowpass: run.sidecar.lowpass,
             speed,
             nominal_speed: run.sidecar.speed_setpoint,
             nominal_trigger: run.sidecar.trigger_position,
             masked,
             filled,
+            unsteady,
             hum,
             past,
             speeds: speeds.map(narrow).unwrap_or_default(),
@@ -133,6 +152,16 @@ impl Measured {
     /// Whether a force was measured.
     pub fn has(&self, force: usize) -> bool {
         !self.forces[force].is_empty()
+    }
+}
+
+/// How many laps between edges of the trigger are steady, and how long they took, s.
+fn laps(run: &Run, edges: &[f64], steady: Option<&Steady>) -> (usize, f64) {
+    let at = |t: f64| run.time.partition_point(|x| *x < t);
+    let is_steady = |lap: &&[f64]| steady.is_none_or(|s| s.kept[at(lap[0])..at(lap[1])].iter().all(|kept| *kept));
+    match (edges, steady) {
+        ([first, .., last], None) => (edges.len() - 1, last - first),
+        _ => edges.windows(2).filter(is_steady).fold((0, 0.0), |(n, time), lap| (n + 1, time + lap[1] - lap[0])),
     }
 }
 

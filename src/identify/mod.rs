@@ -29,6 +29,7 @@ pub mod repeatability;
 pub mod scales;
 pub mod share;
 pub mod static_test;
+mod steady;
 pub mod stiffness;
 pub mod study;
 mod words;

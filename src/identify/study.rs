@@ -86,6 +86,9 @@ pub struct RunFit {
     /// Samples bridged and left out.
     pub filled: usize,
     pub masked: usize,
+    /// Time that was left out because the chain's speed changed, s.
+    #[serde(default)]
+    pub unsteady_s: f64,
     pub steps: usize,
     pub simulations: usize,
     /// Coordinates, and row by row their covariance, the run's own information, and where that pulls.
@@ -357,6 +360,7 @@ fn fitted(
         laps: tidy(measured.laps),
         filled: measured.filled,
         masked: measured.masked,
+        unsteady_s: tidy(measured.unsteady),
         steps: found.steps,
         simulations: found.simulations,
         coordinates: found.at.to_vec(),

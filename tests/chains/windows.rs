@@ -85,3 +85,49 @@ fn a_window_of_a_run_fits_as_whole_laps_do() {
     }
     assert!(found >= 8 && wrong.is_empty(), "{wrong:#?}");
 }
+
+/// The same with a stop of 20 s, whose forces are those of no running chain; the chain slows down and starts within 3 s
+/// each.
+fn stopped(run: &Run, at: usize) -> Run {
+    let rate = run.rate();
+    let (ramp, rest) = ((3.0 * rate) as usize, (20.0 * rate) as usize);
+    // Both ramps together are as far as one at full speed.
+    let (skipped, long) = (ramp, 2 * ramp + rest);
+    let share = |k: usize| -> f64 {
+        if k < ramp { 1.0 - k as f64 / ramp as f64 } else { (k as f64 - (ramp + rest) as f64).max(0.0) / ramp as f64 }
+    };
+    let mut out = run.clone();
+    for (channel, samples) in &mut out.channels {
+        let before = samples[at];
+        let stop = (0..long).map(|k| match channel.unit() {
+            "rad/s" => share(k) * before,
+            "N" => before + 400.0 * (1.0 - share(k)),
+            _ => before,
+        });
+        let stop: Vec<f64> = stop.collect();
+        samples.splice(at..at + skipped, stop);
+    }
+    let samples = out.channels[&Channel::Trigger].len();
+    out.time = (0..samples).map(|k| k as f64 / rate).collect();
+    out
+}
+
+#[test]
+fn a_stop_is_no_part_of_a_lap() {
+    let simulation = track::track(LAYOUT);
+    let run = run(&simulation);
+    let whole = objective(&simulation, &run).expect("an objective");
+    let lap = run.time.len() / LAPS;
+    // In the second lap, away from the trigger; and once more with the stop in the record's only whole lap.
+    for (laps, at) in [(4, 1.4), (2, 0.6)] {
+        let window = cut(&run, 0, laps * lap, 0..0);
+        let stopped = stopped(&window, (at * lap as f64) as usize);
+        let measured = Measured::new(&stopped, &simulation, simulation.chain.track_length_m).expect("a record");
+        let (speed, _) = measured.speed.expect("a speed");
+        assert!((speed / simulation.chain.speed_m_s - 1.0).abs() < 2e-3, "{speed}");
+        assert!((30.0..45.0).contains(&measured.unsteady), "{}", measured.unsteady);
+        let own = objective(&simulation, &stopped).expect("an objective");
+        println!("stop at {at} of {laps} laps: {own:.3}, whole {whole:.3}");
+        assert!((own / whole - 1.0).abs() < 0.2, "{own} {whole}");
+    }
+}

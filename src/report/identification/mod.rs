@@ -181,6 +181,9 @@ fn run(fit: &RunFit) -> Markup {
             (fit.simulations) " simulations in " (fit.steps) " steps"
             @if fit.filled + fit.masked > 0 {
                 "; lost samples: " (fit.filled) " bridged, " (fit.masked) " left out"
+            }
+            @if fit.unsteady_s > 0.0 {
+                "; " (fixed(fit.unsteady_s, 1)) " s left out, as the chain's speed changed"
             } "." }
         div.scroll { table {
             thead {
