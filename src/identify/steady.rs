@@ -119,6 +119,6 @@ mod tests {
         let (time, speeds) = record(false);
         assert_eq!(steady(&time, &speeds, 2.0, 0.625), None);
         assert_eq!(steady(&time, &vec![0.0; time.len()], 2.0, 0.625), None);
-        assert_eq!(running(&vec![0.01; 5], 2.0), None);
+        assert_eq!(running(&[0.01; 5], 2.0), None);
     }
 }
