@@ -11,7 +11,7 @@ use crate::emit::{DrawError, Files};
 use crate::kinematics::Fit;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
-use crate::solve::{self, Certificate, Counted, Effort, Options, Solver, unsupported};
+use crate::solve::{self, Certificate, Counted, Effort, Options, Part, Solver, unsupported};
 use crate::source::disk::{Found, inspect};
 use crate::source::shown;
 use crate::{elements, emit};
@@ -131,6 +131,7 @@ struct CertificateSummary<'a> {
     proven: bool,
     nodes: usize,
     seconds: f64,
+    parts: &'a [Part],
     assumed: &'a [String],
 }
 
@@ -353,6 +354,7 @@ fn certificate(c: &Certificate) -> CertificateSummary<'_> {
         proven: c.proven,
         nodes: c.nodes,
         seconds: c.seconds,
+        parts: &c.parts,
         assumed: &c.assumed,
     }
 }
@@ -371,9 +373,11 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
     let mut out = format!("{}\n", summary.layout);
     for stage in &summary.stages {
         let state = match stage.status {
-            solve::Status::Converged => "optimal",
+            solve::Status::Local => "local optimum",
+            solve::Status::BestFound => "best found",
+            solve::Status::Proven => "proven",
             solve::Status::Feasible if summary.cut.is_some() => "feasible, not optimal",
-            solve::Status::Feasible => "feasible, but out of iterations before it was optimal",
+            solve::Status::Feasible => "feasible, but out of iterations before it was a local optimum",
             solve::Status::Infeasible => "NOT FEASIBLE",
             solve::Status::AsWritten => "as written",
         };
@@ -397,7 +401,9 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
             (Some(_), None) => "cheapest",
             (Some(_), Some(_)) => "best",
         };
-        out += &if c.proven {
+        out += &if c.lower_bound_m.or(c.lower_bound_eur) == Some(0.0) && !c.proven {
+            format!("  no bound was found for layouts on this grid ({nodes}); more time or --nodes may give one\n")
+        } else if c.proven {
             format!("  proven {best}: no layout on this grid is {least} ({nodes})\n")
         } else {
             format!("  no layout on this grid is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)

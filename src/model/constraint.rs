@@ -92,3 +92,23 @@ pub enum Formula {
     Smallest(Vec<Formula>),
     Largest(Vec<Formula>),
 }
+
+impl Formula {
+    /// Whether it is a direction, which full turns do not change: headings, with turns and constants added to them or
+    /// taken off.
+    pub fn is_heading(&self) -> bool {
+        match self {
+            Formula::Heading(_) => true,
+            Formula::Negative(inner) => inner.is_heading(),
+            Formula::Sum(terms) => {
+                let fixed = |f: &Formula| match f {
+                    Formula::Constant(_) | Formula::Angle(_) => true,
+                    Formula::Negative(inner) => matches!(**inner, Formula::Constant(_) | Formula::Angle(_)),
+                    _ => false,
+                };
+                terms.iter().any(Formula::is_heading) && terms.iter().all(|f| f.is_heading() || fixed(f))
+            }
+            _ => false,
+        }
+    }
+}

@@ -51,6 +51,13 @@ impl Heights {
         Heights { sections, fillets }
     }
 
+    /// Whether anything may lie higher than something else.
+    pub fn any(&self) -> bool {
+        let all = self.sections.iter().chain(&self.fillets);
+        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), own| (a.min(own.0), b.max(own.1)));
+        high > low
+    }
+
     /// Of a piece of the plan.
     fn of(&self, piece: &Piece) -> (f64, f64) {
         match piece.kind {

@@ -7,7 +7,6 @@ use crate::base::trig;
 use crate::geometry::clearance::{Approach, Feature, NearPiece};
 use crate::geometry::proximity::{self, Meeting};
 use crate::geometry::{Piece, PieceKind, Track};
-use crate::model::Formula;
 use crate::source::Span;
 
 /// Identifies a row from one evaluation to the next.
@@ -175,18 +174,13 @@ impl Problem {
             }
             Function::Formula(f) => {
                 let e = formula::expand(f, measures, &self.signs, &self.places);
-                match f {
-                    // A heading is known up to full turns: the one nearest to what is asked.
-                    Formula::Heading(_) => {
-                        let aim = match (low.is_finite(), high.is_finite()) {
-                            (true, true) => (low + high) / 2.0,
-                            _ => return e,
-                        };
-                        let turned = aim + trig::wrap(e.value - aim) - e.value;
-                        e.shift(turned)
-                    }
-                    _ => e,
+                // A heading is known up to full turns: the one nearest to what is asked.
+                if !(f.is_heading() && low.is_finite() && high.is_finite()) {
+                    return e;
                 }
+                let aim = (low + high) / 2.0;
+                let turned = aim + trig::wrap(e.value - aim) - e.value;
+                e.shift(turned)
             }
         }
     }

@@ -1,5 +1,7 @@
 //! What a search over the catalogue's grid has proven.
 
+use serde::Serialize;
+
 /// A bound that comes so close to the value is a proof, m: rows hold to as much. In EUR it is a tenth of a cent.
 const PROVEN: (f64, f64) = (1e-6, 1e-3);
 
@@ -10,6 +12,17 @@ pub enum Counted {
     Length,
     /// EUR: the price of the pieces before each is rounded to the cent, and so much for each metre, EUR/m.
     Price { metre: f64 },
+}
+
+/// What is proven of one chain of the loop between fixed sections, or of the whole loop where it was searched as one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Part {
+    /// `P3..P8`, from the first vertex that turns to the last; `loop` for the whole.
+    pub chain: String,
+    /// No layout is shorter (m) or cheaper (EUR) that has the other chains as they are.
+    pub lower_bound: f64,
+    pub nodes: usize,
+    pub proven: bool,
 }
 
 /// No layout on the grid is shorter, or cheaper, than this, as far as was searched.
@@ -25,10 +38,17 @@ pub struct Certificate {
     /// Nothing is left between bound and value but the tolerance to which rows hold.
     pub proven: bool,
     pub nodes: usize,
+    /// Chain by chain where fixed sections split the loop.
+    pub parts: Vec<Part>,
     /// Wall time; never in an output file.
     pub seconds: f64,
     /// What the bound takes for granted, in words.
     pub assumed: Vec<String>,
+}
+
+/// What may be left between value and bound of a proof.
+fn enough(counted: Counted) -> f64 {
+    if counted == Counted::Length { PROVEN.0 } else { PROVEN.1 }
 }
 
 impl Certificate {
@@ -36,10 +56,20 @@ impl Certificate {
     pub fn new(counted: Counted, value: f64, lower_bound: f64, nodes: usize, assumed: Vec<String>) -> Self {
         // Before anything was searched it is known that no layout is shorter than nothing, or gets money back.
         let lower_bound = lower_bound.max(0.0).min(value);
-        let enough = if counted == Counted::Length { PROVEN.0 } else { PROVEN.1 };
-        let proven = value - lower_bound <= enough;
+        let proven = value - lower_bound <= enough(counted);
         let gap = if value > 0.0 { (value - lower_bound) / value } else { 0.0 };
-        Certificate { counted, value, lower_bound, gap, proven, nodes, seconds: 0.0, assumed }
+        let whole = Part { chain: "loop".to_owned(), lower_bound, nodes, proven };
+        Certificate { counted, value, lower_bound, gap, proven, nodes, parts: vec![whole], seconds: 0.0, assumed }
+    }
+
+    /// Chains by name, with how far each leaves the value from the best, and nodes; the whole where there are none.
+    pub fn of_chains(&self, chains: impl Iterator<Item = (String, f64, usize)>) -> Vec<Part> {
+        let part = |(chain, gap, nodes): (String, f64, usize)| {
+            let lower_bound = (self.value - gap).max(0.0);
+            Part { chain, lower_bound, nodes, proven: self.value - lower_bound <= enough(self.counted) }
+        };
+        let parts: Vec<Part> = chains.map(part).collect();
+        if parts.is_empty() { self.parts.clone() } else { parts }
     }
 
     /// Of layouts of which some were not looked at.
@@ -61,6 +91,7 @@ impl Certificate {
                 assumed.push(words.clone());
             }
         }
-        *self = Certificate { seconds, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
+        let parts = std::mem::take(&mut self.parts);
+        *self = Certificate { seconds, parts, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
     }
 }

@@ -24,7 +24,7 @@ mod subproblem;
 mod unsupported;
 mod violations;
 
-pub use certificate::{Certificate, Counted};
+pub use certificate::{Certificate, Counted, Part};
 pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Proof, Relaxed, Within, implied};
 pub use exact::{discretise, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};

@@ -9,8 +9,12 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// First-order optimal and feasible to 1e-6.
-    Converged,
+    /// A local optimum, feasible to 1e-6: nothing near it is better.
+    Local,
+    /// The best that a search over the catalogue's grid came by; something better may be left.
+    BestFound,
+    /// Nothing on the catalogue's grid is better, as its certificate has it.
+    Proven,
     /// Feasible, but a limit of iterations or of time came first.
     Feasible,
     /// No feasible layout found; the corners are the least infeasible ones.

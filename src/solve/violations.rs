@@ -39,7 +39,7 @@ pub(super) fn stage(
     let violations = violations(problem, &s.variables, settings.feasibility, |_| true);
     let max_violation = violations.iter().map(|v| v.amount).fold(s.max_violation, f64::max);
     let status = match (max_violation <= settings.feasibility, s.converged) {
-        (true, true) => Status::Converged,
+        (true, true) => Status::Local,
         (true, false) => Status::Feasible,
         _ => Status::Infeasible,
     };

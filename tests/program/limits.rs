@@ -58,7 +58,8 @@ fn a_search_that_was_cut_keeps_its_best_and_says_so() {
     };
     let said = cut(&[]);
     assert!(said.contains("cut: time; this is the best layout so far"), "{said}");
-    assert!(said.contains("no layout on this grid is shorter than 0.000000 m (gap 100.000 %, 0 nodes)"), "{said}");
+    // Every chain has a bound in any case.
+    assert!(said.contains("no layout on this grid is shorter than 1") && !said.contains("gap 100"), "{said}");
     let summary: Value = serde_json::from_str(&cut(&["--format", "json"])).expect("a summary");
     assert_eq!((&summary["cut"], &summary["feasible"]), (&Value::from("time"), &Value::from(true)));
     assert_eq!(summary["certificate"]["proven"], false);

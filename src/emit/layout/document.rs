@@ -271,8 +271,12 @@ pub struct Stage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// First-order optimal and feasible.
-    Converged,
+    /// A local optimum, feasible: nothing near it is better.
+    Local,
+    /// The best that the search over the catalogue's grid came by; something better may be left.
+    BestFound,
+    /// Nothing on the catalogue's grid is better.
+    Proven,
     /// Feasible, but the iteration limit came first.
     Feasible,
     /// No feasible layout was found; this is the least infeasible one.

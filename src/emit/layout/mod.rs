@@ -73,7 +73,9 @@ impl LayoutFile {
 impl From<solve::Status> for Status {
     fn from(status: solve::Status) -> Self {
         match status {
-            solve::Status::Converged => Status::Converged,
+            solve::Status::Local => Status::Local,
+            solve::Status::BestFound => Status::BestFound,
+            solve::Status::Proven => Status::Proven,
             solve::Status::Feasible => Status::Feasible,
             solve::Status::Infeasible => Status::Infeasible,
             solve::Status::AsWritten => Status::AsWritten,

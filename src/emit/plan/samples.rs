@@ -201,7 +201,7 @@ pub fn staged() -> (Compiled, Vec<Corner>) {
         .map(|(name, k)| {
             let corners = pulled(k);
             let length = Track::new(&corners).length;
-            Stage { name, corners, length, status: Status::Converged, ..first.clone() }
+            Stage { name, corners, length, status: Status::Local, ..first.clone() }
         })
         .collect();
     (compiled, written)

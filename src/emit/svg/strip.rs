@@ -216,12 +216,12 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<TitleField>> {
         Some(Status::Infeasible) => "NOT FEASIBLE",
         Some(Status::Feasible) => "feasible, not converged",
         Some(Status::AsWritten) => "as written",
-        Some(Status::Converged) => "optimised, feasible",
+        Some(Status::Local | Status::BestFound | Status::Proven) => "optimised, feasible",
         None => "",
     };
     let fits = compiled.chain_fits();
     let status = match compiled.stages.last().map(|stage| stage.status) {
-        Some(Status::Converged) if !fits => "optimised; chain does not fit",
+        Some(Status::Local | Status::BestFound | Status::Proven) if !fits => "optimised; chain does not fit",
         Some(Status::Feasible) if !fits => "not converged; chain does not fit",
         Some(Status::AsWritten) if !fits => "as written; chain does not fit",
         _ => status,

@@ -16,6 +16,9 @@ use crate::problem::{Keepout, Problem, RowKey};
 use crate::solve::exact::choice::Choice;
 use crate::solve::exact::open::Open;
 
+/// Directions in which a loop is asked for its farthest point.
+const DIRECTIONS: usize = 48;
+
 /// How an arc passes a corner, once that is decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
@@ -67,7 +70,15 @@ impl Decided {
 #[derive(Clone, Debug)]
 pub struct Alternative {
     pub rows: Vec<GridRow>,
+    /// Least and most heading that it leaves to stages.
+    pub headings: Vec<(usize, f64, f64)>,
     pub decided: Option<Decided>,
+}
+
+impl Alternative {
+    fn row(row: GridRow) -> Alternative {
+        Alternative { rows: vec![row], headings: Vec::new(), decided: None }
+    }
 }
 
 /// What to do about a layout that violates a row of its problem.
@@ -198,7 +209,7 @@ impl Beside<'_> {
         let q = keepout.region.polygon.points()[corner];
         let u = Point::unit(grid.origin + heading * grid.step);
         let g = u.left() * -side;
-        let row = |row: GridRow| Alternative { rows: vec![row], decided: None };
+        let row = Alternative::row;
         let touch = vec![Touch { from: stage, to: next, heading, normal: u.left(), pull: g }];
         let low = keepout.distance + g.dot(q);
         let inside = row(GridRow { at: vec![(stage, g)], touch, low, ..GridRow::default() });
@@ -209,54 +220,93 @@ impl Beside<'_> {
         ]))
     }
 
-    /// That a corner lies a distance D inside the loop's tangent of this heading, where it must: it lies within the
-    /// loop, whose farthest point in the direction of the normal has this heading on an arc that turns as the loop
-    /// does, and only these consecutive arcs can have it.
+    /// That a corner lies a distance D inside the loop's tangent of this heading, where only one place can have it.
     fn inside(&self, keepout: &Keepout, corner: usize, heading: f64, open: &Open) -> Option<Alternative> {
-        let (grid, n) = (self.grid, self.grid.len());
-        let winding = open.headings[n][0] - open.headings[0][0];
-        let (sign, circle) = (winding.signum(), f64::from(grid.circle));
-        let side = f64::from(sign);
-        if keepout.region.outside || keepout.region.lies != side || winding.abs() != grid.circle {
+        let side = f64::from(self.encloses(keepout, open)?);
+        let q = keepout.region.polygon.points()[corner];
+        let mut found = self.tangents(side, (q, keepout.distance), heading, open);
+        if found.len() == 1 { found.pop() } else { None }
+    }
+
+    /// The sign of the loop's turns, if it goes around once and a region lies within it.
+    fn encloses(&self, keepout: &Keepout, open: &Open) -> Option<i32> {
+        let winding = open.headings[self.grid.len()][0] - open.headings[0][0];
+        let sign = winding.signum();
+        // A loop that passes over itself may have anything on either side.
+        if self.problem.heights.any() {
             return None;
         }
-        let q = keepout.region.polygon.points()[corner];
+        let within = !keepout.region.outside && keepout.region.lies == f64::from(sign);
+        (within && winding.abs() == self.grid.circle).then_some(sign)
+    }
+
+    /// What lies within the loop lies inside its tangent of every heading. The loop's farthest point in the direction of
+    /// the normal has this heading, on an arc that turns as the loop does or on the section of known heading: one
+    /// alternative for each run of arcs that can have it. Of all directions on offer the one that values miss most.
+    pub fn enclose(&self, open: &Open, value: &dyn Fn(&GridRow) -> f64, least: f64) -> Option<Vec<Alternative>> {
+        let mut worst: Option<(f64, Vec<Alternative>)> = None;
+        let within: Vec<(&Keepout, i32)> =
+            self.problem.keepouts.iter().filter_map(|k| Some((k, self.encloses(k, open)?))).collect();
+        let side = f64::from(within.first()?.1);
+        for k in 0..DIRECTIONS {
+            let heading = f64::from(self.grid.circle) * k as f64 / DIRECTIONS as f64;
+            let g = Point::unit(self.grid.origin + heading * self.grid.step).left() * -side;
+            let points = within.iter().flat_map(|(k, _)| k.region.polygon.points().iter().map(|q| (*q, k.distance)));
+            let farthest = points.max_by(|a, b| (a.1 + g.dot(a.0)).total_cmp(&(b.1 + g.dot(b.0))))?;
+            let alternatives = self.tangents(side, farthest, heading, open);
+            let miss = |a: &Alternative| a.rows.iter().map(|row| row.low - value(row)).fold(0.0, f64::max);
+            let missed = alternatives.iter().map(miss).fold(f64::INFINITY, f64::min);
+            // Few places tell more than many.
+            let weight = missed / (alternatives.len() * alternatives.len()).max(1) as f64;
+            if missed.is_finite() && missed > least && worst.as_ref().is_none_or(|w| weight > w.0) {
+                worst = Some((weight, alternatives));
+            }
+        }
+        worst.map(|w| w.1)
+    }
+
+    /// That a point lies a distance inside the loop's tangent of a heading, wherever the loop may have that.
+    fn tangents(&self, side: f64, (q, distance): (Point, f64), heading: f64, open: &Open) -> Vec<Alternative> {
+        let (grid, n) = (self.grid, self.grid.len());
+        let circle = f64::from(grid.circle);
         let u = Point::unit(grid.origin + heading * grid.step);
         let g = u.left() * -side;
-        let low = keepout.distance + g.dot(q);
-        let first = f64::from(open.headings[0][0]);
-        if (((heading - first) / circle).round() * circle + first - heading).abs() < 1e-9 {
-            // The tangent is the section of known heading.
-            return Some(Alternative {
-                rows: vec![GridRow { at: vec![(0, g)], low, ..GridRow::default() }],
-                decided: None,
-            });
+        let low = distance + g.dot(q);
+        let mut out = Vec::new();
+        let ends = [open.headings[0][0], open.headings[n][0]].map(f64::from);
+        let is_known = (((heading - ends[0]) / circle).round() * circle + ends[0] - heading).abs() < 1e-9;
+        if is_known {
+            out.push(Alternative::row(GridRow { at: vec![(0, g)], low, ..GridRow::default() }));
         }
-        let mut found: Option<(usize, usize, f64)> = None;
-        for k in (1..=n).filter(|k| grid.signs[k % n] == sign) {
-            let ends = [&open.headings[k - 1], &open.headings[k]].map(|h| (h[0], h[h.len() - 1]));
-            let (low, high) = (f64::from(ends[0].0.min(ends[1].0)), f64::from(ends[0].1.max(ends[1].1)));
-            let copy = heading + ((low - heading) / circle).ceil() * circle;
-            if copy > high {
-                continue;
-            }
-            found = match found {
-                None => Some((k, k, copy)),
-                Some((from, to, known)) if to + 1 == k && (known - copy).abs() < 1e-9 => Some((from, k, known)),
-                Some(_) => return None,
-            };
-            if copy + circle <= high {
-                return None;
+        // Runs of arcs, each with the heading as it counts there.
+        let mut runs: Vec<(usize, usize, f64)> = Vec::new();
+        for k in (1..=n).filter(|k| f64::from(grid.signs[k % n]) == side) {
+            let (before, after) = (&open.headings[k - 1], &open.headings[k]);
+            let least = before[0].min(after[0]);
+            let most = before[before.len() - 1].max(after[after.len() - 1]);
+            let mut copy = heading + ((f64::from(least) - heading) / circle).ceil() * circle;
+            while copy <= f64::from(most) {
+                // The arcs at the ends of the section of known heading have it where they meet that.
+                let meets = (k == 1 && (copy - ends[0]).abs() < 1e-9) || (k == n && (copy - ends[1]).abs() < 1e-9);
+                if !meets {
+                    match runs.iter_mut().find(|(_, to, own)| to + 1 == k && (*own - copy).abs() < 1e-9) {
+                        Some((_, to, _)) => *to = k,
+                        None => runs.push((k, k, copy)),
+                    }
+                }
+                copy += circle;
             }
         }
-        let (from, to, heading) = found?;
-        let touch = Touch { from, to, heading, normal: u.left(), pull: g };
-        let before = open.headings[from - 1].iter().all(|&h| side * (f64::from(h) - heading) <= 0.0);
-        let behind = open.headings[to].iter().all(|&h| touch.passed(h, sign));
-        (before && behind).then(|| Alternative {
-            rows: vec![GridRow { at: vec![(from % n, g)], touch: vec![touch], low, ..GridRow::default() }],
-            decided: None,
-        })
+        out.extend(runs.into_iter().map(|(from, to, heading)| {
+            let touch = vec![Touch { from, to, heading, normal: u.left(), pull: g }];
+            let row = GridRow { at: vec![(from % n, g)], touch, low, ..GridRow::default() };
+            let up_to = (f64::NEG_INFINITY, heading + 1e-9);
+            let from_on = (heading - 1e-9, f64::INFINITY);
+            let (before, after) = if side > 0.0 { (up_to, from_on) } else { (from_on, up_to) };
+            let headings = vec![(from - 1, before.0, before.1), (to, after.0, after.1)];
+            Alternative { headings, ..Alternative::row(row) }
+        }));
+        out
     }
 
     fn straight(
@@ -275,7 +325,7 @@ impl Beside<'_> {
         let u = self.grid.unit(choice.headings[stage]);
         let side = u.left() * keepout.region.lies;
         let at = |k: usize, g: Point| vec![(k, g)];
-        let row = |row: GridRow| Alternative { rows: vec![row], decided: None };
+        let row = Alternative::row;
         let mut out =
             vec![row(GridRow { at: at(stage, -side), low: keepout.distance - side.dot(q), ..GridRow::default() })];
         let sign = self.grid.signs[stage];
@@ -314,9 +364,10 @@ impl Beside<'_> {
         }
         let w = from * (1.0 / from.norm());
         let decide = |way| Some(Decided { keepout, corner, what: What::Arc(stage, way) });
-        let inner = || Alternative { rows: vec![arc.inner(w, q, rules.distance)], decided: decide(Way::Inner) };
+        let inner = || Alternative { decided: decide(Way::Inner), ..Alternative::row(arc.inner(w, q, rules.distance)) };
         let outer = |a: f64, b: f64| Alternative {
             rows: arc.outer(a, b, q, rules.distance),
+            headings: Vec::new(),
             decided: decide(Way::Outer(a, b)),
         };
         let way = |d: &Decided| match d.what {
@@ -369,7 +420,7 @@ fn past(
     both.into_iter()
         .zip(rows)
         .filter(|((_, opposite), _)| !known.contains(opposite))
-        .map(|((decided, _), row)| Alternative { rows: vec![row], decided: Some(decided) })
+        .map(|((decided, _), row)| Alternative { decided: Some(decided), ..Alternative::row(row) })
 }
 
 /// Whether a known layout has a corner beside this piece, on the side where it should not be.
@@ -459,7 +510,7 @@ fn edge_rows(arc: &Arc, keepout: &Keepout, edge: usize) -> Option<Vec<Alternativ
     if let Some(depth) = depth(region, edge, along, foot + low, foot + high) {
         rows.push(arc.centre(-e.normal, 1.0, depth - e.normal.dot(e.begin)));
     }
-    Some(rows.into_iter().map(|row| Alternative { rows: vec![row], decided: None }).collect())
+    Some(rows.into_iter().map(Alternative::row).collect())
 }
 
 /// How far behind an edge, over this range, the outline comes first, m.

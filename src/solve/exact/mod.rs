@@ -18,6 +18,7 @@ mod parts;
 mod row;
 mod search;
 mod tariff;
+mod touched;
 
 pub use tariff::worth;
 
@@ -101,6 +102,11 @@ pub fn discretise(
     // Converted to EUR, a bound is rounded once more.
     let bound = if aim == Aim::Length { found.bound } else { found.bound * unit * (1.0 - 4.0 * f64::EPSILON) };
     let mut certificate = Certificate::new(counted, found.value * unit, bound, found.nodes, assumed);
+    let name = |stage: usize| layout.vertices[grid.vertex(stage % grid.len())].name.as_str();
+    certificate.parts = certificate.of_chains(found.parts.iter().map(|chain| {
+        let chain_name = format!("{}..{}", name(chain.from), name(chain.to));
+        (chain_name, chain.gap * unit, chain.nodes)
+    }));
     certificate.seconds = clock.elapsed().as_secs_f64();
     let at = problem.evaluate(&variables, 0.0);
     let solution = Solution {
@@ -180,7 +186,7 @@ impl Task<'_> {
             });
         }
         let (variables, value) = self.cheapest.take().map_or((None, f64::INFINITY), |(x, worth)| (Some(x), worth));
-        Found { variables, value, bound: bound.min(value), nodes }
+        Found { variables, value, bound: bound.min(value), nodes, parts: Vec::new() }
     }
 
     /// The best layout, whether or not its chain closes: chain by chain where that is wanted.
@@ -235,9 +241,10 @@ impl Task<'_> {
             (x, length)
         });
         // Without a layout that closes, the one that does not is shown, and said not to close.
-        let open = Found { variables: Some(x), value: any.value, bound: any.bound, nodes: any.nodes };
+        let (nodes, parts) = (any.nodes, Vec::new());
+        let open = Found { variables: Some(x), value: any.value, bound: any.bound, nodes, parts: any.parts };
         if best.as_ref().is_some_and(|b| b.1 - bound <= 1e-6) || !(grid.held || offset::turns_freely(self.problem)) {
-            return best.map_or(open, |(x, value)| Found { variables: Some(x), value, bound, nodes: any.nodes });
+            return best.map_or(open, |(x, value)| Found { variables: Some(x), value, bound, nodes, parts });
         }
         let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
         let (mut setting, _) = self.setting(self.problem, grid, best.as_ref(), (Detail::Envelope, &value));

@@ -8,6 +8,7 @@
 use super::grid::Grid;
 use super::row::{GridRow, Touch};
 use super::tariff::Tariff;
+use super::touched::Touched;
 use crate::geometry::Point;
 use crate::solve::exact::choice::Choice;
 use crate::solve::exact::open::Open;
@@ -31,8 +32,12 @@ struct Prices {
     into: Vec<Point>,
     out: Vec<Point>,
     normal: Vec<Point>,
-    /// By stage 0..=n of what they speak of.
-    touch: Vec<Vec<Touch>>,
+    /// On arcs, by stage 1..=n, and on straights, by stage; sizes of pulls on either.
+    arcs: Vec<Touched>,
+    straights: Vec<Touched>,
+    pulled: Vec<f64>,
+    /// How many touches there are at the stage that has most.
+    touches: usize,
     /// On the first vertex.
     first: Point,
     /// Σ y b
@@ -42,7 +47,8 @@ struct Prices {
 }
 
 impl Prices {
-    fn new(n: usize, rows: &[GridRow], y: &[f64]) -> Self {
+    fn new(grid: &Grid, rows: &[GridRow], y: &[f64]) -> Self {
+        let n = grid.len();
         let zero = vec![Point::default(); n];
         let mut p = Prices {
             section: zero.clone(),
@@ -52,12 +58,16 @@ impl Prices {
             into: zero.clone(),
             out: zero.clone(),
             normal: zero,
-            touch: vec![Vec::new(); n + 1],
+            arcs: Vec::new(),
+            straights: Vec::new(),
+            pulled: vec![0.0; n + 1],
+            touches: 0,
             first: Point::default(),
             constant: 0.0,
             size: 0.0,
         };
         let mut pulls = vec![Point::default(); n + 1];
+        let mut touches: Vec<Vec<Touch>> = vec![Vec::new(); n + 1];
         for (row, &y) in rows.iter().zip(y).filter(|(_, y)| **y != 0.0) {
             row.at.iter().for_each(|&(k, g)| pulls[k] = pulls[k] - g * y);
             row.straight.iter().for_each(|&(k, a)| p.straight[k] -= a * y);
@@ -68,7 +78,7 @@ impl Prices {
             row.normal.iter().for_each(|&(k, g)| p.normal[k] = p.normal[k] - g * y);
             for t in &row.touch {
                 let priced = Touch { pull: -(t.pull * y), ..*t };
-                (t.from..=t.to).for_each(|k| p.touch[k].push(priced));
+                (t.from..=t.to).for_each(|k| touches[k].push(priced));
             }
             p.constant += row.low * y;
             p.size += (row.low * y).abs();
@@ -79,6 +89,15 @@ impl Prices {
             p.section[k] = ahead;
         }
         p.first = ahead + pulls[0];
+        let size = |t: &Touch| t.pull.x.abs() + t.pull.y.abs();
+        for (k, touches) in touches.into_iter().enumerate() {
+            p.pulled[k] = touches.iter().map(size).sum();
+            p.touches = p.touches.max(touches.len());
+            let along = touches.iter().filter(|t| t.from <= k && k < t.to).copied().collect();
+            let sign = touches.first().map_or(1, |t| grid.signs[t.from % n]);
+            p.straights.push(Touched::new(along, k, sign));
+            p.arcs.push(Touched::new(touches, k, sign));
+        }
         p
     }
 }
@@ -97,10 +116,10 @@ pub struct Dual {
 /// Minimises over all that is open. `None` when no headings fit together.
 pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[GridRow], y: &[f64]) -> Option<Dual> {
     let n = grid.len();
-    let p = Prices::new(n, rows, y);
+    let p = Prices::new(grid, rows, y);
     let straight = |k: usize, h: i32| {
         let u = grid.unit(h);
-        let touched = p.touch[k].iter().map(|t| t.straight(k, grid.signs[t.from % n], (h, u))).sum::<f64>();
+        let touched = p.straights[k].straight(h, u);
         let price = limits.tariff.straight[k] + p.straight[k] + p.length[k] + p.section[k].dot(u) + touched;
         if let Some(hull) = open.hulls.get(k) {
             let total = |v: &(f64, f64)| (price * v.0 + v.1, v.0);
@@ -114,8 +133,11 @@ pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[GridRow], y: 
     let first = Point::new(corner(p.first.x, low.x, high.x), corner(p.first.y, low.y, high.y));
     let constant = p.constant + p.first.dot(first);
 
+    let own = |k: usize| open.headings[k].iter().map(|&h| if k == n { 0.0 } else { straight(k, h).0 }).collect();
+    let own: Vec<Vec<f64>> = (0..=n).map(own).collect();
+
     // Forward, with the vertex (section) before as parent.
-    let mut reach: Vec<Vec<f64>> = vec![vec![straight(0, open.headings[0][0]).0]];
+    let mut reach: Vec<Vec<f64>> = vec![vec![own[0][0]]];
     let mut from: Vec<Vec<(usize, f64)>> = vec![vec![(0, 0.0)]];
     let mut steps: Vec<Vec<Edge>> = Vec::with_capacity(n);
     for k in 1..=n {
@@ -127,8 +149,7 @@ pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[GridRow], y: 
                 best[edge.to] = (total, edge.from, edge.radius);
             }
         }
-        let own = |h: i32| if k == n { 0.0 } else { straight(k, h).0 };
-        reach.push(best.iter().zip(&open.headings[k]).map(|(b, &h)| b.0 + own(h)).collect());
+        reach.push(best.iter().zip(&own[k]).map(|(b, own)| b.0 + own).collect());
         from.push(best.iter().map(|b| (b.1, b.2)).collect());
         steps.push(edges);
     }
@@ -141,8 +162,7 @@ pub fn minimise(grid: &Grid, limits: &Limits, open: &Open, rows: &[GridRow], y: 
     rest[n][0] = 0.0;
     for k in (1..=n).rev() {
         for edge in &steps[k - 1] {
-            let own = if k == n { 0.0 } else { straight(k, open.headings[k][edge.to]).0 };
-            let total = edge.cost + own + rest[k][edge.to];
+            let total = edge.cost + own[k][edge.to] + rest[k][edge.to];
             if total < rest[k - 1][edge.from] {
                 rest[k - 1][edge.from] = total;
             }
@@ -192,6 +212,11 @@ fn edges(grid: &Grid, tariff: &Tariff, open: &Open, p: &Prices, k: usize) -> Vec
         })
         .collect();
     let leaving: Vec<f64> = open.headings[k].iter().map(|&h| after.dot(grid.unit(h))).collect();
+    let touched = &p.arcs[k];
+    let touch = |list: &[i32]| -> Vec<(usize, Point)> {
+        if touched.len() == 0 { Vec::new() } else { list.iter().map(|&h| (touched.passed(h), grid.unit(h))).collect() }
+    };
+    let (into, out_of) = (touch(&open.headings[k - 1]), touch(&open.headings[k]));
     let mut out = Vec::new();
     let (least, most) = grid.turns[v];
     let sign = grid.signs[v];
@@ -204,8 +229,8 @@ fn edges(grid: &Grid, tariff: &Tariff, open: &Open, p: &Prices, k: usize) -> Vec
             }
             let (angle, tangent) = grid.turn(t - h);
             let mut price = tariff.arc[v] * angle + entering[from].1 + tangent * (entering[from].0 + leaving[to]);
-            for touch in &p.touch[k] {
-                let (along, across) = touch.arc(k, sign, (h, grid.unit(h)), (t, grid.unit(t)));
+            if touched.len() > 0 {
+                let (along, across) = touched.arc(into[from], out_of[to]);
                 price += tangent * along + across;
             }
             let radius = if price >= 0.0 { low } else { high };
@@ -216,14 +241,14 @@ fn edges(grid: &Grid, tariff: &Tariff, open: &Open, p: &Prices, k: usize) -> Vec
     out
 }
 
-/// More than floating-point arithmetic can have added to a bound: every sum has at most 32 + 4n roundings, each of at
-/// most half an ulp of the sum of absolute values (Higham 2002, §4.2); unit vectors and tangents are good to 4 ulps.
+/// More than floating-point arithmetic can have added to a bound: every sum has at most 32 + 4n roundings, and four more
+/// for each touch of a stage, each of at most half an ulp of the sum of absolute values (Higham 2002, §4.2); unit vectors and tangents are good to 4 ulps.
 fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -> f64 {
     let n = grid.len();
     let size = |g: Point| g.x.abs() + g.y.abs();
     let mut total = p.size + size(p.first) * (first.x.abs() + first.y.abs());
     for k in 0..n {
-        let touched = |k: usize| p.touch[k].iter().map(|t| size(t.pull)).sum::<f64>();
+        let touched = |k: usize| p.pulled[k];
         let tariff = &limits.tariff;
         let price = tariff.straight[k] + p.straight[k].abs() + p.length[k].abs() + size(p.section[k]) + touched(k);
         total += price * limits.straights[k].1.abs().max(limits.straights[k].0.abs());
@@ -239,5 +264,5 @@ fn margin(grid: &Grid, limits: &Limits, open: &Open, p: &Prices, first: Point) -
         let turning = tangent * (turning + lengths) + touching;
         total += radius * (tariff.arc[k] * angle + p.radius[k].abs() + size(p.normal[k]) + turning);
     }
-    f64::EPSILON * (32.0 + 4.0 * n as f64) * total
+    f64::EPSILON * (32.0 + 4.0 * n as f64 + 4.0 * p.touches as f64) * total
 }

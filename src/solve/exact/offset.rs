@@ -101,7 +101,7 @@ pub fn search(
         heap.push(Interval { bound, low: interval.low, high: middle });
         heap.push(Interval { bound, low: middle, high: interval.high });
     }
-    Found { bound: left.min(best.1), variables: Some(best.0), value: best.1, nodes }
+    Found { bound: left.min(best.1), variables: Some(best.0), value: best.1, nodes, parts: Vec::new() }
 }
 
 /// The problem with everything that depends on the offset relaxed by a displacement, m.

@@ -6,7 +6,7 @@
 
 use super::grid::Grid;
 use super::row::{GridRow, Stated};
-use super::search::{FEASIBLE, Found, Setting, search as whole};
+use super::search::{Chain, FEASIBLE, Found, Setting, search as whole};
 use crate::solve::exact::grid::track;
 use crate::solve::exact::open::place;
 
@@ -29,7 +29,7 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
     let effort = setting.effort;
     let value = setting.value;
     let mut best = (incumbent.0.clone(), value(&released, &incumbent.0));
-    let (mut gap, mut nodes) = (0.0, 0);
+    let (mut parts, mut nodes): (Vec<Chain>, usize) = (Vec::new(), 0);
     let mut held = held;
     for (i, &pin) in pins.iter().enumerate() {
         // Vertices pin + 1 ..= end turn, the sections between them are free.
@@ -55,10 +55,10 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
         }
         setting.limits.tariff.open(&mut open);
         setting.open = open;
-        setting.effort.nodes = effort.nodes.saturating_sub(nodes);
+        setting.effort.nodes = share(effort.nodes.saturating_sub(nodes), pins.len() - i);
         let found = whole(&setting, Some(best.clone()));
         nodes += found.nodes;
-        gap += (found.value - found.bound).max(0.0);
+        parts.push(Chain { from: pin + 1, to: end, gap: (found.value - found.bound).max(0.0), nodes: found.nodes });
         if let Some(x) = found.variables {
             best = (x, found.value);
         }
@@ -67,11 +67,11 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
             None => break,
         }
     }
-    let bound = best.1 - gap - 1e-9;
+    let bound = best.1 - parts.iter().map(|part| part.gap).sum::<f64>() - 1e-9;
     let at = setting.problem.evaluate(&best.0, 0.0);
     let sound = at.rows.iter().all(|r| r.violation() <= FEASIBLE) && setting.problem.crossings(&at.track).is_empty();
     if sound {
-        return Found { variables: Some(best.0), value: best.1, bound, nodes };
+        return Found { variables: Some(best.0), value: best.1, bound, nodes, parts };
     }
     (setting.open, setting.limits.straights, setting.coupled, setting.effort) = (full, limits, None, effort);
     setting.limits.tariff = tariff;
@@ -80,6 +80,12 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
     found.bound = found.bound.max(bound);
     found.nodes += nodes;
     found
+}
+
+/// Nodes of a chain, of those that are left for it and the others behind it: half of what would be theirs is kept for
+/// them.
+fn share(left: usize, chains: usize) -> usize {
+    left - left / 2 * (chains - 1) / chains
 }
 
 /// Whether there is more than one chain.

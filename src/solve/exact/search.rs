@@ -70,6 +70,19 @@ pub struct Found {
     /// Rigorous, in the same units.
     pub bound: f64,
     pub nodes: usize,
+    /// Of chains that were searched apart; none where the whole was.
+    pub parts: Vec<Chain>,
+}
+
+/// How the search of one chain of a loop ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Chain {
+    /// Its vertices by stage, from the first that turns on; beyond the last stage they go on at the first.
+    pub from: usize,
+    pub to: usize,
+    /// How far the loop may be from the best, as far as this chain is concerned, in the tariff's units.
+    pub gap: f64,
+    pub nodes: usize,
 }
 
 struct Node {
@@ -128,14 +141,16 @@ pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
             search.left = search.left.min(node.bound);
             break;
         }
-        if nodes >= setting.effort.nodes || setting.stop.now() {
+        // The first node's bound is known in any case.
+        if nodes > 0 && (nodes >= setting.effort.nodes || setting.stop.now()) {
             search.left = search.left.min(node.bound);
             break;
         }
         nodes += 1;
         search.expand(node);
     }
-    Found { bound: search.left.min(search.value), variables: search.best, value: search.value, nodes }
+    let bound = search.left.min(search.value);
+    Found { bound, variables: search.best, value: search.value, nodes, parts: Vec::new() }
 }
 
 struct Search<'a> {
@@ -240,6 +255,10 @@ impl Search<'_> {
         close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let value =
             |row: &GridRow| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
+        if let Some(alternatives) = self.setting.beside.enclose(&node.open, &value, EARLY) {
+            self.branch(node, alternatives);
+            return true;
+        }
         for (key, violation) in close {
             let Some(Remedy::Split(alternatives)) = self.setting.beside.early(key, &node.open, &at.track) else {
                 continue;
@@ -260,6 +279,9 @@ impl Search<'_> {
         let fixed = &self.setting.fixed;
         for alternative in alternatives {
             self.push(node, |c| {
+                for (k, least, most) in &alternative.headings {
+                    c.open.headings[*k].retain(|h| (*least..=*most).contains(&f64::from(*h)));
+                }
                 c.rows.extend(alternative.rows.into_iter().map(|mut row| {
                     row.low -= row.anchor(fixed);
                     row
@@ -336,6 +358,11 @@ impl Search<'_> {
     /// The relaxation is a layout: accept it, or branch on what it lacks.
     fn settle(&mut self, node: Node, choice: Choice) {
         let (grid, problem) = (self.setting.grid, self.setting.problem);
+        let vertices = choice.vertices(grid);
+        let value = |row: &GridRow| choice.value(grid, row, &vertices);
+        if let Some(alternatives) = self.setting.beside.enclose(&node.open, &value, EARLY) {
+            return self.branch(&node, alternatives);
+        }
         let x = variables(grid, &choice);
         let at = problem.evaluate(&x, 0.0);
         let mut violated: Vec<(RowKey, f64)> = at
