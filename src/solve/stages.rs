@@ -295,8 +295,8 @@ mod tests {
         // The best of stage 3 takes thousands of nodes; any will do here.
         let effort = Effort { nodes: 50, ..Effort::default() };
         let stages = solve(&layout, &Options { effort, ..Options::default() }, &quiet);
-        for stage in &stages {
-            assert_eq!(stage.status, Status::Local, "{} {:?}", stage.name, stage.violations);
+        for (stage, status) in stages.iter().zip([Status::Local, Status::Local, Status::BestFound]) {
+            assert_eq!(stage.status, status, "{} {:?}", stage.name, stage.violations);
         }
         let track = Track::new(&stages[1].corners);
         let nearest = crate::geometry::band_overlaps(&track, 3.0).iter().map(|o| o.2).fold(f64::INFINITY, f64::min);
@@ -311,7 +311,7 @@ mod tests {
         layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row: PlaceRow { place, every: 1.25, count: 9 } }];
         let stages = solve(&layout, &Options::default(), &quiet);
         let track = Track::new(&stages[2].corners);
-        assert_eq!(stages[2].status, Status::Local);
+        assert_eq!(stages[2].status, Status::Proven);
         assert!((track.straight(2).length - 11.0).abs() < 1e-6, "{}", track.straight(2).length);
     }
 
