@@ -2,7 +2,7 @@
 
 use super::coverage::Coverage;
 use super::hum::{Hum, take_off};
-use super::steady::{Steady, running, steady};
+use super::steady::{running, steady};
 use crate::base::trig;
 use crate::chain_input::Simulation;
 use crate::identify::accumulator::Samples;
@@ -91,21 +91,19 @@ impl Measured {
             Some(speeds) => travelled(run, speeds, &place.edges, lap),
             None => place.s.iter().map(|s| s - run.sidecar.trigger_position).collect(),
         };
-        let passing = pitch / run.sidecar.speed_setpoint;
-        let steady = speeds.as_deref().and_then(|v| steady(&run.time, v, run.sidecar.speed_setpoint, passing));
-        if let Some(steady) = &steady {
-            let drop = |samples: &mut Vec<f64>| {
-                let all = samples.iter_mut().zip(&steady.kept);
-                all.filter(|(_, kept)| !**kept).for_each(|(x, _)| *x = f64::NAN);
-            };
-            forces.iter_mut().for_each(drop);
-            speeds.iter_mut().for_each(drop);
-        }
+        let set = run.sidecar.speed_setpoint;
+        let steady = speeds.as_deref().and_then(|v| steady(&run.time, v, set, pitch / set));
         let duration = run.duration();
-        let unsteady = steady.as_ref().map_or(0.0, |steady| {
-            duration * steady.kept.iter().filter(|kept| !**kept).count() as f64 / steady.kept.len() as f64
-        });
-        let (laps, time) = laps(run, &place.edges, steady.as_ref());
+        let mut unsteady = 0.0;
+        if let Some(kept) = &steady {
+            let leave_out = |samples: &mut Vec<f64>| {
+                samples.iter_mut().zip(kept).filter(|(_, kept)| !**kept).for_each(|(x, _)| *x = f64::NAN);
+            };
+            forces.iter_mut().for_each(leave_out);
+            speeds.iter_mut().for_each(leave_out);
+            unsteady = duration * kept.iter().filter(|kept| !**kept).count() as f64 / kept.len() as f64;
+        }
+        let (laps, time) = laps(run, &place.edges, steady.as_deref());
         let speed = if laps > 0 {
             let speed = laps as f64 * lap / time;
             Some((speed, speed * 1.5 / run.rate() / time))
@@ -156,13 +154,14 @@ impl Measured {
 }
 
 /// How many laps between edges of the trigger are steady, and how long they took, s.
-fn laps(run: &Run, edges: &[f64], steady: Option<&Steady>) -> (usize, f64) {
+fn laps(run: &Run, edges: &[f64], steady: Option<&[bool]>) -> (usize, f64) {
+    let Some(kept) = steady else {
+        let time = edges.last().zip(edges.first()).map_or(0.0, |(last, first)| last - first);
+        return (edges.len().saturating_sub(1), time);
+    };
     let at = |t: f64| run.time.partition_point(|x| *x < t);
-    let is_steady = |lap: &&[f64]| steady.is_none_or(|s| s.kept[at(lap[0])..at(lap[1])].iter().all(|kept| *kept));
-    match (edges, steady) {
-        ([first, .., last], None) => (edges.len() - 1, last - first),
-        _ => edges.windows(2).filter(is_steady).fold((0, 0.0), |(n, time), lap| (n + 1, time + lap[1] - lap[0])),
-    }
+    let is_steady = |lap: &&[f64]| kept[at(lap[0])..at(lap[1])].iter().all(|kept| *kept);
+    edges.windows(2).filter(is_steady).fold((0, 0.0), |(n, time), lap| (n + 1, time + lap[1] - lap[0]))
 }
 
 /// Of what is not lost.

@@ -32,6 +32,7 @@ pub mod static_test;
 mod steady;
 pub mod stiffness;
 pub mod study;
+mod sums;
 mod words;
 
 pub use effort::{Counter, Effort};

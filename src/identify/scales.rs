@@ -9,6 +9,7 @@
 //! steps that keep them positive (Févotte, Bertin and Durrieu 2009).
 
 use super::noise::{DRIFTS, Grid, Noise, PROCESSES, Process, mean_variance};
+use super::sums::Sums;
 use crate::base::trig;
 
 /// Shortest time over which means are taken, samples.
@@ -256,8 +257,8 @@ fn differences(grid: &Grid, difference: &[f32], simulated: &[Vec<f32>], first: i
         let at = |k: usize| one[(first + k as i64).rem_euclid(places as i64) as usize];
         (0..known.len()).map(|k| if known[k] { at(k) } else { f32::NAN }).collect()
     };
-    let simulated: Vec<Sums> = simulated.iter().map(|one| Sums::new(&alike(one))).collect();
-    let measured = Sums::new(difference);
+    let simulated: Vec<Sums> = simulated.iter().map(|one| Sums::new(alike(one).into_iter().map(f64::from))).collect();
+    let measured = Sums::new(difference.iter().copied().map(f64::from));
     let length = difference.iter().filter(|x| x.is_finite()).count() as f64;
     let mut out = Vec::new();
     let mut over = SHORTEST;
@@ -303,7 +304,7 @@ fn quiet(measured: &Sums, simulated: &[Sums], over: usize, places: usize) -> (Op
     let kept = |k: usize| chaos[k] <= most;
     let usual = mean((0..chaos.len()).filter(|k| kept(*k)).map(|k| chaos[k]));
     let (mut sum, mut count) = (0.0, 0.0);
-    for lap in (0..measured.sums.len()).step_by(places.max(1)) {
+    for lap in (0..measured.samples()).step_by(places.max(1)) {
         for k in (0..chaos.len()).filter(|k| kept(*k)) {
             if let Some(square) = measured.allan(lap + k * step, over) {
                 (sum, count) = (sum + square, count + 1.0);
@@ -405,42 +406,6 @@ impl Sum {
             0.5 * moment.degrees * (trig::ln(predicted) + moment.measured / predicted)
         };
         moments.iter().map(one).sum()
-    }
-}
-
-/// Sums up to each sample, from which means over any time follow.
-struct Sums {
-    sums: Vec<f64>,
-    known: Vec<u32>,
-}
-
-impl Sums {
-    fn new(values: &[f32]) -> Sums {
-        let (mut sums, mut known) = (vec![0.0], vec![0]);
-        let (mut sum, mut count) = (0.0, 0);
-        for x in values {
-            if x.is_finite() {
-                sum += f64::from(*x);
-                count += 1;
-            }
-            sums.push(sum);
-            known.push(count);
-        }
-        Sums { sums, known }
-    }
-
-    /// Mean from one sample up to another, where all are known but a few.
-    fn mean(&self, from: usize, to: usize) -> Option<f64> {
-        let known = f64::from(self.known[to] - self.known[from]);
-        (known >= 0.95 * (to - from) as f64).then(|| (self.sums[to] - self.sums[from]) / known)
-    }
-
-    /// Half the square of the difference of two neighbouring means.
-    fn allan(&self, from: usize, over: usize) -> Option<f64> {
-        let end = from + 2 * over;
-        let fits = end < self.sums.len();
-        let (a, b) = (fits.then(|| self.mean(from, from + over))??, self.mean(from + over, end)?);
-        Some(0.5 * (b - a) * (b - a))
     }
 }
 

@@ -51,11 +51,10 @@ impl Heights {
         Heights { sections, fillets }
     }
 
-    /// Whether anything may lie higher than something else.
-    pub fn any(&self) -> bool {
-        let all = self.sections.iter().chain(&self.fillets);
-        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), own| (a.min(own.0), b.max(own.1)));
-        high > low
+    /// Whether everything lies at one height.
+    pub fn is_flat(&self) -> bool {
+        let mut all = self.sections.iter().chain(&self.fillets);
+        all.next().is_none_or(|first| first.0 == first.1 && all.all(|own| own == first))
     }
 
     /// Of a piece of the plan.

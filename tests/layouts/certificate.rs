@@ -133,16 +133,18 @@ fn the_shortest_straight_is_kept() {
     assert!((stage.length - (4.0 * 1.5 + 6.0 * std::f64::consts::PI)).abs() < 1e-6, "{}", stage.length);
 }
 
+/// A layout of the standard catalogue.
+fn standard(lines: &str) -> Layout {
+    layout(&format!(
+        "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout a {{\n  catalog standard\n  \
+         cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n{lines}\n  optimise length\n}}\n"
+    ))
+}
+
 /// A loop that goes around two obstacles and has a third one in its mouth; nothing but one direction is fixed.
 fn notch() -> Layout {
-    let text = "use std.carts.tilt_tray
-    use std.tracks.standard
-    layout notch {
-        catalog standard
-        cart tilt_tray(length: 1250 mm)
-        speed 2 m/s
-        width 1.2 m
-        vertex A (0 m, 0 m) radius 4 m
+    standard(
+        "vertex A (0 m, 0 m) radius 4 m
         vertex B (50 m, 0 m) radius 4 m
         vertex C (50 m, 32 m) radius 4 m
         vertex D (34 m, 32 m) radius 4 m
@@ -156,10 +158,8 @@ fn notch() -> Layout {
         pass west left
         pass east left
         pass mouth right
-        fix rotation E..F
-        optimise length
-    }";
-    layout(text)
+        fix rotation E..F",
+    )
 }
 
 /// No rope around both obstacles is shorter than their convex hull at half a width, 2 (38 m + 4 m) + 2π 0.6 m. The
@@ -190,23 +190,16 @@ fn thesis10_with_one_fixed_section_is_proven() {
 /// A direction is the same after a full turn, in a difference of two as well.
 #[test]
 fn headings_are_compared_up_to_full_turns() {
-    let text = "use std.carts.tilt_tray
-    use std.tracks.standard
-    layout opposite {
-        catalog standard
-        cart tilt_tray(length: 1250 mm)
-        speed 2 m/s
-        width 1.2 m
-        vertex A (0 m, 0 m) radius 4 m
+    let opposite = standard(
+        "vertex A (0 m, 0 m) radius 4 m
         vertex B (50 m, 0 m) radius 4 m
         vertex C (50 m, 32 m) radius 4 m
         vertex D (0 m, 32 m) radius 4 m
         fix all A..B
         require heading(C..D) == heading(A..B) + 180 deg
-        require heading(D..A) == heading(B..C) + 180 deg
-        optimise length
-    }";
-    let stage = last(&layout(text), Effort::default(), 2);
+        require heading(D..A) == heading(B..C) + 180 deg",
+    );
+    let stage = last(&opposite, Effort::default(), 2);
     assert!(stage.violations.is_empty() && stage.status == Status::Proven, "{:?}", stage.violations);
     let heading = |i: usize| (stage.corners[(i + 1) % 4].point - stage.corners[i].point).heading();
     assert!((heading(3) - heading(1)).abs() > 3.1, "{} {}", heading(3), heading(1));

@@ -3,9 +3,13 @@
 use super::grid::Grid;
 use super::open::Open;
 use super::tariff::{Tariff, on_hull};
-use crate::geometry::Point;
+use crate::geometry::{Corner, Point};
+use crate::problem::measures::to_variables;
 use crate::solve::exact::row::{GridRow, Touch};
 use std::rc::Rc;
+
+/// A radius this close to the list is on it, m.
+pub const ON_LIST: f64 = 1e-7;
 
 /// A choice of everything.
 #[derive(Clone, Debug)]
@@ -17,6 +21,31 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// The layout that a mix of choices with the same headings is.
+    pub fn blend(mix: &[(Rc<Choice>, f64)]) -> Choice {
+        let total: f64 = mix.iter().map(|m| m.1).sum();
+        let mut out = (*mix[0].0).clone();
+        let sum = |f: &dyn Fn(&Choice) -> f64| mix.iter().map(|(c, w)| f(c) * w).sum::<f64>() / total;
+        for k in 0..out.radii.len() {
+            out.radii[k] = sum(&|c| c.radii[k]);
+            out.straights[k] = sum(&|c| c.straights[k]);
+        }
+        out.first = Point::new(sum(&|c| c.first.x), sum(&|c| c.first.y));
+        out
+    }
+
+    /// The problem's variables.
+    pub fn variables(&self, grid: &Grid) -> Vec<f64> {
+        let vertices = self.vertices(grid);
+        let corner = |v: usize| {
+            let k = grid.stage(v);
+            let near = |r: f64| grid.radii[k].iter().copied().find(|l| (l - r).abs() <= ON_LIST).unwrap_or(r);
+            Corner { point: vertices[k], radius: near(self.radii[k]) }
+        };
+        let corners: Vec<Corner> = (0..grid.len()).map(corner).collect();
+        to_variables(&corners)
+    }
+
     /// What it costs at least with straights in their cells, in the tariff's units.
     pub fn cost(&self, grid: &Grid, tariff: &Tariff, open: &Open) -> f64 {
         let n = grid.len();

@@ -6,9 +6,11 @@
 //! and on the ways past regions ([`search`], [`beside`]); chains between fixed sections are searched apart ([`parts`]).
 //! Regions may be relaxed in a bound, never in a layout: that meets every row of its [`Problem`].
 
+mod alternative;
 mod beside;
 mod choice;
 mod closes;
+mod enclosing;
 mod grid;
 mod master;
 mod network;
@@ -32,6 +34,7 @@ use crate::solve::options::Effort;
 use beside::Beside;
 use closes::Closes;
 use closes::Polish;
+use enclosing::Enclosing;
 use grid::{Grid, NoGrid, track};
 use network::Limits;
 use open::{Open, place};
@@ -290,7 +293,7 @@ impl Task<'_> {
             grid,
             limits: Limits { tariff, straights, first },
             rows: stated.rows.clone(),
-            beside: Beside { problem, grid, known },
+            beside: Beside { problem, grid, known, enclosing: Some(Enclosing { problem, grid }) },
             effort: self.effort,
             stop: self.stop,
             open,

@@ -26,7 +26,7 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
     }
     let released = setting.limits.tariff.clone();
     setting.coupled = Some(pins.iter().map(|&k| grid.vertex(k)).collect());
-    let effort = setting.effort;
+    let (effort, enclosing) = (setting.effort, setting.beside.enclosing.take());
     let value = setting.value;
     let mut best = (incumbent.0.clone(), value(&released, &incumbent.0));
     let (mut parts, mut nodes): (Vec<Chain>, usize) = (Vec::new(), 0);
@@ -74,6 +74,7 @@ pub fn search(mut setting: Setting, stated: &Stated, incumbent: (Vec<f64>, f64),
         return Found { variables: Some(best.0), value: best.1, bound, nodes, parts };
     }
     (setting.open, setting.limits.straights, setting.coupled, setting.effort) = (full, limits, None, effort);
+    setting.beside.enclosing = enclosing;
     setting.limits.tariff = tariff;
     setting.effort.nodes = effort.nodes.saturating_sub(nodes);
     let mut found = whole(&setting, Some(incumbent));

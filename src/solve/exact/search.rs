@@ -1,6 +1,7 @@
 //! Branch and bound: best bound first, over headings, radii and the ways past regions.
 
-use super::beside::{Alternative, Beside, Decided, Remedy};
+use super::alternative::{Alternative, Decided, Remedy};
+use super::beside::Beside;
 use super::closes::Closes;
 use super::grid::Grid;
 use super::master::{Column, relax};
@@ -11,7 +12,7 @@ use crate::geometry::{Corner, Point};
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
 use crate::solve::Stop;
-use crate::solve::exact::choice::Choice;
+use crate::solve::exact::choice::{Choice, ON_LIST};
 use crate::solve::exact::closes::Polish;
 use crate::solve::exact::open::Open;
 use crate::solve::options::Effort;
@@ -23,8 +24,6 @@ use std::rc::Rc;
 pub const ALIKE: f64 = 1e-7;
 /// How exactly rows are met, m or rad.
 pub const FEASIBLE: f64 = 1e-6;
-/// A radius this close to the list is on it, m.
-const ON_LIST: f64 = 1e-7;
 /// Violations beyond this are looked at last, m.
 const FAR: f64 = 3.0;
 /// While headings are open, only what matters is branched on, m.
@@ -233,7 +232,7 @@ impl Search<'_> {
             self.halve(node, widest.0, above);
             return;
         }
-        let choice = blend(&mix);
+        let choice = Choice::blend(&mix);
         self.settle(node, choice);
     }
 
@@ -255,7 +254,7 @@ impl Search<'_> {
         close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let value =
             |row: &GridRow| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
-        if let Some(alternatives) = self.setting.beside.enclose(&node.open, &value, EARLY) {
+        if let Some(alternatives) = self.enclose(&node.open, &value) {
             self.branch(node, alternatives);
             return true;
         }
@@ -273,6 +272,11 @@ impl Search<'_> {
             }
         }
         false
+    }
+
+    /// Where a relaxed loop misses most of what it goes around.
+    fn enclose(&self, open: &Open, value: &dyn Fn(&GridRow) -> f64) -> Option<Vec<Alternative>> {
+        self.setting.beside.enclosing?.enclose(open, value, EARLY)
     }
 
     fn branch(&mut self, node: &Node, alternatives: Vec<Alternative>) {
@@ -360,10 +364,10 @@ impl Search<'_> {
         let (grid, problem) = (self.setting.grid, self.setting.problem);
         let vertices = choice.vertices(grid);
         let value = |row: &GridRow| choice.value(grid, row, &vertices);
-        if let Some(alternatives) = self.setting.beside.enclose(&node.open, &value, EARLY) {
+        if let Some(alternatives) = self.enclose(&node.open, &value) {
             return self.branch(&node, alternatives);
         }
-        let x = variables(grid, &choice);
+        let x = choice.variables(grid);
         let at = problem.evaluate(&x, 0.0);
         let mut violated: Vec<(RowKey, f64)> = at
             .rows
@@ -474,29 +478,4 @@ impl Search<'_> {
         let excluded = |row: &GridRow| choice.value(grid, row, &vertices) < row.low - 0.1 * FEASIBLE;
         alternatives.iter().all(|a| a.rows.iter().any(excluded))
     }
-}
-
-/// The layout that a mix of choices with the same headings is.
-fn blend(mix: &[(Rc<Choice>, f64)]) -> Choice {
-    let total: f64 = mix.iter().map(|m| m.1).sum();
-    let mut out = (*mix[0].0).clone();
-    let sum = |f: &dyn Fn(&Choice) -> f64| mix.iter().map(|(c, w)| f(c) * w).sum::<f64>() / total;
-    for k in 0..out.radii.len() {
-        out.radii[k] = sum(&|c| c.radii[k]);
-        out.straights[k] = sum(&|c| c.straights[k]);
-    }
-    out.first = Point::new(sum(&|c| c.first.x), sum(&|c| c.first.y));
-    out
-}
-
-/// The problem's variables.
-fn variables(grid: &Grid, choice: &Choice) -> Vec<f64> {
-    let vertices = choice.vertices(grid);
-    let corner = |v: usize| {
-        let k = grid.stage(v);
-        let near = |r: f64| grid.radii[k].iter().copied().find(|l| (l - r).abs() <= ON_LIST).unwrap_or(r);
-        Corner { point: vertices[k], radius: near(choice.radii[k]) }
-    };
-    let corners: Vec<Corner> = (0..grid.len()).map(corner).collect();
-    to_variables(&corners)
 }
