@@ -30,6 +30,8 @@ const FAR: f64 = 3.0;
 const EARLY: f64 = 1e-2;
 /// The same for what a straight's pieces cost above the bound of them, in units of price.
 const EARLY_STEP: f64 = 0.05;
+/// Tangents that a node's loop is held inside of, at most: every relaxation grows with the cube of its rows.
+const MOST_TANGENTS: usize = 24;
 
 /// See [`Setting::value`].
 pub type Value<'a> = dyn Fn(&Tariff, &[f64]) -> f64 + 'a;
@@ -254,7 +256,7 @@ impl Search<'_> {
         close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let value =
             |row: &GridRow| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
-        if let Some(alternatives) = self.enclose(&node.open, &value) {
+        if let Some(alternatives) = self.enclose(node, &value) {
             self.branch(node, alternatives);
             return true;
         }
@@ -275,8 +277,10 @@ impl Search<'_> {
     }
 
     /// Where a relaxed loop misses most of what it goes around.
-    fn enclose(&self, open: &Open, value: &dyn Fn(&GridRow) -> f64) -> Option<Vec<Alternative>> {
-        self.setting.beside.enclosing?.enclose(open, value, EARLY)
+    fn enclose(&self, node: &Node, value: &dyn Fn(&GridRow) -> f64) -> Option<Vec<Alternative>> {
+        let known = node.rows.iter().filter(|row| !row.touch.is_empty()).count();
+        let enclosing = self.setting.beside.enclosing.filter(|_| known < MOST_TANGENTS)?;
+        enclosing.enclose(&node.open, value, EARLY)
     }
 
     fn branch(&mut self, node: &Node, alternatives: Vec<Alternative>) {
@@ -364,7 +368,7 @@ impl Search<'_> {
         let (grid, problem) = (self.setting.grid, self.setting.problem);
         let vertices = choice.vertices(grid);
         let value = |row: &GridRow| choice.value(grid, row, &vertices);
-        if let Some(alternatives) = self.enclose(&node.open, &value) {
+        if let Some(alternatives) = self.enclose(&node, &value) {
             return self.branch(&node, alternatives);
         }
         let x = choice.variables(grid);
