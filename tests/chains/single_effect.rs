@@ -28,27 +28,60 @@ fn campaign(at: &Path) {
     fs::write(at.join("campaign/campaign.toml"), list).expect("written");
 }
 
-#[test]
-#[ignore = "takes a minute or two"]
-fn clearance_of_the_joints_alone_is_one_effect() {
+/// What a campaign whose chains have these effects is diagnosed to have, and the folder of it.
+fn diagnosed(effects: &str) -> (tempfile::TempDir, Value) {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     let oval = include_str!("../../benches/identify/layouts/oval.lss");
     fs::create_dir(at.join("campaign")).expect("a folder");
     fs::write(at.join("campaign/oval.lss"), oval).expect("written");
     let end = oval.rfind('}').expect("the layout's end");
-    let truth = format!("{}  effect joint_clearance(gap: 0.2 mm)\n}}\n", &oval[..end]);
-    fs::write(at.join("truth.lss"), truth).expect("written");
+    fs::write(at.join("truth.lss"), format!("{}{effects}}}\n", &oval[..end])).expect("written");
     campaign(at);
     lss(at, &["gap", "diagnose", "campaign", "-o", "out", "--apply"]);
+    let gap = serde_json::from_slice(&fs::read(at.join("out/gap.json")).expect("gap.json")).expect("JSON");
+    (folder, gap)
+}
 
-    let gap: Value = serde_json::from_slice(&fs::read(at.join("out/gap.json")).expect("gap.json")).expect("JSON");
+/// Asserts that an interval is of one sign and holds the truth.
+fn holds(strength: &Value, truth: f64) {
+    let [low, high] = ["low", "high"].map(|end| strength[end].as_f64().expect("an interval"));
+    assert!(low * high > 0.0 && low <= truth && truth <= high, "{truth}: {strength}");
+}
+
+#[test]
+#[ignore = "takes a minute or two"]
+fn clearance_of_the_joints_alone_is_one_effect() {
+    let (folder, gap) = diagnosed("  effect joint_clearance(gap: 0.2 mm)\n");
     assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
     let named = &gap["effects"][0];
     assert_eq!(named["name"], "joint_clearance");
-    let strength = &named["strength"]["gap"];
-    let [low, high] = ["low", "high"].map(|end| strength[end].as_f64().expect("an interval"));
-    assert!(low > 0.0 && low <= 0.2e-3 && high >= 0.2e-3, "{strength}");
-    let applied = fs::read_to_string(at.join("out/oval-gap.lss")).expect("a layout");
+    holds(&named["strength"]["gap"], 0.2e-3);
+    let applied = fs::read_to_string(folder.path().join("out/oval-gap.lss")).expect("a layout");
     assert_eq!(applied.matches("effect ").count(), 1, "{applied}");
+}
+
+/// Without them the nominal model's parameters go where slopes no longer reach back from: strengths have to be fitted
+/// together with them.
+#[test]
+#[ignore = "takes some minutes"]
+fn steps_that_pull_the_nominal_parameters_are_found_with_their_heights() {
+    let steps = [("2", 12.0, 1.0), ("3", 42.0, -0.8)];
+    let declared =
+        steps.map(|(rail, at, mm)| format!("  effect rail_step(height: {mm} mm, at: {at} m, rail: {rail})\n"));
+    let (_folder, gap) = diagnosed(&declared.concat());
+    assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
+    let named = &gap["effects"][0];
+    assert_eq!(named["name"], "rail_step");
+    let elsewhere = named["elsewhere"].as_array().expect("another place");
+    let found: Vec<&Value> = std::iter::once(named).chain(elsewhere).collect();
+    assert_eq!(found.len(), steps.len(), "{}", gap["summary"]);
+    for (rail, at, mm) in steps {
+        let own = found.iter().find(|f| f["fixed"]["rail"].as_f64() == rail.parse().ok()).expect("the rail");
+        assert!((own["fixed"]["at"].as_f64().expect("a place") - at).abs() < 0.1, "{own}");
+        holds(&own["strength"]["height"], 1e-3 * mm);
+    }
+    for run in gap["runs"].as_array().expect("runs") {
+        assert!(run["after"].as_f64() < run["honest_high"].as_f64(), "{run}");
+    }
 }

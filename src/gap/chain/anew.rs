@@ -34,6 +34,7 @@ impl Chains {
         if about.is_empty() {
             return None;
         }
+        let known = self.together(subjects, about, tell)?;
         let likeliest: BTreeSet<&str> =
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {
@@ -41,10 +42,10 @@ impl Chains {
             settings: &self.settings,
             threads: self.threads,
             width: self.width,
-            about: &about,
+            known: Some(&known),
             offered: &|effect| effect.is_sensor() || likeliest.contains(effect.name()),
             counter: Counter::after(self.effort()),
         };
-        Chains::about(subjects, fitting, tell).ok()
+        Chains::fitted(subjects, fitting, tell).ok()
     }
 }

@@ -9,6 +9,7 @@ mod impacts;
 mod laps;
 mod nominal;
 mod outline;
+mod together;
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
@@ -30,8 +31,13 @@ use crate::signal::{Channel, FORCES};
 use force_slope::{Impact, Profile};
 use impacts::Suspect;
 use laps::observed;
-use nominal::{fitted, repeated, set_tops};
+use nominal::{Known, fitted, repeated, set_tops};
 use std::collections::BTreeMap;
+
+/// How many runs are fitted at a time: more than threads, so that none is left to a single one in the end.
+fn at_a_time(threads: usize) -> usize {
+    if threads > 1 { 2 * threads } else { 1 }
+}
 
 /// A campaign's runs on chains.
 pub struct Chains {
@@ -75,8 +81,8 @@ struct Fitting<'a> {
     settings: &'a settings::Chain,
     threads: usize,
     width: Width,
-    /// Effects with which parameters and noise are found.
-    about: &'a [input::DeclaredEffect],
+    /// Where the parameters of each run are known to be; none where they are to be found.
+    known: Option<&'a [Known]>,
     offered: &'a dyn Fn(&Effect) -> bool,
     counter: Counter,
 }
@@ -104,16 +110,21 @@ impl Chains {
         let repeated: Vec<Excess> = repeated.into_iter().flatten().collect();
         let correlated = Some(Excess::noise(&repeated));
         let fit = FitSettings { seed, steps, threads: 1, correlated, ..FitSettings::default() };
-        let fitting = Fitting { fit, settings, threads, width, about: &[], offered: &|_| true, counter };
-        Chains::about(subjects, fitting, tell)
+        let fitting = Fitting { fit, settings, threads, width, known: None, offered: &|_| true, counter };
+        Chains::fitted(subjects, fitting, tell)
     }
 
     /// Fits runs, and offers effects at their sites.
-    fn about(subjects: &[Subject], fitting: Fitting, tell: &(dyn Fn(&str) + Sync)) -> Result<Chains, (String, String)> {
-        let Fitting { fit, settings, threads, width, about, offered, counter } = fitting;
-        // More runs than threads at a time, so that none is left to a single one in the end.
-        let fitted = parallel::map(subjects, if threads > 1 { 2 * threads } else { 1 }, |subject| {
-            let found = fitted(subject, &fit, settings, width, about).map_err(|why| (subject.name.clone(), why));
+    fn fitted(
+        subjects: &[Subject],
+        fitting: Fitting,
+        tell: &(dyn Fn(&str) + Sync),
+    ) -> Result<Chains, (String, String)> {
+        let Fitting { fit, settings, threads, width, known, offered, counter } = fitting;
+        let known = |k: usize| known.and_then(|known| known.get(k));
+        let numbered: Vec<(usize, &Subject)> = subjects.iter().enumerate().collect();
+        let fitted = parallel::map(&numbered, at_a_time(threads), |&(k, subject)| {
+            let found = fitted(subject, &fit, settings, width, known(k)).map_err(|why| (subject.name.clone(), why));
             tell(&subject.name);
             found
         });

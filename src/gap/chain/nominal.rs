@@ -10,7 +10,8 @@ use crate::effects::is_of_machine;
 use crate::gap::settings;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, excess, land};
-use crate::identify::noise::Excess;
+use crate::identify::model::Coordinates;
+use crate::identify::noise::{Excess, Noise};
 use crate::identify::repeatability::Repeatability;
 use crate::identify::study::Subject;
 use crate::identify::{Counter, FitSettings, Measured, Model, Parameter};
@@ -36,15 +37,49 @@ fn without_sensors_effects(simulation: &Simulation) -> Simulation {
     simulation
 }
 
-/// Fits the nominal model to a run. With effects to be `about`, parameters and noise are those of a fit that has them,
-/// and what is returned is the model without them at that point.
+/// Where the parameters of a run are known to be, and its sensors' noise.
+#[derive(Clone, Copy)]
+pub struct Known {
+    pub at: Coordinates,
+    noise: [Noise; FORCES],
+}
+
+/// Fits the nominal model to a run, or takes it where its parameters are known to be.
 pub fn fitted(
     subject: &Subject,
     fit: &FitSettings,
     settings: &settings::Chain,
     width: Width,
-    about: &[DeclaredEffect],
+    known: Option<&Known>,
 ) -> Result<FittedRun, String> {
+    let (measured, mut model) = ready(subject, width)?;
+    let landing = match known {
+        None => land(&mut model, &measured, None, fit)?.1,
+        Some(known) => {
+            let here = FitSettings { steps: 0, noise: Some(known.noise), numerics: true, ..*fit };
+            land(&mut model, &measured, Some(known.at), &here)?.1
+        }
+    };
+    Ok(of(model, landing, &measured, fit, settings))
+}
+
+/// Fits the nominal model with effects to a run, from where its parameters are known to be nearly.
+pub fn fitted_with(
+    subject: &Subject,
+    fit: &FitSettings,
+    settings: &settings::Chain,
+    width: Width,
+    effects: &[DeclaredEffect],
+    near: Option<&Known>,
+) -> Result<(FittedRun, Known), String> {
+    let (measured, mut model) = ready(subject, width)?;
+    model.simulation.effects.extend(effects.iter().cloned());
+    let (found, landing) = land(&mut model, &measured, near.map(|known| known.at), fit)?;
+    Ok((of(model, landing, &measured, fit, settings), Known { at: found.at, noise: found.noise }))
+}
+
+/// A run made ready, and the nominal model with the features that a diagnosis compares.
+fn ready(subject: &Subject, width: Width) -> Result<(Measured, Model), String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let simulation = without_sensors_effects(&subject.simulation);
@@ -52,20 +87,17 @@ pub fn fitted(
     let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
     model.spec.set_orders(&orders(&simulation, speed));
     model.spec.local = true;
-    let landing = if about.is_empty() {
-        land(&mut model, &measured, None, fit)?.1
-    } else {
-        let mut with = model.clone();
-        with.simulation.effects.extend(about.iter().cloned());
-        let found = land(&mut with, &measured, None, fit)?.0;
-        let here = FitSettings { steps: 0, noise: Some(found.noise), numerics: true, ..*fit };
-        land(&mut model, &measured, Some(found.at), &here)?.1
-    };
+    Ok((measured, model))
+}
+
+/// What of a fit the diagnosis needs.
+fn of(model: Model, landing: Landing, measured: &Measured, fit: &FitSettings, settings: &settings::Chain) -> FittedRun {
+    let lap = model.spec.places.lap;
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
     let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
     let parts = impacts::parts(lap, settings.impacts.part);
-    Ok(FittedRun {
+    FittedRun {
         laps: measured.laps,
         begin,
         tops: [0.0; FORCES],
@@ -84,7 +116,7 @@ pub fn fitted(
         seed: fit.seed.wrapping_add(77),
         model,
         landing,
-    })
+    }
 }
 
 /// Of each channel the force that so many samples of a run exceed, measured and simulated.
