@@ -149,8 +149,14 @@ struct StageSummary<'a> {
     length_m: f64,
     max_violation_m: f64,
     iterations: usize,
+    #[serde(skip_serializing_if = "is_one")]
+    starts: usize,
     seconds: f64,
     status: solve::Status,
+}
+
+fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 impl Build {
@@ -278,6 +284,7 @@ impl Build {
             length_m: s.length,
             max_violation_m: s.max_violation,
             iterations: s.iterations,
+            starts: s.starts,
             seconds: s.seconds,
             status: s.status,
         };
@@ -381,8 +388,9 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
             solve::Status::Infeasible => "NOT FEASIBLE",
             solve::Status::AsWritten => "as written",
         };
+        let starts = if stage.starts > 1 { format!(" from {} starts", stage.starts) } else { String::new() };
         out += &format!(
-            "  {:<8} {:>12.5} m  {state}, violation {:.1e}, {} iterations, {:.3} s\n",
+            "  {:<8} {:>12.5} m  {state}{starts}, violation {:.1e}, {} iterations, {:.3} s\n",
             stage.name, stage.length_m, stage.max_violation_m, stage.iterations, stage.seconds
         );
     }

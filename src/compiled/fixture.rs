@@ -14,6 +14,7 @@ pub fn compile(layout: Layout) -> Compiled {
         max_violation: 0.0,
         violations: Vec::new(),
         iterations: 0,
+        starts: 1,
         seconds: 0.0,
         status: Status::AsWritten,
         cut: None,

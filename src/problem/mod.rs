@@ -24,7 +24,7 @@ mod print;
 pub use aim::{Aim, HARMONICS, Wave, Waves};
 pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
-pub use perturb::perturbed;
+pub use perturb::{moved, perturbed};
 pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;

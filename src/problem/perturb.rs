@@ -14,9 +14,14 @@ const STEEPEST: f64 = 2.6;
 /// The written variables with normal noise of `sigma` (m) on the coordinates that are free, and radii uniform within
 /// their limits. Draws that flip a turn are drawn again; fixed values stay.
 pub fn perturbed(layout: &Layout, problem: &Problem, sigma: f64, seed: u64) -> Vec<f64> {
+    moved(layout, problem, &problem.start, sigma, seed).unwrap_or_else(|| problem.start.clone())
+}
+
+/// Variables with noise as in [`perturbed`]; `None` where every draw flips a turn.
+pub fn moved(layout: &Layout, problem: &Problem, from: &[f64], sigma: f64, seed: u64) -> Option<Vec<f64>> {
     let mut random = Random::new(seed);
     for _ in 0..DRAWS {
-        let mut x = problem.start.clone();
+        let mut x = from.to_vec();
         for (k, value) in x.iter_mut().enumerate() {
             let bound = problem.bounds[k];
             if bound.low == bound.high {
@@ -31,8 +36,8 @@ pub fn perturbed(layout: &Layout, problem: &Problem, sigma: f64, seed: u64) -> V
         }
         let track = Track::new(&to_corners(&x));
         if track.fillets.iter().zip(&problem.signs).all(|(f, s)| f.turn * s > 0.0 && f.turn * s < STEEPEST) {
-            return x;
+            return Some(x);
         }
     }
-    problem.start.clone()
+    None
 }

@@ -80,6 +80,19 @@ impl Certificate {
         };
     }
 
+    /// With what another search of the same layouts has proven, which found no better one.
+    pub fn and(&mut self, other: Certificate) {
+        let nodes = self.nodes + other.nodes;
+        let seconds = self.seconds + other.seconds;
+        let (bound, parts) = if other.lower_bound > self.lower_bound {
+            (other.lower_bound, other.parts)
+        } else {
+            (self.lower_bound, std::mem::take(&mut self.parts))
+        };
+        let assumed = std::mem::take(&mut self.assumed);
+        *self = Certificate { seconds, parts, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
+    }
+
     /// What several searches prove together of the best of their layouts, which is this one's.
     pub fn combine(&mut self, all: &[Certificate]) {
         let bound = all.iter().map(|c| c.lower_bound).fold(f64::INFINITY, f64::min);

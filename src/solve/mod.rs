@@ -9,6 +9,7 @@ mod discrete;
 mod exact;
 mod freedom;
 mod goals;
+mod hopping;
 mod left_over;
 mod multipliers;
 mod null_space;

@@ -60,6 +60,31 @@ pub struct Discretised {
     pub refuted: bool,
 }
 
+impl Discretised {
+    /// Whether a better layout may exist on the grid than was found, for all that was searched.
+    pub fn is_open(&self) -> bool {
+        self.refused.is_empty() && !self.refuted && self.certificate.as_ref().is_none_or(|c| !c.proven)
+    }
+
+    /// Whether it is a layout that meets every row within a tolerance, m.
+    pub fn fits(&self, tolerance: f64) -> bool {
+        self.solution.max_violation <= tolerance
+    }
+
+    /// The better of two, with what both prove.
+    pub fn or(self, other: Discretised, tolerance: f64) -> Discretised {
+        let worth = |d: &Discretised| match &d.certificate {
+            Some(certificate) if d.fits(tolerance) => certificate.value,
+            _ => f64::INFINITY,
+        };
+        let (mut best, less) = if worth(&other) < worth(&self) { (other, self) } else { (self, other) };
+        if let (Some(own), Some(less)) = (best.certificate.as_mut(), less.certificate) {
+            own.and(less);
+        }
+        best
+    }
+}
+
 impl From<Solution> for Discretised {
     /// A layout of which nothing was proven.
     fn from(solution: Solution) -> Self {

@@ -47,6 +47,9 @@ pub struct Stage {
     pub max_violation: f64,
     pub violations: Vec<Violation>,
     pub iterations: usize,
+    /// From how many starts the stage's optimum was looked for, where from more than one.
+    #[serde(skip_serializing_if = "is_one")]
+    pub starts: usize,
     /// Wall time; never in an output file.
     #[serde(skip)]
     pub seconds: f64,
@@ -60,4 +63,8 @@ pub struct Stage {
     /// Whether the search over the catalogue's grid proved that there is no layout on it.
     #[serde(skip)]
     pub refuted: bool,
+}
+
+fn is_one(starts: &usize) -> bool {
+    *starts == 1
 }

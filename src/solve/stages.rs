@@ -1,10 +1,10 @@
 //! The thesis' three stages (§3.3): shortest under user constraints and building, then with obstacles, then on the
 //! catalogue's grid.
 
-use super::options::{Discretise, Options, Progress, Solver};
+use super::options::{Discretise, Effort, Options, Progress, Solver};
 use super::sqp::{self, Solution, SqpSettings, Watch};
 use super::violations::{as_written, off_grid, stage};
-use super::{Stage, Status, complex, conflict};
+use super::{Stage, Status, complex, conflict, hopping};
 use crate::model::{Layout, Side};
 use crate::problem::{Problem, Scope, perturbed};
 use crate::solve::certificate::Certificate;
@@ -146,8 +146,21 @@ fn one_way(
 
     let clock = Instant::now();
     watch(Progress { stage: "stage3", iteration: 0, length: second.length, max_violation: second.max_violation });
-    let third = discretise(layout, &full, &second, &settings, &options.effort);
+    let mut third = discretise(layout, &full, &second, &settings, &options.effort);
+    let mut starts = 1;
+    if third.is_open() && !options.stop.now() && options.solver == Solver::Sqp {
+        // Only what is shorter than the layout on the grid leads to a shorter one there.
+        let known = if third.fits(settings.feasibility) { third.solution.length } else { f64::INFINITY };
+        let asked = (known, settings.feasibility, options.threads);
+        let others = hopping::other_optima(layout, &full, &second, asked, &|start| run("stage2", &full, start));
+        let effort = Effort { nodes: options.effort.nodes / (1 + others.len()), ..options.effort };
+        starts += hopping::hops(&full);
+        for other in others {
+            third = third.or(discretise(layout, &full, &other, &settings, &effort), settings.feasibility);
+        }
+    }
     let mut last = stage("stage3", &full, &third.solution, &settings, clock);
+    last.starts = starts;
     last.certificate = third.certificate;
     last.refuted = third.refuted;
     let mut off = third.refused;

@@ -263,6 +263,10 @@ pub struct Stage {
     pub max_violation_m: f64,
     /// Number of iterations.
     pub iterations: usize,
+    /// From how many starts local optima were looked for that lead to a better layout on the grid, where from more than
+    /// one: where the search over the grid proves nothing.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub starts: usize,
     /// [x, y, radius] of each vertex, m.
     pub vertices_m: Vec<[f64; 3]>,
 }
@@ -283,4 +287,12 @@ pub enum Status {
     Infeasible,
     /// Nothing was optimised.
     AsWritten,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(count: &usize) -> bool {
+    *count == 1
 }

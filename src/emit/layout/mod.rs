@@ -243,6 +243,7 @@ fn step(stage: &solve::Stage) -> Stage {
         cut: stage.cut.map(|solve::Cut::Time| "time".to_owned()),
         max_violation_m: normal(stage.max_violation),
         iterations: stage.iterations,
+        starts: stage.starts,
         vertices_m: stage.corners.iter().map(|c| [tidy(c.point.x), tidy(c.point.y), tidy(c.radius)]).collect(),
     }
 }

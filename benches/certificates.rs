@@ -1,0 +1,111 @@
+//! What stage 3 proves of all examples and of free loops of 4 to 20 vertices: `cargo bench --bench certificates`. With
+//! arguments, only layouts whose names contain one of them.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+#[path = "common/layout.rs"]
+mod layout;
+
+use layout::layout;
+use lss::model::Layout;
+use lss::solve::{Options, solve};
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Vertices that make a free loop, four and two for each of its steps.
+const FREE: [usize; 7] = [4, 6, 8, 10, 12, 16, 20];
+
+fn main() {
+    let chosen: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let is_chosen = |name: &str| chosen.is_empty() || chosen.iter().any(|part| name.contains(part.as_str()));
+    println!("layout               vertices  obstacles      value      bound    gap %     nodes  seconds");
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let mut files: Vec<_> = std::fs::read_dir(examples).expect("a folder").map(|f| f.expect("a file").path()).collect();
+    files.sort();
+    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "lss")) {
+        let name = file.file_stem().expect("a name").to_string_lossy();
+        // That one has errors.
+        if name != "errors" && is_chosen(&name) {
+            row(&name, &layout(&std::fs::read_to_string(file).expect("text")));
+        }
+    }
+    for n in FREE {
+        for (drawn, words) in [(false, "free"), (true, "one direction")] {
+            let name = format!("{words}, {n}");
+            if is_chosen(&name) {
+                row(&name, &staircase(n, drawn));
+            }
+        }
+    }
+}
+
+fn row(name: &str, layout: &Layout) {
+    let clock = Instant::now();
+    let stages = solve(layout, &Options::default(), &|_| {});
+    let seconds = clock.elapsed().as_secs_f64();
+    let Some(last) = stages.last() else { return };
+    let Some(c) = &last.certificate else {
+        println!(
+            "{name:<20} {:>8}  {:>9}  {:?} {}",
+            layout.vertices.len(),
+            layout.obstacles.len(),
+            last.status,
+            last.name
+        );
+        return;
+    };
+    println!(
+        "{name:<20} {:>8}  {:>9} {:>10.3} {:>10.3} {:>8.3} {:>9} {:>8.2}{}",
+        layout.vertices.len(),
+        layout.obstacles.len(),
+        c.value,
+        c.lower_bound,
+        100.0 * c.gap,
+        c.nodes,
+        seconds,
+        if c.proven { "  proven" } else { "" }
+    );
+}
+
+/// A loop with so many vertices, two of them a step of a staircase, that goes around an obstacle in each of its corners
+/// and leaves another one in each notch outside. No section is fixed, or the direction of one.
+fn staircase(n: usize, direction: bool) -> Layout {
+    let steps = (n - 4) / 2;
+    let (width, mut text) = (20.0 + 16.0 * steps as f64, String::new());
+    text += "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout staircase {\n  catalog standard\n";
+    text += "  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n";
+    let at = |j: usize| (width - 16.0 * j as f64, 16.0 + 12.0 * j as f64);
+    let mut corners = vec![(0.0, 0.0), (width, 0.0)];
+    let mut obstacles = vec![((3.0, 3.0), "left"), ((width - 5.0, 3.0), "left")];
+    for j in 0..=steps {
+        let (x, y) = at(j);
+        // Off the grid, so that no two are alike.
+        let off = 0.37 * (1 + j % 3) as f64;
+        corners.push((x, y));
+        obstacles.push(((x - 5.0 - off, y - 5.0 + 0.5 * off), "left"));
+        if j < steps {
+            corners.push((at(j + 1).0, y));
+            obstacles.push(((at(j + 1).0 + 3.0 + 0.5 * off, y + 3.0 + off), "right"));
+        }
+    }
+    let top = at(steps).1;
+    corners.push((0.0, top));
+    obstacles.push(((3.0, top - 5.0), "left"));
+    for (k, (x, y)) in corners.iter().enumerate() {
+        let _ = writeln!(text, "  vertex P{k} ({x} m, {y} m) radius 4 m");
+    }
+    for (k, ((x, y), side)) in obstacles.iter().enumerate() {
+        let (right, top) = (x + 2.0, y + 2.0);
+        let _ = writeln!(
+            text,
+            "  obstacle O{k} [({x} m, {y} m), ({right} m, {y} m), ({right} m, {top} m), ({x} m, {top} m)]\n  pass O{k} \
+             {side}"
+        );
+    }
+    if direction {
+        text += "  fix rotation P0..P1\n";
+    }
+    text += "  optimise length\n}\n";
+    layout(&text)
+}

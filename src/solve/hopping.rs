@@ -1,0 +1,46 @@
+//! Basin hopping (Wales and Doye 1997): a local optimum is left by normal noise on what is free, and the stage is solved
+//! again from there. How many hops there are depends on the layout's size alone, so the answer is the same on any
+//! machine.
+
+use super::sqp::Solution;
+use crate::base::parallel;
+use crate::model::Layout;
+use crate::problem::{Problem, moved};
+
+/// Hops times vertices: a hop costs about in proportion to vertices, and a layout of 20 of them takes 24.
+const HOPS_BY_VERTICES: usize = 480;
+/// Most hops: what 24 do not find, twice as many hardly do.
+const MOST: usize = 24;
+/// Deviations of the noise in turn, m: within a basin, to the next, and across a hall.
+const FAR: [f64; 4] = [0.3, 1.0, 2.0, 4.0];
+/// Ends that are this much alike in length are one, m.
+const ALIKE: f64 = 1e-6;
+/// Ends that are kept.
+const KEPT: usize = 3;
+
+/// How many hops a layout takes.
+pub fn hops(problem: &Problem) -> usize {
+    (HOPS_BY_VERTICES / problem.vertices.len().max(1)).clamp(1, MOST)
+}
+
+/// Other local optima, the shortest first, of those that are shorter than `longest` (m); `from` is not among them.
+pub fn other_optima(
+    layout: &Layout,
+    problem: &Problem,
+    from: &Solution,
+    (longest, feasible, threads): (f64, f64, usize),
+    run: &(dyn Fn(&[f64]) -> Solution + Sync),
+) -> Vec<Solution> {
+    let seeds: Vec<u64> = (1..=hops(problem) as u64).collect();
+    let found = parallel::map(&seeds, threads, |seed| {
+        let far = FAR[*seed as usize % FAR.len()];
+        moved(layout, problem, &from.variables, far, *seed).map(|start| run(&start))
+    });
+    let mut found: Vec<Solution> = found.into_iter().flatten().collect();
+    found.retain(|end| end.max_violation <= feasible && end.length < longest - ALIKE);
+    found.retain(|end| (end.length - from.length).abs() > ALIKE);
+    found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    found.dedup_by(|a, b| (a.length - b.length).abs() < ALIKE);
+    found.truncate(KEPT);
+    found
+}
