@@ -55,6 +55,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         ramps: Vec::new(),
         chain: ChainDeclaration { tension: 500.0, closes_within: None },
         effects: Vec::new(),
+        drawing: DrawingSettings::default(),
         objective: Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None },
     }
 }

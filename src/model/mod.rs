@@ -12,12 +12,14 @@ mod heights;
 pub mod instances;
 mod prices;
 mod print;
+mod sheet;
 
 pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
 pub use heights::Heights;
 pub use print::print;
+pub use sheet::*;
 
 use crate::geometry::{Corner, Point, Polygon};
 use crate::source::{Span, Spanned};
@@ -63,6 +65,7 @@ pub struct Layout {
     pub ramps: Vec<Ramp>,
     pub chain: ChainDeclaration,
     pub effects: Vec<DeclaredEffect>,
+    pub drawing: DrawingSettings,
     pub objective: Objective,
 }
 

@@ -200,6 +200,7 @@ impl Printer {
                 out.line(constraint_text(constraint, layout, &names));
             }
             out.equipment(layout, &names);
+            out.drawing(&layout.drawing);
             out.line(objective_text(&layout.objective));
         });
     }
@@ -279,6 +280,31 @@ impl Printer {
             };
             let strengths: Vec<String> = effect.strengths.iter().map(strength).collect();
             self.line(format!("effect {}({})", effect.name, strengths.join(", ")));
+        }
+    }
+}
+
+impl Printer {
+    fn drawing(&mut self, drawing: &DrawingSettings) {
+        for axis in &drawing.axes {
+            let coordinate = if axis.coordinate == Coordinate::X { "x" } else { "y" };
+            self.line(format!("axis {} {coordinate} = {}", quoted(&axis.name), metres(axis.at)));
+        }
+        if drawing.origin != Point::default() {
+            self.line(format!("drawing origin {}", point(drawing.origin)));
+        }
+        let title = &drawing.title;
+        let fields = [
+            ("project", &title.project),
+            ("number", &title.number),
+            ("revision", &title.revision),
+            ("date", &title.date),
+            ("author", &title.author),
+            ("checked", &title.checked),
+            ("approved", &title.approved),
+        ];
+        for (word, text) in fields.into_iter().filter(|(_, text)| !text.is_empty()) {
+            self.line(format!("drawing {word} {}", quoted(text)));
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::Rule;
 use super::nearest::nearest;
 use super::origin::Edit;
-use super::tree::{DeclarationKind, FixKind, Goal, SideWord};
+use super::tree::{DeclarationKind, FixKind, Goal, SideWord, TitleField};
 use crate::base::words::list;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -246,13 +246,15 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 31] = [
+pub const STATEMENT_WORDS: [&str; 33] = [
+    "axis",
     "building",
     "cart",
     "catalog",
     "chain",
     "chutes",
     "controller",
+    "drawing",
     "effect",
     "equal",
     "fix",
@@ -305,6 +307,9 @@ fn words_of(rule: Rule) -> Vec<String> {
         Rule::axis => vec!["x", "y"],
         Rule::side => SideWord::ALL.map(SideWord::word).to_vec(),
         Rule::goal | Rule::goal_term | Rule::objective => Goal::ALL.map(Goal::word).to_vec(),
+        Rule::title_field | Rule::drawing_field => TitleField::ALL.map(TitleField::word).to_vec(),
+        Rule::drawing_origin => vec!["origin"],
+        Rule::grid_row => vec!["every"],
         Rule::chain_tension => vec!["tension"],
         Rule::chain_closes => vec!["closes"],
         _ => {
@@ -337,7 +342,7 @@ fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
     // pest names the first token of a rule where nothing else could stand.
     let rule = match (first_word(text), rule) {
         (_, Rule::name) if matches!(last_word(text[..at].trim_end()), "level" | "ramp" | "on") => Rule::section,
-        ("vertex" | "building" | "obstacle", Rule::open_paren) => Rule::point,
+        ("vertex" | "building" | "obstacle" | "drawing", Rule::open_paren) => Rule::point,
         ("building" | "obstacle", Rule::open_bracket) => Rule::polygon,
         _ => rule,
     };
@@ -382,7 +387,7 @@ fn value_phrase(text: &str, at: usize) -> &'static str {
         (_, "radius" | "clearance" | "width" | "at" | "from" | "every" | "radii" | "within") => {
             "a length such as `4 m`"
         }
-        ("vertex" | "building" | "obstacle" | "radii" | "level", _) => "a length such as `4 m`",
+        ("vertex" | "building" | "obstacle" | "radii" | "level" | "axis" | "drawing", _) => "a length such as `4 m`",
         (_, "speed") => "a speed such as `2 m/s`",
         (_, "count" | "motors" | "cart") => "a count such as `12`",
         (_, "tension") => "a force such as `500 N`",

@@ -44,7 +44,7 @@ impl Builder<'_> {
             Rule::mirror => Statement::Mirror {
                 first: self.next_name(parts)?,
                 second: self.next_name(parts)?,
-                axis: if take(parts, Rule::axis)?.as_str() == "x" { Axis::X } else { Axis::Y },
+                axis: axis(&take(parts, Rule::axis)?),
                 at: self.value(parts)?,
             },
             Rule::pass => Statement::Pass {
@@ -76,6 +76,19 @@ impl Builder<'_> {
                 if rule == Rule::chain_tension { Statement::ChainTension(value) } else { Statement::ChainCloses(value) }
             }
             Rule::effect => Statement::Effect(self.reference(take(parts, Rule::reference)?)?),
+            Rule::grid_axis => self.grid_axis(parts)?,
+            Rule::drawing => {
+                let what = parts.find(|part| matches!(part.as_rule(), Rule::drawing_origin | Rule::drawing_field))?;
+                let rule = what.as_rule();
+                let mut parts = what.into_inner();
+                if rule == Rule::drawing_origin {
+                    Statement::DrawingOrigin(self.point(take(&mut parts, Rule::point)?)?)
+                } else {
+                    let word = take(&mut parts, Rule::title_field)?;
+                    let field = TitleField::ALL.into_iter().find(|field| field.word() == word.as_str())?;
+                    Statement::DrawingField { field, text: self.quoted(&mut parts)? }
+                }
+            }
             Rule::optimise => Statement::Optimise(self.objective(take(parts, Rule::objective)?)?),
             _ => return None,
         })
@@ -87,6 +100,24 @@ impl Builder<'_> {
 
     fn next_name(&mut self, parts: &mut Pairs<Rule>) -> Option<Name> {
         take(parts, Rule::name).map(|pair| self.name(&pair))
+    }
+
+    fn quoted(&mut self, parts: &mut Pairs<Rule>) -> Option<TextExpr> {
+        take(parts, Rule::text).map(|pair| TextExpr { text: self.unescape(&pair), span: self.span_of(&pair) })
+    }
+
+    fn grid_axis(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {
+        let name = self.quoted(parts)?;
+        let axis = axis(&take(parts, Rule::axis)?);
+        let at = self.value(parts)?;
+        let row = match take(parts, Rule::grid_row) {
+            Some(row) => {
+                let mut parts = row.into_inner();
+                Some((self.value(&mut parts)?, self.value(&mut parts)?))
+            }
+            None => None,
+        };
+        Some(Statement::GridAxis { name, axis, at, row })
     }
 
     fn section(&mut self, parts: &mut Pairs<Rule>) -> Option<Section> {
@@ -243,6 +274,10 @@ impl Builder<'_> {
         }
         Some(ObjectiveExpr { terms, within, span })
     }
+}
+
+fn axis(pair: &Pair<Rule>) -> Axis {
+    if pair.as_str() == "x" { Axis::X } else { Axis::Y }
 }
 
 fn goal(pair: &Pair<Rule>) -> Option<Goal> {

@@ -287,8 +287,30 @@ pub enum Statement {
     ChainCloses(Expr),
     /// `effect joint_clearance(gap: 0.05 mm)`
     Effect(Reference),
+    /// `axis "1" x = 0 m every 6 m count 8`
+    GridAxis {
+        name: TextExpr,
+        axis: Axis,
+        at: Expr,
+        /// Distance and count, when there are several.
+        row: Option<(Expr, Expr)>,
+    },
+    /// `drawing origin (2 m, 1 m)`
+    DrawingOrigin(PointExpr),
+    /// `drawing revision "B"`
+    DrawingField {
+        field: TitleField,
+        text: TextExpr,
+    },
     Optimise(ObjectiveExpr),
     Bad,
+}
+
+/// A text in quotes, without them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextExpr {
+    pub text: String,
+    pub span: Span,
 }
 
 /// `(28.0 m, 1.5 m)`.
@@ -354,6 +376,18 @@ pub enum Relation {
 pub enum Axis {
     X,
     Y,
+}
+
+/// What of a drawing's title block a layout says (ISO 7200).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TitleField {
+    Project,
+    Number,
+    Revision,
+    Date,
+    Author,
+    Checked,
+    Approved,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

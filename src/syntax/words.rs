@@ -54,6 +54,39 @@ impl Goal {
     }
 }
 
+impl TitleField {
+    pub const ALL: [TitleField; 7] = [
+        TitleField::Project,
+        TitleField::Number,
+        TitleField::Revision,
+        TitleField::Date,
+        TitleField::Author,
+        TitleField::Checked,
+        TitleField::Approved,
+    ];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            TitleField::Project => "project",
+            TitleField::Number => "number",
+            TitleField::Revision => "revision",
+            TitleField::Date => "date",
+            TitleField::Author => "author",
+            TitleField::Checked => "checked",
+            TitleField::Approved => "approved",
+        }
+    }
+}
+
+impl Axis {
+    pub fn word(self) -> &'static str {
+        match self {
+            Axis::X => "x",
+            Axis::Y => "y",
+        }
+    }
+}
+
 impl SideWord {
     pub const ALL: [SideWord; 3] = [SideWord::Left, SideWord::Right, SideWord::Either];
 

@@ -327,3 +327,67 @@ fn what_cannot_be_built_yet_is_said() {
     assert!(smooth.iter().any(|m| m.starts_with("polygon action on different heights")), "{smooth:?}");
     assert!(lss::solve::unsupported(&built(include_str!("../../examples/thesis10.lss"))).is_empty());
 }
+
+#[test]
+fn a_layout_says_what_its_drawing_shows() {
+    use lss::model::Coordinate;
+    let layout = built(&with(
+        "  let bay = 6 m\n  axis \"1\" x = 0 m every bay count 3\n  axis \"H\" y = -2 m every 12 m count 2\n  axis \"N'\" y = 30 m\n  \
+         drawing origin (-1 m, 2 m)\n  drawing revision \"B\"\n  drawing author \"A \\\"B\\\" C\"\n  drawing approved \"D\"",
+    ));
+    let axes: Vec<(&str, Coordinate, f64)> =
+        layout.drawing.axes.iter().map(|axis| (axis.name.as_str(), axis.coordinate, axis.at)).collect();
+    assert_eq!(
+        axes,
+        [
+            ("1", Coordinate::X, 0.0),
+            ("2", Coordinate::X, 6.0),
+            ("3", Coordinate::X, 12.0),
+            ("H", Coordinate::Y, -2.0),
+            ("J", Coordinate::Y, 10.0),
+            ("N'", Coordinate::Y, 30.0)
+        ]
+    );
+    assert_eq!((layout.drawing.origin.x, layout.drawing.origin.y), (-1.0, 2.0));
+    let title = &layout.drawing.title;
+    assert_eq!((&*title.revision, &*title.author, &*title.approved, &*title.date), ("B", "A \"B\" C", "D", ""));
+    // The printed model reads back as the same.
+    let again = built(&model::print(&layout));
+    assert_eq!(again.drawing.title, layout.drawing.title);
+    assert_eq!(again.drawing.origin, layout.drawing.origin);
+    let names = |layout: &Layout| layout.drawing.axes.iter().map(|a| (a.name.clone(), a.at)).collect::<Vec<_>>();
+    assert_eq!(names(&again), names(&layout));
+}
+
+#[test]
+fn a_variant_replaces_axes_and_fields_by_name() {
+    let text = with("  axis \"1\" x = 0 m\n  axis \"2\" x = 6 m\n  drawing revision \"A\"\n  drawing author \"N\"")
+        + "layout b from test {\n  axis \"2\" x = 7 m\n  drawing revision \"B\"\n}\n";
+    let (sources, analysis) = check(&[("main.lss", &text)]);
+    assert!(!analysis.has_errors(), "{}", report(&sources, &analysis));
+    let b = &analysis.layouts[1].drawing;
+    assert_eq!(b.axes.iter().map(|axis| axis.at).collect::<Vec<_>>(), [0.0, 7.0]);
+    assert_eq!((&*b.title.revision, &*b.title.author), ("B", "N"));
+}
+
+#[test]
+fn mistakes_in_axes_and_title_fields_are_told() {
+    for (statements, code, words) in [
+        ("axis \"1\" x = 0 m\n  axis \"1\" y = 4 m", "E0212", "the axis `1` is declared twice"),
+        ("axis \"1\" x = 0 m every 6 m count 3\n  axis \"3\" x = 40 m", "E0212", "the axis `3` is declared twice"),
+        ("axis \"north\" y = 0 m every 6 m count 2", "E0306", "no name follows `north`"),
+        ("axis \"1\" x = 0 m every 0 m count 2", "E0306", "the distance between two axes"),
+        ("axis \"1\" x = 0 s", "E0301", ""),
+        ("axis \"1\" x = 0 m every 1 m count 501", "E0309", "there are too many axes"),
+        ("axis 1 x = 0 m", "E0101", "a text in quotes"),
+        ("drawing revision \" \"", "E0306", "the text is empty"),
+        ("drawing revision \"A\"\n  drawing revision \"B\"", "E0213", "`drawing revision` is said twice"),
+        ("drawing reviewer \"A\"", "E0101", "`approved`"),
+        ("drawing origin 2 m", "E0101", "a point such as"),
+    ] {
+        let (sources, analysis) = check(&[("main.lss", &with(&format!("  {statements}")))]);
+        let said = report(&sources, &analysis);
+        assert_eq!(codes(&analysis).first(), Some(&code), "{statements}: {said}");
+        assert!(said.contains(words), "{statements}: {said}");
+    }
+}

@@ -8,7 +8,7 @@ use crate::semantics::arguments::Arguments;
 use crate::semantics::program::{Space, Symbol, repeated};
 use crate::semantics::scope::{Context, Env, Local, Slot};
 use crate::source::Span;
-use crate::syntax::tree::{DeclarationKind, Item, LayoutDeclaration, Name, Statement};
+use crate::syntax::tree::{DeclarationKind, Item, LayoutDeclaration, Name, Statement, TitleField};
 
 /// A statement with the names that it sees.
 #[derive(Clone, Debug)]
@@ -30,6 +30,8 @@ pub(super) enum Key<'t> {
     Induction(&'t str),
     Chutes(&'t str),
     Pass(&'t str),
+    /// The first of a row.
+    GridAxis(&'t str),
 }
 
 /// All statements of a layout.
@@ -62,6 +64,19 @@ impl<'t> Draft<'t> {
     }
 }
 
+/// The words that a field of the title block begins with.
+fn title_key(field: TitleField) -> &'static str {
+    match field {
+        TitleField::Project => "drawing project",
+        TitleField::Number => "drawing number",
+        TitleField::Revision => "drawing revision",
+        TitleField::Date => "drawing date",
+        TitleField::Author => "drawing author",
+        TitleField::Checked => "drawing checked",
+        TitleField::Approved => "drawing approved",
+    }
+}
+
 /// What a statement stands for; `None` when any number of them may stand side by side.
 fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
     let once = |keyword| Some((Key::Once(keyword), None));
@@ -79,12 +94,15 @@ fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
         Statement::SensorCart { .. } => once("sensor_cart"),
         Statement::ChainTension(_) => once("chain tension"),
         Statement::ChainCloses(_) => once("chain closes"),
+        Statement::DrawingOrigin(_) => once("drawing origin"),
+        Statement::DrawingField { field, .. } => once(title_key(*field)),
         Statement::Optimise(_) => once("optimise"),
         Statement::Vertex { name, .. } => Some((Key::Vertex(&name.text), Some(name))),
         Statement::Obstacle { name, .. } => Some((Key::Obstacle(&name.text), Some(name))),
         Statement::Induction { name, .. } => Some((Key::Induction(&name.text), Some(name))),
         Statement::Chutes { name, .. } => Some((Key::Chutes(&name.text), Some(name))),
         Statement::Pass { obstacle, .. } => Some((Key::Pass(&obstacle.text), None)),
+        Statement::GridAxis { name, .. } => Some((Key::GridAxis(&name.text), None)),
         _ => None,
     }
 }
@@ -204,6 +222,8 @@ impl<'t> Context<'t> {
                     .related(first.span, "first said here")
                     .help("remove one of the two"),
             ),
+            // Names that meet are told of where rows are counted out.
+            (Key::GridAxis(_), _) => draft.statements.push(placed),
             (Key::Pass(_), _) => self.passed_twice(first.statement, first.span, statement, span),
             (_, Some(name)) => {
                 let what = match key {

@@ -5,6 +5,7 @@ mod constraints;
 mod draft;
 mod equipment;
 mod objective;
+mod sheet;
 mod vertices;
 
 use std::rc::Rc;
@@ -50,6 +51,7 @@ impl<'t> Context<'t> {
         let levels = self.levels(&draft, &geometry);
         let ramps = self.ramps(&draft, &geometry);
         let effects = self.effects(&draft);
+        let drawing = self.drawing(&draft);
         if let Some(levels) = &levels {
             let facts = Facts {
                 levels,
@@ -94,6 +96,7 @@ impl<'t> Context<'t> {
             ramps,
             chain: chain?,
             effects,
+            drawing: drawing?,
             objective: objective?,
         })
     }

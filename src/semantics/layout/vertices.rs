@@ -110,7 +110,7 @@ impl<'t> Context<'t> {
         );
     }
 
-    fn point(&self, placed: &Placed<'t>, point: &'t tree::PointExpr) -> Option<Point> {
+    pub(super) fn point(&self, placed: &Placed<'t>, point: &'t tree::PointExpr) -> Option<Point> {
         let coordinate = |expr: &'t Expr, what| {
             self.bounded_constant(&placed.env, expr, Dimension::LENGTH, what, COORDINATE).map(|v| v.value)
         };

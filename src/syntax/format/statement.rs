@@ -66,8 +66,7 @@ impl Writer<'_> {
                 }
             }
             Statement::Mirror { first, second, axis, at } => {
-                let axis = if *axis == Axis::X { "x" } else { "y" };
-                self.words(&["mirror ", &first.text, ", ", &second.text, " about ", axis, " = "]);
+                self.words(&["mirror ", &first.text, ", ", &second.text, " about ", axis.word(), " = "]);
                 self.expr(at);
             }
             Statement::Pass { obstacle, side } => self.words(&["pass ", &obstacle.text, " ", side.word()]),
@@ -113,6 +112,24 @@ impl Writer<'_> {
             Statement::Effect(reference) => {
                 self.push("effect ");
                 self.reference(reference);
+            }
+            Statement::GridAxis { name, axis, at, row } => {
+                self.push("axis ");
+                self.text(&name.text);
+                self.words(&[" ", axis.word(), " = "]);
+                self.expr(at);
+                if let Some((every, count)) = row {
+                    self.word_value(" every ", every);
+                    self.word_value(" count ", count);
+                }
+            }
+            Statement::DrawingOrigin(point) => {
+                self.push("drawing origin ");
+                self.point(point);
+            }
+            Statement::DrawingField { field, text } => {
+                self.words(&["drawing ", field.word(), " "]);
+                self.text(&text.text);
             }
             Statement::Optimise(objective) => self.objective(objective),
             Statement::Bad => self.verbatim(span),
