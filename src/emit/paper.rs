@@ -98,6 +98,12 @@ impl Projection {
         self.paper + Projection::turned(p - self.floor) * self.scale
     }
 
+    /// The point of the hall that lies here on paper.
+    pub fn floor_at(&self, p: PaperPoint) -> Point {
+        let vector = (p - self.paper) * (1.0 / self.scale);
+        self.floor + Point::new(vector.x, -vector.y)
+    }
+
     /// A vector in the hall as a vector on paper, of the same length.
     pub fn turned(vector: Point) -> PaperPoint {
         PaperPoint::new(vector.x, -vector.y)
@@ -118,6 +124,7 @@ mod tests {
         let projection = Projection { floor: Point::new(1.0, 2.0), paper: PaperPoint::new(10.0, 20.0), scale: 5.0 };
         assert_eq!(projection.at(Point::new(1.0, 2.0)), PaperPoint::new(10.0, 20.0));
         assert_eq!(projection.at(Point::new(3.0, 3.0)), PaperPoint::new(20.0, 15.0));
+        assert_eq!(projection.floor_at(projection.at(Point::new(3.0, 3.0))), Point::new(3.0, 3.0));
         let left = Projection::direction(trig::FRAC_PI_2);
         assert!(left.distance(PaperPoint::new(0.0, -1.0)) < 1e-15);
         assert!(left.distance(Projection::direction(0.0).across() * -1.0) < 1e-15, "left is against the clock");

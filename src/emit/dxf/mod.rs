@@ -90,7 +90,7 @@ fn dimensions(dxf: &mut Writer, compiled: &Compiled, distance: f64) {
         let (at, heading) = track.at(climb.middle.rem_euclid(track.length));
         let outside = Point::unit(heading).left() * (-winding * distance);
         let upright = if trig::cos(heading) < -1e-9 { heading + trig::PI } else { heading };
-        dxf.text("TEXT", at + outside, trig::wrap(upright), &climb.text());
+        dxf.text("TEXT", at + outside, trig::wrap(upright), &climb.text(2, 3));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where the track climbs and where it lies level, in the plan.
 
-use crate::base::number::trimmed;
+use crate::base::number::fixed;
 use crate::compiled::Compiled;
 use crate::geometry::{Form, Stretch};
 
@@ -27,15 +27,15 @@ impl Climb {
         self.slope == 0.0
     }
 
-    /// `ramp up 14 %: 1 → 2.6 m`, `level 1 m`.
-    pub fn text(&self) -> String {
+    /// `ramp up 14 %: 1.0 → 2.6 m`, `level 1.0 m`, with so many decimals of slopes and heights.
+    pub fn text(&self, slopes: usize, heights: usize) -> String {
         if self.is_level() {
-            return format!("level {} m", trimmed(self.from, 3));
+            return format!("level {} m", fixed(self.from, heights));
         }
         let what = if self.spiral { "ramp with spiral" } else { "ramp" };
         let way = if self.slope > 0.0 { "up" } else { "down" };
-        let percent = trimmed(100.0 * self.slope.abs(), 2);
-        format!("{what} {way} {percent} %: {} → {} m", trimmed(self.from, 3), trimmed(self.to, 3))
+        let percent = fixed(100.0 * self.slope.abs(), slopes);
+        format!("{what} {way} {percent} %: {} → {} m", fixed(self.from, heights), fixed(self.to, heights))
     }
 }
 

@@ -6,10 +6,12 @@ mod marks;
 mod offset;
 #[cfg(test)]
 pub mod samples;
+mod setting_out;
 
 pub use climbs::{Climb, climbs};
 pub use marks::{Mark, MarkKind, marks};
 pub use offset::{inset, outset};
+pub use setting_out::{PointGroup, WallDistance, from_origin, ordinates, points, wall_distances};
 
 use crate::base::trig;
 use crate::geometry::{Piece, PieceKind, Point, Track};

@@ -107,7 +107,7 @@ fn equal_circles(c: Point, d: Point, radius: f64) -> Vec<Point> {
 }
 
 /// Where on the curve a point of its line or circle lies; `None` when beyond its ends.
-fn fraction(curve: &PlanCurve, p: Point) -> Option<f64> {
+pub(super) fn fraction(curve: &PlanCurve, p: Point) -> Option<f64> {
     let t = match *curve {
         PlanCurve::Line { begin, end } => (p - begin).dot(end - begin) / (end - begin).dot(end - begin),
         PlanCurve::Arc { centre, start, sweep, .. } => {

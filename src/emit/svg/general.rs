@@ -3,90 +3,195 @@
 use crate::compiled::Compiled;
 use crate::emit::DrawError;
 use crate::emit::paper::PaperPoint;
-use crate::emit::plan::{self, Climb, Mark, MarkKind};
+use crate::emit::plan::{self, Climb, Mark, MarkKind, PointGroup, WallDistance};
 use crate::model::ConstraintKind;
 use crate::solve::Stage;
 
-use super::labels::{self, Labels};
+use super::decimals::Decimals;
+use super::labels::{self, Labelled, Labels};
 use super::place::TakenPaper;
-use super::sheet::Sheet;
+use super::setting_out::{self, Frame};
+use super::sheet::{Extent, Sheet};
 use super::strip::{self, Key};
-use super::text::{self, Height};
+use super::tables::Tables;
 use super::xml::XmlElement;
-use super::{Theme, extent, profile, root, track};
+use super::{Theme, extent, obstacles, profile, root, track};
 use crate::base::number::trimmed;
 
-/// The layout on its sheet: building, obstacles, track, equipment, dimensions, legend and title block.
+/// How often the sheet is laid out anew to make room for the list of labels without room.
+const ATTEMPTS: usize = 4;
+
+/// The layout on its sheet: building, obstacles, track, equipment, dimensions, coordinates, legend and title block.
 ///
 /// # Errors
 /// [`DrawError::Extent`] when no standard sheet and scale can show the layout.
 pub fn drawing(compiled: &Compiled, theme: Theme) -> Result<String, DrawError> {
-    let layout = &compiled.layout;
-    let line = &compiled.track;
-    let failed: Option<&Stage> = compiled.stages.last().filter(|_| compiled.failed());
-    let sheet = Sheet::choose(&extent(layout, &[line], strip::notes_height(failed), profile::height(compiled)))?;
-    let marks = plan::marks(compiled);
-    let climbs = plan::climbs(compiled);
-    let pieces = &compiled.pieces;
+    let drawn = Drawn::new(compiled);
+    let mut reserved = 0;
+    let mut attempt = drawn.on_sheet(theme, reserved)?;
+    for _ in 1..ATTEMPTS {
+        if attempt.1 <= reserved {
+            break;
+        }
+        // A smaller scale may leave more labels without room.
+        reserved = attempt.1;
+        attempt = drawn.on_sheet(theme, reserved)?;
+    }
+    Ok(attempt.0)
+}
 
-    let inside = PaperPoint::new(6.0, 6.0);
-    let mut field = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
-    track::occupy(&sheet, line, layout, &mut field);
+/// A sheet without its drawing: frame, title block, tables.
+pub struct Furniture {
+    pub sheet: Sheet,
+    pub elements: Vec<XmlElement>,
+}
 
-    let description = format!(
-        "General arrangement of {}: {} m of track in {} elements through {} vertices, band {} m wide, scale 1:{}.{}",
-        layout.name,
-        trimmed(compiled.length(), 3),
-        compiled.bill.count,
-        line.corners.len(),
-        trimmed(layout.width.value, 3),
-        trimmed(sheet.scale, 1),
-        if failed.is_some() { " Not feasible." } else { "" }
-    );
-    let mut svg = root(&sheet, theme, &layout.name, &description);
-    svg.push(sheet.frame());
-    if failed.is_some() {
-        svg.push(watermark(&sheet));
-    }
-    svg.push(track::floor(&sheet, layout));
-    svg.push(track::band(&sheet, line, layout.width.value));
-    if climbs.iter().any(|climb| !climb.is_level()) {
-        svg.push(track::climbs(&sheet, line, layout.width.value, &climbs));
-    }
-    svg.push(track::joints(&sheet, pieces, layout.width.value));
-    svg.push(track::fixed(&sheet, line, layout));
-    let equipment = track::equipment(&sheet, line, layout, &marks, &mut field);
-    svg.push(track::centre(&sheet, line));
-    svg.push(equipment);
-    svg.push(track::arrows(&sheet, line, &marks));
-    svg.push(track::vertices(&sheet, line, layout, &mut field));
+/// What stands around the drawing, where nothing of the plan needs a list of labels.
+///
+/// # Errors
+/// As [`drawing`].
+pub fn furniture(compiled: &Compiled) -> Result<Furniture, DrawError> {
+    let drawn = Drawn::new(compiled);
+    let sheet = drawn.sheet(0)?;
+    let elements = vec![sheet.frame(), drawn.tables(&[]).draw(&sheet, &drawn.origin()), drawn.title(&sheet)];
+    Ok(Furniture { sheet, elements })
+}
 
-    let mut labels = Labels::new(&sheet, line, layout, field);
-    labels::all(&mut labels, pieces, &marks, &climbs);
-    let omitted = labels.omitted;
-    svg.push(labels.finish());
-    if omitted > 0 {
-        let at = PaperPoint::new(sheet.drawing.low.x + 4.0, sheet.drawing.high.y - 2.5);
-        let labels = if omitted == 1 { "label" } else { "labels" };
-        let text = format!("{omitted} {labels} found no room on this sheet");
-        svg.push(text::line(at, text, Height::H18, "quiet"));
+/// The sheet of a general-arrangement drawing that lists this many labels without room.
+#[cfg(test)]
+pub fn sheet(compiled: &Compiled, listed: usize) -> Result<Sheet, DrawError> {
+    Drawn::new(compiled).sheet(listed)
+}
+
+/// What is drawn, worked out once.
+struct Drawn<'a> {
+    compiled: &'a Compiled,
+    failed: Option<&'a Stage>,
+    marks: Vec<Mark>,
+    climbs: Vec<Climb>,
+    walls: Vec<WallDistance>,
+    points: Vec<PointGroup>,
+    decimals: Decimals,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(compiled: &'a Compiled) -> Self {
+        let (climbs, walls) = (plan::climbs(compiled), plan::wall_distances(compiled));
+        let points = plan::points(compiled);
+        Drawn {
+            compiled,
+            failed: compiled.stages.last().filter(|_| compiled.failed()),
+            marks: plan::marks(compiled),
+            decimals: Decimals::new(compiled, &climbs, &walls, &points),
+            climbs,
+            walls,
+            points,
+        }
     }
-    if !layout.is_flat() {
-        svg.push(profile::profile(&sheet, compiled));
+
+    fn sheet(&self, reserved: usize) -> Result<Sheet, DrawError> {
+        let tables = self.tables(&vec![String::new(); reserved]);
+        Sheet::choose(&Extent { table: tables.size(), ..self.extent() })
     }
-    if let Some(stage) = failed {
-        svg.push(strip::notes(&sheet, stage));
+
+    fn tables(&self, listed: &[String]) -> Tables {
+        Tables::new(&self.points, self.decimals, listed)
     }
-    svg.push(strip::legend(&sheet, &entries(compiled, &marks, &climbs)));
-    svg.push(strip::scale_bar(&sheet));
-    svg.push(strip::title(&sheet, &layout.name, "general arrangement of the track", &strip::fields(&sheet, compiled)));
-    Ok(svg.document())
+
+    fn origin(&self) -> String {
+        setting_out::origin_words(&self.compiled.layout)
+    }
+
+    fn title(&self, sheet: &Sheet) -> XmlElement {
+        let layout = &self.compiled.layout;
+        let project = &layout.drawing.title.project;
+        let subject = "general arrangement of the track";
+        let subject = if project.is_empty() { subject.to_owned() } else { format!("{project}: {subject}") };
+        strip::title(sheet, &layout.name, &subject, &strip::fields(sheet, self.compiled))
+    }
+
+    fn extent(&self) -> Extent {
+        let (notes, tall) = (strip::notes_height(self.failed), profile::height(self.compiled));
+        extent(&self.compiled.layout, &[&self.compiled.track], notes, tall)
+    }
+
+    /// The drawing on a sheet with this many lines for labels without room, and how many labels found none.
+    fn on_sheet(&self, theme: Theme, reserved: usize) -> Result<(String, usize), DrawError> {
+        let (compiled, layout, line) = (self.compiled, &self.compiled.layout, &self.compiled.track);
+        let (marks, climbs, pieces) = (&self.marks, &self.climbs, &compiled.pieces);
+        let sheet = self.sheet(reserved)?;
+        let Extent { low, high, .. } = self.extent();
+        let mut frame = Frame { low, high, omitted: Vec::new() };
+
+        let inside = PaperPoint::new(3.0, 3.0);
+        let mut field = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+        track::occupy(&sheet, line, layout, &mut field);
+        let ordinates = setting_out::ordinates(&sheet, layout, self.decimals.coordinate, &mut frame, &mut field);
+        let axes = setting_out::axes(&sheet, layout, &mut frame, &mut field);
+        let equipment = track::equipment(&sheet, line, layout, marks, &mut field);
+        let vertices = track::vertices(&sheet, line, layout, &mut field);
+        let names = obstacles::names(&sheet, layout, &mut field);
+        let datum = setting_out::datum(&sheet, layout, &frame, &mut field);
+        let legend = entries(self, datum.is_some());
+
+        let mut svg = root(&sheet, theme, &layout.name, &self.description(&sheet));
+        svg.push(sheet.frame());
+        if self.failed.is_some() {
+            svg.push(watermark(&sheet));
+        }
+        svg.push(track::floor(&sheet, layout, &names));
+        svg.push(axes);
+        svg.push(track::band(&sheet, line, layout.width.value));
+        if climbs.iter().any(|climb| !climb.is_level()) {
+            svg.push(track::climbs(&sheet, line, layout.width.value, climbs));
+        }
+        svg.push(track::joints(&sheet, pieces, layout.width.value));
+        svg.push(track::fixed(&sheet, line, layout));
+        svg.push(track::centre(&sheet, line));
+        svg.push(equipment);
+        svg.push(track::arrows(&sheet, line, marks));
+        svg.push(vertices);
+        svg.push(ordinates);
+        datum.into_iter().for_each(|datum| svg.push(datum));
+
+        let mut labels = Labels::new(&sheet, line, layout, field, self.decimals);
+        let labelled = Labelled { pieces, marks, climbs, walls: &self.walls, obstacles: &names };
+        labels::all(&mut labels, &labelled);
+        let mut omitted = frame.omitted;
+        omitted.append(&mut labels.omitted);
+        svg.push(labels.finish());
+        svg.push(self.tables(&omitted).draw(&sheet, &self.origin()));
+        if !layout.is_flat() {
+            svg.push(profile::profile(&sheet, compiled));
+        }
+        if let Some(stage) = self.failed {
+            svg.push(strip::notes(&sheet, stage));
+        }
+        svg.push(strip::legend(&sheet, &legend));
+        svg.push(strip::scale_bar(&sheet));
+        svg.push(self.title(&sheet));
+        Ok((svg.document(), omitted.len()))
+    }
+
+    fn description(&self, sheet: &Sheet) -> String {
+        let (compiled, layout) = (self.compiled, &self.compiled.layout);
+        format!(
+            "General arrangement of {}: {} m of track in {} elements through {} vertices, band {} m wide, scale 1:{}.{}",
+            layout.name,
+            trimmed(compiled.length(), 3),
+            compiled.bill.count,
+            compiled.track.corners.len(),
+            trimmed(layout.width.value, 3),
+            trimmed(sheet.scale, 1),
+            if self.failed.is_some() { " Not feasible." } else { "" }
+        )
+    }
 }
 
 /// What appears on the drawing, in the legend's order.
-fn entries(compiled: &Compiled, marks: &[Mark], climbs: &[Climb]) -> Vec<(Key, String)> {
-    let layout = &compiled.layout;
-    let pieces = &compiled.pieces;
+fn entries(drawn: &Drawn, datum: bool) -> Vec<(Key, String)> {
+    let (layout, pieces) = (&drawn.compiled.layout, &drawn.compiled.pieces);
+    let (marks, climbs) = (&drawn.marks, &drawn.climbs);
     let mut entries = vec![(Key::Track, "band, centre line, direction of travel".to_owned())];
     let mut add = |shown: bool, key: Key, text: &str| {
         if shown {
@@ -105,6 +210,7 @@ fn entries(compiled: &Compiled, marks: &[Mark], climbs: &[Climb]) -> Vec<(Key, S
     let dimension = if climbing { "straight: length in the plan ∠ heading" } else { "straight: length ∠ heading" };
     add(true, Key::Dimension, dimension);
     add(true, Key::Radius, "curve: radius, turn");
+    add(!drawn.walls.is_empty(), Key::WallDistance, "centre line to wall; min: the least");
     let fixes = |kind: fn(&ConstraintKind) -> bool| layout.constraints.iter().any(|c| kind(&c.kind));
     add(fixes(|k| matches!(k, ConstraintKind::FixSection { .. })), Key::FixedSection, "section with fixed values");
     add(fixes(|k| matches!(k, ConstraintKind::FixVertex { .. })), Key::FixedVertex, "fixed vertex");
@@ -112,6 +218,8 @@ fn entries(compiled: &Compiled, marks: &[Mark], climbs: &[Climb]) -> Vec<(Key, S
     add(!layout.obstacles.is_empty(), Key::Obstacle, "obstacle");
     let clearance = layout.obstacles.iter().map(|o| o.clearance).chain(layout.building.iter().map(|b| b.clearance));
     add(clearance.fold(0.0, f64::max) > 0.0, Key::Clearance, "clearance");
+    add(datum, Key::Datum, "origin of coordinates");
+    add(!layout.drawing.axes.is_empty(), Key::GridAxis, "axis of the building");
     let any = |kind: MarkKind| marks.iter().any(|mark| mark.kind == kind);
     add(any(MarkKind::Start), Key::Mark(MarkKind::Start), "start of arc length s");
     add(any(MarkKind::Photocell), Key::Mark(MarkKind::Photocell), "photocell");

@@ -4,17 +4,20 @@
 use crate::base::trig;
 use crate::elements::{OrderedPiece, Part};
 use crate::emit::paper::{PaperPoint, Projection};
-use crate::emit::plan::{self, Climb, Mark, MarkKind};
+use crate::emit::plan::{self, Climb, Mark, MarkKind, WallDistance};
 use crate::geometry::{PieceKind, Point, Track};
 use crate::model::{Layout, Obstacle};
 
-use super::place::{LabelCandidate, Layer, PaperBox, TakenPaper, around};
+use super::decimals::Decimals;
+use super::obstacles::{self, ObstacleName};
+use super::place::{LabelCandidate, PaperBox, TakenPaper, around};
+use super::setting_out;
 use super::sheet::{Sheet, path, path_line, reading_angle};
 use super::symbol;
 use super::text::{self, Height};
 use super::track::{fixed_sections, is_fixed_radius, is_fixed_vertex, spot};
 use super::xml::XmlElement;
-use crate::base::number::trimmed;
+use crate::base::number::fixed;
 
 /// How far a label goes from what it names while there is room, mm.
 const REACH: f64 = 24.0;
@@ -33,13 +36,14 @@ pub struct Labels<'a> {
     layout: &'a Layout,
     field: TakenPaper,
     group: XmlElement,
-    /// Labels that found no place.
-    pub omitted: usize,
+    decimals: Decimals,
+    /// Labels that found no place, each with where it belongs.
+    pub omitted: Vec<String>,
 }
 
 impl<'a> Labels<'a> {
-    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: TakenPaper) -> Self {
-        Labels { sheet, track, layout, field, group: XmlElement::group("labels"), omitted: 0 }
+    pub fn new(sheet: &'a Sheet, track: &'a Track, layout: &'a Layout, field: TakenPaper, decimals: Decimals) -> Self {
+        Labels { sheet, track, layout, field, group: XmlElement::group("labels"), decimals, omitted: Vec::new() }
     }
 
     pub fn finish(self) -> XmlElement {
@@ -53,7 +57,7 @@ impl<'a> Labels<'a> {
         let place = self.field.place(&near).or_else(|| self.field.place_afar(anchors, size));
         let place = place.or_else(|| self.field.place(&last));
         let Some(chosen) = place else {
-            self.omitted += 1;
+            self.omit(text, anchors.first().copied().unwrap_or_default());
             return;
         };
         if let Some((a, b)) = chosen.leader {
@@ -64,25 +68,53 @@ impl<'a> Labels<'a> {
         self.group.push(text::centred(chosen.text.centre, angle, text, height, class.trim()));
     }
 
-    /// The obstacle's name, inside when it has room there. Other labels then rather keep off the hatch.
-    pub fn obstacle(&mut self, obstacle: &Obstacle) {
-        let name = text::fitted(&obstacle.name, Height::H25, false, LONGEST);
-        let size = extent(&name, Height::H25);
-        let (low, high) = obstacle.polygon.bounds();
-        let middle = (low + high) * 0.5;
-        let paper = PaperPoint::new(self.sheet.mm(high.x - low.x), self.sheet.mm(high.y - low.y));
-        let mut candidates = Vec::new();
-        if obstacle.polygon.contains(middle) && size.x + 2.0 < paper.x && size.y + 1.0 < paper.y {
-            let item = PaperBox::upright(self.sheet.at(middle), size.x, size.y);
-            candidates.push(LabelCandidate::text(item, 0.0));
+    /// Keeps a label without room for the list of those, with where it belongs.
+    fn omit(&mut self, text: &str, anchor: PaperPoint) {
+        let at = plan::from_origin(self.layout, self.sheet.floor(anchor));
+        self.omitted.push(format!("{text} at ({}, {})", fixed(at.x, 1), fixed(at.y, 1)));
+    }
+
+    /// The name of an obstacle in which it has no room.
+    pub fn obstacle(&mut self, obstacle: &Obstacle, name: &ObstacleName) {
+        if let Some(inside) = name.inside {
+            self.group.push(text::centred(inside.centre, 0.0, &name.text, Height::H25, ""));
+            return;
         }
-        let gap = paper.x.min(paper.y) / 2.0 + 1.0;
-        for mut candidate in around(self.sheet.at(middle), PaperPoint::new(0.0, -1.0), size, gap, gap + REACH) {
-            candidate.cost += 5.0;
-            candidates.push(candidate);
+        let (candidates, anchors) = obstacles::beside(self.sheet, obstacle, name);
+        self.put(&name.text, Height::H25, "", &candidates, &anchors);
+    }
+
+    /// How far the centre line lies from a wall.
+    pub fn wall(&mut self, wall: &WallDistance) {
+        let least = if wall.least { " min" } else { "" };
+        let text = format!("{}{least}", Decimals::text(wall.distance, self.decimals.wall));
+        let half = self.sheet.mm(self.layout.width.value) / 2.0;
+        let candidates = setting_out::wall_candidates(self.sheet, wall, half, extent(&text, Height::H25));
+        let boxes: Vec<LabelCandidate> = candidates.iter().map(|(candidate, _)| *candidate).collect();
+        let chosen = self.field.place(&boxes);
+        let ends =
+            chosen.and_then(|chosen| candidates.iter().find(|(c, _)| c.text == chosen.text && c.bar == chosen.bar));
+        let (Some(chosen), Some((_, [from, to]))) = (chosen, ends) else {
+            self.omit(&format!("{text} to the wall"), self.sheet.at(wall.track.0.lerp(wall.track.1, 0.5)));
+            return;
+        };
+        let length = from.distance(*to);
+        let along = (*to - *from) * (1.0 / length);
+        self.group.push(path(&path_line(*from, *to), "dimension"));
+        if length > 6.5 {
+            let heads = symbol::arrow(*to, along, 2.5, 0.9) + &symbol::arrow(*from, -along, 2.5, 0.9);
+            self.group.push(path(&heads, "dimension-arrow"));
+        } else {
+            // No room for arrows: strokes across the ends.
+            let across = (along + along.across()) * 0.7;
+            let strokes = path_line(*from - across, *from + across) + &path_line(*to - across, *to + across);
+            self.group.push(path(&strokes, "rule"));
         }
-        self.put(&name, Height::H25, "", &candidates, &[self.sheet.at(middle)]);
-        self.field.add(PaperBox::upright(self.sheet.at(middle), paper.x, paper.y), Layer::Line);
+        if let Some((a, b)) = chosen.leader {
+            self.group.push(path(&path_line(a, b), "leader"));
+        }
+        let angle = reading_angle(chosen.text.axis);
+        self.group.push(text::centred(chosen.text.centre, angle, &text, Height::H25, "halo"));
     }
 
     /// The length of a straight, as a dimension line where there is room for one, and its heading unless it lies
@@ -94,8 +126,9 @@ impl<'a> Labels<'a> {
         }
         let degrees = piece.heading * 180.0 / trig::PI;
         let off_axis = (degrees / 90.0 - (degrees / 90.0).round()).abs() > 1e-7;
-        let heading = if off_axis { format!(" ∠ {}°", trimmed(degrees, 2)) } else { String::new() };
-        let text = format!("{}{heading}", trimmed(piece.length, 3));
+        let heading =
+            if off_axis { format!(" ∠ {}°", Decimals::text(degrees, self.decimals.heading)) } else { String::new() };
+        let text = format!("{}{heading}", Decimals::text(piece.length, self.decimals.length));
         let size = extent(&text, Height::H25);
         let (a, b) = (self.sheet.at(piece.begin), self.sheet.at(piece.end));
         let length = self.sheet.mm(piece.length);
@@ -136,10 +169,10 @@ impl<'a> Labels<'a> {
     /// Radius and turn of a vertex' curve.
     pub fn curve(&mut self, vertex: usize, spiral: bool) {
         let fillet = self.track.fillets[vertex];
-        let turn = trimmed(fillet.turn.abs() * 180.0 / trig::PI, 2);
+        let turn = Decimals::text(fillet.turn.abs() * 180.0 / trig::PI, self.decimals.turn);
         let fix = if is_fixed_radius(self.layout, vertex) { " fix" } else { "" };
         let what = if spiral { "spiral " } else { "" };
-        let text = format!("{what}R{}{fix} {turn}°", trimmed(fillet.radius, 3));
+        let text = format!("{what}R{}{fix} {turn}°", Decimals::text(fillet.radius, self.decimals.radius));
         let size = extent(&text, Height::H25);
         let half = self.layout.width.value / 2.0;
         let outward = (self.track.corners[vertex].point - fillet.centre).heading();
@@ -228,7 +261,13 @@ impl<'a> Labels<'a> {
     /// Slope and heights of a climb, or the height of a level.
     pub fn climb(&mut self, climb: &Climb) {
         let (at, heading) = self.track.at(climb.middle.rem_euclid(self.track.length));
-        self.beside_track(at, heading, &climb.text(), "climb-text", !climb.spiral);
+        self.beside_track(
+            at,
+            heading,
+            &climb.text(self.decimals.slope, self.decimals.height),
+            "climb-text",
+            !climb.spiral,
+        );
     }
 
     /// One label for each run of like pieces, on turns or elsewhere: how many of which article. The bill counts the
@@ -345,12 +384,23 @@ fn dimension_candidates(
     candidates
 }
 
+/// What labels are for.
+pub struct Labelled<'a> {
+    pub pieces: &'a [OrderedPiece],
+    pub marks: &'a [Mark],
+    pub climbs: &'a [Climb],
+    pub walls: &'a [WallDistance],
+    pub obstacles: &'a [ObstacleName],
+}
+
 /// Every label of a drawing, the most wanted first.
-pub fn all(labels: &mut Labels, pieces: &[OrderedPiece], marks: &[Mark], climbs: &[Climb]) {
+pub fn all(labels: &mut Labels, labelled: &Labelled) {
+    let Labelled { pieces, marks, climbs, walls, obstacles } = *labelled;
     let layout = labels.layout;
-    for obstacle in &layout.obstacles {
-        labels.obstacle(obstacle);
+    for (obstacle, name) in layout.obstacles.iter().zip(obstacles) {
+        labels.obstacle(obstacle, name);
     }
+    walls.iter().for_each(|wall| labels.wall(wall));
     for mark in marks.iter().filter(|mark| !matches!(mark.kind, MarkKind::Motor)) {
         labels.mark(mark);
     }

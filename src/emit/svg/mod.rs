@@ -1,13 +1,17 @@
 //! Drawings as SVG, in mm on a standard sheet at a standard scale, with an SVG writer of our own.
 
+mod decimals;
 mod general;
 mod labels;
+mod obstacles;
 mod place;
 mod profile;
+mod setting_out;
 pub(crate) mod sheet;
 mod stages;
 pub(crate) mod strip;
 pub(crate) mod symbol;
+mod tables;
 pub(crate) mod text;
 mod theme;
 mod track;
@@ -16,16 +20,18 @@ pub(crate) mod xml;
 #[cfg(test)]
 mod tests;
 
-pub use general::drawing;
+pub use general::{Furniture, drawing, furniture};
+pub use sheet::Sheet;
 pub use stages::stages;
 pub use theme::Theme;
+pub use xml::XmlElement;
 
 use crate::emit::plan;
 use crate::geometry::{Point, Track, bounds};
 use crate::model::Layout;
 
-use sheet::{Extent, Sheet};
-use xml::{XmlElement, number};
+use sheet::{Extent, TableSize};
+use xml::number;
 
 /// The root element with title, description, styles and hatches.
 pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> XmlElement {
@@ -86,5 +92,5 @@ fn extent(layout: &Layout, tracks: &[&Track], notes: f64, profile: f64) -> Exten
     let (low, high) =
         if broken { (Point::new(f64::NAN, f64::NAN), Point::default()) } else { bounds(points.into_iter()) };
     let (length, sections) = tracks.first().map_or((0.0, 1), |track| (track.length, track.corners.len()));
-    Extent { low, high, length, sections, band: layout.width.value, notes, profile }
+    Extent { low, high, length, sections, band: layout.width.value, notes, profile, table: TableSize::default() }
 }

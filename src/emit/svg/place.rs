@@ -1,7 +1,7 @@
 //! Label placement on paper: oriented boxes in a grid of cells, and a greedy choice among candidates.
 
 use crate::base::trig;
-use crate::emit::paper::PaperPoint;
+use crate::emit::paper::{PaperPoint, bounds};
 
 /// What a box stands for, which decides who may cover it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +10,10 @@ pub enum Layer {
     Label,
     /// Symbols and the track's band: no label covers them.
     Solid,
+    /// Hatching: no label covers it.
+    Hatch,
+    /// Leaders: no label covers them, and no other leader crosses them.
+    Leader,
     /// Thin lines: covered when nothing better is free.
     Line,
 }
@@ -80,10 +84,6 @@ impl LabelCandidate {
     fn boxes(&self) -> impl Iterator<Item = PaperBox> + use<> {
         std::iter::once(self.text).chain(self.bar)
     }
-
-    fn thin(&self) -> impl Iterator<Item = (PaperPoint, PaperPoint)> + use<> {
-        self.extensions.into_iter().flatten().chain(self.leader)
-    }
 }
 
 /// Taken places of a drawing area.
@@ -93,6 +93,8 @@ pub struct TakenPaper {
     columns: usize,
     cells: Vec<Vec<u32>>,
     boxes: Vec<Taken>,
+    /// How many things took places.
+    things: u32,
     /// Square millimetres, row by row, whose middle lies under a symbol, the band or a label: a quick answer to
     /// most candidates.
     covered: Vec<bool>,
@@ -103,6 +105,8 @@ pub struct TakenPaper {
 struct Taken {
     item: PaperBox,
     layer: Layer,
+    /// What it is a part of.
+    thing: u32,
     low: PaperPoint,
     high: PaperPoint,
 }
@@ -130,19 +134,53 @@ impl TakenPaper {
         let millimetres = |length: f64| length.ceil().max(1.0) as usize;
         let (width, height) = (millimetres(high.x - low.x), millimetres(high.y - low.y));
         let (cells, covered) = (vec![Vec::new(); columns * rows], vec![false; width * height]);
-        TakenPaper { low, high, columns, cells, boxes: Vec::new(), covered, width }
+        TakenPaper { low, high, columns, cells, boxes: Vec::new(), things: 0, covered, width }
     }
 
     pub fn add(&mut self, item: PaperBox, layer: Layer) {
+        self.things += 1;
+        self.add_part(item, layer);
+    }
+
+    /// The inside of a closed outline, in strips of a millimetre.
+    pub fn add_area(&mut self, outline: &[PaperPoint], layer: Layer) {
+        const TALL: f64 = 1.0;
+        let (low, high) = bounds(outline.iter().copied());
+        let (low, high) = (low.y.max(self.low.y), high.y.min(self.high.y));
+        self.things += 1;
+        let mut y = low;
+        while y < high {
+            let tall = TALL.min(high - y);
+            // A strip reaches as far as the outline does anywhere in it.
+            let mut spans: Vec<(f64, f64)> = Vec::new();
+            for at in [y + 1e-9, y + tall / 2.0, y + tall - 1e-9] {
+                let mut cuts: Vec<f64> = (0..outline.len())
+                    .filter_map(|i| {
+                        let (a, b) = (outline[i], outline[(i + 1) % outline.len()]);
+                        ((a.y > at) != (b.y > at)).then(|| a.x + (at - a.y) / (b.y - a.y) * (b.x - a.x))
+                    })
+                    .collect();
+                cuts.sort_by(f64::total_cmp);
+                spans.extend(cuts.chunks_exact(2).map(|pair| (pair[0], pair[1])));
+            }
+            for (from, to) in spans {
+                let centre = PaperPoint::new((from + to) / 2.0, y + tall / 2.0);
+                self.add_part(PaperBox::upright(centre, to - from, tall), layer);
+            }
+            y += tall;
+        }
+    }
+
+    fn add_part(&mut self, item: PaperBox, layer: Layer) {
         let index = self.boxes.len() as u32;
         for cell in self.cells_of(&item) {
             self.cells[cell].push(index);
         }
-        if layer != Layer::Line {
+        if !matches!(layer, Layer::Line | Layer::Leader) {
             self.cover(&item);
         }
         let (low, high) = item.bounds();
-        self.boxes.push(Taken { item, layer, low, high });
+        self.boxes.push(Taken { item, layer, thing: self.things, low, high });
     }
 
     fn cover(&mut self, item: &PaperBox) {
@@ -223,7 +261,7 @@ impl TakenPaper {
         while distance < FARTHEST && best.is_none_or(|(cost, _)| distance < cost) {
             open.retain_mut(|leader| {
                 let end = leader.anchor + leader.direction * distance;
-                let Some(crossed) = self.crossed(leader.end, end) else { return false };
+                let Some(crossed) = self.crossed(leader.end, end, true) else { return false };
                 (leader.end, leader.cost) = (end, leader.cost + crossed);
                 let half = PaperPoint::new(leader.direction.x * size.x / 2.0, leader.direction.y * size.y / 2.0);
                 let text = LabelCandidate::text(PaperBox::upright(end + half, size.x, size.y), distance + leader.cost);
@@ -245,8 +283,11 @@ impl TakenPaper {
         for item in chosen.boxes() {
             self.add(item, Layer::Label);
         }
-        for (a, b) in chosen.thin() {
+        for (a, b) in chosen.extensions.into_iter().flatten() {
             self.add_line(a, b, 0.3, Layer::Line);
+        }
+        if let Some((a, b)) = chosen.leader {
+            self.add_line(a, b, 0.3, Layer::Leader);
         }
         chosen
     }
@@ -259,16 +300,20 @@ impl TakenPaper {
             }
             cost += ON_LINE * self.under(&item, |layer| layer != Layer::Line)?.len() as f64;
         }
-        for (a, b) in candidate.thin() {
-            cost += self.crossed(a, b)?;
+        for (a, b) in candidate.extensions.into_iter().flatten() {
+            cost += self.crossed(a, b, false)?;
+        }
+        if let Some((a, b)) = candidate.leader {
+            cost += self.crossed(a, b, true)?;
         }
         Some(cost)
     }
 
-    /// What a thin line costs by all it crosses; `None` when that is a label.
-    fn crossed(&self, a: PaperPoint, b: PaperPoint) -> Option<f64> {
-        let layers = self.under(&PaperBox::line(a, b, 0.3), |layer| layer == Layer::Label)?;
-        Some(layers.into_iter().map(|layer| if layer == Layer::Solid { THIN_ON_SOLID } else { THIN_ON_LINE }).sum())
+    /// What a thin line costs by all it crosses; `None` when that is a label or, of a leader, another leader.
+    fn crossed(&self, a: PaperPoint, b: PaperPoint, leader: bool) -> Option<f64> {
+        let forbids = |layer| layer == Layer::Label || leader && layer == Layer::Leader;
+        let layers = self.under(&PaperBox::line(a, b, 0.3), forbids)?;
+        Some(layers.into_iter().map(|layer| if layer == Layer::Line { THIN_ON_LINE } else { THIN_ON_SOLID }).sum())
     }
 
     fn within(&self, item: &PaperBox) -> bool {
@@ -279,22 +324,23 @@ impl TakenPaper {
     /// Layers of the boxes that this one meets; `None` as soon as one of them forbids it.
     fn under(&self, item: &PaperBox, forbids: impl Fn(Layer) -> bool) -> Option<Vec<Layer>> {
         let (low, high) = item.bounds();
-        let mut met: Vec<u32> = Vec::new();
+        let mut met: Vec<(u32, Layer)> = Vec::new();
         for cell in self.cells_of(item) {
             for &index in &self.cells[cell] {
                 let taken = &self.boxes[index as usize];
                 let apart =
                     taken.low.x > high.x || taken.high.x < low.x || taken.low.y > high.y || taken.high.y < low.y;
-                // A box that runs through several cells counts once.
-                if !apart && item.meets(&taken.item) && !met.contains(&index) {
+                // A thing of several parts, or in several cells, counts once.
+                let found = (taken.thing, taken.layer);
+                if !apart && item.meets(&taken.item) && !met.contains(&found) {
                     if forbids(taken.layer) {
                         return None;
                     }
-                    met.push(index);
+                    met.push(found);
                 }
             }
         }
-        Some(met.into_iter().map(|index| self.boxes[index as usize].layer).collect())
+        Some(met.into_iter().map(|(_, layer)| layer).collect())
     }
 
     fn cells_of(&self, item: &PaperBox) -> impl Iterator<Item = usize> + use<> {
@@ -386,6 +432,36 @@ mod tests {
             }
         }
         assert!(covered > 100, "{covered}");
+    }
+
+    #[test]
+    fn leaders_do_not_cross_and_hatching_stays_free() {
+        let p = PaperPoint::new;
+        let mut field = TakenPaper::new(p(-40.0, -40.0), p(40.0, 40.0));
+        // A triangle, whose slanted side runs through the strips.
+        let hatched = [p(-20.0, -10.0), p(20.0, -10.0), p(0.0, 25.0)];
+        field.add_area(&hatched, Layer::Hatch);
+        let mut chosen = Vec::new();
+        for k in 0..14 {
+            let anchor = p(-13.0 + 2.0 * f64::from(k), -4.0);
+            chosen.extend(field.place_afar(&[anchor], p(9.0, 3.0)));
+        }
+        assert!(chosen.len() > 8, "{}", chosen.len());
+        let inside =
+            |q: PaperPoint| (0..3).all(|i| (hatched[(i + 1) % 3] - hatched[i]).across().dot(q - hatched[i]) > 1e-6);
+        for (i, label) in chosen.iter().enumerate() {
+            for k in 0..200 {
+                let (u, v) = (f64::from(k % 20) / 10.0 - 0.95, f64::from(k / 20) / 5.0 - 0.9);
+                let at = label.text.centre + p(u * label.text.half.x, v * label.text.half.y);
+                assert!(!inside(at), "{at:?}");
+            }
+            let line = |label: &LabelCandidate| label.leader.map(|(a, b)| PaperBox::line(a, b, 0.1));
+            for other in &chosen[..i] {
+                if let (Some(a), Some(b)) = (line(label), line(other)) {
+                    assert!(!a.meets(&b), "{a:?} {b:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! The height profile under the plan: height over arc length, with levels, slopes and vertices.
 
+use super::decimals::needed;
 use super::sheet::{PaperArea, Sheet, coordinates, path, path_line, rectangle};
 use super::text::{self, Height};
 use super::xml::XmlElement;
-use crate::base::number::trimmed;
+use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
 use crate::compiled::Compiled;
 use crate::emit::paper::PaperPoint;
@@ -102,6 +103,7 @@ fn points(compiled: &Compiled) -> Vec<(f64, f64)> {
 fn levels(chart: &Chart, compiled: &Compiled) -> XmlElement {
     let mut group = XmlElement::group("levels");
     let mut heights: Vec<f64> = compiled.layout.levels.iter().map(|level| level.height).collect();
+    let decimals = needed(heights.iter().copied(), 3);
     heights.push(chart.base);
     heights.sort_by(f64::total_cmp);
     let mut lowest = f64::INFINITY;
@@ -114,7 +116,7 @@ fn levels(chart: &Chart, compiled: &Compiled) -> XmlElement {
         if z > chart.base {
             group.push(path(&path_line(left, right), "tangent"));
         }
-        let label = format!("{} m", trimmed(z, 3));
+        let label = format!("{} m", fixed(z, decimals));
         let place = left - PaperPoint::new(2.0 + text::width(&label, Height::H18.size(), false), 0.0);
         group.push(path(&path_line(left - PaperPoint::new(1.2, 0.0), left), "dimension"));
         group.push(text::line(place + PaperPoint::new(0.0, Height::H18.capitals() / 2.0), label, Height::H18, ""));
@@ -177,11 +179,12 @@ fn slopes(chart: &Chart, compiled: &Compiled) -> XmlElement {
     }
     let middle = |climb: &(f64, f64, f64)| compiled.round_trip((climb.0 + climb.1) / 2.0 - compiled.start());
     climbs.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+    let decimals = needed(climbs.iter().map(|climb| 100.0 * climb.2), 2);
     let mut free = f64::NEG_INFINITY;
     for (from, to, slope) in climbs {
         let s = middle(&(from, to, slope));
         let z = compiled.space.line.at((from + to) / 2.0).position.z;
-        let label = format!("{} %", trimmed(100.0 * slope, 2));
+        let label = format!("{} %", fixed(100.0 * slope, decimals));
         let wide = text::width(&label, Height::H18.size(), false);
         // To the right of the line: under it where it rises, over it where it falls.
         let steep = chart.ratio() * slope.abs();
@@ -220,7 +223,7 @@ fn axis(chart: &Chart) -> XmlElement {
         label(s, trimmed(s, 3), "");
         s += step;
     }
-    label(chart.length, format!("{} m", trimmed(chart.length, 3)), "");
+    label(chart.length, format!("{} m", fixed(chart.length, 3)), "");
     group.push(path(&rules, "rule"));
     group
 }

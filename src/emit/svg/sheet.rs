@@ -10,13 +10,15 @@ use super::text::{self, Height};
 use super::xml::{XmlElement, number};
 
 /// Height of the strip under the drawing, which holds legend, scale bar and title block, mm.
-pub const STRIP: f64 = 56.0;
+pub const STRIP: f64 = 62.0;
 /// Paper left free between the layout and the drawing area's edge for what is written around it, mm.
-const MARGIN: f64 = 18.0;
+const MARGIN: f64 = 21.0;
 /// A layout that fills this share of the drawing area in one direction needs no larger sheet.
 const FILLED: f64 = 0.5;
 /// Mean length of a section, mm on paper, under which a larger sheet is taken.
 const SECTION: f64 = 36.0;
+/// Largest share of the sheet's width that tables take.
+const TABLES: f64 = 0.4;
 /// Width of the band on paper that shows what lies in it, mm.
 const BAND: f64 = 4.0;
 
@@ -58,6 +60,25 @@ pub struct Extent {
     pub notes: f64,
     /// Height that a height profile takes away from it, mm.
     pub profile: f64,
+    /// Tables at its right side.
+    pub table: TableSize,
+}
+
+/// Lines of tables, and how wide one is, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct TableSize {
+    pub lines: usize,
+    pub width: f64,
+}
+
+/// Height of a line of a table, mm.
+pub const TABLE_LINE: f64 = 3.6;
+/// Room over and under a column of lines together, mm.
+pub const TABLE_ROOM: f64 = 10.0;
+
+/// How many lines a column holds that is this high, mm.
+pub fn table_lines(height: f64) -> usize {
+    ((height - TABLE_ROOM) / TABLE_LINE).floor().max(1.0) as usize
 }
 
 /// A sheet with its drawing area and scale.
@@ -68,8 +89,11 @@ pub struct Sheet {
     pub height: f64,
     /// 1 : scale
     pub scale: f64,
-    /// Drawing, height profile under it, notes under that, and the strip under all.
+    /// Drawing, height profile under it, notes under that, tables beside them, and the strip under all.
     pub drawing: PaperArea,
+    pub tables: PaperArea,
+    /// Whether the tables hold all of their lines.
+    pub holds_tables: bool,
     pub profile: PaperArea,
     pub notes: PaperArea,
     pub strip: PaperArea,
@@ -89,11 +113,12 @@ impl Sheet {
             let fill = sheet.fill(span);
             let section = 1000.0 * extent.length / extent.sections.max(1) as f64 / sheet.scale;
             let band = sheet.mm(extent.band);
-            if fill >= FILLED && section >= SECTION && band >= BAND {
+            if fill >= FILLED && section >= SECTION && band >= BAND && sheet.holds_tables {
                 return Ok(sheet);
             }
             // Room for every section and a band that can be read come before a filled sheet.
-            let merit = (section / SECTION).min(1.0) + (band / BAND).min(1.0) + 0.1 * fill;
+            let whole = if sheet.holds_tables { 1.0 } else { 0.0 };
+            let merit = (section / SECTION).min(1.0) + (band / BAND).min(1.0) + whole + 0.1 * fill;
             if best.is_none_or(|(least, _)| merit > least + 1e-9) {
                 best = Some((merit, sheet));
             }
@@ -104,15 +129,20 @@ impl Sheet {
     fn fit(size: &'static str, width: f64, height: f64, extent: &Extent, span: Point) -> Sheet {
         let inside = PaperArea { low: PaperPoint::new(20.0, 10.0), high: PaperPoint::new(width - 10.0, height - 10.0) };
         let strip = PaperArea { low: PaperPoint::new(inside.low.x, inside.high.y - STRIP), high: inside.high };
+        let columns = extent.table.lines.div_ceil(table_lines(strip.low.y - inside.low.y));
+        let most = if extent.table.width > 0.0 { (TABLES * width / extent.table.width).floor() as usize } else { 0 };
+        let right = inside.high.x - columns.min(most) as f64 * extent.table.width;
+        let tables =
+            PaperArea { low: PaperPoint::new(right, inside.low.y), high: PaperPoint::new(inside.high.x, strip.low.y) };
         let notes = PaperArea {
             low: PaperPoint::new(inside.low.x, strip.low.y - extent.notes.min(0.4 * height)),
-            high: PaperPoint::new(inside.high.x, strip.low.y),
+            high: PaperPoint::new(right, strip.low.y),
         };
         let profile = PaperArea {
             low: PaperPoint::new(inside.low.x, notes.low.y - extent.profile),
-            high: PaperPoint::new(inside.high.x, notes.low.y),
+            high: PaperPoint::new(right, notes.low.y),
         };
-        let drawing = PaperArea { low: inside.low, high: PaperPoint::new(inside.high.x, profile.low.y) };
+        let drawing = PaperArea { low: inside.low, high: PaperPoint::new(right, profile.low.y) };
         let room = PaperPoint::new(drawing.width() - 2.0 * MARGIN, drawing.height() - 2.0 * MARGIN);
         let needed = (1000.0 * span.x / room.x).max(1000.0 * span.y / room.y);
         let scale = standard_scale(needed);
@@ -121,7 +151,8 @@ impl Sheet {
         let millimetres = 1000.0 / scale;
         let origin = middle - Projection::turned(centre) * millimetres;
         let projection = Projection { floor: Point::default(), paper: origin, scale: millimetres };
-        Sheet { size, width, height, scale, drawing, profile, notes, strip, projection }
+        let holds_tables = columns <= most;
+        Sheet { size, width, height, scale, drawing, tables, holds_tables, profile, notes, strip, projection }
     }
 
     /// An A3 sheet at a standard scale, with a panel of this width (mm) at the right of its drawing.
@@ -156,6 +187,11 @@ impl Sheet {
     /// A point of the floor on paper.
     pub fn at(&self, p: Point) -> PaperPoint {
         self.projection.at(p)
+    }
+
+    /// The point of the floor that lies here on paper.
+    pub fn floor(&self, p: PaperPoint) -> Point {
+        self.projection.floor_at(p)
     }
 
     /// The frame with its centring marks and reference grid.
@@ -283,6 +319,7 @@ mod tests {
             band: 1.2,
             notes: 0.0,
             profile: 0.0,
+            table: TableSize::default(),
         }
     }
 
@@ -299,6 +336,18 @@ mod tests {
             [7.0, 11.0, 21.0, 49.0, 250.0, 251.0, 1001.0].map(standard_scale),
             [10.0, 20.0, 25.0, 50.0, 250.0, 500.0, 2000.0]
         );
+    }
+
+    #[test]
+    fn tables_take_room_from_the_drawing() {
+        let extent = Extent { table: TableSize { lines: 100, width: 60.0 }, ..extent(112.0, 62.0, 150.0, 10) };
+        let sheet = Sheet::choose(&extent).expect("fits");
+        let columns = 100_usize.div_ceil(table_lines(sheet.tables.height()));
+        assert!((sheet.tables.width() - 60.0 * columns as f64).abs() < 1e-9 && sheet.holds_tables);
+        assert!(sheet.drawing.high.x == sheet.tables.low.x && sheet.at(extent.high).x < sheet.tables.low.x - MARGIN);
+        let endless = Extent { table: TableSize { lines: 100_000, width: 60.0 }, ..extent };
+        let sheet = Sheet::choose(&endless).expect("fits");
+        assert!(!sheet.holds_tables && sheet.tables.width() <= TABLES * sheet.width);
     }
 
     #[test]

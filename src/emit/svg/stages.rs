@@ -6,7 +6,8 @@ use crate::emit::{DrawError, plan};
 use crate::geometry::{Corner, Track};
 use crate::solve::Status;
 
-use super::place::{PaperBox, TakenPaper, around};
+use super::obstacles;
+use super::place::{TakenPaper, around};
 use super::sheet::{Sheet, path, reading_angle};
 use super::strip::{self, Key, field};
 use super::text::{self, Height};
@@ -33,9 +34,10 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     let description = format!("Centre lines of {} before and after each stage of the optimisation.", layout.name);
     let mut svg = root(&sheet, theme, &format!("{}: stages", layout.name), &description);
     svg.push(sheet.frame());
-    svg.push(track::floor(&sheet, layout));
     let inside = PaperPoint::new(6.0, 6.0);
     let mut area = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
+    let titles = obstacles::names(&sheet, layout, &mut area);
+    svg.push(track::floor(&sheet, layout, &titles));
     let mut group = XmlElement::group("stages");
     for (i, (_, line)) in lines.iter().enumerate() {
         let class = format!("stage-{}", i.min(3));
@@ -46,17 +48,17 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     }
     svg.push(group);
     let mut names = XmlElement::group("labels");
-    for obstacle in &layout.obstacles {
-        let (low, high) = obstacle.polygon.bounds();
-        let at = sheet.at((low + high) * 0.5);
-        let name = text::fitted(&obstacle.name, Height::H25, false, 70.0);
-        name_at(&mut names, &mut area, at, PaperPoint::new(0.0, -1.0), &name, "halo", 0.0);
+    for (obstacle, title) in layout.obstacles.iter().zip(&titles) {
+        let place = title.inside.or_else(|| area.place(&obstacles::beside(&sheet, obstacle, title).0).map(|c| c.text));
+        if let Some(place) = place {
+            names.push(text::centred(place.centre, 0.0, &title.text, Height::H25, "halo"));
+        }
     }
     if let Some((_, last)) = lines.last() {
         for (vertex, (corner, fillet)) in layout.vertices.iter().zip(last.corners.iter().zip(&last.fillets)) {
             let prefer = Projection::direction((corner.point - fillet.centre).heading());
             let name = text::fitted(&vertex.name, Height::H25, false, 70.0);
-            name_at(&mut names, &mut area, sheet.at(corner.point), prefer, &name, "halo bold", 1.6);
+            name_at(&mut names, &mut area, sheet.at(corner.point), prefer, &name);
         }
     }
     svg.push(names);
@@ -89,26 +91,13 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     Ok(svg.document())
 }
 
-fn name_at(
-    group: &mut XmlElement,
-    area: &mut TakenPaper,
-    at: PaperPoint,
-    prefer: PaperPoint,
-    name: &str,
-    class: &str,
-    gap: f64,
-) {
-    let size =
-        PaperPoint::new(text::width(name, Height::H25.size(), class.contains("bold")) + 0.8, 1.24 * Height::H25.size());
-    let mut candidates = around(at, prefer, size, gap, 60.0);
-    if gap == 0.0 {
-        candidates.insert(0, super::place::LabelCandidate::text(PaperBox::upright(at, size.x, size.y), -9.0));
-    }
-    if let Some(chosen) = area.place(&candidates) {
+fn name_at(group: &mut XmlElement, area: &mut TakenPaper, at: PaperPoint, prefer: PaperPoint, name: &str) {
+    let size = PaperPoint::new(text::width(name, Height::H25.size(), true) + 0.8, 1.24 * Height::H25.size());
+    if let Some(chosen) = area.place(&around(at, prefer, size, 1.6, 60.0)) {
         if let Some((a, b)) = chosen.leader {
             group.push(path(&super::sheet::path_line(a, b), "leader"));
         }
         let place = &chosen.text;
-        group.push(text::centred(place.centre, reading_angle(place.axis), name, Height::H25, class));
+        group.push(text::centred(place.centre, reading_angle(place.axis), name, Height::H25, "halo bold"));
     }
 }

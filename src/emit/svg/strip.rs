@@ -36,6 +36,9 @@ pub enum Key {
     Wall,
     Obstacle,
     Clearance,
+    WallDistance,
+    Datum,
+    GridAxis,
     Mark(MarkKind),
     /// Line of a stage, 0 for the written layout.
     Stage(usize),
@@ -118,7 +121,28 @@ fn key_symbol(key: Key, at: PaperPoint) -> XmlElement {
             let wall = polygon(&[along(0.0, 0.0), along(12.0, 0.0), along(12.0, -1.8), along(0.0, -1.8)]);
             XmlElement::group("key").with(path(&wall, "wall-hatch")).with(line("wall"))
         }
-        Key::Obstacle => rectangle(along(0.0, -1.6), along(12.0, 1.6), "obstacle"),
+        Key::Obstacle => {
+            let (low, high) = (along(0.0, -1.6), along(12.0, 1.6));
+            let hatch = rectangle(low, high, "obstacle-hatch");
+            XmlElement::group("key").with(hatch).with(rectangle(low, high, "obstacle"))
+        }
+        Key::WallDistance => {
+            let wall = polygon(&[along(12.0, -1.6), along(12.0, 1.6), along(10.8, 1.6), along(10.8, -1.6)]);
+            let lines = path_line(along(0.0, 0.0), along(10.8, 0.0));
+            let heads = symbol::arrow(along(10.8, 0.0), PaperPoint::new(1.0, 0.0), 2.5, 0.9)
+                + &symbol::arrow(at, PaperPoint::new(-1.0, 0.0), 2.5, 0.9);
+            XmlElement::group("key")
+                .with(path(&wall, "wall-hatch"))
+                .with(path(&path_line(along(10.8, -1.6), along(10.8, 1.6)), "wall"))
+                .with(path(&path_line(along(0.0, -1.6), along(0.0, 1.6)), "centre"))
+                .with(path(&lines, "dimension"))
+                .with(path(&heads, "dimension-arrow"))
+        }
+        Key::Datum => super::setting_out::datum_symbol(middle, 1.6),
+        Key::GridAxis => XmlElement::group("key")
+            .with(path(&path_line(at, along(8.6, 0.0)), "grid-axis"))
+            .with(symbol::circle(along(10.3, 0.0), 1.7, "bubble"))
+            .with(text::centred(along(10.3, 0.0), 0.0, "A", Height::H18, "")),
         Key::Clearance => line("clearance"),
         Key::Mark(MarkKind::Motor) => band(1.8).with(rectangle(along(3.0, -0.8), along(9.0, 0.8), "motor")),
         Key::Mark(kind) => {
@@ -201,7 +225,9 @@ pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<TitleField>])
             group.push(label(at, &cell.label));
             let value = text::fitted(&cell.value, Height::H25, cell.warn, wide * cell.columns as f64 - 3.6);
             let class = if cell.warn { "bold warn" } else { "" };
-            group.push(text::line(at + PaperPoint::new(1.8, tall - 3.0), value, Height::H25, class));
+            if !value.is_empty() {
+                group.push(text::line(at + PaperPoint::new(1.8, tall - 2.2), value, Height::H25, class));
+            }
             column += cell.columns;
         }
     }
@@ -212,6 +238,7 @@ pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<TitleField>])
 /// What the title block of a general-arrangement drawing says.
 pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<TitleField>> {
     let layout = &compiled.layout;
+    let title = &layout.drawing.title;
     let status = match compiled.stages.last().map(|stage| stage.status) {
         Some(Status::Infeasible) => "NOT FEASIBLE",
         Some(Status::Feasible) => "feasible, not converged",
@@ -254,7 +281,15 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<TitleField>> {
         vec![
             field("scale", format!("1 : {}", trimmed(sheet.scale, 1))),
             field("sheet", sheet.size),
-            TitleField { columns: 3, ..field("units", "m, degrees") },
+            field("units", "m, degrees"),
+            TitleField { columns: 2, ..field("drawing number", title.number.clone()) },
+        ],
+        vec![
+            field("author", title.author.clone()),
+            field("checked", title.checked.clone()),
+            field("approved", title.approved.clone()),
+            field("revision", title.revision.clone()),
+            field("date of revision", title.date.clone()),
         ],
     ]
 }

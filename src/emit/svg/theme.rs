@@ -33,7 +33,7 @@ const COLOURS: [(&str, &str, &str); 15] = [
 ];
 
 /// Selector and declarations; `{name}` stands for a colour.
-const RULES: [(&str, &str); 47] = [
+const RULES: [(&str, &str); 51] = [
     ("path,circle,rect", "fill:none;stroke-linejoin:round"),
     ("text", "font-family:'DejaVu Sans',Verdana,Arial,sans-serif;fill:{ink};stroke:none"),
     (".halo", "stroke:{paper};stroke-width:.7;stroke-linejoin:round;paint-order:stroke"),
@@ -50,7 +50,8 @@ const RULES: [(&str, &str); 47] = [
     (".wall", "stroke:{ink};stroke-width:.7"),
     (".wall-hatch", "fill:url(#wall-hatch)"),
     (".wall-line", "stroke:{ink};stroke-width:.18"),
-    (".obstacle", "stroke:{solid};stroke-width:.5;fill:url(#obstacle-hatch)"),
+    (".obstacle", "stroke:{solid};stroke-width:.5"),
+    (".obstacle-hatch", "fill:url(#obstacle-hatch);fill-rule:evenodd"),
     (".obstacle-line", "stroke:{solid};stroke-width:.25"),
     (".clearance", "stroke:{solid};stroke-width:.25;stroke-dasharray:2 1"),
     (".band", "fill:{band};fill-rule:evenodd"),
@@ -67,6 +68,9 @@ const RULES: [(&str, &str); 47] = [
     (".tangent", "stroke:{muted};stroke-width:.18;stroke-dasharray:2.4 .8 .4 .8"),
     (".dimension", "stroke:{ink};stroke-width:.18"),
     (".dimension-arrow", "fill:{ink}"),
+    (".grid-axis", "stroke:{muted};stroke-width:.25;stroke-dasharray:8 1.5 1 1.5"),
+    (".bubble", "stroke:{ink};stroke-width:.35;fill:{paper}"),
+    (".datum-ground", "fill:{paper}"),
     (".leader", "stroke:{muted};stroke-width:.18"),
     (".motor", "fill:{motor}"),
     (".motor-text", "fill:{motor}"),

@@ -6,10 +6,14 @@ use crate::emit::plan::{self, Climb, Mark, MarkKind, PlanCurve};
 use crate::geometry::{Point, Track};
 use crate::model::{ConstraintKind, FixKind, Layout};
 
+use super::obstacles::{self, ObstacleName};
 use super::place::{Layer, PaperBox, TakenPaper};
 use super::sheet::{Sheet, coordinates, path, path_line, polygon};
 use super::symbol::{self, Spot};
 use super::xml::{XmlElement, number};
+
+/// Width of the hatching along walls, mm.
+const WALL: f64 = 1.8;
 
 /// Path data of curves on paper; what continues where the last ended is one line.
 pub fn curves(sheet: &Sheet, curves: &[PlanCurve]) -> String {
@@ -35,11 +39,11 @@ pub fn curves(sheet: &Sheet, curves: &[PlanCurve]) -> String {
 }
 
 /// Building and obstacles.
-pub fn floor(sheet: &Sheet, layout: &Layout) -> XmlElement {
+pub fn floor(sheet: &Sheet, layout: &Layout, names: &[ObstacleName]) -> XmlElement {
     let mut group = XmlElement::group("floor");
     if let Some(building) = &layout.building {
         let outline = polygon(&building.polygon.points().iter().map(|p| sheet.at(*p)).collect::<Vec<_>>());
-        let wall = plan::outset(&building.polygon, 1.8 * sheet.scale / 1000.0);
+        let wall = plan::outset(&building.polygon, WALL * sheet.scale / 1000.0);
         group.push(path(&(outline.clone() + &curves(sheet, &wall) + "Z"), "wall-hatch").attr("fill-rule", "evenodd"));
         group.push(path(&outline, "wall"));
         let clear = plan::inset(&building.polygon, building.clearance);
@@ -47,14 +51,7 @@ pub fn floor(sheet: &Sheet, layout: &Layout) -> XmlElement {
             group.push(path(&curves(sheet, &clear), "clearance"));
         }
     }
-    for obstacle in &layout.obstacles {
-        let outline = polygon(&obstacle.polygon.points().iter().map(|p| sheet.at(*p)).collect::<Vec<_>>());
-        group.push(path(&outline, "obstacle"));
-        let clear = plan::outset(&obstacle.polygon, obstacle.clearance);
-        if !clear.is_empty() {
-            group.push(path(&curves(sheet, &clear), "clearance"));
-        }
-    }
+    obstacles::draw(sheet, layout, names, &mut group);
     group
 }
 
@@ -273,19 +270,21 @@ pub fn occupy(sheet: &Sheet, track: &Track, layout: &Layout, field: &mut TakenPa
         field.add_line(sheet.at(fillet.begin), at, 0.3, Layer::Line);
         field.add_line(at, sheet.at(fillet.end), 0.3, Layer::Line);
     }
-    let mut line = |curve: &PlanCurve, thickness| {
-        for_chords(sheet, curve, |a, b| field.add_line(a, b, thickness, Layer::Line));
+    let mut line = |curve: &PlanCurve, thickness, layer| {
+        for_chords(sheet, curve, |a, b| field.add_line(a, b, thickness, layer));
     };
     let outlines = layout.building.iter().map(|b| &b.polygon).chain(layout.obstacles.iter().map(|o| &o.polygon));
     for (begin, end) in outlines.flat_map(|polygon| polygon.edges()) {
-        line(&PlanCurve::Line { begin, end }, 0.7);
+        line(&PlanCurve::Line { begin, end }, 0.7, Layer::Line);
     }
     if let Some(building) = &layout.building {
-        plan::inset(&building.polygon, building.clearance).iter().for_each(|curve| line(curve, 0.3));
-        plan::outset(&building.polygon, 0.9 * sheet.scale / 1000.0).iter().for_each(|curve| line(curve, 1.8));
+        plan::inset(&building.polygon, building.clearance).iter().for_each(|curve| line(curve, 0.3, Layer::Line));
+        plan::outset(&building.polygon, WALL / 2.0 * sheet.scale / 1000.0)
+            .iter()
+            .for_each(|curve| line(curve, WALL, Layer::Hatch));
     }
     for obstacle in &layout.obstacles {
-        plan::outset(&obstacle.polygon, obstacle.clearance).iter().for_each(|curve| line(curve, 0.3));
+        plan::outset(&obstacle.polygon, obstacle.clearance).iter().for_each(|curve| line(curve, 0.3, Layer::Line));
     }
 }
 

@@ -62,6 +62,30 @@ impl XmlElement {
         self.children.push(Node::Element(child));
     }
 
+    pub fn name(&self) -> &str {
+        self.name
+    }
+
+    /// The value of an attribute.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(other, _)| *other == name).map(|(_, value)| value.as_str())
+    }
+
+    /// Its text, when it begins with one.
+    pub fn words(&self) -> &str {
+        if let Some(Node::Text(text)) = self.children.first() { text } else { "" }
+    }
+
+    /// This element and all in it, in order.
+    pub fn visit(&self, each: &mut impl FnMut(&XmlElement)) {
+        each(self);
+        for child in &self.children {
+            if let Node::Element(element) = child {
+                element.visit(each);
+            }
+        }
+    }
+
     /// The document with this root, one element a line.
     pub fn document(&self) -> String {
         let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");

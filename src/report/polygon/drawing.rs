@@ -4,7 +4,7 @@
 use crate::base::number::{fixed, trimmed};
 use crate::emit::DrawError;
 use crate::emit::paper::{self, PaperPoint, Projection};
-use crate::emit::svg::sheet::{Extent, PaperArea, Sheet, coordinates, path, path_line, rectangle};
+use crate::emit::svg::sheet::{Extent, PaperArea, Sheet, TableSize, coordinates, path, path_line, rectangle};
 use crate::emit::svg::strip::field;
 use crate::emit::svg::text::Height;
 use crate::emit::svg::xml::{XmlElement, number};
@@ -29,7 +29,8 @@ const ROW: f64 = 3.7;
 /// [`DrawError::Extent`] when the sheet cannot show the track.
 pub fn polygon(report: &PolygonReport, line: &CentreLine, theme: Theme) -> Result<String, DrawError> {
     let (low, high) = bounds(outline(line, 0.0, line.length).into_iter());
-    let extent = Extent { low, high, length: line.length, sections: 1, band: 1.0, notes: 0.0, profile: 0.0 };
+    let table = TableSize::default();
+    let extent = Extent { low, high, length: line.length, sections: 1, band: 1.0, notes: 0.0, profile: 0.0, table };
     let (sheet, panel) = Sheet::beside(&extent, PANEL)?;
     let description = format!(
         "Polygon action of {}: plan, matrix of starting straights and straights, first harmonics of the curves.",
