@@ -14,7 +14,7 @@ pub fn drawing_files(compiled: &Compiled) -> Result<Vec<(String, Vec<u8>)>, Draw
     Ok(vec![
         ("drawing.svg".to_owned(), adaptive.into_bytes()),
         ("drawing.png".to_owned(), raster),
-        ("drawing.dxf".to_owned(), dxf::drawing(compiled).into_bytes()),
+        ("drawing.dxf".to_owned(), dxf::drawing(compiled)?.into_bytes()),
     ])
 }
 

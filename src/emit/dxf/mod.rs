@@ -1,14 +1,20 @@
 //! `drawing.dxf`: the layout in metres on named layers, with true arcs, for CAD programs to snap to.
 
+mod dimensions;
+mod elements;
+mod sheet;
+mod tables;
+mod tags;
 mod writer;
 
 #[cfg(test)]
 mod tests;
 
-use crate::base::trig;
 use crate::compiled::Compiled;
 use crate::emit::plan::{self, Mark, MarkKind, PlanCurve};
+use crate::emit::{DrawError, svg};
 use crate::geometry::{PieceKind, Point, bounds};
+use crate::model::Coordinate;
 
 use writer::{Layer, Writer};
 
@@ -16,7 +22,7 @@ const fn layer(name: &'static str, colour: u8, line_type: &'static str, weight: 
     Layer { name, colour, line_type, weight }
 }
 
-const LAYERS: [Layer; 15] = [
+const LAYERS: [Layer; 21] = [
     layer("TRACK_CENTRE", 1, "CENTER", 25),
     layer("TRACK_LEFT", 5, "Continuous", 50),
     layer("TRACK_RIGHT", 5, "Continuous", 50),
@@ -32,14 +38,25 @@ const LAYERS: [Layer; 15] = [
     layer("SUPPORTS", 8, "Continuous", 25),
     layer("SENSORS", 200, "Continuous", 35),
     layer("TEXT", 7, "Continuous", 18),
+    layer("ELEMENTS", 8, "Continuous", 18),
+    layer("DIMENSIONS", 3, "Continuous", 18),
+    layer("GRID_AXES", 9, "CENTER", 18),
+    layer("SHEET", 7, "Continuous", 25),
+    layer("VIEWPORTS", 9, "Continuous", 18),
+    layer("DEFPOINTS", 7, "Continuous", 18),
 ];
 
-/// The layout as DXF R2000.
-pub fn drawing(compiled: &Compiled) -> String {
+/// Height of text on the sheet, mm.
+const TEXT: f64 = 1.8;
+
+/// The layout as DXF R2000: the model in metres, and a sheet with a window on it.
+///
+/// # Errors
+/// [`DrawError::Extent`] when no standard sheet and scale can show the layout.
+pub fn drawing(compiled: &Compiled) -> Result<String, DrawError> {
+    let furniture = svg::furniture(compiled)?;
     let (layout, track) = (&compiled.layout, &compiled.track);
-    let (low, high) = bounds(track.corners.iter().map(|corner| corner.point));
-    // Readable with the whole layout on a screen, in steps of 5 cm.
-    let height = ((high - low).norm() / 250.0 / 0.05).round().clamp(1.0, 100.0) * 0.05;
+    let height = TEXT * furniture.sheet.scale / 1000.0;
     let mut dxf = Writer::new(&LAYERS, height);
 
     if let Some(building) = &layout.building {
@@ -64,33 +81,83 @@ pub fn drawing(compiled: &Compiled) -> String {
         dxf.node("VERTICES", corner.point);
         dxf.text("TEXT", corner.point + Point::new(0.0, 1.5 * height), 0.0, &vertex.name);
     }
-    dimensions(&mut dxf, compiled, half + height);
+    elements::elements(&mut dxf, compiled);
+    dimensions(&mut dxf, compiled, half, height);
+    grid_axes(&mut dxf, compiled, height);
     for mark in plan::marks(compiled) {
         equipment(&mut dxf, compiled, &mark, half, height);
     }
-    dxf.finish()
+    let paper = sheet::sheet(&mut dxf, &furniture);
+    Ok(tables::finish(dxf, &paper))
 }
 
-/// Lengths, radii and turns, inside the loop beside the band.
-fn dimensions(dxf: &mut Writer, compiled: &Compiled, distance: f64) {
-    let track = &compiled.track;
+/// Lengths inside the loop beside the band, radii and turns, distances from walls, coordinates of the building and its
+/// axes from the origin.
+fn dimensions(dxf: &mut Writer, compiled: &Compiled, half: f64, height: f64) {
+    let (layout, track) = (&compiled.layout, &compiled.track);
     let winding = plan::winding(track);
+    let distance = half + height;
     for piece in track.pieces.iter().filter(|piece| piece.length > 1e-9) {
-        let (at, heading) = piece.at(piece.length / 2.0);
-        let inside = Point::unit(heading).left() * (winding * distance);
-        let upright = if trig::cos(heading) < -1e-9 { heading + trig::PI } else { heading };
-        let text = match piece.kind {
-            PieceKind::Straight => format!("{:.3}", piece.length),
-            PieceKind::Arc { radius, turn, .. } => format!("R{radius:.3} {:.2}°", turn.abs() * 180.0 / trig::PI),
-        };
-        dxf.text("TEXT", at + inside, trig::wrap(upright), &text);
+        match piece.kind {
+            PieceKind::Straight => {
+                dimensions::aligned(dxf, piece.begin, piece.end, winding * (half + 2.0 * height), "");
+            }
+            PieceKind::Arc { centre, turn, .. } => {
+                dimensions::radius(dxf, centre, piece.at(piece.length / 2.0).0, turn, half);
+            }
+        }
     }
+    for wall in plan::wall_distances(compiled) {
+        let middle = |(p, q): (Point, Point)| p.lerp(q, 0.5);
+        dimensions::aligned(dxf, middle(wall.track), middle(wall.wall), 0.0, if wall.least { " min" } else { "" });
+    }
+    let (low, high) = extent(compiled);
+    let origin = layout.drawing.origin;
+    for x in plan::ordinates(layout, Coordinate::X).into_iter().filter(|x| *x >= low.x && *x <= high.x) {
+        let at = Point::new(x, low.y);
+        dimensions::ordinate(dxf, origin, at, at - Point::new(0.0, 3.0 * height), true);
+    }
+    for y in plan::ordinates(layout, Coordinate::Y).into_iter().filter(|y| *y >= low.y && *y <= high.y) {
+        let at = Point::new(low.x, y);
+        dimensions::ordinate(dxf, origin, at, at - Point::new(3.0 * height, 0.0), false);
+    }
+    dxf.circle("DIMENSIONS", origin, height);
+    for across in [Point::new(1.5 * height, 0.0), Point::new(0.0, 1.5 * height)] {
+        dxf.line("DIMENSIONS", origin - across, origin + across);
+    }
+    dxf.text("TEXT", origin - Point::new(2.5 * height, 2.0 * height), 0.0, "0, 0");
     // Outside: slopes and heights.
     for climb in plan::climbs(compiled) {
         let (at, heading) = track.at(climb.middle.rem_euclid(track.length));
         let outside = Point::unit(heading).left() * (-winding * distance);
-        let upright = if trig::cos(heading) < -1e-9 { heading + trig::PI } else { heading };
-        dxf.text("TEXT", at + outside, trig::wrap(upright), &climb.text(2, 3));
+        dxf.text("TEXT", at + outside, dimensions::upright(heading), &climb.text(2, 3));
+    }
+}
+
+/// Smallest and largest coordinates of building, obstacles and centre line, m.
+fn extent(compiled: &Compiled) -> (Point, Point) {
+    let layout = &compiled.layout;
+    let polygons = layout.building.iter().map(|b| &b.polygon).chain(layout.obstacles.iter().map(|o| &o.polygon));
+    let corners = polygons.flat_map(|polygon| polygon.points().iter().copied());
+    bounds(corners.chain(compiled.track.corners.iter().map(|corner| corner.point)))
+}
+
+/// The building's axes, with their names in circles at the upper and the right end.
+fn grid_axes(dxf: &mut Writer, compiled: &Compiled, height: f64) {
+    let (low, high) = extent(compiled);
+    let (beyond, radius) = (4.0 * height, 1.5 * height);
+    for axis in &compiled.layout.drawing.axes {
+        let (from, to, out) = match axis.coordinate {
+            Coordinate::X => {
+                (Point::new(axis.at, low.y), Point::new(axis.at, high.y + beyond), Point::new(0.0, radius))
+            }
+            Coordinate::Y => {
+                (Point::new(low.x, axis.at), Point::new(high.x + beyond, axis.at), Point::new(radius, 0.0))
+            }
+        };
+        dxf.line("GRID_AXES", from, to);
+        dxf.circle("GRID_AXES", to + out, radius);
+        dxf.text("GRID_AXES", to + out, 0.0, &axis.name);
     }
 }
 

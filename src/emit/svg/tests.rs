@@ -36,7 +36,7 @@ fn write_samples() {
     }
     let large = samples::large(200, 50);
     let begin = std::time::Instant::now();
-    let files = (drawing(&large, Theme::Adaptive), crate::emit::dxf::drawing(&large));
+    let files = (drawing(&large, Theme::Adaptive), crate::emit::dxf::drawing(&large).expect("drawn"));
     println!("200 vertices, 50 obstacles: {:?}, {} bytes", begin.elapsed(), files.1.len());
     std::fs::write(folder.join("200.svg"), files.0.expect("drawn")).expect("written");
     let (compiled, written) = samples::staged();
