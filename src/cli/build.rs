@@ -47,6 +47,9 @@ pub struct Build {
     /// Draw start and stages over each other, too: stages.svg and stages.png.
     #[arg(long)]
     stages: bool,
+    /// Write the drawing as PDF, too: drawing.pdf, on a page of the sheet's size; with --stages also stages.pdf.
+    #[arg(long, requires = "output")]
+    pdf: bool,
     /// Solver of the continuous stages.
     #[arg(long, value_enum, default_value_t)]
     solver: SolverName,
@@ -269,6 +272,12 @@ impl Build {
             let written = compiled.layout.corners();
             files.push("stages.svg", emit::stages_svg(compiled, &written)?);
             files.push("stages.png", emit::stages_png(compiled, &written)?);
+            if self.pdf {
+                files.push("stages.pdf", emit::stages_pdf(compiled, &written)?);
+            }
+        }
+        if self.pdf {
+            files.push("drawing.pdf", emit::drawing_pdf(compiled)?);
         }
         match self.emit {
             Some(Emit::Nl) => files.extend(emit::outside::nl_files(compiled)),

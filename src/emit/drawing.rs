@@ -1,6 +1,6 @@
 //! The drawings' files.
 
-use super::{DrawError, dxf, png, svg};
+use super::{DrawError, dxf, pdf, png, svg};
 use crate::compiled::Compiled;
 use crate::geometry::Corner;
 
@@ -32,4 +32,21 @@ pub fn stages_svg(compiled: &Compiled, written: &[Corner]) -> Result<String, Dra
 /// As [`svg::stages`] and [`png::render`].
 pub fn stages_png(compiled: &Compiled, written: &[Corner]) -> Result<Vec<u8>, DrawError> {
     png::render(&svg::stages(compiled, written, svg::Theme::Light)?)
+}
+
+/// `drawing.pdf`: the drawing on a page of the sheet's size.
+///
+/// # Errors
+/// As [`svg::drawing`] and [`pdf::render`].
+pub fn drawing_pdf(compiled: &Compiled) -> Result<Vec<u8>, DrawError> {
+    pdf::render(&svg::drawing(compiled, svg::Theme::Light)?, &compiled.layout.name)
+}
+
+/// `stages.pdf`: the same of the stages.
+///
+/// # Errors
+/// As [`svg::stages`] and [`pdf::render`].
+pub fn stages_pdf(compiled: &Compiled, written: &[Corner]) -> Result<Vec<u8>, DrawError> {
+    let title = format!("{}: stages", compiled.layout.name);
+    pdf::render(&svg::stages(compiled, written, svg::Theme::Light)?, &title)
 }

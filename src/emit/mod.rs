@@ -13,13 +13,14 @@ pub mod layout;
 pub mod outside;
 pub mod paper;
 pub mod pareto;
+pub mod pdf;
 mod plan;
 pub mod png;
 pub mod svg;
 
 pub use crate::source::disk::{Files, WriteError};
 pub use draw_error::DrawError;
-pub use drawing::{drawing_files, stages_png, stages_svg};
+pub use drawing::{drawing_files, drawing_pdf, stages_pdf, stages_png, stages_svg};
 
 /// The data outputs, name and content: `layout.json`, `simulation.json`, `bom.csv` and `bom.json`.
 pub fn data_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {
