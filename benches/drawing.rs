@@ -37,7 +37,7 @@ fn drawing_svg(bencher: Bencher, name: &str) {
 #[divan::bench(args = EXAMPLES)]
 fn drawing_dxf(bencher: Bencher, name: &str) {
     let compiled = compiled(name);
-    bencher.bench_local(|| emit::dxf::drawing(&compiled).len());
+    bencher.bench_local(|| emit::dxf::drawing(&compiled).map(|text| text.len()));
 }
 
 #[divan::bench(args = EXAMPLES, sample_count = 10)]

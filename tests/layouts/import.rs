@@ -54,7 +54,7 @@ fn same_points(a: &[Point], b: &[Point], within: f64) -> bool {
 
 /// The drawing of a layout, imported, has its vertices, names, length, width and areas.
 fn comes_back(name: &str, compiled: &Compiled) {
-    let (_, back, said) = imported(&dxf::drawing(compiled), &Options::default());
+    let (_, back, said) = imported(&dxf::drawing(compiled).expect("drawn"), &Options::default());
     assert!(said.is_empty(), "{name}: {said:#?}");
     let track = Track::new(&back.corners());
     assert!((track.length - compiled.track.length).abs() < 1e-6, "{name}");
@@ -135,7 +135,7 @@ fn arcs_that_meet_directly_come_back() {
 #[test]
 fn reverse_drives_the_other_way() {
     let (_, layout) = examples().swap_remove(0);
-    let text = dxf::drawing(&Compiled::new(layout.clone(), Vec::new()));
+    let text = dxf::drawing(&Compiled::new(layout.clone(), Vec::new())).expect("drawn");
     let (_, back, _) = imported(&text, &Options { reverse: true, ..Options::default() });
     let (there, back) = (Track::new(&layout.corners()), Track::new(&back.corners()));
     assert!((there.length - back.length).abs() < 1e-6);
