@@ -139,7 +139,8 @@ impl<'a> Drawn<'a> {
         if self.failed.is_some() {
             svg.push(watermark(&sheet));
         }
-        svg.push(track::floor(&sheet, layout, &names));
+        svg.push(track::building(&sheet, layout));
+        svg.push(obstacles::draw(&sheet, layout, &names));
         svg.push(axes);
         svg.push(track::band(&sheet, line, layout.width.value));
         if climbs.iter().any(|climb| !climb.is_level()) {

@@ -82,7 +82,8 @@ fn edges(outline: &[PaperPoint]) -> impl Iterator<Item = PaperBox> + '_ {
 }
 
 /// The obstacles with their clearances.
-pub fn draw(sheet: &Sheet, layout: &Layout, names: &[ObstacleName], group: &mut XmlElement) {
+pub fn draw(sheet: &Sheet, layout: &Layout, names: &[ObstacleName]) -> XmlElement {
+    let mut group = XmlElement::group("obstacles");
     for (obstacle, name) in layout.obstacles.iter().zip(names) {
         let outline = polygon(&outline(sheet, obstacle));
         let hole = name.inside.map_or(String::new(), |item| polygon(&item.corners()));
@@ -93,6 +94,7 @@ pub fn draw(sheet: &Sheet, layout: &Layout, names: &[ObstacleName], group: &mut 
             group.push(path(&curves(sheet, &clear), "clearance"));
         }
     }
+    group
 }
 
 /// Places around an obstacle for a name that has no room in it, and points on its outline from which leaders may start.

@@ -270,7 +270,8 @@ impl TakenPaper {
                     && let Some(extra) = self.extra_cost(&text)
                     && text.cost + extra < least
                 {
-                    best = Some((text.cost + extra, LabelCandidate { leader: Some((leader.anchor, end)), ..text }));
+                    let near = entry(leader.anchor, end, &text.text);
+                    best = Some((text.cost + extra, LabelCandidate { leader: Some((leader.anchor, near)), ..text }));
                 }
                 text.cost < least
             });
@@ -353,6 +354,19 @@ impl TakenPaper {
         let (top, bottom) = (index(low.y, self.low.y, rows), index(high.y, self.low.y, rows));
         (top..=bottom).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
     }
+}
+
+/// Where the way from `from` to `to`, which lies in the upright box, comes into it.
+fn entry(from: PaperPoint, to: PaperPoint, item: &PaperBox) -> PaperPoint {
+    let (low, high) = item.bounds();
+    let along = |from: f64, way: f64, low: f64, high: f64| match way {
+        _ if way > 0.0 => (low - from) / way,
+        _ if way < 0.0 => (high - from) / way,
+        _ => 0.0,
+    };
+    let way = to - from;
+    let t = along(from.x, way.x, low.x, high.x).max(along(from.y, way.y, low.y, high.y));
+    from.lerp(to, t.clamp(0.0, 1.0))
 }
 
 /// Unit vectors in `N` directions.
@@ -454,6 +468,10 @@ mod tests {
                 let (u, v) = (f64::from(k % 20) / 10.0 - 0.95, f64::from(k / 20) / 5.0 - 0.9);
                 let at = label.text.centre + p(u * label.text.half.x, v * label.text.half.y);
                 assert!(!inside(at), "{at:?}");
+            }
+            // Leaders end at their own text.
+            if let Some((a, b)) = label.leader {
+                assert!(!label.text.meets(&PaperBox::line(a, a.lerp(b, 0.99), 0.0)), "{label:?}");
             }
             let line = |label: &LabelCandidate| label.leader.map(|(a, b)| PaperBox::line(a, b, 0.1));
             for other in &chosen[..i] {

@@ -37,7 +37,8 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     let inside = PaperPoint::new(6.0, 6.0);
     let mut area = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
     let titles = obstacles::names(&sheet, layout, &mut area);
-    svg.push(track::floor(&sheet, layout, &titles));
+    svg.push(track::building(&sheet, layout));
+    svg.push(obstacles::draw(&sheet, layout, &titles));
     let mut group = XmlElement::group("stages");
     for (i, (_, line)) in lines.iter().enumerate() {
         let class = format!("stage-{}", i.min(3));

@@ -6,7 +6,6 @@ use crate::emit::plan::{self, Climb, Mark, MarkKind, PlanCurve};
 use crate::geometry::{Point, Track};
 use crate::model::{ConstraintKind, FixKind, Layout};
 
-use super::obstacles::{self, ObstacleName};
 use super::place::{Layer, PaperBox, TakenPaper};
 use super::sheet::{Sheet, coordinates, path, path_line, polygon};
 use super::symbol::{self, Spot};
@@ -38,9 +37,9 @@ pub fn curves(sheet: &Sheet, curves: &[PlanCurve]) -> String {
     data
 }
 
-/// Building and obstacles.
-pub fn floor(sheet: &Sheet, layout: &Layout, names: &[ObstacleName]) -> XmlElement {
-    let mut group = XmlElement::group("floor");
+/// The building.
+pub fn building(sheet: &Sheet, layout: &Layout) -> XmlElement {
+    let mut group = XmlElement::group("building");
     if let Some(building) = &layout.building {
         let outline = polygon(&building.polygon.points().iter().map(|p| sheet.at(*p)).collect::<Vec<_>>());
         let wall = plan::outset(&building.polygon, WALL * sheet.scale / 1000.0);
@@ -51,7 +50,6 @@ pub fn floor(sheet: &Sheet, layout: &Layout, names: &[ObstacleName]) -> XmlEleme
             group.push(path(&curves(sheet, &clear), "clearance"));
         }
     }
-    obstacles::draw(sheet, layout, names, &mut group);
     group
 }
 
