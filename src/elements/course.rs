@@ -7,10 +7,10 @@
 use super::{Cover, Shape, Steps, cover};
 use crate::base::trig;
 use crate::geometry::{PieceKind, Point, Track};
-use crate::model::{Catalog, Layout, StraightStock};
+use crate::model::{Catalog, Layout, StraightStock, TOLERANCE};
 
 /// A solver's tolerance: this near to the grid is on it (m, rad), and a straight shorter than this is none.
-pub const SNAP: f64 = 1e-6;
+pub const SNAP: f64 = TOLERANCE;
 /// A course that closes this well is closed, m. Well below 1e-9, which walking it by pieces must still meet.
 const CLOSED: f64 = 1e-11;
 

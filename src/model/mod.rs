@@ -25,6 +25,9 @@ use crate::geometry::{Corner, Point, Polygon};
 use crate::source::{Span, Spanned};
 use serde::Serialize;
 
+/// What a layout may miss a limit by and still meet it, m and rad: solvers end this near to their rows.
+pub const TOLERANCE: f64 = 1e-6;
+
 /// A closed interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {

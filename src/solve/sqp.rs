@@ -9,6 +9,7 @@ use super::Stop;
 use super::active_set::{self, ActiveSet, Limit};
 use super::convex::{ActiveRow, DENSE, Quadratic, Symmetric, convexify};
 use super::subproblem::{self, LinearRow, SubproblemSolution};
+use crate::model::TOLERANCE;
 use crate::problem::{Evaluation, Problem, RowKey, RowValue};
 use std::collections::BTreeMap;
 
@@ -34,7 +35,7 @@ impl Default for SqpSettings {
             iterations: 200,
             radius: 1.0,
             largest_radius: 4.0,
-            feasibility: 1e-6,
+            feasibility: TOLERANCE,
             dearest: 2e5,
             stop: Stop::NEVER,
         }

@@ -8,7 +8,7 @@
 
 use super::lines::{Lines, Role};
 use crate::geometry::{Fillet, Point, Track};
-use crate::model::Layout;
+use crate::model::{Layout, TOLERANCE};
 use crate::problem::measures::{radius, to_corners, x, y};
 use crate::problem::{Keepout, LEVER, Problem, RowKey, RowValue, perturbed};
 use crate::solve::sqp::{self, Solution, SqpSettings};
@@ -16,7 +16,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Limits that give way by less than this hold, m.
-pub const HOLDS: f64 = 1e-6;
+pub const HOLDS: f64 = TOLERANCE;
 /// Iterations of one solve.
 const ITERATIONS: usize = 120;
 /// Solves of one search.

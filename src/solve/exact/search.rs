@@ -9,6 +9,7 @@ use super::network::Limits;
 use super::row::GridRow;
 use super::tariff::{Tariff, on_hull};
 use crate::geometry::{Corner, Point};
+use crate::model::TOLERANCE;
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
 use crate::solve::Stop;
@@ -23,7 +24,7 @@ use std::rc::Rc;
 /// Values that differ by less are alike, m or as many units of price: a tenth of what rows hold to.
 pub const ALIKE: f64 = 1e-7;
 /// How exactly rows are met, m or rad.
-pub const FEASIBLE: f64 = 1e-6;
+pub const FEASIBLE: f64 = TOLERANCE;
 /// Violations beyond this are looked at last, m.
 const FAR: f64 = 3.0;
 /// While headings are open, only what matters is branched on, m.

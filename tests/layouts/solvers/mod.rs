@@ -3,6 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+mod back;
 mod brute;
 mod nl;
 
@@ -47,7 +48,7 @@ layout formulas {
   width 1.2 m
   vertex P1 (4 m, 4 m) radius 4 m
   vertex P2 (46 m, 5 m) radius 4 m
-  vertex P3 (45 m, 30 m) radius 4 m
+  vertex P3 (46 m, 30 m) radius 4 m
   vertex P4 (25 m, 20 m) radius 3 m
   vertex P5 (5 m, 31 m) radius 4 m
   building [(0 m, 0 m), (50 m, 0 m), (50 m, 36 m), (0 m, 36 m)]
@@ -58,7 +59,7 @@ layout formulas {
   require sqrt(length(P2..P3) * length(straight(P2..P3))) >= 2 m
   require distance(P4, pit) >= 1 m
   require distance(P4, building) >= 1 m
-  require heading(P4..P5) == 151 deg
+  require heading(P4..P5) == 150 deg
   require abs(angle(P4)) >= 6 deg
   fix parallel, perpendicular straight(P1..P2)
   fix rotation P2..P3
@@ -157,6 +158,8 @@ print(repr(float(found["f"])))
 for kind, multipliers in ((".row", found["lam_g"]), (".col", found["lam_x"])):
     for name, value in zip(open(stem + kind).read().split(), multipliers.full().ravel()):
         print(name, repr(float(value)))
+for value in found["x"].full().ravel():
+    print("=", repr(float(value)))
 "#;
 
 #[test]
@@ -172,9 +175,14 @@ fn ipopt_finds_the_same_optimum_and_active_rows() {
         assert_eq!(lines[0], "Solve_Succeeded");
         let length: f64 = lines[1].parse().unwrap();
         assert!((length - best).abs() < 1e-5 && (length - stage.length).abs() < 1e-5, "{length} {}", stage.length);
+        let x: Vec<f64> = lines.iter().filter_map(|line| line.strip_prefix("= ")?.parse().ok()).collect();
+        if stage.name == "stage2" {
+            assert_eq!(back::told(&back::written(&lss::problem::measures::to_corners(&x))), Vec::<String>::new());
+        }
         let priced = |(_, price): &(String, f64)| price.abs() > 1e-3;
         let theirs: BTreeMap<String, f64> = lines[2..]
             .iter()
+            .filter(|line| !line.starts_with("= "))
             .map(|line| line.split_once(' ').unwrap())
             .map(|(name, price)| (name.to_owned(), -price.parse::<f64>().unwrap()))
             .filter(priced)

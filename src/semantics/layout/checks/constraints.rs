@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use super::Facts;
 use super::range::Known;
+use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Interval, Unit, Vertex};
+use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Interval, TOLERANCE, Unit, Vertex};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::layout::Geometry;
 use crate::semantics::scope::Context;
@@ -136,9 +137,11 @@ impl Context<'_> {
         facts: &Facts,
     ) -> bool {
         let mut holds = Vec::new();
-        let reach = known.range(formula, &mut holds);
+        let reach = turned(formula, known.range(formula, &mut holds), wanted);
         let constant = matches!(formula, Formula::Constant(_));
-        let never = reach.low > wanted.high + slack(wanted.high) || reach.high < wanted.low - slack(wanted.low);
+        // What is compiled as written may come from a solver.
+        let missed = |bound: f64| if known.as_written { TOLERANCE } else { slack(bound) };
+        let never = reach.low > wanted.high + missed(wanted.high) || reach.high < wanted.low - missed(wanted.low);
         let always = wanted.low <= reach.low + slack(reach.low) && reach.high <= wanted.high + slack(wanted.high);
         if !never && (!always || known.as_written && !constant) {
             return true;
@@ -227,6 +230,16 @@ impl Context<'_> {
             before.high = (wanted.high, span);
         }
     }
+}
+
+/// What a formula can reach, by whole turns nearer to what is wanted where it is a direction.
+fn turned(formula: &Formula, reach: Interval, wanted: Interval) -> Interval {
+    let (middle, aim) = ((reach.low + reach.high) / 2.0, (wanted.low + wanted.high) / 2.0);
+    if !formula.is_heading() || !middle.is_finite() || !aim.is_finite() {
+        return reach;
+    }
+    let by = aim + trig::wrap(middle - aim) - middle;
+    Interval { low: reach.low + by, high: reach.high + by }
 }
 
 /// What a bound may be missed by.

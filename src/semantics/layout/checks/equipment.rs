@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Track;
-use crate::model::{Equipment, Motors, PlaceRow, Ramp, StraightPlace};
+use crate::model::{Equipment, Motors, PlaceRow, Ramp, StraightPlace, TOLERANCE};
 use crate::semantics::scope::{Context, Named};
 use crate::semantics::value::metres;
 
@@ -32,7 +32,7 @@ impl Context<'_> {
     /// Whether the written straight reaches as far as the place (or the last of a row).
     fn check_reach(&self, place: &StraightPlace, reach: f64, track: &Track, named: &Named) {
         let length = track.straight(place.section).length;
-        if reach <= length + 1e-9 {
+        if reach <= length + TOLERANCE {
             return;
         }
         let n = named.order.len();

@@ -4,14 +4,11 @@ use super::Facts;
 use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Piece, PieceKind, Point, Polygon, piece_distance};
-use crate::model::{Constraint, ConstraintKind, Vertex};
+use crate::model::{Constraint, ConstraintKind, TOLERANCE, Vertex};
 use crate::semantics::layout::Geometry;
 use crate::semantics::scope::Context;
 use crate::semantics::value::metres;
 use crate::source::Span;
-
-/// Rounding of written coordinates, m.
-const SLACK: f64 = 1e-6;
 
 /// Something that the band keeps off.
 struct Region<'a> {
@@ -56,10 +53,10 @@ impl Context<'_> {
         let walls = region.polygon.edges().map(|(a, b)| line(a, b));
         let nearest = walls.map(|wall| piece_distance(&wall, part)).fold(f64::INFINITY, f64::min);
         let wrong = region.polygon.contains(part.begin) != region.inside;
-        if !wrong && nearest >= needed - SLACK {
+        if !wrong && nearest >= needed - TOLERANCE {
             return;
         }
-        let (message, found) = match (region.inside, wrong || nearest < SLACK) {
+        let (message, found) = match (region.inside, wrong || nearest < TOLERANCE) {
             (false, true) => {
                 (format!("`{name}` is fixed and runs through {}", region.what), "it runs through".to_owned())
             }

@@ -10,7 +10,7 @@ mod sides;
 mod vertices;
 
 use crate::geometry::{Corner, Track};
-use crate::model::{Catalog, Interval, Level, Objective};
+use crate::model::{Catalog, Interval, Level, Objective, TOLERANCE};
 use crate::semantics::layout::Geometry;
 use crate::semantics::scope::Context;
 use crate::source::{Span, Spanned};
@@ -66,7 +66,7 @@ impl<'t> Context<'t> {
         }
         // A loop that crosses itself often comes from a wrong order, which bends every turn.
         let headroom = facts.catalog.map_or(0.0, |catalog| catalog.headroom);
-        if track.pieces.iter().any(|piece| piece.length < -1e-9) {
+        if track.pieces.iter().any(|piece| piece.length < -TOLERANCE) {
             let sharp: Vec<Corner> = corners.iter().map(|c| Corner { radius: 0.0, ..*c }).collect();
             if !self.check_crossings(vertices, &Track::new(&sharp), facts.levels, headroom) {
                 return;

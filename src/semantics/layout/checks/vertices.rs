@@ -4,7 +4,7 @@ use super::{Facts, Limits};
 use crate::base::trig;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{PieceKind, Track};
-use crate::model::Vertex;
+use crate::model::{TOLERANCE, Vertex};
 use crate::semantics::scope::Context;
 use crate::semantics::value::{degrees, metres};
 
@@ -13,8 +13,6 @@ const COINCIDENT: f64 = 1e-6;
 /// Turns below this have no direction, and turns this close to a half turn throw their tangent points to infinity, rad.
 const LEAST_TURN: f64 = 0.05 * trig::PI / 180.0;
 const LARGEST_TURN: f64 = 175.0 * trig::PI / 180.0;
-/// Rounding of written numbers, m or rad.
-const SLACK: f64 = 1e-9;
 
 impl Context<'_> {
     /// Whether neighbouring vertices differ.
@@ -73,7 +71,7 @@ impl Context<'_> {
         for (vertex, fillet) in vertices.iter().zip(&track.fillets) {
             let (turn, range) = (fillet.turn.abs(), limits.turns.value);
             let found = degrees(turn);
-            if turn < range.low - SLACK || turn > range.high + SLACK {
+            if turn < range.low - TOLERANCE || turn > range.high + TOLERANCE {
                 let message = format!("the turn at `{}` is outside its limits", vertex.name);
                 self.report(
                     Diagnostic::new(Code::W0702, message, vertex.point_span, format!("turns by {found}"))
@@ -91,11 +89,11 @@ impl Context<'_> {
         for vertex in vertices {
             let (radius, found) = (vertex.radius.value, metres(vertex.radius.value));
             // Compiled as written, a radius that the catalogue lacks is said when building.
-            let listed = facts.catalog.is_none_or(|c| c.curve.radii.iter().any(|r| (r - radius).abs() < SLACK));
+            let listed = facts.catalog.is_none_or(|c| c.curve.radii.iter().any(|r| (r - radius).abs() < TOLERANCE));
             if facts.as_written() && !listed {
                 continue;
             }
-            if radius < range.low - SLACK || radius > range.high + SLACK {
+            if radius < range.low - TOLERANCE || radius > range.high + TOLERANCE {
                 let message = format!("the radius at `{}` is outside its limits", vertex.name);
                 self.report(
                     Diagnostic::new(Code::W0703, message, vertex.radius.span, found.clone())
@@ -111,7 +109,7 @@ impl Context<'_> {
     pub(super) fn check_fillets(&self, vertices: &[Vertex], track: &Track) -> bool {
         let n = vertices.len();
         let mut sound = true;
-        for piece in track.pieces.iter().filter(|p| p.kind == PieceKind::Straight && p.length < -SLACK) {
+        for piece in track.pieces.iter().filter(|p| p.kind == PieceKind::Straight && p.length < -TOLERANCE) {
             sound = false;
             let (i, j) = (piece.vertex, (piece.vertex + 1) % n);
             // The larger fillet is the one to change; when it is too large for both its sections, it is said once.
