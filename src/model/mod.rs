@@ -27,6 +27,8 @@ use serde::Serialize;
 
 /// What a layout may miss a limit by and still meet it, m and rad: solvers end this near to their rows.
 pub const TOLERANCE: f64 = 1e-6;
+/// How near to a whole number of angle steps fixed headings are, rad: a hundredth of [`TOLERANCE`] over a hundred metres.
+pub const HEADING_TOLERANCE: f64 = 1e-8;
 
 /// A closed interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

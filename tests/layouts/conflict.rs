@@ -288,11 +288,11 @@ fn both_sides_are_tried_where_either_will_do() {
     }
 }
 
-/// Two headings that no whole number of 2.5° joins.
+/// A heading off the grid that no single line holds.
 #[test]
 fn what_the_grid_forbids_is_proven_by_it() {
     let text = hall(
-        "  vertex P5 (0 m, 15 m) radius 4 m\n  fix rotation P1..P2\n  fix rotation P2..P3\n  \
+        "  vertex P5 (0 m, 15 m) radius 4 m\n  fix rotation P1..P2\n  require x(P3) - x(P2) == (y(P3) - y(P2)) / 24\n  \
          require length(P3..P4) >= 10 m",
     )
     .replace("(57 m, 27 m)", "(58 m, 27 m)");
@@ -301,7 +301,7 @@ fn what_the_grid_forbids_is_proven_by_it() {
     assert_eq!(stages.last().unwrap().name, "stage3", "{stages:?}");
     let [conflict] = &solve::conflicts(&layout, &stages)[..] else { panic!("{stages:?}") };
     let named: Vec<&str> = conflict.members.iter().map(|m| sources.text(m.span)).collect();
-    assert_eq!(named, ["fix rotation P1..P2", "fix rotation P2..P3"]);
+    assert_eq!(named, ["fix rotation P1..P2", "require x(P3) - x(P2) == (y(P3) - y(P2)) / 24"]);
     assert_eq!((conflict.proof, conflict.on_grid), (Proof::Grid, true));
     assert!(conflict.members.iter().all(|m| m.relaxed.is_some() && m.within == Within::Layout), "{conflict:?}");
     holds_up(&layout, conflict);

@@ -11,6 +11,7 @@ mod conflict;
 mod contact_area;
 mod drawing;
 mod errors;
+mod headings;
 mod hostile;
 mod import;
 mod levels;

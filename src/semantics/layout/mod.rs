@@ -62,6 +62,7 @@ impl<'t> Context<'t> {
             self.check_geometry(&mut geometry, &facts);
             if let (Some(constraints), Some(vertices)) = (&constraints, &geometry.vertices) {
                 self.check_constraints(constraints, vertices, &geometry, &facts);
+                self.check_headings(constraints, vertices, &geometry, &facts);
                 if let Some(width) = &width {
                     self.check_fixed(constraints, vertices, &geometry, &facts, width.value);
                 }

@@ -2,14 +2,12 @@
 
 use crate::base::trig;
 use crate::geometry::{Point, Track};
-use crate::model::{Formula, Layout};
+use crate::model::{Formula, HEADING_TOLERANCE, Layout, TOLERANCE};
 use crate::problem::measures::{to_corners, x, y};
 use crate::problem::{ConstraintRow, Function, Problem};
 
 /// Slack on angles and lengths that come from text, rad or m.
 const SLACK: f64 = 1e-9;
-/// How exactly fixed headings are written, rad: a hundredth of what rows hold to over a hundred metres.
-const FIXED: f64 = 1e-8;
 
 /// A loop opened at a section of known heading. *Stage* k is the k-th section after it, and the vertex where that
 /// section begins; stage n is the opened section again, one winding later.
@@ -80,7 +78,7 @@ impl Grid {
         for &i in &fixed {
             let steps = trig::wrap(written.straight(i).heading - origin) / step;
             let off = (steps - steps.round()).abs() * step;
-            if off > FIXED {
+            if off > HEADING_TOLERANCE {
                 return Err(NoGrid::Apart { first, other: i, off });
             }
             held[(i + n - first) % n] = Some(steps.round() as i32);
@@ -173,7 +171,7 @@ fn headings_asked(problem: &Problem, section: usize, heading: f64) -> bool {
     problem.rows.iter().filter(asked).all(|row| {
         let aim = if row.low.is_finite() && row.high.is_finite() { (row.low + row.high) / 2.0 } else { 0.0 };
         let heading = aim + trig::wrap(heading - aim);
-        row.low - SLACK <= heading && heading <= row.high + SLACK
+        row.low - TOLERANCE <= heading && heading <= row.high + TOLERANCE
     })
 }
 

@@ -95,7 +95,7 @@ fn regions<'a>(geometry: &'a Geometry) -> Vec<Region<'a>> {
 }
 
 /// The statement that holds each vertex in its place.
-fn held(constraints: &[Constraint], n: usize) -> Vec<Option<Span>> {
+pub(super) fn held(constraints: &[Constraint], n: usize) -> Vec<Option<Span>> {
     let mut held = vec![None; n];
     for constraint in constraints {
         let vertices = match &constraint.kind {

@@ -5,6 +5,7 @@ mod constraints;
 mod crossing;
 mod equipment;
 mod fixed;
+mod headings;
 mod range;
 mod sides;
 mod vertices;
