@@ -136,6 +136,9 @@ struct CertificateSummary<'a> {
     seconds: f64,
     parts: &'a [Part],
     assumed: &'a [String],
+    /// What only layouts within a budget were compared by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    budget: Option<&'a str>,
 }
 
 /// How a whole number of carts fits.
@@ -372,6 +375,7 @@ fn certificate(c: &Certificate) -> CertificateSummary<'_> {
         seconds: c.seconds,
         parts: &c.parts,
         assumed: &c.assumed,
+        budget: c.budget.as_deref(),
     }
 }
 
@@ -418,13 +422,18 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
             (Some(_), None) => "cheapest",
             (Some(_), Some(_)) => "best",
         };
+        let these =
+            if c.budget.is_some() { "no layout on this grid and within the budget" } else { "no layout on this grid" };
         out += &if c.lower_bound_m.or(c.lower_bound_eur) == Some(0.0) && !c.proven {
             format!("  no bound was found for layouts on this grid ({nodes}); more time or --nodes may give one\n")
         } else if c.proven {
-            format!("  proven {best}: no layout on this grid is {least} ({nodes})\n")
+            format!("  proven {best}: {these} is {least} ({nodes})\n")
         } else {
-            format!("  no layout on this grid is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
+            format!("  {these} is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
         };
+        if let Some(budget) = c.budget {
+            out += &format!("  budget: {budget}\n");
+        }
     }
     if let Some(chain) = &summary.chain {
         let beyond = if chain.left_over_mm.abs() > chain.take_up_mm + 0.01 {

@@ -28,9 +28,10 @@ pub enum Cover {
 }
 
 impl Cover {
-    /// [`Cover::Cheapest`] when the layout optimises cost.
+    /// [`Cover::Cheapest`] when the layout optimises cost, or keeps to a budget of it.
     pub fn of(layout: &Layout) -> Self {
-        let cost = layout.objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost);
+        let goals = layout.objective.terms.iter().map(|(_, goal)| *goal);
+        let cost = goals.chain(layout.objective.within.map(|(goal, _)| goal)).any(|goal| goal == Goal::Cost);
         if cost { Cover::Cheapest } else { Cover::Fewest }
     }
 }

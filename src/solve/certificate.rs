@@ -44,6 +44,8 @@ pub struct Certificate {
     pub seconds: f64,
     /// What the bound takes for granted, in words.
     pub assumed: Vec<String>,
+    /// What only layouts within a budget were compared by, in words.
+    pub budget: Option<String>,
 }
 
 /// What may be left between value and bound of a proof.
@@ -59,7 +61,8 @@ impl Certificate {
         let proven = value - lower_bound <= enough(counted);
         let gap = if value > 0.0 { (value - lower_bound) / value } else { 0.0 };
         let whole = Part { chain: "loop".to_owned(), lower_bound, nodes, proven };
-        Certificate { counted, value, lower_bound, gap, proven, nodes, parts: vec![whole], seconds: 0.0, assumed }
+        let (parts, seconds, budget) = (vec![whole], 0.0, None);
+        Certificate { counted, value, lower_bound, gap, proven, nodes, parts, seconds, assumed, budget }
     }
 
     /// Chains by name, with how far each leaves the value from the best, and nodes; the whole where there are none.

@@ -1,6 +1,7 @@
-//! Which method solves a layout's goal: polygon action has one of its own, on top of the stages that all others go
-//! through.
+//! Which method solves a layout's goal: polygon action and budgets have their own, on top of the stages that all others
+//! go through.
 
+use super::budget::Budget;
 use super::options::{Discretise, Options, Progress};
 use super::{Stage, exact, polygon, stages};
 use crate::model::Layout;
@@ -17,10 +18,11 @@ pub fn solve_with(
     discretise: Discretise,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Vec<Stage> {
-    let Some(goal) = polygon::Smooth::of(&layout.objective) else {
-        return stages::solve_in_stages(layout, options, discretise, watch);
+    let mut stages = match (Budget::of(&layout.objective), polygon::Smooth::of(&layout.objective)) {
+        (Some(budget), _) => budget.solve(layout, options, discretise, watch),
+        (None, Some(goal)) => polygon::solve(layout, goal, options, discretise, watch),
+        (None, None) => return stages::solve_in_stages(layout, options, discretise, watch),
     };
-    let mut stages = polygon::solve(layout, goal, options, discretise, watch);
     if let Some(last) = stages.last_mut() {
         last.cut = options.stop.cut();
     }

@@ -4,7 +4,7 @@ use crate::base::number::tenths_of_mm;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{CentreLine, Point, Track};
 use crate::kinematics::{Fit, better_length};
-use crate::model::{ConstraintKind, FixKind, Goal, Layout};
+use crate::model::{ConstraintKind, FixKind, Layout};
 
 /// The warning that the chain does not fit, with what would make it fit.
 pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Option<Fit>) -> Option<Diagnostic> {
@@ -45,9 +45,6 @@ fn close(layout: &Layout, track: &Track, found: Option<Fit>) -> Option<String> {
     let closes = format!("`chain closes within {}`", tenths_of_mm(layout.catalog.take_up));
     if layout.objective.terms.is_empty() {
         return lengthen(layout, track, found?.left_over);
-    }
-    if layout.objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost) {
-        return Some(format!("write {closes} with `optimise length`"));
     }
     Some(format!("write {closes}: the compiler then looks for a track that does"))
 }

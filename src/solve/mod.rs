@@ -1,6 +1,7 @@
 //! Solves a layout's optimisation problem in the thesis' three stages (§3.3).
 
 mod active_set;
+mod budget;
 mod certificate;
 mod complex;
 mod conflict;

@@ -4,6 +4,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Track, self_crossings};
 use crate::model::{Goal, Layout, Side};
 use crate::solve::MOST_OPEN;
+use crate::solve::budget::Budget;
 use crate::solve::polygon::Smooth;
 use crate::source::Span;
 
@@ -21,14 +22,13 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     let written = objective.span.unwrap_or(layout.span);
     let smooth = Smooth::is_known(objective);
     let wants = |goal: Goal| objective.terms.iter().any(|(_, g)| *g == goal);
-    if smooth {
-        // Polygon action, alone, within a budget of length or summed with it.
+    if smooth || Budget::of(objective).is_some() {
+        // Polygon action, alone, within a budget of length or summed with it; length and cost within each other's.
     } else if objective.within.is_some() {
-        say(written, "this goal within a budget", "write `optimise length` or `optimise polygon_action within length`");
+        let instead = "write `optimise polygon_action within length`, or limit `length` and `cost` by each other";
+        say(written, "this goal within a budget", instead);
     } else if wants(Goal::Cost) && wants(Goal::PolygonAction) {
         say(written, "this weighted sum of goals", "sum `length` with either of the others");
-    } else if let (true, Some(closes)) = (wants(Goal::Cost), &layout.chain.closes_within) {
-        say(closes.span, "a chain that must close under `optimise cost`", "write `optimise length`");
     }
     // Every combination of sides is solved, but for polygon action.
     let open = if smooth { 0 } else { MOST_OPEN };

@@ -4,9 +4,10 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use crate::small::{Asked, Random, SHORTEST, STEP, Small, choices, last, layout, random, text};
+use crate::small::{Asked, PITCH, Random, SHORTEST, STEP, Small, WITHIN, choices, last, layout, random, text};
 use lss::compiled::Compiled;
-use lss::geometry::PieceKind;
+use lss::geometry::{PieceKind, Track};
+use lss::kinematics::{fit, level};
 use lss::solve::{Counted, Effort, Options, pareto};
 
 /// The catalogue of `small`, from `standard`: EUR a metre, a piece and a cut of straights; EUR a metre and a piece of
@@ -52,6 +53,18 @@ fn curves(small: &Small) -> f64 {
     small.turns.iter().zip(&small.radii).map(curve).sum()
 }
 
+/// The least that the straights of a choice measure in all, m, where two of the free ones close the loop.
+fn shortest(choice: &Small, free: &[usize], fits: &dyn Fn(&Small) -> bool) -> f64 {
+    let mut shortest = f64::INFINITY;
+    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+        let mut choice = choice.clone();
+        if choice.close(free[a], free[b]) && fits(&choice) {
+            shortest = shortest.min(choice.straights.iter().sum());
+        }
+    }
+    shortest
+}
+
 /// The cheapest with each metre at so much more, EUR, where one straight is free when two close the loop.
 fn cheapest(small: &Small, asked: &Asked, metre: f64, fewest: &[usize]) -> f64 {
     let n = small.turns.len();
@@ -61,13 +74,7 @@ fn cheapest(small: &Small, asked: &Asked, metre: f64, fewest: &[usize]) -> f64 {
     let mut best = f64::INFINITY;
     choices(small, asked, &mut |choice| {
         let curves = curves(&choice) + metre * (choice.length() - choice.straights.iter().sum::<f64>());
-        let mut shortest = f64::INFINITY;
-        for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-            let mut choice = choice.clone();
-            if choice.close(free[a], free[b]) && fits(&choice) {
-                shortest = shortest.min(choice.straights.iter().sum());
-            }
-        }
+        let shortest = shortest(&choice, &free, &fits);
         if curves + (metre + STRAIGHT.0 + STRAIGHT.1 / 3.0) * shortest >= best {
             return;
         }
@@ -157,4 +164,141 @@ fn the_smallest_loop_has_nothing_to_trade() {
     let layout = layout(include_str!("../../examples/smallest.lss"));
     let trades = pareto(&layout, &Options::default(), &|_| {});
     assert_eq!(trades.len(), 1);
+}
+
+/// Lengths that a track with these turns and radii may have, m.
+type Bands<'a> = &'a dyn Fn(&Small) -> Vec<(f64, f64)>;
+
+/// The cheapest of the layouts with a length in a band, where one straight is free when two close the loop: at a length
+/// at which pieces change, or at the end of a band.
+fn cheapest_within(small: &Small, asked: &Asked, fewest: &[usize], bands: Bands) -> f64 {
+    let n = small.turns.len();
+    let free: Vec<usize> = (1..n).collect();
+    assert_eq!(free.len(), 3);
+    let fits = |choice: &Small| choice.straights.iter().all(|&s| (SHORTEST - 1e-9..LONGEST - 5.0).contains(&s));
+    let mut best = f64::INFINITY;
+    choices(small, asked, &mut |choice| {
+        let curves = curves(&choice);
+        let shortest = shortest(&choice, &free, &fits);
+        if curves + (STRAIGHT.0 + STRAIGHT.1 / 3.0) * shortest >= best {
+            return;
+        }
+        // Two carts' lengths on, metres alone cost more than what other pieces save.
+        let arcs = choice.length() - choice.straights.iter().sum::<f64>();
+        let near = |band: &(f64, f64)| band.1 >= arcs + shortest - 1e-6 && band.0 <= arcs + shortest + 3.0;
+        let bands: Vec<(f64, f64)> = bands(&choice).into_iter().filter(near).collect();
+        for k in 0..3 {
+            let (a, b) = (free[(k + 1) % 3], free[(k + 2) % 3]);
+            let closed = |straight: f64| {
+                let mut choice = choice.clone();
+                choice.straights[free[k]] = straight;
+                choice.close(a, b).then_some(choice)
+            };
+            let (Some(zero), Some(one)) = (closed(0.0), closed(1.0)) else { continue };
+            let (start, slope) = (zero.length(), one.length() - zero.length());
+            let ends = bands.iter().flat_map(|band| [band.0, band.1]).map(|end| (end - start) / slope);
+            let steps =
+                (0..(2.0 * LONGEST) as usize).flat_map(|half| [0.0, 0.2, 0.4].map(|more| 0.5 * half as f64 + more));
+            for straight_length in ends.chain(steps).filter(|s| s.is_finite()) {
+                let Some(choice) = closed(straight_length) else { continue };
+                let length = choice.length();
+                let inside = bands.iter().any(|band| length >= band.0 - 1e-9 && length <= band.1 + 1e-9);
+                if inside && fits(&choice) {
+                    best = best.min(curves + choice.straights.iter().map(|&s| straight(s, fewest)).sum::<f64>());
+                }
+            }
+        }
+    });
+    best
+}
+
+/// Lengths at which a chain surely closes: what chords cut off is θL²/(24R) − L³/(120R²), to a millimetre for these radii.
+fn closing(choice: &Small) -> Vec<(f64, f64)> {
+    let cut = |(turn, radius): (&i32, &f64)| {
+        let angle = (f64::from(turn.abs()) * STEP).to_radians();
+        angle * PITCH * PITCH / (24.0 * radius) - PITCH * PITCH * PITCH / (120.0 * radius * radius)
+    };
+    let cut: f64 = choice.turns.iter().zip(&choice.radii).map(cut).sum();
+    let within = WITHIN - 0.001;
+    (20..300).map(|carts| f64::from(carts) * PITCH + cut).map(|middle| (middle - within, middle + within)).collect()
+}
+
+#[test]
+fn no_layout_whose_chain_closes_is_cheaper_than_the_bound() {
+    let mut seeds = Random(5);
+    let fewest = fewest();
+    let (mut solved, mut near, mut proven, mut open, count) = (0, 0, 0, 0, 6);
+    for case in 0..count {
+        let small = random(&mut seeds, 4);
+        let asked = Asked { goal: Some("cost"), closes: true, ..Asked::default() };
+        let Some(stage) = last(&small, &asked, Effort { nodes: 3000, gap: 0.0 }) else { continue };
+        let certificate = stage.certificate.clone().expect("a certificate");
+        let best = cheapest_within(&small, &asked, &fewest, &closing);
+        assert!(certificate.lower_bound <= best + 1e-4, "{case}: {certificate:?} {best}\n{}", text(&small, &asked));
+        let left = fit(&level(&Track::new(&stage.corners)), PITCH).expect("a chain").left_over;
+        assert!(left.abs() <= WITHIN + 1e-5, "{case}: {left}");
+        solved += 1;
+        proven += usize::from(certificate.proven);
+        // A millimetre at the ends of a band is worth less than an EUR; the track's own width may forbid the rest.
+        near += usize::from(certificate.value <= best + 1.0);
+        let any = Asked { closes: false, ..asked.clone() };
+        open += usize::from(last(&small, &any, Effort::default()).is_some_and(|stage| {
+            fit(&level(&Track::new(&stage.corners)), PITCH).is_none_or(|fit| fit.left_over.abs() > WITHIN + 1e-5)
+        }));
+    }
+    println!("solved {solved}, near {near}, proven {proven}, open when cheapest {open}, of {count}");
+    assert!(solved * 10 >= count * 8 && near * 10 >= solved * 7 && open > 0, "{solved} {near} {open}");
+}
+
+#[test]
+fn no_layout_within_a_budget_is_better_than_the_bound() {
+    let mut seeds = Random(11);
+    let fewest = fewest();
+    let (mut solved, mut near, mut tight, count) = (0, 0, 0, 5);
+    for _ in 0..count {
+        let small = random(&mut seeds, 4);
+        let shortest = Asked { goal: Some("length"), ..Asked::default() };
+        let Some(shortest) = last(&small, &shortest, Effort::default()) else { continue };
+        let limit = 1.02 * shortest.length;
+        let asked = Asked { goal: Some("cost within length + 2 %"), ..Asked::default() };
+        let Some(stage) = last(&small, &asked, Effort { nodes: 3000, gap: 0.0 }) else { continue };
+        let certificate = stage.certificate.clone().expect("a certificate");
+        assert!(certificate.budget.is_some() && stage.length <= limit + 1e-6, "{certificate:?}");
+        let best = cheapest_within(&small, &asked, &fewest, &|_| vec![(0.0, limit)]);
+        assert!(certificate.lower_bound <= best + 1e-4, "{certificate:?} {best}\n{}", text(&small, &asked));
+        let free = cheapest(&small, &Asked { goal: Some("cost"), ..Asked::default() }, 0.0, &fewest);
+        solved += 1;
+        tight += usize::from(best > free + 1.0);
+        near += usize::from(certificate.value <= 1.01 * best);
+    }
+    println!("solved {solved}, near {near}, tight {tight}, of {count}");
+    assert!(solved * 10 >= count * 8 && near * 10 >= solved * 7 && tight > 0, "{solved} {near} {tight}");
+}
+
+/// The shortest of the layouts that cost little more than the cheapest lies between the two.
+#[test]
+fn length_within_a_budget_of_cost_keeps_to_it() {
+    let mut seeds = Random(17);
+    let mut shorter = 0;
+    for _ in 0..6 {
+        let small = random(&mut seeds, 4);
+        let told = |goal: &'static str| {
+            let asked = Asked { goal: Some(goal), ..Asked::default() };
+            let stage = last(&small, &asked, Effort::default())?;
+            let priced = Asked { goal: Some("cost"), ..Asked::default() };
+            let bill = Compiled::new(layout(&text(&small, &priced)), vec![stage.clone()]).bill.price;
+            Some((stage, bill))
+        };
+        let (Some(cheap), Some(short), Some(kept)) = (told("cost"), told("length"), told("length within cost + 3 %"))
+        else {
+            continue;
+        };
+        let certificate = kept.0.certificate.clone().expect("a certificate");
+        assert!(kept.1 <= 1.03 * cheap.1 + 0.2, "{} {}", kept.1, cheap.1);
+        assert!(kept.0.length <= cheap.0.length + 1e-6 && kept.0.length >= short.0.length - 1e-6);
+        assert!(certificate.lower_bound >= short.0.certificate.expect("a certificate").lower_bound - 1e-6);
+        assert!(certificate.lower_bound <= kept.0.length + 1e-9);
+        shorter += usize::from(kept.0.length < cheap.0.length - 1e-3);
+    }
+    assert!(shorter > 0);
 }

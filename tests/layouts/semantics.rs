@@ -319,9 +319,22 @@ fn what_cannot_be_built_yet_is_said() {
         )));
         lss::solve::unsupported(&layout).into_iter().map(|d| d.message).collect()
     };
-    let dear = said("cost");
-    assert_eq!(dear, ["a chain that must close under `optimise cost` is checked, but not built yet"]);
-    assert!(said("length").is_empty());
+    for built in [
+        "cost",
+        "length",
+        "cost within length + 1 %",
+        "length within cost + 1 %",
+        "2 * cost + length within cost + 1 %",
+    ] {
+        assert!(said(built).is_empty(), "{built}");
+    }
+    for (goal, message) in [
+        ("cost + polygon_action", "this weighted sum of goals is checked, but not built yet"),
+        ("polygon_action within cost + 1 %", "this goal within a budget is checked, but not built yet"),
+        ("cost within polygon_action + 1 %", "this goal within a budget is checked, but not built yet"),
+    ] {
+        assert!(said(goal).iter().any(|m| m == message), "{goal}: {:?}", said(goal));
+    }
     let smooth = said("polygon_action");
     assert!(smooth.iter().any(|m| m.starts_with("`pass o either`")), "{smooth:?}");
     assert!(smooth.iter().any(|m| m.starts_with("polygon action on different heights")), "{smooth:?}");

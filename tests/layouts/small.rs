@@ -11,6 +11,9 @@ use std::fmt::Write;
 pub const STEP: f64 = 15.0;
 pub const RADII: [f64; 2] = [2.0, 5.0];
 pub const SHORTEST: f64 = 0.2;
+/// Length of a cart and what a closed chain may be off, m.
+pub const PITCH: f64 = 0.55;
+pub const WITHIN: f64 = 0.04;
 /// Least and most steps of a turn.
 pub const TURNS: (i32, i32) = (1, 8);
 
@@ -127,6 +130,8 @@ pub struct Asked {
     pub obstacles: Vec<Vec<Point>>,
     /// `cost`; the length when nothing is said.
     pub goal: Option<&'static str>,
+    /// A chain of carts of [`PITCH`] closes within [`WITHIN`].
+    pub closes: bool,
 }
 
 pub fn text(small: &Small, asked: &Asked) -> String {
@@ -134,7 +139,7 @@ pub fn text(small: &Small, asked: &Asked) -> String {
         "use std.carts.tilt_tray\nuse std.tracks.standard\n\ncatalog coarse from standard {\n  straight {\n    \
          cut = 200 mm .. 3 m\n    \
          shortest = 200 mm\n  }\n  curve {\n    radii = [2 m, 5 m]\n    angle_step = 15 deg\n    largest = 45 deg\n    \
-         turns = 15 deg .. 120 deg\n  }\n}\n\nlayout small {\n  catalog coarse\n  cart tilt_tray(length: 1250 mm)\n  \
+         turns = 15 deg .. 120 deg\n  }\n}\n\nlayout small {\n  catalog coarse\n  cart tilt_tray(length: 550 mm)\n  \
          speed 2 m/s\n  width 0.6 m\n",
     );
     for (i, p) in small.points().iter().enumerate() {
@@ -147,6 +152,9 @@ pub fn text(small: &Small, asked: &Asked) -> String {
     out += "  fix all P0..P1\n";
     if asked.third {
         out += "  fix length, rotation P2..P3\n";
+    }
+    if asked.closes {
+        let _ = writeln!(out, "  chain closes within {WITHIN:?} m");
     }
     let _ = write!(out, "  optimise {}\n}}\n", asked.goal.unwrap_or("length"));
     out

@@ -67,7 +67,8 @@ impl<'t> Context<'t> {
 
     /// What costs nothing has no cheapest layout.
     pub(super) fn check_prices(&self, objective: &Objective, catalog: &Catalog) {
-        let wanted = objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost);
+        let budget = objective.within.map(|(goal, _)| goal);
+        let wanted = objective.terms.iter().map(|(_, goal)| *goal).chain(budget).any(|goal| goal == Goal::Cost);
         let free: Vec<&str> = catalog.unpriced().collect();
         let (Some(span), true, Some(first)) = (objective.span, wanted, free.first()) else { return };
         let name = &catalog.name;

@@ -28,11 +28,17 @@ impl Closes {
 
     /// What a track lacks to the next length that closes, m; 0 when it does. `None` when no chain fits at all.
     pub fn lack(&self, track: &Track) -> Option<f64> {
+        self.off(track).map(|(longer, _)| longer)
+    }
+
+    /// By how much a track has to be longer to close, and by how much shorter, m; both 0 when it does.
+    pub fn off(&self, track: &Track) -> Option<(f64, f64)> {
         let left = fit(&level(track), self.pitch)?.left_over;
         if left.abs() <= self.within + EXACT {
-            return Some(0.0);
+            return Some((0.0, 0.0));
         }
-        Some(if left < 0.0 { -left - self.within } else { self.pitch - left - self.within })
+        let (longer, shorter) = if left < 0.0 { (-left, self.pitch + left) } else { (self.pitch - left, left) };
+        Some((longer - self.within, shorter - self.within))
     }
 
     /// A layout with the same turns and radii, longer by no more than it takes.

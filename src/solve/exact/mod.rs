@@ -85,8 +85,11 @@ pub fn discretise(
         Aim::Length => task.search(&grid, incumbent, (Detail::Envelope, true), *effort),
         Aim::Price { .. } => task.cheapest(&grid, incumbent),
     };
-    if let Some(closes) = Closes::new(layout).filter(|_| aim == Aim::Length) {
-        found = task.closing(&grid, found, closes);
+    if let Some(closes) = Closes::new(layout) {
+        found = match aim {
+            Aim::Length => task.closing(&grid, found, closes),
+            Aim::Price { .. } => task.closing_cheaply(&grid, found, closes),
+        };
         assumed.push("curves cut off chords as their series says, within a tenth".to_owned());
         assumed.push(
             "with turns and radii chosen, no length closes between one and the next that was found to".to_owned(),
@@ -258,6 +261,39 @@ impl Task<'_> {
             return open;
         }
         Found { bound: found.bound.max(bound), nodes: found.nodes + any.nodes, ..found }
+    }
+
+    /// The cheapest layout whose chain closes, from what is known of all.
+    fn closing_cheaply(&self, grid: &Grid, any: Found, closes: Closes) -> Found {
+        let Some(x) = any.variables else { return any };
+        // Only what closes is remembered from here on; none of it costs less than the bound of all.
+        *self.cheapest.borrow_mut() = None;
+        closes.stretch(&x, self.polish).iter().for_each(|x| {
+            self.remember(x);
+        });
+        let known = self.cheapest.borrow().clone();
+        let (mut bound, mut nodes) = (any.bound, any.nodes);
+        let settled = known.as_ref().is_some_and(|k| k.1 - bound <= search::ALIKE);
+        if !settled && (grid.held || offset::turns_freely(self.problem)) {
+            // Without one, layouts of up to twice the price are searched.
+            let first = known.unwrap_or_else(|| (x.clone(), 2.0 * any.value));
+            let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
+            let (mut setting, _) = self.setting(self.problem, grid, Some(&first), (Detail::Steps, &value));
+            setting.closes = Some(closes);
+            setting.effort.nodes = self.effort.nodes.saturating_sub(any.nodes).min(CLOSING);
+            let found = search::search(&setting, Some(first));
+            found.variables.iter().filter(|x| closes.lack(&track(x)) == Some(0.0)).for_each(|x| {
+                self.remember(x);
+            });
+            bound = bound.max(found.bound);
+            nodes += found.nodes;
+        }
+        let parts = Vec::new();
+        match self.cheapest.take() {
+            Some((x, value)) => Found { variables: Some(x), value, bound: bound.min(value), nodes, parts },
+            // The one that does not close is shown, and said not to.
+            None => Found { variables: Some(x), value: any.value, bound: any.bound, nodes, parts: any.parts },
+        }
     }
 
     fn setting<'b>(

@@ -56,7 +56,7 @@ pub struct Setting<'a> {
     pub fixed: Vec<(usize, Point)>,
     /// What a layout is worth in the tariff's units: its length, or the price of its pieces.
     pub value: &'a Value<'a>,
-    /// A whole number of carts must close the loop; only where length is minimised.
+    /// A whole number of carts must close the loop.
     pub closes: Option<Closes>,
     /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m);
     /// `None` where that fails.
@@ -364,6 +364,15 @@ impl Search<'_> {
         }
     }
 
+    /// Straights of at least `least` in all, and of at most `most`, m.
+    fn part_lengths(&mut self, node: &Node, least: f64, most: f64) {
+        for (sign, low) in [(1.0, least), (-1.0, -most)] {
+            let straight = (0..self.setting.grid.len()).map(|k| (k, sign)).collect();
+            let low = low - 0.1 * FEASIBLE;
+            self.push(node, |c| c.rows.push(GridRow { straight, low, ..GridRow::default() }));
+        }
+    }
+
     /// The relaxation is a layout: accept it, or branch on what it lacks.
     fn settle(&mut self, node: Node, choice: Choice) {
         let (grid, problem) = (self.setting.grid, self.setting.problem);
@@ -409,7 +418,8 @@ impl Search<'_> {
         }
         let crosses = || self.setting.coupled.is_none() && !problem.crossings(&at.track).is_empty();
         let clean = violated.is_empty() && !crosses();
-        let lack = self.setting.closes.map_or(Some(0.0), |c| c.lack(&at.track)).filter(|_| clean);
+        let off = self.setting.closes.map_or(Some((0.0, 0.0)), |c| c.off(&at.track)).filter(|_| clean);
+        let lack = off.map(|(longer, _)| longer);
         let total = || (0..grid.len()).map(|k| at.track.straight(k).length).sum::<f64>();
         let counted = !self.setting.limits.tariff.cells.is_empty();
         let better = match lack {
@@ -419,7 +429,10 @@ impl Search<'_> {
                 self.setting.closes.and_then(|c| c.stretch(&x, self.setting.polish))
             }
             Some(_) => None,
-            None => (self.setting.polish)(&x, None),
+            None => (self.setting.polish)(&x, None).and_then(|x| match self.setting.closes {
+                Some(closes) => closes.stretch(&x, self.setting.polish),
+                None => Some(x),
+            }),
         };
         if let Some(x) = better {
             let value = (self.setting.value)(&self.setting.limits.tariff, &x);
@@ -427,6 +440,11 @@ impl Search<'_> {
                 self.value = value;
                 self.best = Some(x);
             }
+        }
+        let settled = || node.open.settled() && node.open.radii.iter().all(|(from, to)| from == to);
+        if let Some((longer, shorter)) = off.filter(|off| counted && off.0 > 0.0 && settled()) {
+            // What closes is longer or shorter than this, and either may cost less.
+            return self.part_lengths(&node, total() + longer, total() - shorter);
         }
         if counted && clean && node.bound < self.cutoff() {
             // The pieces of some straight cost more than their bound.
