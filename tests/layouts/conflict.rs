@@ -227,7 +227,8 @@ fn a_hall_too_short_for_its_chutes_is_named_with_them() {
     assert!(named[1][0].1.contains("not for the whole layout"), "{named:?}");
     assert!(named[0][0].1.contains("not for the whole layout"), "{named:?}");
     // 34 m between P1 and P2 less two curves of 3 m.
-    assert!(named.iter().all(|lines| lines[1].1 == "17 m less would do"), "{named:?}");
+    let enough = "17 m less would do; on the catalogue's grid, too";
+    assert!(named.iter().all(|lines| lines[1].1 == enough), "{named:?}");
     for diagnostic in &said {
         assert!(diagnostic.help.as_ref().is_some_and(|help| help.contains("proven")), "{diagnostic:?}");
     }
@@ -265,8 +266,13 @@ fn the_side_of_an_obstacle_is_said() {
     );
     assert!(named[1].1.starts_with("taken to lie to the right of travel, as `pass` says: "), "{named:?}");
     let help = said[0].help.clone().unwrap();
-    assert!(help.contains("`pass NAME either` leaves the side of an obstacle open"), "{help}");
-    assert!(help.contains("on the catalogue's grid more may be needed"), "{help}");
+    let sides = [("rack", "right"), ("pit", "left")];
+    for (name, other) in sides {
+        let way =
+            format!("`pass {name} {other}` takes `{name}` to lie on the other side, `pass {name} either` tries both");
+        assert!(help.contains(&way), "{help}");
+    }
+    assert!(help.contains("amounts are enough, not proven to be the least"), "{help}");
     assert!(help.contains("that is no proof"), "{help}");
 }
 
@@ -288,11 +294,11 @@ fn both_sides_are_tried_where_either_will_do() {
     }
 }
 
-/// A heading off the grid that no single line holds.
+/// A range of headings without one on the grid.
 #[test]
 fn what_the_grid_forbids_is_proven_by_it() {
     let text = hall(
-        "  vertex P5 (0 m, 15 m) radius 4 m\n  fix rotation P1..P2\n  require x(P3) - x(P2) == (y(P3) - y(P2)) / 24\n  \
+        "  vertex P5 (0 m, 15 m) radius 4 m\n  fix rotation P1..P2\n  require 88 deg <= heading(P2..P3) <= 89 deg\n  \
          require length(P3..P4) >= 10 m",
     )
     .replace("(57 m, 27 m)", "(58 m, 27 m)");
@@ -301,12 +307,29 @@ fn what_the_grid_forbids_is_proven_by_it() {
     assert_eq!(stages.last().unwrap().name, "stage3", "{stages:?}");
     let [conflict] = &solve::conflicts(&layout, &stages)[..] else { panic!("{stages:?}") };
     let named: Vec<&str> = conflict.members.iter().map(|m| sources.text(m.span)).collect();
-    assert_eq!(named, ["fix rotation P1..P2", "require x(P3) - x(P2) == (y(P3) - y(P2)) / 24"]);
+    assert_eq!(named, ["fix rotation P1..P2", "require 88 deg <= heading(P2..P3) <= 89 deg"]);
     assert_eq!((conflict.proof, conflict.on_grid), (Proof::Grid, true));
     assert!(conflict.members.iter().all(|m| m.relaxed.is_some() && m.within == Within::Layout), "{conflict:?}");
     holds_up(&layout, conflict);
     let said = solve::diagnose(&layout, &stages);
     assert!(said[0].message.starts_with("no layout on the catalogue's grid meets"), "{said:?}");
+}
+
+/// Two curves of right angles leave no straight between them: tangent lengths are radii, of 4.4 m and 4 m at least, and
+/// the grid has 5 m and 4 m.
+#[test]
+fn amounts_on_the_grid_are_said_apart() {
+    let (_, layout) = check(&hall(
+        "  require radius(P1) >= 4.4 m\n  require length(P1..P2) - length(straight(P1..P2)) <= 8 m\n  require radius(P2) >= 4 m",
+    ));
+    let [conflict] = &solve::conflicts(&layout, &continuous(&layout))[..] else { panic!("one conflict") };
+    holds_up(&layout, conflict);
+    let told: Vec<(&str, &str)> = conflict
+        .members
+        .iter()
+        .map(|m| (m.relaxed.as_ref().unwrap().text.as_str(), m.on_grid.as_ref().unwrap().text.as_str()))
+        .collect();
+    assert_eq!(told, [("0.4 m", "0.4 m"), ("0.4 m", "1 m"), ("0.4 m", "1 m")]);
 }
 
 /// What is wrong with a layout by evaluations that share no code with the rows of a problem: the worst excess, m or
@@ -406,6 +429,7 @@ fn value(formula: &Formula, corners: &[Corner], track: &Track) -> f64 {
         Formula::Length(target) if target.straight => straight(track, target.from),
         Formula::Length(target) => corners[target.from].point.distance(corners[next(target.from)].point),
         Formula::Angle(i) => track.fillets[*i].turn,
+        Formula::Heading(i) => track.straight(*i).heading,
         Formula::DistanceVertices(a, b) => corners[*a].point.distance(corners[*b].point),
         Formula::Sum(terms) => terms.iter().map(of).sum(),
         Formula::Product(terms) => terms.iter().map(of).product(),
@@ -429,12 +453,16 @@ fn holds_up(layout: &Layout, conflict: &Conflict) -> usize {
             assert!(left <= MET, "without {member:?}: {left}");
             statements += 1;
         }
-        if let Some(relaxed) = &member.relaxed {
+        for relaxed in member.relaxed.iter().chain(&member.on_grid) {
             let amount = stated(&relaxed.text, member, layout);
             assert!((relaxed.amount - amount).abs() <= 1e-9, "{} is not {}", relaxed.text, relaxed.amount);
             let left = excess(layout, &relaxed.corners, &others, Some((member.span, amount)));
             assert!(left <= MET, "{member:?} relaxed by {amount}: {left}");
-            statements += 1;
+        }
+        statements += usize::from(member.relaxed.is_some());
+        if let Some(relaxed) = &member.on_grid {
+            on_grid(layout, &relaxed.corners);
+            assert!(member.relaxed.as_ref().is_some_and(|any| any.amount <= relaxed.amount + 1e-3), "{member:?}");
         }
     }
     if let Some(together) = &conflict.together {

@@ -162,15 +162,27 @@ impl GridStage<'_> {
             false => Role::Left,
         };
         let least = examiner.search.minimum_near(&held(self.lines.problem(role), near), near)?;
-        let unit = unit(self.layout, stated);
-        (0..3).find_map(|more| {
-            let said = words::stated(unit, least.amount, more);
-            let hard = held(self.lines.given_way(said.slack, role), near);
-            let x = Search::reach(&hard, &least.at)?;
-            let amount = if unit == Unit::Radian { said.slack / LEVER } else { said.slack };
-            Some(Relaxed { amount, text: said.text, corners: to_corners(&x) })
-        })
+        confirm_held(examiner, line, least.amount, &least.at, role)
     }
+}
+
+/// An amount rounded up until a layout with the limits moved by as much is found that has the turns and radii of one
+/// nearby.
+pub(super) fn confirm_held(
+    examiner: &Examiner,
+    line: usize,
+    amount: f64,
+    near: &[f64],
+    role: impl Fn(usize) -> Role,
+) -> Option<Relaxed> {
+    let unit = unit(examiner.layout, &examiner.lines.list[line]);
+    (0..3).find_map(|more| {
+        let said = words::stated(unit, amount, more);
+        let hard = held(examiner.lines.given_way(said.slack, &role), near);
+        let x = Search::reach(&hard, near)?;
+        let amount = if unit == Unit::Radian { said.slack / LEVER } else { said.slack };
+        Some(Relaxed { amount, text: said.text, corners: to_corners(&x) })
+    })
 }
 
 /// A problem with the turns and radii of a layout.

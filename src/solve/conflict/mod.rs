@@ -22,13 +22,18 @@ use crate::geometry::{Corner, Track};
 use crate::model::{ConstraintKind, Layout, Side, Unit};
 use crate::problem::measures::{to_corners, to_variables};
 use crate::problem::{LEVER, Problem, Scope};
-use crate::solve::Stage;
+use crate::solve::sqp::Solution;
+use crate::solve::violations::off_grid;
+use crate::solve::{Stage, discrete};
 use crate::source::Span;
 use lines::{Lines, Role, SourceLine};
 use search::{Core, Search, Set, only};
 
 /// Conflicts that are named, at most: lines of one may be in others, too.
 const MOST: usize = 3;
+/// Vertices of a layout whose lines are asked how far they give way on the grid, at most: a solve takes about the cube
+/// of them, and there are over a hundred for each line.
+const MOST_ON_GRID: usize = 24;
 
 /// Lines that cannot hold together, with what was confirmed of them.
 #[derive(Clone, Debug)]
@@ -74,11 +79,15 @@ pub struct Member {
     pub without: Option<Vec<Corner>>,
     /// A layout with this line given way.
     pub relaxed: Option<Relaxed>,
+    /// The same on the catalogue's grid, where a layout was looked for on it.
+    pub on_grid: Option<Relaxed>,
 }
 
 /// The side that an obstacle is taken to lie on, and what says so.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Assumed {
+    /// Of the obstacle.
+    pub name: String,
     pub side: Side,
     pub by: Decides,
     /// m
@@ -206,7 +215,8 @@ impl Examiner<'_> {
             layout = core.without.get(&line).cloned();
         }
         let relaxed = layout.as_deref().and_then(|near| self.relaxed(line, &others, near));
-        self.told(line, within, layout.map(|x| to_corners(&x)), relaxed)
+        let on_grid = relaxed.as_ref().and_then(|relaxed| self.relaxed_on_grid(line, &others, &relaxed.corners));
+        Member { on_grid, ..self.told(line, within, layout.map(|x| to_corners(&x)), relaxed) }
     }
 
     fn told(&self, line: usize, within: Within, without: Option<Vec<Corner>>, relaxed: Option<Relaxed>) -> Member {
@@ -222,6 +232,7 @@ impl Examiner<'_> {
             within,
             without,
             relaxed,
+            on_grid: None,
         }
     }
 
@@ -236,6 +247,31 @@ impl Examiner<'_> {
         confirm(self.search, unit(self.layout, &self.lines.list[line]), least.amount, &least.at, &role)
     }
 
+    /// How far a line must give way for the others to hold on the catalogue's grid: what giving way costs is minimised
+    /// there as length is otherwise. `None` where that finds no layout, or where the line's limits are the grid's own.
+    fn relaxed_on_grid(&self, line: usize, others: &Set, near: &[Corner]) -> Option<Relaxed> {
+        let stated = &self.lines.list[line];
+        let limits = matches!(stated.kind, LineKind::Turns | LineKind::Radii);
+        if limits || near.len() > MOST_ON_GRID {
+            return None;
+        }
+        let role = |i: usize| match others.contains(&i) {
+            _ if i == line => Role::Gives,
+            true => Role::Holds,
+            false => Role::Left,
+        };
+        let elastic = self.lines.problem(role);
+        let settings = search::settings();
+        let start = Solution::at(&elastic, &search::slacken(&elastic, &to_variables(near)).0);
+        let found = discrete::discretise(self.layout, &elastic, &start, &settings);
+        let mut x = found.variables;
+        x.pop();
+        let relaxed = grid::confirm_held(self, line, found.length, &x, role)?;
+        let problem = Problem::new(self.layout, Scope::Obstacles);
+        let on_grid = off_grid(self.layout, &problem, &to_variables(&relaxed.corners), settings.feasibility).is_empty();
+        on_grid.then_some(relaxed)
+    }
+
     fn assumed(&self, line: &SourceLine) -> Option<Assumed> {
         let obstacle = self.layout.obstacles.iter().find(|o| line.kind == LineKind::Obstacle && o.span == line.span)?;
         let by = match obstacle.pass {
@@ -243,7 +279,7 @@ impl Examiner<'_> {
             Some(_) => Decides::Pass,
             None => Decides::Written,
         };
-        Some(Assumed { side: obstacle.side, by, clearance: obstacle.clearance })
+        Some(Assumed { name: obstacle.name.clone(), side: obstacle.side, by, clearance: obstacle.clearance })
     }
 }
 

@@ -324,7 +324,7 @@ fn along(problem: &Problem, at: &[f64], section: usize) -> f64 {
 }
 
 /// A start with a slack that every elastic row holds with; the other rows may not.
-fn slacken(problem: &Problem, start: &[f64]) -> (Vec<f64>, f64) {
+pub fn slacken(problem: &Problem, start: &[f64]) -> (Vec<f64>, f64) {
     let mut x = start.to_vec();
     x.push(0.0);
     let needs = |row: &RowValue| row.violation() * if problem.unit(row.key) == "rad" { LEVER } else { 1.0 };
@@ -336,7 +336,7 @@ fn slacken(problem: &Problem, start: &[f64]) -> (Vec<f64>, f64) {
 }
 
 // Short steps: a long one may take the track across itself or an obstacle, where rows no longer lead back.
-fn settings() -> SqpSettings {
+pub fn settings() -> SqpSettings {
     SqpSettings { iterations: ITERATIONS, radius: 0.5, largest_radius: 1.0, ..SqpSettings::default() }
 }
 

@@ -51,22 +51,22 @@ pub fn diagnostic(conflict: &Conflict) -> Diagnostic {
     // The user's last word is the place to look at first.
     let last = (0..members.len()).max_by_key(|&i| (members[i].kind, i));
     let (span, label) = match last {
-        Some(last) => (members[last].span, label(&members[last])),
+        Some(last) => (members[last].span, label(&members[last], conflict.on_grid)),
         None => (conflict.span, "more turns or fewer are needed, or more room between them".to_owned()),
     };
     let mut diagnostic = Diagnostic::new(Code::E0601, message, span, label);
     for member in members {
-        diagnostic = diagnostic.related(member.span, self::label(member));
+        diagnostic = diagnostic.related(member.span, self::label(member, conflict.on_grid));
     }
     diagnostic.help(help(conflict))
 }
 
 /// What is said at a member's line.
-fn label(member: &Member) -> String {
-    let assumed = match member.assumed {
+fn label(member: &Member, on_grid: bool) -> String {
+    let assumed = match &member.assumed {
         None => String::new(),
         Some(Assumed { side, by, .. }) => {
-            let side = if side == Side::Right { "right" } else { "left" };
+            let side = if *side == Side::Right { "right" } else { "left" };
             let by = match by {
                 Decides::Pass => "as `pass` says",
                 Decides::Written => "as the written vertices have it",
@@ -106,11 +106,17 @@ fn label(member: &Member) -> String {
         Within::Layout => "",
         Within::Members => " for the lines shown here, not for the whole layout",
     };
-    let smaller = match member.assumed {
+    let smaller = match &member.assumed {
         Some(assumed) if relaxed.amount > assumed.clearance => ", which is more than its clearance",
         _ => "",
     };
-    format!("{assumed}{would_do} would do{whole}{smaller}")
+    let grid = match &member.on_grid {
+        _ if on_grid => String::new(),
+        Some(grid) if grid.text == *by => "; on the catalogue's grid, too".to_owned(),
+        Some(grid) => format!("; on the catalogue's grid, {} would", grid.text),
+        None => "; for the catalogue's grid it is not known".to_owned(),
+    };
+    format!("{assumed}{would_do} would do{whole}{smaller}{grid}")
 }
 
 fn help(conflict: &Conflict) -> String {
@@ -141,11 +147,16 @@ fn help(conflict: &Conflict) -> String {
     }
     let amounts = conflict.members.iter().any(|m| m.relaxed.is_some());
     if amounts && !conflict.on_grid {
-        said.push("amounts are for any turn and radius; on the catalogue's grid more may be needed".to_owned());
+        said.push(
+            "amounts are enough, not proven to be the least, and are for any turn and radius where the grid is not named"
+                .to_owned(),
+        );
     }
-    let open = conflict.members.iter().any(|m| m.assumed.is_some_and(|a| a.by != Decides::Neither));
-    if open {
-        said.push("`pass NAME either` leaves the side of an obstacle open".to_owned());
+    for assumed in conflict.members.iter().filter_map(|m| m.assumed.as_ref()).filter(|a| a.by != Decides::Neither) {
+        let (name, other) = (&assumed.name, if assumed.side == Side::Right { "left" } else { "right" });
+        said.push(format!(
+            "`pass {name} {other}` takes `{name}` to lie on the other side, `pass {name} either` tries both"
+        ));
     }
     said.push("the best layout found is written, marked NOT FEASIBLE".to_owned());
     said.join("; ")
