@@ -1,8 +1,7 @@
 //! Drawings as PDF: the same SVG on a page of the sheet's size, with text as text in the embedded font.
 //!
 //! usvg reads the drawing and `pdf-writer` writes the file. What is between them stands here and knows only what the
-//! drawings have (paths, hatching, text): the libraries that turn any SVG into PDF bring a second usvg and its fonts,
-//! which is a fifth of this program's build.
+//! drawings have (paths, hatching, text): the libraries that turn any SVG into PDF bring a second usvg and its fonts.
 
 mod fonts;
 mod painter;
