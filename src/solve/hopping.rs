@@ -23,23 +23,33 @@ pub fn hops(problem: &Problem) -> usize {
     (HOPS_BY_VERTICES / problem.vertices.len().max(1)).clamp(1, MOST)
 }
 
-/// Other local optima, the shortest first, of those that are shorter than `longest` (m); `from` is not among them.
+/// From a start to a local optimum.
+type Run<'a> = dyn Fn(&[f64]) -> Solution + Sync + 'a;
+
+/// Other local optima, the shortest first, of those that are shorter than `longest` (m); `from` is not among them. Every
+/// other hop begins from the written layout and goes `through` the stage before, too, whose optima may lie anywhere. Of
+/// the rest, the second half begins from the shortest end of the first.
 pub fn other_optima(
     layout: &Layout,
     problem: &Problem,
     from: &Solution,
     (longest, feasible, threads): (f64, f64, usize),
-    run: &(dyn Fn(&[f64]) -> Solution + Sync),
+    [run, through]: [&Run; 2],
 ) -> Vec<Solution> {
     let seeds: Vec<u64> = (1..=hops(problem) as u64).collect();
-    let found = parallel::map(&seeds, threads, |seed| {
-        let far = FAR[*seed as usize % FAR.len()];
-        moved(layout, problem, &from.variables, far, *seed).map(|start| run(&start))
-    });
-    let mut found: Vec<Solution> = found.into_iter().flatten().collect();
-    found.retain(|end| end.max_violation <= feasible && end.length < longest - ALIKE);
-    found.retain(|end| (end.length - from.length).abs() > ALIKE);
-    found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    let mut found: Vec<Solution> = Vec::new();
+    for half in seeds.chunks(seeds.len().div_ceil(2)) {
+        let best = found.first().unwrap_or(from);
+        let ends = parallel::map(half, threads, |seed| {
+            let far = FAR[(*seed / 2) as usize % FAR.len()];
+            let (from, run) = if seed % 2 == 0 { (&best.variables, run) } else { (&problem.start, through) };
+            moved(layout, problem, from, far, *seed).map(|start| run(&start))
+        });
+        found.extend(ends.into_iter().flatten());
+        found.retain(|end| end.max_violation <= feasible && end.length < longest - ALIKE);
+        found.retain(|end| (end.length - from.length).abs() > ALIKE);
+        found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    }
     found.dedup_by(|a, b| (a.length - b.length).abs() < ALIKE);
     found.truncate(KEPT);
     found

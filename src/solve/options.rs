@@ -60,6 +60,9 @@ pub struct Discretised {
     pub refuted: bool,
 }
 
+/// By less than this two layouts do not differ, m or EUR.
+const BETTER: f64 = 1e-6;
+
 impl Discretised {
     /// Whether a better layout may exist on the grid than was found, for all that was searched.
     pub fn is_open(&self) -> bool {
@@ -71,13 +74,13 @@ impl Discretised {
         self.solution.max_violation <= tolerance
     }
 
-    /// The better of two, with what both prove.
+    /// The better of two, with what both prove; the first where the other is better by rounding alone.
     pub fn or(self, other: Discretised, tolerance: f64) -> Discretised {
         let worth = |d: &Discretised| match &d.certificate {
             Some(certificate) if d.fits(tolerance) => certificate.value,
             _ => f64::INFINITY,
         };
-        let (mut best, less) = if worth(&other) < worth(&self) { (other, self) } else { (self, other) };
+        let (mut best, less) = if worth(&other) < worth(&self) - BETTER { (other, self) } else { (self, other) };
         if let (Some(own), Some(less)) = (best.certificate.as_mut(), less.certificate) {
             own.and(less);
         }

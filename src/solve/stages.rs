@@ -152,7 +152,9 @@ fn one_way(
         // Only what is shorter than the layout on the grid leads to a shorter one there.
         let known = if third.fits(settings.feasibility) { third.solution.length } else { f64::INFINITY };
         let asked = (known, settings.feasibility, options.threads);
-        let others = hopping::other_optima(layout, &full, &second, asked, &|start| run("stage2", &full, start));
+        let again = |start: &[f64]| run("stage2", &full, start);
+        let through = |start: &[f64]| again(&run("stage1", &walls, start).variables);
+        let others = hopping::other_optima(layout, &full, &second, asked, [&again, &through]);
         let effort = Effort { nodes: options.effort.nodes / (1 + others.len()), ..options.effort };
         starts += hopping::hops(&full);
         for other in others {

@@ -109,11 +109,12 @@ mod tests {
     /// Reads a PDF from standard input and prints its page size in mm, its fonts and its text.
     const SCRIPT: &str = r#"
 import io, sys
+file = io.BytesIO(sys.stdin.buffer.read())
 try:
     import pypdf
 except ImportError:
     print("missing"); sys.exit(0)
-reader = pypdf.PdfReader(io.BytesIO(sys.stdin.buffer.read()), strict=True)
+reader = pypdf.PdfReader(file, strict=True)
 [page] = reader.pages
 print(*(float(x) * 25.4 / 72 for x in page.mediabox[2:]))
 fonts = page["/Resources"]["/Font"]
