@@ -1,6 +1,6 @@
 //! Every kind of row against central differences, on the reference instance moved off its written place.
 
-use super::{Evaluation, Problem, RowKey, Scope};
+use super::{Evaluation, Problem, RowKey, Scope, measures};
 use crate::model::instances::{horseshoe, thesis10};
 use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Target, Unit, fixture::span};
 
@@ -41,11 +41,47 @@ fn gradients_and_hessians_are_exact() {
     }
 }
 
+/// The same by lifted variables, and off the manifold where sections end at their vertices.
+#[test]
+fn lifted_gradients_and_hessians_are_exact() {
+    for (layout, expect_own) in [(every_row(), 0), (horseshoe(), 2)] {
+        let plain = Problem::new(&layout, Scope::Obstacles);
+        let lifted = plain.lift();
+        compare_at(&lifted, expect_own, |seed| {
+            let mut x = measures::lift(&crate::problem::perturbed(&layout, &plain, 0.4, seed));
+            let n = plain.vertices.len();
+            (0..n).for_each(|i| x[measures::lifted(n, i)[(seed + i as u64) as usize % 2]] += 0.03 * (i % 5) as f64);
+            x
+        });
+    }
+}
+
+/// Where sections end at their vertices, every row and the objective have the value they have without lifting.
+#[test]
+fn lifting_changes_no_value() {
+    let layout = every_row();
+    let problem = Problem::new(&layout, Scope::Obstacles);
+    let x = crate::problem::perturbed(&layout, &problem, 0.4, 7);
+    let (plain, lifted) = (problem.evaluate(&x, 60.0), problem.lift().evaluate(&measures::lift(&x), 60.0));
+    assert!((plain.value() - lifted.value()).abs() < 1e-9);
+    let (gaps, others): (Vec<_>, Vec<_>) = lifted.rows.iter().partition(|r| matches!(r.key, RowKey::Gap(..)));
+    assert_eq!((gaps.len(), others.len()), (2 * problem.vertices.len(), plain.rows.len()));
+    assert!(gaps.iter().all(|gap| gap.violation() < 1e-9));
+    for (row, other) in plain.rows.iter().zip(others) {
+        let name = problem.describe(row.key).0;
+        assert!(row.key == other.key && (row.expansion.value - other.expansion.value).abs() < 1e-9, "{name}");
+    }
+}
+
 fn compare(layout: &Layout, expect_own: usize) {
     let problem = Problem::new(layout, Scope::Obstacles);
+    compare_at(&problem, expect_own, |seed| crate::problem::perturbed(layout, &problem, 0.4, seed));
+}
+
+fn compare_at(problem: &Problem, expect_own: usize, at: impl Fn(u64) -> Vec<f64>) {
     let mut own_rows = 0;
     for seed in 1..=5 {
-        let x = crate::problem::perturbed(layout, &problem, 0.4, seed);
+        let x = at(seed);
         let here = problem.evaluate(&x, 60.0);
         let own = here.rows.iter().filter(|r| matches!(r.key, RowKey::Own(..))).count();
         assert!(here.rows.len() - own > problem.rows.len() + 2);

@@ -18,6 +18,8 @@ pub enum RowKey {
     Clearance(usize, Feature, NearPiece),
     /// Vertex of an arc of the track, another part of it, and whether the arc lies to the left of that.
     Own(usize, NearPiece, bool),
+    /// A lifted section ends at its vertex: in x, and in y.
+    Gap(usize, bool),
 }
 
 impl RowKey {
@@ -64,7 +66,7 @@ impl Evaluation {
 impl Problem {
     /// Evaluates at `variables`, with the clearance rows of every approach closer than its limit plus `reach`.
     pub fn evaluate(&self, variables: &[f64], reach: f64) -> Evaluation {
-        let track = Track::new(&to_corners(variables));
+        let track = self.track(variables);
         let keys = self
             .keepouts
             .iter()
@@ -81,7 +83,11 @@ impl Problem {
     /// Evaluates at `variables` with the clearance rows of an evaluation elsewhere.
     pub fn evaluate_like(&self, variables: &[f64], other: &Evaluation) -> Evaluation {
         let keys = other.rows.iter().map(|r| r.key).filter(|k| !k.is_listed());
-        self.evaluate_rows(variables, Track::new(&to_corners(variables)), keys)
+        self.evaluate_rows(variables, self.track(variables), keys)
+    }
+
+    fn track(&self, variables: &[f64]) -> Track {
+        Track::new(&to_corners(&variables[..3 * self.vertices.len()]))
     }
 
     /// Rows that keep the band off itself.
@@ -96,7 +102,10 @@ impl Problem {
     }
 
     fn evaluate_rows(&self, variables: &[f64], track: Track, clearances: impl Iterator<Item = RowKey>) -> Evaluation {
-        let measures = Measures::new(variables, &self.signs);
+        let measures = match self.lifted {
+            true => Measures::lifted(variables, &self.signs),
+            false => Measures::new(variables, &self.signs),
+        };
         let listed = self.rows.iter().enumerate().map(|(i, row)| RowValue {
             key: RowKey::Listed(i),
             expansion: self.expand(&row.function, row.low, row.high, variables, &measures),
@@ -104,6 +113,10 @@ impl Problem {
             high: row.high,
         });
         let mut rows: Vec<RowValue> = listed.collect();
+        rows.extend(measures.gaps().into_iter().enumerate().map(|(i, expansion)| {
+            let key = RowKey::Gap(i / 2, i % 2 == 1);
+            RowValue { key, expansion, low: 0.0, high: 0.0 }
+        }));
         for key in clearances {
             let Some((form, low)) = self.clearance(key, &track) else { continue };
             let expansion = clearance::distance(&form, &measures, &self.signs);
@@ -130,7 +143,7 @@ impl Problem {
         let (gives, unit) = match row.key {
             RowKey::Listed(i) => (elastic.rows.contains(&i), if self.rows[i].angle { 1.0 / LEVER } else { 1.0 }),
             RowKey::Clearance(k, ..) => (elastic.keepouts.contains(&k), 1.0),
-            RowKey::Own(..) => (false, 1.0),
+            RowKey::Own(..) | RowKey::Gap(..) => (false, 1.0),
         };
         if gives {
             let towards = if row.low.is_finite() { unit } else { -unit };
@@ -141,7 +154,7 @@ impl Problem {
     /// The form of a clearance row where the track runs, and the least distance, m; `None` for listed rows.
     pub(super) fn clearance(&self, key: RowKey, track: &Track) -> Option<(clearance::ClearanceForm, f64)> {
         match key {
-            RowKey::Listed(_) => None,
+            RowKey::Listed(_) | RowKey::Gap(..) => None,
             RowKey::Clearance(k, feature, part) => {
                 let keepout = &self.keepouts[k];
                 let approach = Approach { feature, part, distance: 0.0 };
@@ -204,6 +217,7 @@ impl Problem {
                 let (arc_name, other) = (self.part_name(NearPiece::Arc(arc)), self.part_name(other));
                 (format!("the track's own width between {arc_name} and {other}"), self.vertex_span(arc))
             }
+            RowKey::Gap(section, _) => (format!("end of {}", self.section_name(section)), self.vertex_span(section)),
         }
     }
 

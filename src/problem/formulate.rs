@@ -33,6 +33,7 @@ impl Problem {
             rotations: Vec::new(),
             keepouts: keepouts(layout, &track, scope),
             elastic: None,
+            lifted: false,
             half_width: layout.width.value / 2.0,
             heights: Heights::new(n, &layout.levels),
             headroom: layout.catalog.headroom,

@@ -55,6 +55,18 @@ impl<const N: usize> Jet<N> {
         self.chain(t, slope, 2.0 * t * slope)
     }
 
+    /// The unit vector in the direction of this angle.
+    pub fn unit(&self) -> Vector<N> {
+        let (sin, cos) = trig::sin_cos(self.value);
+        Vector { x: self.chain(cos, -sin, -cos), y: self.chain(sin, cos, -sin) }
+    }
+
+    /// The same derivatives at another value.
+    pub fn shift(mut self, by: f64) -> Self {
+        self.value += by;
+        self
+    }
+
     pub fn scale(&self, k: f64) -> Self {
         self.chain(self.value * k, k, 0.0)
     }

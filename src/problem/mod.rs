@@ -69,6 +69,9 @@ pub struct Problem {
     /// `None` when the track's length is minimised.
     #[serde(skip)]
     pub elastic: Option<Elastic>,
+    /// Whether headings and lengths of sections are variables of their own, as [`measures::lift`] has them.
+    #[serde(skip)]
+    pub lifted: bool,
     /// Half the track's width, m.
     pub half_width: f64,
     /// Heights, and by how much one piece has to be above another to pass over it, m.
@@ -176,6 +179,16 @@ impl Problem {
         let ends = [measures::x(section), measures::y(section), measures::x(next), measures::y(next)];
         let fixed = |k: usize| self.bounds[k].low == self.bounds[k].high;
         ends.into_iter().all(fixed) || self.rotations.contains(&section)
+    }
+
+    /// The same problem with headings and lengths of sections as variables of their own, tied to the vertices by rows
+    /// (lifting, Albersmeyer and Diehl 2010). Turns are linear in them, and straights nearly so, however short
+    /// sections are; by coordinates of vertices both bend the more the shorter they are.
+    pub fn lift(&self) -> Problem {
+        let (free, length) = ((f64::NEG_INFINITY, f64::INFINITY), (0.0, f64::INFINITY));
+        let limits = self.vertices.iter().flat_map(|_| [free, length]).map(|(low, high)| Interval { low, high });
+        let bounds = self.bounds.iter().copied().chain(limits).collect();
+        Problem { bounds, start: measures::lift(&self.start), lifted: true, ..self.clone() }
     }
 
     /// Adds a penalty: `price` (m a unit) for each unit that `function` is off `aim`.

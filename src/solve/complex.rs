@@ -161,7 +161,7 @@ impl Complex<'_> {
         }
         let price = |row: &RowValue| match row.key {
             RowKey::Listed(i) => self.problem.rows[i].weight.unwrap_or(PRICE),
-            RowKey::Clearance(..) | RowKey::Own(..) => PRICE,
+            RowKey::Clearance(..) | RowKey::Own(..) | RowKey::Gap(..) => PRICE,
         };
         value + at.rows.iter().map(|r| price(r) * r.violation()).sum::<f64>()
     }

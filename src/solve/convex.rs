@@ -133,7 +133,7 @@ impl Symmetric {
         out
     }
 
-    fn is_positive_definite(&self) -> bool {
+    pub fn is_positive_definite(&self) -> bool {
         if self.size <= DENSE {
             let factor = Cholesky::new(self.dense());
             return factor.is_some_and(|f| f.l_dirty().diagonal().iter().all(|&l| l * l > LEAST_PIVOT));
@@ -148,7 +148,7 @@ pub const DENSE: usize = 75;
 /// A matrix whose pivots are not above this is not definite, 1/m.
 const LEAST_PIVOT: f64 = 1e-9;
 /// Curvature that is left of a negative one, 1/m.
-const FLAT: f64 = 1e-5;
+pub const FLAT: f64 = 1e-5;
 
 /// The model with Hessian `hessian` and gradient `gradient`, made strictly convex.
 pub fn convexify(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow]) -> Quadratic {
@@ -173,7 +173,8 @@ pub fn convexify(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow]) ->
     }
 }
 
-fn augmented(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow], penalty: f64, lift: f64) -> Quadratic {
+/// The model with penalties of active rows, and curvature `lift` (1/m) added all over.
+pub fn augmented(hessian: &Symmetric, gradient: &[f64], active: &[ActiveRow], penalty: f64, lift: f64) -> Quadratic {
     let mut matrix = hessian.clone();
     let mut linear = gradient.to_vec();
     for k in 0..matrix.size {

@@ -7,6 +7,7 @@ mod complex;
 mod conflict;
 mod convex;
 mod discrete;
+mod elements;
 mod exact;
 mod freedom;
 mod goals;

@@ -8,9 +8,10 @@
 use super::Stop;
 use super::active_set::{self, ActiveSet, Limit};
 use super::convex::{ActiveRow, DENSE, Quadratic, Symmetric, convexify};
+use super::elements::{self, Element};
 use super::subproblem::{self, LinearRow, SubproblemSolution};
 use crate::model::TOLERANCE;
-use crate::problem::{Evaluation, Problem, RowKey, RowValue};
+use crate::problem::{Aim, Evaluation, Expansion, Problem, RowKey, RowValue, measures};
 use std::collections::BTreeMap;
 
 /// Limits of a run; the defaults are what stages use.
@@ -87,8 +88,50 @@ const STEP: f64 = 1e-9;
 /// A violation below this is rounding.
 const ROUNDING: f64 = 1e-11;
 
-/// Minimises the problem from `start`.
+/// Minimises the problem from `start`. Where that takes many steps, or vertices are many, with headings and lengths of
+/// sections as variables of their own ([`Problem::lift`]): the same layouts are stationary, and fewer steps lead there.
 pub fn minimise(problem: &Problem, start: &[f64], settings: &SqpSettings, watch: Watch) -> Solution {
+    let plain = problem.elastic.is_some() || matches!(problem.aim, Aim::Near(_)) || settings.iterations <= FEW;
+    if plain {
+        return run(problem, start, settings, watch);
+    }
+    let mut start = start.to_vec();
+    let mut first = 0;
+    if problem.free().len() <= DENSE {
+        let short = run(problem, &start, &SqpSettings { iterations: FEW, ..*settings }, watch);
+        if short.converged || settings.stop.now() && short.max_violation <= settings.feasibility {
+            return short;
+        }
+        (start, first) = (short.variables, short.iterations);
+    }
+    let watch_on: Watch = &|iteration, length, violation| watch(first + iteration, length, violation);
+    let lifted = run(&problem.lift(), &measures::lift(&start), settings, watch_on);
+    let here = Solution {
+        variables: lifted.variables[..start.len()].to_vec(),
+        multipliers: lifted.multipliers.into_iter().filter(|(key, _)| !matches!(key, RowKey::Gap(..))).collect(),
+        iterations: first + lifted.iterations,
+        converged: lifted.converged,
+        ..Solution::at(problem, &lifted.variables[..start.len()])
+    };
+    let done = here.converged && here.max_violation <= settings.feasibility;
+    if done && settings.stop.now() {
+        return here;
+    }
+    // A few steps take off what rounding of the ends of sections left; without an end, all of them.
+    let iterations = if done { POLISH } else { settings.iterations };
+    let watch_on: Watch = &|iteration, length, violation| watch(here.iterations + iteration, length, violation);
+    let mut last = run(problem, &here.variables, &SqpSettings { iterations, ..*settings }, watch_on);
+    last.iterations += here.iterations;
+    let feasible = last.max_violation <= settings.feasibility;
+    if done && !(last.converged && feasible) { Solution { iterations: last.iterations, ..here } } else { last }
+}
+
+/// Steps by coordinates of vertices alone, of a small problem.
+const FEW: usize = 60;
+/// Steps by coordinates of vertices from where a lifted problem is stationary.
+const POLISH: usize = 8;
+
+fn run(problem: &Problem, start: &[f64], settings: &SqpSettings, watch: Watch) -> Solution {
     let mut run = Run::new(problem, start, settings);
     let mut iterations = 0;
     let mut converged = false;
@@ -163,7 +206,7 @@ impl<'p> Run<'p> {
     fn scale(&self, key: RowKey) -> f64 {
         match key {
             RowKey::Listed(i) => self.scales[i],
-            RowKey::Clearance(..) | RowKey::Own(..) => 1.0,
+            RowKey::Clearance(..) | RowKey::Own(..) | RowKey::Gap(..) => 1.0,
         }
     }
 
@@ -171,7 +214,7 @@ impl<'p> Run<'p> {
     fn row_price(&self, key: RowKey) -> f64 {
         match key {
             RowKey::Listed(i) => self.problem.rows[i].weight.unwrap_or(self.price * self.scales[i]),
-            RowKey::Clearance(..) | RowKey::Own(..) => self.price,
+            RowKey::Clearance(..) | RowKey::Own(..) | RowKey::Gap(..) => self.price,
         }
     }
 
@@ -191,7 +234,10 @@ impl<'p> Run<'p> {
     fn step(&mut self) -> Progress {
         let hessian = self.lagrangian_hessian();
         let gradient = self.objective_gradient();
-        let model = convexify(&hessian, &gradient, &self.active_rows());
+        let model = match self.problem.lifted {
+            true => elements::convexify(&hessian, &self.elements(), &gradient, &self.active_rows()),
+            false => convexify(&hessian, &gradient, &self.active_rows()),
+        };
         let merit = self.merit(&self.here);
         loop {
             let rows = self.linear_rows(None);
@@ -288,11 +334,14 @@ impl<'p> Run<'p> {
             x[v] = (x[v] + d[k]).clamp(self.problem.bounds[v].low, self.problem.bounds[v].high);
         }
         let at = self.problem.evaluate_like(&x, &self.here);
-        let sound =
-            at.track.fillets.iter().zip(&self.here.track.fillets).zip(&self.problem.signs).all(|((to, from), s)| {
-                let (to, from) = (to.turn * s, from.turn * s);
-                to > TURN_FLOOR.min(from) && to < TURN_CEILING.max(from)
-            });
+        let turns = |x: &[f64], at: &Evaluation| match self.problem.lifted {
+            true => measures::turns(x, &self.problem.signs),
+            false => at.track.fillets.iter().zip(&self.problem.signs).map(|(fillet, s)| fillet.turn * s).collect(),
+        };
+        let sound = turns(&x, &at)
+            .iter()
+            .zip(turns(&self.x, &self.here))
+            .all(|(to, from)| *to > TURN_FLOOR.min(from) && *to < TURN_CEILING.max(from));
         (sound && at.value().is_finite()).then_some((x, at))
     }
 
@@ -359,11 +408,23 @@ impl<'p> Run<'p> {
         gradient
     }
 
+    /// Terms of the Lagrangian with their weights, and the section whose end a term is of.
+    fn lagrangian(&self) -> impl Iterator<Item = (&Expansion, f64, Option<usize>)> {
+        let objective = self.here.objective.iter().map(|e| (e, 1.0, None));
+        let rows = self.here.rows.iter().filter_map(|row| {
+            let section = if let RowKey::Gap(section, _) = row.key { Some(section) } else { None };
+            Some((&row.expansion, *self.multipliers.get(&row.key)?, section))
+        });
+        objective.chain(rows)
+    }
+
+    fn elements(&self) -> Vec<Element> {
+        elements::elements(self.lagrangian(), &self.place)
+    }
+
     fn lagrangian_hessian(&self) -> Symmetric {
         let mut hessian = Symmetric::new(self.free.len());
-        let weighted = self.here.objective.iter().map(|e| (e, 1.0));
-        let active = self.here.rows.iter().filter_map(|r| self.multipliers.get(&r.key).map(|&m| (&r.expansion, m)));
-        for (expansion, weight) in weighted.chain(active) {
+        for (expansion, weight, _) in self.lagrangian() {
             let k = expansion.variables.len();
             for (i, &v) in expansion.variables.iter().enumerate() {
                 for (j, &w) in expansion.variables.iter().enumerate() {

@@ -67,7 +67,7 @@ pub(super) fn as_written(problem: &Problem) -> Stage {
             let catalogue = 2 * problem.vertices.len();
             i < catalogue && matches!(problem.rows[i].function, Function::Turn(_) | Function::Straight(_))
         }
-        RowKey::Clearance(..) | RowKey::Own(..) => false,
+        RowKey::Clearance(..) | RowKey::Own(..) | RowKey::Gap(..) => false,
     };
     let violations = violations(problem, &problem.start, SqpSettings::default().feasibility, |key| !from_catalog(key));
     Stage {

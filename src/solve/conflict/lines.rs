@@ -171,7 +171,7 @@ impl Lines {
         self.list.iter().position(|line| match key {
             RowKey::Listed(i) => line.rows.contains(&i),
             RowKey::Clearance(k, ..) => line.keepouts.contains(&k),
-            RowKey::Own(..) => false,
+            RowKey::Own(..) | RowKey::Gap(..) => false,
         })
     }
 

@@ -490,7 +490,7 @@ impl Search<'_> {
             RowKey::Listed(i) => {
                 matches!(self.setting.problem.rows[i].function, Function::Straight(s) if coupled.contains(&s))
             }
-            RowKey::Clearance(..) => false,
+            RowKey::Clearance(..) | RowKey::Gap(..) => false,
         }
     }
 
