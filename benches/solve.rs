@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+#[path = "common/families.rs"]
+mod families;
 #[path = "common/layout.rs"]
 mod layout;
 
@@ -10,7 +12,6 @@ use layout::layout;
 use lss::model::Layout;
 use lss::problem::{Problem, Scope, perturbed};
 use lss::solve::{Options, Solver, solve, solve_with, sqp};
-use std::fmt::Write;
 use std::time::Instant;
 
 fn main() {
@@ -25,34 +26,8 @@ fn thesis10() -> Layout {
     layout(include_str!("../examples/thesis10.lss"))
 }
 
-/// A comb of `n` vertices (a multiple of 4) with `obstacles` columns between its teeth.
 fn comb(n: usize, obstacles: usize) -> Layout {
-    let mut text = String::from("use std.carts.tilt_tray\nuse std.tracks.thesis\nlayout comb {\n  catalog thesis\n");
-    text += "  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n";
-    let teeth = (n - 4) / 4;
-    for i in 0..teeth {
-        let x = 40.0 * i as f64;
-        for (k, (dx, y)) in [(0.0, 60.0), (14.0, 60.0), (14.0, 30.0), (26.0, 30.0)].into_iter().enumerate() {
-            let _ = writeln!(text, "  vertex P{i}_{k} ({} m, {y} m) radius 4 m", x + dx);
-        }
-        if i > 0 {
-            let _ = writeln!(text, "  fix P{i}_0");
-        }
-    }
-    let end = 40.0 * teeth as f64;
-    let _ = writeln!(text, "  vertex E0 ({end} m, 60 m) radius 4 m\n  vertex E1 ({end} m, 90 m) radius 4 m");
-    text += "  vertex E2 (-20 m, 90 m) radius 4 m\n  vertex E3 (-20 m, 66 m) radius 4 m\n  fix E1\n  fix E2\n";
-    for i in 0..obstacles {
-        let x = end * (i as f64 + 0.5) / obstacles as f64 - 10.0;
-        let _ = writeln!(
-            text,
-            "  obstacle c{i} [({x} m, 75 m), ({} m, 75 m), ({} m, 76 m), ({x} m, 76 m)]",
-            x + 1.0,
-            x + 1.0
-        );
-    }
-    text += "  optimise length\n}\n";
-    layout(&text)
+    layout(&families::comb(n, obstacles))
 }
 
 /// One table: what both solvers reach on thesis10, stages 1 and 2.

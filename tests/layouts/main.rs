@@ -18,6 +18,7 @@ mod levels;
 mod self_crossing;
 mod semantics;
 mod shortest;
+mod size;
 mod small;
 mod solvers;
 mod tracks;

@@ -1,0 +1,37 @@
+//! Layouts of many vertices: the continuous stages end at a local optimum, however many there are.
+
+#[path = "../../benches/common/families.rs"]
+mod families;
+
+use super::small::layout;
+use lss::geometry::{Point, Track};
+use lss::model::Layout;
+use lss::solve::{Options, Stage, Status, solve_with};
+
+/// Stages 1 and 2.
+fn continuous(layout: &Layout) -> Vec<Stage> {
+    let mut stages = solve_with(layout, &Options::default(), |_, _, s, _, _| s.clone().into(), &|_| {});
+    stages.truncate(2);
+    stages
+}
+
+/// A comb of 52 vertices beside ten columns: both stages are optimal, no longer than what is known, and the track keeps its distance, which is
+/// measured from points of it.
+#[test]
+fn a_comb_of_52_vertices_is_optimal_in_both_stages() {
+    let layout = layout(&families::comb(52, 10));
+    let stages = continuous(&layout);
+    for (stage, longest) in stages.iter().zip([1019.06, 1019.5]) {
+        assert_eq!(stage.status, Status::Local, "{} {:?}", stage.name, stage.violations);
+        assert!(stage.length < longest && stage.max_violation <= 1e-6, "{} {}", stage.name, stage.length);
+    }
+    let track = Track::new(&stages[1].corners);
+    let half = layout.width.value / 2.0;
+    let points: Vec<Point> = (0..50_000).map(|i| track.at(track.length * f64::from(i) / 50_000.0).0).collect();
+    for obstacle in &layout.obstacles {
+        let near = points.iter().map(|&p| obstacle.polygon.distance_to_outline(p)).fold(f64::INFINITY, f64::min);
+        assert!(near >= half - 1e-6, "{} at {near}", obstacle.name);
+    }
+    let mut turns = track.fillets.iter().map(|fillet| fillet.turn.abs().to_degrees());
+    assert!(turns.all(|turn| (5.0 - 1e-4..=90.0 + 1e-4).contains(&turn)));
+}
