@@ -216,6 +216,8 @@ impl Examiner<'_> {
         }
         let relaxed = layout.as_deref().and_then(|near| self.relaxed(line, &others, near));
         let on_grid = relaxed.as_ref().and_then(|relaxed| self.relaxed_on_grid(line, &others, &relaxed.corners));
+        // The least amount is a local optimum; a layout on the grid is one off it, too.
+        let relaxed = relaxed.into_iter().chain(on_grid.clone()).min_by(|a, b| a.amount.total_cmp(&b.amount));
         Member { on_grid, ..self.told(line, within, layout.map(|x| to_corners(&x)), relaxed) }
     }
 
