@@ -16,6 +16,7 @@
 //! - [`problem`]: the optimisation problem without a solver: variables, rows, objective; files for other solvers,
 //! - [`kinematics`]: the chain on the centre line, polygon action,
 //! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
+//! - [`route`]: the vertices of a loop from the sections that it has to pass: orders, ways around obstacles, bounds,
 //! - [`compiled`]: a solved layout with everything that its readers need worked out once,
 //! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have
 //!   from it,
@@ -47,6 +48,7 @@ pub mod kinematics;
 pub mod model;
 pub mod problem;
 pub mod report;
+pub mod route;
 pub mod semantics;
 pub mod signal;
 pub mod solve;

@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ImplItem, Item, ItemImpl, ItemUse, Macro, Type, UseTree, Visibility};
 
 /// From the top: a room may use those before it.
-const ROOMS: [&str; 23] = [
+const ROOMS: [&str; 24] = [
     "base",
     "source",
     "diagnostic",
@@ -23,6 +23,7 @@ const ROOMS: [&str; 23] = [
     "problem",
     "kinematics",
     "solve",
+    "route",
     "compiled",
     "chain_input",
     "signal",

@@ -1,7 +1,8 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
 use super::progress::ProgressLine;
-use super::read::{Read, read, tell};
+use super::read::{Read, read_any, tell};
+use super::routed::{self, RouteSummary, Routed};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
 use crate::cli::read::loose;
 use crate::compiled::Compiled;
@@ -112,6 +113,8 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     cut: Option<solve::Cut>,
     certificate: Option<CertificateSummary<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    route: Option<RouteSummary<'a>>,
     chain: Option<ChainSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pareto: Option<&'a Pareto>,
@@ -168,7 +171,8 @@ fn is_one(count: &usize) -> bool {
 impl Build {
     pub fn run(&self) -> Outcome {
         limits::set_time(self.time_limit);
-        let Read { sources, layout, mut said } = match read(&self.file, self.layout.as_deref(), self.message_format) {
+        let Read { sources, layout, mut said } = match read_any(&self.file, self.layout.as_deref(), self.message_format)
+        {
             Ok(read) => read,
             Err(outcome) => return outcome,
         };
@@ -190,6 +194,10 @@ impl Build {
         if said.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);
         }
+        if let (Some(_), Some(Emit::Problem | Emit::Nl | Emit::Mps | Emit::Pareto)) = (&layout.route, self.emit) {
+            report::error("this --emit needs vertices: build the route, and use it on the layout.lss that is written");
+            return Outcome::CouldNotRun;
+        }
         if self.emit == Some(Emit::Problem) {
             report::print(&problem::print(&Problem::new(layout, Scope::Obstacles), &sources));
             return tell(&sources, &said, self.message_format);
@@ -198,7 +206,17 @@ impl Build {
             report::error("--emit nl and --emit mps write files: say where with -o DIR");
             return Outcome::CouldNotRun;
         }
-        let compiled = self.solve(layout);
+        let (compiled, routed) = match layout.route {
+            None => (self.solve(layout), None),
+            Some(_) => match Routed::find(&sources, layout, &routed::options(self.options())) {
+                Ok(found) => (found.compiled.clone(), Some(found)),
+                Err(why) => {
+                    said.extend(why);
+                    return tell(&sources, &said, self.message_format);
+                }
+            },
+        };
+        let layout = &compiled.layout;
         said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
         if !compiled.failed() {
             let unclosed = solve::unclosed(layout, &compiled.track, &compiled.space.line);
@@ -228,6 +246,9 @@ impl Build {
         if let Some(folder) = &self.output {
             let files = self.files(&compiled, freedom.as_ref()).map(|mut files| {
                 files.extend(pareto.iter().map(Pareto::file));
+                if let Some(text) = routed.as_ref().and_then(|r| r.text.clone()) {
+                    files.push("layout.lss", text);
+                }
                 files
             });
             let files = match files {
@@ -241,7 +262,7 @@ impl Build {
         }
         match &freedom {
             Some(table) if self.format == OutputFormat::Text => report::print(&table.text),
-            _ => self.summarise(&compiled, pareto.as_ref()),
+            _ => self.summarise(&compiled, pareto.as_ref(), routed.as_ref()),
         }
         if let (Some(pareto), OutputFormat::Text) = (&pareto, self.format) {
             report::print(&pareto.text());
@@ -290,7 +311,7 @@ impl Build {
         Ok(files)
     }
 
-    fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>) {
+    fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>, routed: Option<&Routed>) {
         let stage = |s: &'_ solve::Stage| StageSummary {
             name: s.name,
             length_m: s.length,
@@ -313,6 +334,7 @@ impl Build {
             feasible: !compiled.failed(),
             cut: compiled.stages.last().and_then(|s| s.cut),
             certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
+            route: routed.map(Routed::summary),
             chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
             pareto,
         };
@@ -434,6 +456,9 @@ fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
         if let Some(budget) = c.budget {
             out += &format!("  budget: {budget}\n");
         }
+    }
+    if let Some(route) = &summary.route {
+        out += &route.text();
     }
     if let Some(chain) = &summary.chain {
         let beyond = if chain.left_over_mm.abs() > chain.take_up_mm + 0.01 {

@@ -198,7 +198,7 @@ fn positive(text: &str) -> Result<f64, String> {
     length(text).and_then(|l| if l > 0.0 { Ok(l) } else { Err(format!("{text} is no length above zero")) })
 }
 
-fn reason(error: &LoadError) -> String {
+pub(super) fn reason(error: &LoadError) -> String {
     match error {
         LoadError::Unreadable(why) => why.clone(),
         LoadError::TooLarge(bytes) => {

@@ -20,6 +20,7 @@ mod polygon;
 mod progress;
 mod read;
 mod report;
+mod routed;
 mod runs;
 mod simulate;
 

@@ -2,7 +2,7 @@
 //! verbs that need one.
 
 use super::check::{Opened, open};
-use super::{MessageFormat, Outcome, could_not, foreign, report};
+use super::{MessageFormat, Outcome, could_not, foreign, report, routed};
 use crate::chain_input::Simulation;
 use crate::cli::limits;
 use crate::compiled::Compiled;
@@ -20,8 +20,20 @@ pub struct Read {
     pub said: Vec<Diagnostic>,
 }
 
-/// Reads and checks; mistakes are reported here, and end the verb with the outcome returned.
+/// Reads and checks a layout with vertices; mistakes are reported here, and end the verb with the outcome returned.
 pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
+    let Read { sources, layout, mut said } = read_any(file, name, format)?;
+    match routed::without_vertices(&layout) {
+        None => Ok(Read { sources, layout, said }),
+        Some(diagnostic) => {
+            said.push(diagnostic);
+            Err(tell(&sources, &said, format))
+        }
+    }
+}
+
+/// The same for a layout that may ask for its vertices.
+pub fn read_any(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
     let mut sources = SourceMap::default();
     let (mut loader, main) = match open(&mut sources, file) {
         Ok(opened) => opened,

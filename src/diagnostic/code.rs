@@ -87,6 +87,9 @@ codes! {
     E0409 "off-the-straight",
     E0410 "height-not-reached",
     E0411 "two-heights",
+    E0412 "section-without-place",
+    E0413 "vertices-and-route",
+    E0414 "no-route",
 
     E0501 "constraint-never-holds",
     E0502 "contradicting-statements",

@@ -15,5 +15,5 @@ pub use contact::{contact_area, outside_area};
 pub use crossing::{band_overlaps, piece_distance, point_piece, self_crossings};
 pub use fillet::{Corner, Fillet, Piece, PieceKind, Track};
 pub use point::Point;
-pub use polygon::{NotSimple, Polygon, bounds};
+pub use polygon::{NotSimple, Polygon, bounds, distance_to_segment};
 pub use side::{Curve, Hand, Outline};

@@ -6,12 +6,14 @@
 //! 3. `walk` joins loose pieces into loops,
 //! 4. `heal` turns a loop into vertices with radii, and proves how far the drawn line lies from the result,
 //! 5. `outline` makes polygons of the other layers,
-//! 6. `write` puts everything down as source text.
+//! 6. `hall` reads a drawing without a track, with lines where its sections are to lie,
+//! 7. `write` and `write_hall` put everything down as source text.
 //!
 //! The reader is its own rather than a library's: messages cite lines of the drawing, which no reader keeps, and only
 //! a handful of entities matters.
 
 mod drawing;
+mod hall;
 mod heal;
 mod outline;
 mod shapes;
@@ -19,9 +21,12 @@ mod tags;
 mod unit;
 mod walk;
 mod write;
+mod write_hall;
 
+pub use hall::{Hall, hall};
 pub use unit::LengthUnit;
 pub use write::{as_name, write};
+pub use write_hall::write_hall;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Corner, Point, Polygon, point_piece};

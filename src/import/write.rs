@@ -38,15 +38,15 @@ pub fn write(plan: &Plan, name: &str, from: &str) -> String {
 }
 
 /// A thousandth of a nanometre: finer than any drawing, and short for round numbers.
-fn metres(length: f64) -> String {
+pub fn metres(length: f64) -> String {
     format!("{} m", trimmed(length, 12))
 }
 
-fn point(p: Point) -> String {
+pub fn point(p: Point) -> String {
     format!("({}, {})", metres(p.x), metres(p.y))
 }
 
-fn area(area: &DrawnArea) -> String {
+pub fn area(area: &DrawnArea) -> String {
     let points: Vec<String> = area.points.iter().map(|p| point(*p)).collect();
     let clearance = if area.clearance > 0.0 { format!(" clearance {}", metres(area.clearance)) } else { String::new() };
     format!("[{}]{clearance}", points.join(", "))

@@ -1,5 +1,6 @@
 //! Constraints a user writes, checked: vertices are indices, quantities are SI, formulas have one dimension.
 
+use super::TrackSection;
 use crate::source::Span;
 use serde::Serialize;
 
@@ -43,6 +44,8 @@ pub enum ConstraintKind {
     FixVertex { vertex: usize },
     /// Radius of a vertex.
     FixRadius { vertex: usize },
+    /// A straight part of the track with a place of its own lies on the straight of this section.
+    Holds { section: usize, part: Box<TrackSection> },
     /// `low <= formula <= high`; an equality has both alike, an inequality one infinite side. Strict relations
     /// are taken as their closure.
     Require { formula: Formula, low: f64, high: f64, unit: Unit },

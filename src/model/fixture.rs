@@ -57,6 +57,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         effects: Vec::new(),
         drawing: DrawingSettings::default(),
         objective: Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None },
+        route: None,
     }
 }
 

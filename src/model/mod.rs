@@ -12,6 +12,7 @@ mod heights;
 pub mod instances;
 mod prices;
 mod print;
+mod route;
 mod sheet;
 
 pub use components::*;
@@ -19,6 +20,7 @@ pub use constraint::*;
 pub use equipment::*;
 pub use heights::Heights;
 pub use print::print;
+pub use route::{Route, TrackSection};
 pub use sheet::*;
 
 use crate::geometry::{Corner, Point, Polygon};
@@ -56,7 +58,7 @@ pub struct Layout {
     pub speed: Spanned<f64>,
     /// Outer envelope swept by carts and carriers, m.
     pub width: Spanned<f64>,
-    /// In driving order; the loop closes from the last to the first. At least three.
+    /// In driving order; the loop closes from the last to the first. At least three, or none with a `route`.
     pub vertices: Vec<Vertex>,
     /// Limits on the absolute turn at a vertex, rad: the catalogue's, narrowed by the layout.
     pub turns: Spanned<Interval>,
@@ -72,6 +74,9 @@ pub struct Layout {
     pub effects: Vec<DeclaredEffect>,
     pub drawing: DrawingSettings,
     pub objective: Objective,
+    /// Asks for vertices, of which there are then none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub route: Option<Route>,
 }
 
 impl Layout {

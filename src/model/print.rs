@@ -199,10 +199,21 @@ impl Printer {
             for constraint in &layout.constraints {
                 out.line(constraint_text(constraint, layout, &names));
             }
+            out.route(layout);
             out.equipment(layout, &names);
             out.drawing(&layout.drawing);
             out.line(objective_text(&layout.objective));
         });
+    }
+
+    fn route(&mut self, layout: &Layout) {
+        let Some(route) = &layout.route else { return };
+        for section in &route.sections {
+            self.line(part_text(section));
+        }
+        let names: Vec<&str> = route.sections.iter().map(|s| s.name.as_str()).collect();
+        let order = if route.any_order { " in any order" } else { "" };
+        self.line(format!("route {}{order}", names.join(", ")));
     }
 
     fn regions(&mut self, layout: &Layout) {
@@ -324,6 +335,7 @@ fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> 
             let words = if words.len() == 4 { "all".to_string() } else { words.join(", ") };
             format!("fix {words} {}", target_text(*target, names))
         }
+        ConstraintKind::Holds { section, part } => format!("{} on {}", part_text(part), section_text(*section, names)),
         ConstraintKind::FixVertex { vertex } => format!("fix {}", names[*vertex]),
         ConstraintKind::FixRadius { vertex } => format!("fix radius {}", names[*vertex]),
         ConstraintKind::Require { formula, low, high, unit } => {
@@ -349,6 +361,14 @@ fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> 
             format!("require {row}{reason}")
         }
     }
+}
+
+/// `section chutes 40 m within (0 m, 30 m)..(80 m, 30 m)`
+fn part_text(part: &TrackSection) -> String {
+    let point = |p: Point| format!("({}, {})", metres(p.x), metres(p.y));
+    let length = part.length.map(|length| format!("{} within ", metres(length))).unwrap_or_default();
+    let way = if part.either_way { " either way" } else { "" };
+    format!("section {} {length}{}..{}{way}", part.name, point(part.from), point(part.to))
 }
 
 fn objective_text(objective: &Objective) -> String {

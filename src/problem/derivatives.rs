@@ -1,8 +1,9 @@
 //! Every kind of row against central differences, on the reference instance moved off its written place.
 
 use super::{Evaluation, Problem, RowKey, Scope, measures};
+use crate::geometry::Point;
 use crate::model::instances::{horseshoe, thesis10};
-use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Target, Unit, fixture::span};
+use crate::model::{Constraint, ConstraintKind, FixKind, Formula, Layout, Target, TrackSection, Unit, fixture::span};
 
 /// thesis10 with a row of every kind.
 fn every_row() -> Layout {
@@ -12,6 +13,7 @@ fn every_row() -> Layout {
     let section = Target { from: 5, straight: false };
     let mut kinds: Vec<ConstraintKind> = vec![ConstraintKind::FixSection { target, kinds: all.clone() }];
     kinds.extend(all.iter().map(|k| ConstraintKind::FixSection { target: section, kinds: vec![*k] }));
+    kinds.push(ConstraintKind::Holds { section: 3, part: Box::new(part()) });
     let formulas = [
         Formula::Sum(vec![Formula::X(0), Formula::Negative(Box::new(Formula::Y(3)))]),
         Formula::Product(vec![Formula::Radius(2), Formula::Angle(3), Formula::Length(target)]),
@@ -32,6 +34,13 @@ fn every_row() -> Layout {
     }));
     layout.constraints = kinds.into_iter().map(|kind| Constraint { kind, span: span(), reason: None }).collect();
     layout
+}
+
+/// A part of the track that slides along an oblique line.
+fn part() -> TrackSection {
+    let (from, to) = (Point::new(1.0, 2.0), Point::new(9.0, 5.0));
+    let (name, length) = ("part".to_owned(), Some(3.0));
+    TrackSection { name, from, to, length, either_way: false, from_span: span(), to_span: span(), span: span() }
 }
 
 #[test]

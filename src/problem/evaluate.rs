@@ -185,6 +185,13 @@ impl Problem {
                 };
                 end(*section, false).add(&end(measures.next(*section), true)).scale(0.5)
             }
+            Function::StraightEnd { section, end, direction } => {
+                let vertex = if *end { measures.next(*section) } else { *section };
+                measures.at(vertex, |m| {
+                    let p = if *end { m.begin } else { m.end };
+                    p.x.scale(direction.x) + p.y.scale(direction.y)
+                })
+            }
             Function::Formula(f) => {
                 let e = formula::expand(f, measures, &self.signs, &self.places);
                 // A heading is known up to full turns: the one nearest to what is asked.

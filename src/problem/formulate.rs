@@ -8,7 +8,7 @@ use crate::geometry::clearance::Region;
 use crate::geometry::{Point, Track};
 use crate::model::{
     self, Constraint, ConstraintKind, FixKind, Goal, Heights, Interval, Layout, Motors, Side, StraightPlace, Target,
-    Unit,
+    TrackSection, Unit,
 };
 use crate::source::Span;
 
@@ -126,6 +126,7 @@ impl Problem {
             }
             ConstraintKind::FixRadius { vertex } => self.fix(radius(*vertex)),
             ConstraintKind::FixSection { target, kinds } => self.fix_section(*target, kinds, track, span),
+            ConstraintKind::Holds { section, part } => self.hold(*section, part, span),
             ConstraintKind::Require { formula, low, high, unit } => {
                 let angle = *unit == Unit::Radian;
                 self.row(Function::Formula(formula.clone()), *low, *high, angle, "require".into(), span);
@@ -133,6 +134,34 @@ impl Problem {
         }
         for row in &mut self.rows[first..] {
             row.reason = constraint.reason.clone();
+        }
+    }
+
+    /// A section's straight lies on the part's line and reaches over it, or over its length within its limits.
+    fn hold(&mut self, i: usize, part: &TrackSection, span: Span) {
+        let j = (i + 1) % self.vertices.len();
+        let (along, across) = (part.direction(), part.direction().left());
+        // Where several parts lie on one straight, the first holds its line.
+        let held = self.rotations.contains(&i);
+        let mut row = |function, low, high, what: &str| {
+            self.row(function, low, high, false, format!("{what} of section {}", part.name), span);
+        };
+        let offset = across.dot(part.from);
+        if !held {
+            let difference = vec![(x(i), -across.x), (y(i), -across.y), (x(j), across.x), (y(j), across.y)];
+            row(Function::Linear(difference), 0.0, 0.0, "heading");
+            let begin = vec![(x(i), across.x), (y(i), across.y)];
+            row(Function::Linear(begin), offset, offset, "line");
+        }
+        let (low, high) = (along.dot(part.from), along.dot(part.to));
+        let end = |end| Function::StraightEnd { section: i, end, direction: along };
+        row(end(false), f64::NEG_INFINITY, high - part.length(), "begin");
+        row(end(true), low + part.length(), f64::INFINITY, "end");
+        if part.length.is_some() {
+            row(Function::Straight(i), part.length(), f64::INFINITY, "length");
+        }
+        if !held {
+            self.rotations.push(i);
         }
     }
 

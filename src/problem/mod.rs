@@ -115,6 +115,12 @@ pub enum Function {
         section: usize,
         direction: crate::geometry::Point,
     },
+    /// Coordinate of the begin or the end of a section's straight along a unit direction.
+    StraightEnd {
+        section: usize,
+        end: bool,
+        direction: crate::geometry::Point,
+    },
     Formula(Formula),
 }
 

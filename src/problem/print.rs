@@ -70,6 +70,13 @@ pub fn relation(problem: &Problem, row: &ConstraintRow) -> String {
             number(direction.x),
             number(direction.y)
         ),
+        Function::StraightEnd { section, end, direction } => format!(
+            "{}(straight({})) along ({}, {})",
+            if *end { "end" } else { "begin" },
+            problem.section_name(*section),
+            number(direction.x),
+            number(direction.y)
+        ),
         Function::Formula(f) => formula(problem, f),
     };
     let (low, high) = (number(row.low * scale), number(row.high * scale));

@@ -28,6 +28,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
 use crate::source::{FileId, LoadError, Loader, SourceMap, Span};
 use crate::syntax::tree::{Item, LayoutDeclaration, Name};
+pub use layout::settle_sides;
 use program::{Program, Symbol};
 use scope::{Context, Env};
 use sink::Sink;

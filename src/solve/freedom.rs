@@ -248,7 +248,7 @@ fn line_of(layout: &Layout, problem: &Problem, k: usize) -> Span {
                 && kinds.len() == 4
                 && (target.from == vertex || layout.next(target.from) == vertex)
         }
-        ConstraintKind::Require { .. } => false,
+        ConstraintKind::Holds { .. } | ConstraintKind::Require { .. } => false,
     };
     let fixed = problem.bounds[k].low == problem.bounds[k].high;
     let statement = layout.constraints.iter().find(|c| fixed && fixes(&c.kind)).map(|c| c.span);

@@ -246,7 +246,7 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 33] = [
+pub const STATEMENT_WORDS: [&str; 35] = [
     "axis",
     "building",
     "cart",
@@ -272,6 +272,8 @@ pub const STATEMENT_WORDS: [&str; 33] = [
     "radii",
     "ramp",
     "require",
+    "route",
+    "section",
     "sensor",
     "sensor_cart",
     "speed",
@@ -356,6 +358,7 @@ fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
     let phrase = match rule {
         Rule::EOI | Rule::end_of_line => END,
         Rule::section | Rule::target | Rule::straight => "a section such as `P4..P5`",
+        Rule::limits => "a place such as `(5 m, 2 m)..(35 m, 2 m)`",
         Rule::point => "a point such as `(28 m, 1.5 m)`",
         Rule::polygon => "a list of points such as `[(0 m, 0 m), (9 m, 0 m), (9 m, 4 m)]`",
         Rule::place => "a place such as `on P1..P2 at 3 m`",

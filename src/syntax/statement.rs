@@ -89,9 +89,42 @@ impl Builder<'_> {
                     Statement::DrawingField { field, text: self.quoted(&mut parts)? }
                 }
             }
+            Rule::track_section => self.track_section(parts)?,
+            Rule::route => {
+                let mut sections = Vec::new();
+                let mut any_order = false;
+                for part in parts {
+                    match part.as_rule() {
+                        Rule::name => sections.push(self.name(&part)),
+                        Rule::any_order => any_order = true,
+                        _ => {}
+                    }
+                }
+                Statement::Route { sections, any_order }
+            }
             Rule::optimise => Statement::Optimise(self.objective(take(parts, Rule::objective)?)?),
             _ => return None,
         })
+    }
+
+    fn track_section(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {
+        let name = self.next_name(parts)?;
+        let (mut length, mut limits, mut either_way, mut on) = (None, None, false, None);
+        for part in parts {
+            match part.as_rule() {
+                Rule::value => length = Some(self.expression(part)?),
+                Rule::limits => {
+                    let mut points = part.into_inner().filter(|p| p.as_rule() == Rule::point);
+                    let (from, to) = (points.next()?, points.next()?);
+                    limits = Some((self.point(from)?, self.point(to)?));
+                }
+                Rule::either_way => either_way = true,
+                Rule::section => on = Some(self.section_of(part)?),
+                _ => {}
+            }
+        }
+        let (from, to) = limits?;
+        Some(Statement::Section(Box::new(PlacedSection { name, length, from, to, either_way, on })))
     }
 
     fn value(&mut self, parts: &mut Pairs<Rule>) -> Option<Expr> {

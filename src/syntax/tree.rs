@@ -303,6 +303,14 @@ pub enum Statement {
         text: TextExpr,
     },
     Optimise(ObjectiveExpr),
+    /// `section inductions (5 m, 2 m)..(35 m, 2 m)`, `section chutes 40 m within (0 m, 30 m)..(80 m, 30 m) either way`,
+    /// with `on P1..P2` where the layout has vertices
+    Section(Box<PlacedSection>),
+    /// `route inductions, chutes in any order`
+    Route {
+        sections: Vec<Name>,
+        any_order: bool,
+    },
     Bad,
 }
 
@@ -319,6 +327,18 @@ pub struct PointExpr {
     pub x: Expr,
     pub y: Expr,
     pub span: Span,
+}
+
+/// `section chutes 40 m within (0 m, 30 m)..(80 m, 30 m) either way on P1..P2`.
+#[derive(Clone, Debug)]
+pub struct PlacedSection {
+    pub name: Name,
+    /// With the line that it slides along, else it runs from end to end.
+    pub length: Option<Expr>,
+    pub from: PointExpr,
+    pub to: PointExpr,
+    pub either_way: bool,
+    pub on: Option<Section>,
 }
 
 /// `P4..P5`.

@@ -411,6 +411,7 @@ fn broken(constraint: &Constraint, layout: &Layout, corners: &[Corner], track: &
             };
             kinds.iter().map(one).fold(0.0, f64::max)
         }
+        ConstraintKind::Holds { .. } => panic!("not generated"),
         ConstraintKind::Require { formula, low, high, .. } => {
             let value = value(formula, corners, track);
             (low - value).max(value - high)

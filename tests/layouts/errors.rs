@@ -13,7 +13,7 @@ use lss::geometry::Track;
 use lss::semantics::analyse;
 use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
-use lss::{elements, import, solve};
+use lss::{elements, import, route, solve};
 
 fn folder(code: Code) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())
@@ -75,6 +75,10 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         (Code::W0712, Ok(Some(layout))) => {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
             diagnostics.extend(solve::left_over(layout, &compiled.track, &compiled.space.line, compiled.chain));
+        }
+        (Code::E0414, Ok(Some(layout))) => {
+            let found = route::find(layout, &solve::Options::default(), &|_| {});
+            diagnostics.extend(found.err().unwrap_or_default());
         }
         (Code::E0601 | Code::E0602, Ok(Some(layout))) => {
             diagnostics.extend(solve::diagnose(layout, &solve::solve(layout, &solve::Options::default(), &|_| {})));

@@ -15,6 +15,7 @@ mod headings;
 mod hostile;
 mod import;
 mod levels;
+mod route;
 mod self_crossing;
 mod semantics;
 mod shortest;

@@ -12,6 +12,7 @@ mod fits;
 mod limits;
 mod messages;
 mod polygon;
+mod route;
 mod stiffness;
 mod terminal;
 mod trust;

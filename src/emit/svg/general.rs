@@ -213,7 +213,11 @@ fn entries(drawn: &Drawn, datum: bool) -> Vec<(Key, String)> {
     add(true, Key::Radius, "curve: radius, turn");
     add(!drawn.walls.is_empty(), Key::WallDistance, "centre line to wall; min: the least");
     let fixes = |kind: fn(&ConstraintKind) -> bool| layout.constraints.iter().any(|c| kind(&c.kind));
-    add(fixes(|k| matches!(k, ConstraintKind::FixSection { .. })), Key::FixedSection, "section with fixed values");
+    add(
+        fixes(|k| matches!(k, ConstraintKind::FixSection { .. } | ConstraintKind::Holds { .. })),
+        Key::FixedSection,
+        "section with fixed values",
+    );
     add(fixes(|k| matches!(k, ConstraintKind::FixVertex { .. })), Key::FixedVertex, "fixed vertex");
     add(layout.building.is_some(), Key::Wall, "wall");
     add(!layout.obstacles.is_empty(), Key::Obstacle, "obstacle");

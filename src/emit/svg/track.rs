@@ -106,10 +106,13 @@ pub fn joints(sheet: &Sheet, pieces: &[OrderedPiece], width: f64) -> XmlElement 
     group
 }
 
-/// What is fixed, in words, by the section it is marked on.
+/// What is fixed, in words, or what lies there, by the section it is marked on.
 pub fn fixed_sections(layout: &Layout) -> Vec<(usize, String)> {
     let mut sections = Vec::new();
     for constraint in &layout.constraints {
+        if let ConstraintKind::Holds { section, part } = &constraint.kind {
+            sections.push((*section, part.name.clone()));
+        }
         if let ConstraintKind::FixSection { target, kinds } = &constraint.kind {
             let all = [FixKind::Length, FixKind::Rotation, FixKind::Parallel, FixKind::Perpendicular];
             let words: Vec<&str> = kinds

@@ -43,7 +43,7 @@ impl Writer<'_> {
                 let sum = terms.iter().fold(Affine::default(), |sum, &(k, c)| sum.plus(c, &self.variable(k)));
                 Some(sum)
             }
-            Function::StraightMiddle { .. } => None,
+            Function::StraightMiddle { .. } | Function::StraightEnd { .. } => None,
             Function::Formula(formula) => self.formula(formula),
         }
     }

@@ -85,6 +85,14 @@ impl Writer<'_> {
                 let sum = self.graph().add(begin, end);
                 self.graph().scale(0.5, sum)
             }
+            Function::StraightEnd { section, end, direction } => {
+                let point = if *end {
+                    self.shapes.vertices[self.shapes.next(*section)].begin
+                } else {
+                    self.shapes.vertices[*section].end
+                };
+                self.component(point, *direction)
+            }
             Function::Formula(formula @ Formula::Heading(i)) => {
                 let heading = self.formula(formula);
                 let plain = self.track.straight(*i).heading;

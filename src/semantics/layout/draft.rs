@@ -32,6 +32,7 @@ pub(super) enum Key<'t> {
     Pass(&'t str),
     /// The first of a row.
     GridAxis(&'t str),
+    Section(&'t str),
 }
 
 /// All statements of a layout.
@@ -97,6 +98,8 @@ fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
         Statement::DrawingOrigin(_) => once("drawing origin"),
         Statement::DrawingField { field, .. } => once(title_key(*field)),
         Statement::Optimise(_) => once("optimise"),
+        Statement::Route { .. } => once("route"),
+        Statement::Section(section) => Some((Key::Section(&section.name.text), Some(&section.name))),
         Statement::Vertex { name, .. } => Some((Key::Vertex(&name.text), Some(name))),
         Statement::Obstacle { name, .. } => Some((Key::Obstacle(&name.text), Some(name))),
         Statement::Induction { name, .. } => Some((Key::Induction(&name.text), Some(name))),
@@ -168,6 +171,7 @@ impl<'t> Context<'t> {
         draft.layer += usize::from(layout.from.is_some());
         draft = Draft { name: &layout.name, env, base_known, ..draft };
         draft.replace_rows(layout);
+        draft.replace_way(layout);
         for node in &layout.body.nodes {
             match &node.value {
                 Statement::Bad => draft.bad.push(self.sources.text(node.span).to_string()),
@@ -233,6 +237,7 @@ impl<'t> Context<'t> {
                     }
                     Key::Obstacle(_) => "obstacle",
                     Key::Induction(_) => "induction",
+                    Key::Section(_) => "section",
                     _ => "row of chutes",
                 };
                 let first = self::key(first.statement).and_then(|(_, n)| n).map_or(first.span, |n| n.span);
@@ -265,6 +270,21 @@ impl<'t> Draft<'t> {
             return;
         }
         self.statements.retain(|p| !motors(p.statement));
+        self.keys = self.statements.iter().enumerate().filter_map(|(i, p)| Some((key(p.statement)?.0, i))).collect();
+    }
+}
+
+impl<'t> Draft<'t> {
+    /// Vertices of a variant replace the route of what it extends, and its route their vertices.
+    fn replace_way(&mut self, layout: &LayoutDeclaration) {
+        let own = |of: fn(&Statement) -> bool| layout.body.nodes.iter().any(|n| of(&n.value));
+        let vertex = |s: &Statement| matches!(s, Statement::Vertex { .. });
+        let route = |s: &Statement| matches!(s, Statement::Route { .. });
+        match (layout.from.is_some(), own(vertex), own(route)) {
+            (true, true, false) => self.statements.retain(|p| !route(p.statement)),
+            (true, false, true) => self.statements.retain(|p| !vertex(p.statement)),
+            _ => return,
+        }
         self.keys = self.statements.iter().enumerate().filter_map(|(i, p)| Some((key(p.statement)?.0, i))).collect();
     }
 }

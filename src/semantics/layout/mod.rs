@@ -5,6 +5,7 @@ mod constraints;
 mod draft;
 mod equipment;
 mod objective;
+mod route;
 mod sheet;
 mod vertices;
 
@@ -23,6 +24,7 @@ use crate::semantics::component::Component;
 use crate::semantics::layout::checks::{Facts, Limits};
 use crate::source::{Span, Spanned};
 use crate::syntax::tree::{DeclarationKind, Expr, Item, LayoutDeclaration, Reference, Statement};
+pub use checks::sides::settle as settle_sides;
 use draft::{Draft, Placed, keyword};
 pub(super) use vertices::Geometry;
 
@@ -46,7 +48,11 @@ impl<'t> Context<'t> {
         });
         let objective = self.objective(&draft);
         let mut geometry = self.geometry(&draft, radii);
-        let constraints = self.constraints(&draft, &geometry);
+        let route = self.route(&draft, &geometry);
+        let constraints = self.constraints(&draft, &geometry).zip(route.as_ref()).map(|(mut all, (_, held))| {
+            all.extend(held.iter().cloned());
+            all
+        });
         let equipment = self.equipment(&draft, &geometry);
         let levels = self.levels(&draft, &geometry);
         let ramps = self.ramps(&draft, &geometry);
@@ -86,7 +92,7 @@ impl<'t> Context<'t> {
             sensor: sensor?,
             speed: speed?,
             width: width?,
-            vertices: geometry.vertices?,
+            vertices: if draft.once("route").is_some() { Vec::new() } else { geometry.vertices? },
             turns: turns?,
             radii: radii?,
             building: geometry.building,
@@ -99,6 +105,7 @@ impl<'t> Context<'t> {
             effects,
             drawing: drawing?,
             objective: objective?,
+            route: route?.0,
         })
     }
 

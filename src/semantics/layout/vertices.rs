@@ -91,16 +91,34 @@ impl<'t> Context<'t> {
         }
         geometry.named.incomplete = incomplete;
         geometry.named.bad = draft.bad.clone();
-        if vertices.len() < 3 && !incomplete {
+        let route = draft.once("route").is_some();
+        if let (true, Some(vertex)) =
+            (route, draft.statements.iter().find(|p| matches!(p.statement, Statement::Vertex { .. })))
+        {
+            self.vertices_beside_route(draft, vertex.span);
+        }
+        if vertices.len() < 3 && !incomplete && !route {
             let diagnostic =
                 Diagnostic::new(Code::E0401, "a loop needs at least three vertices", draft.name.span, "in this layout")
                     .expected("at least 3", vertices.len().to_string());
-            self.report(diagnostic.help("for example `vertex P1 (2 m, 1.5 m) radius 4 m`, in driving order"));
+            self.report(diagnostic.help(
+                "for example `vertex P1 (2 m, 1.5 m) radius 4 m`, in driving order; or `route` and the sections that a \
+                 loop is to pass, to have the vertices found",
+            ));
         }
-        let known = vertices.len() >= 3 && !incomplete;
+        let known = vertices.len() >= 3 && !incomplete && !route;
         geometry.vertices = vertices.into_iter().collect::<Option<Vec<_>>>().filter(|_| known);
         self.passes(draft, &mut geometry);
         geometry
+    }
+
+    fn vertices_beside_route(&self, draft: &Draft<'t>, vertex: Span) {
+        let route = draft.once("route").map_or(draft.name.span, |placed| placed.span);
+        self.report(
+            Diagnostic::new(Code::E0413, "the layout has vertices and asks for them", route, "asks for vertices")
+                .related(vertex, "there is one")
+                .help("remove the vertices, to have them found; or the route, to keep them"),
+        );
     }
 
     fn too_many(&self, what: &str, most: usize, span: Span) {

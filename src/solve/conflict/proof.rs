@@ -150,7 +150,7 @@ fn absolute(problem: &Problem) -> bool {
     let tells = |function: &Function| match function {
         Function::Turn(_) | Function::Section(_) | Function::Straight(_) => false,
         Function::Linear(terms) => terms.iter().any(|(k, _)| k % 3 != 2),
-        Function::StraightMiddle { .. } => true,
+        Function::StraightMiddle { .. } | Function::StraightEnd { .. } => true,
         Function::Formula(formula) => !relative(formula),
     };
     let limits = |low: f64, high: f64| low.is_finite() || high.is_finite();
@@ -271,6 +271,11 @@ impl<'a> Loop<'a> {
                     self.component(*section, 0, *direction).and(self.component(*section, BEHIND, *direction), 1.0);
                 let end = self.component(next, 0, *direction).and(self.component(next, BEFORE, *direction), -1.0);
                 Some(begin.and(end, 1.0).scaled(0.5))
+            }
+            Function::StraightEnd { section, end, direction } => {
+                let (vertex, beside, by) =
+                    if *end { (self.next(*section), BEFORE, -1.0) } else { (*section, BEHIND, 1.0) };
+                Some(self.component(vertex, 0, *direction).and(self.component(vertex, beside, *direction), by))
             }
             Function::Formula(formula) => self.formula(formula),
         }

@@ -55,7 +55,7 @@ fn directed(function: &Function) -> bool {
     match function {
         Function::Turn(_) | Function::Section(_) | Function::Straight(_) => false,
         Function::Linear(terms) => terms.iter().any(|(k, _)| k % 3 != 2),
-        Function::StraightMiddle { .. } | Function::Formula(_) => true,
+        Function::StraightMiddle { .. } | Function::StraightEnd { .. } | Function::Formula(_) => true,
     }
 }
 
@@ -114,7 +114,7 @@ fn relaxed(problem: &Problem, by: f64) -> Problem {
         let by = match &row.function {
             Function::Turn(_) | Function::Section(_) | Function::Straight(_) => continue,
             Function::Linear(terms) => by * terms.iter().map(|(_, factor)| factor.abs()).sum::<f64>(),
-            Function::StraightMiddle { .. } => by,
+            Function::StraightMiddle { .. } | Function::StraightEnd { .. } => by,
             // How a formula changes is not known: it counts in layouts, not in the bound.
             Function::Formula(_) => f64::INFINITY,
         };

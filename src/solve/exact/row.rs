@@ -173,6 +173,16 @@ pub fn state(problem: &Problem, grid: &Grid) -> Stated {
                 let at = vec![(k, half), (next, half)];
                 Some((GridRow { at, out: vec![(k, half)], into: vec![(next, -half)], ..GridRow::default() }, 0.0))
             }
+            Function::StraightEnd { section, end, direction } => {
+                let k = grid.stage(*section);
+                let next = (k + 1) % n;
+                let row = if *end {
+                    GridRow { at: vec![(next, *direction)], into: vec![(next, -*direction)], ..GridRow::default() }
+                } else {
+                    GridRow { at: vec![(k, *direction)], out: vec![(k, *direction)], ..GridRow::default() }
+                };
+                Some((row, 0.0))
+            }
             Function::Formula(f) => {
                 let row = formula(f, grid);
                 out.partial |= row.is_none();

@@ -132,6 +132,28 @@ impl Writer<'_> {
                 self.text(&text.text);
             }
             Statement::Optimise(objective) => self.objective(objective),
+            Statement::Section(section) => {
+                let PlacedSection { name, length, from, to, either_way, on } = &**section;
+                self.words(&["section ", &name.text, " "]);
+                if let Some(length) = length {
+                    self.expr(length);
+                    self.push(" within ");
+                }
+                self.point(from);
+                self.push("..");
+                self.point(to);
+                self.push(if *either_way { " either way" } else { "" });
+                if let Some(on) = on {
+                    self.push(" on ");
+                    self.section(on);
+                }
+            }
+            Statement::Route { sections, any_order } => {
+                for (index, name) in sections.iter().enumerate() {
+                    self.words(&[if index > 0 { ", " } else { "route " }, &name.text]);
+                }
+                self.push(if *any_order { " in any order" } else { "" });
+            }
             Statement::Bad => self.verbatim(span),
         }
     }

@@ -95,7 +95,7 @@ impl Context<'_> {
                 ConstraintKind::FixRadius { vertex } => {
                     (vec![Held::Radius(*vertex)], format!("the radius of {}", name(*vertex)))
                 }
-                ConstraintKind::Require { .. } => continue,
+                ConstraintKind::Holds { .. } | ConstraintKind::Require { .. } => continue,
             };
             let repeated: Vec<(&Held, Span)> = items.iter().filter_map(|i| Some((i, *held.get(i)?))).collect();
             if let Some((_, first)) = repeated.first() {

@@ -7,7 +7,7 @@ mod equipment;
 mod fixed;
 mod headings;
 mod range;
-mod sides;
+pub mod sides;
 mod vertices;
 
 use crate::geometry::{Corner, Track};

@@ -5,7 +5,7 @@ use crate::model::{Obstacle, Side};
 
 /// Takes the side of an obstacle's middle from the written layout. Of a loop that does not cross itself (`simple`), the
 /// inside is one side and the outside the other; else the nearest point of the centre line tells.
-pub(super) fn settle(track: &Track, simple: bool, obstacles: &mut [Obstacle]) {
+pub fn settle(track: &Track, simple: bool, obstacles: &mut [Obstacle]) {
     let boxes: Vec<(Point, Point)> = track.pieces.iter().map(|p| Curve::from(p).bounds()).collect();
     // A simple loop turns by one whole turn, left or right.
     let inside_is_left = track.fillets.iter().map(|f| f.turn).sum::<f64>() > 0.0;

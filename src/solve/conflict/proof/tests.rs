@@ -19,6 +19,8 @@ fn tight(layout: &Layout, at: &[f64]) -> Problem {
             Function::Straight(i),
             Function::Linear(vec![(x(i), 1.0), (radius(i), -2.0)]),
             Function::StraightMiddle { section: i, direction },
+            Function::StraightEnd { section: i, end: false, direction },
+            Function::StraightEnd { section: i, end: true, direction },
             Function::Formula(Formula::Sum(vec![
                 Formula::Length(Target { from: i, straight: true }),
                 Formula::Negative(Box::new(Formula::Angle(i))),

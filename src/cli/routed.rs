@@ -1,0 +1,100 @@
+//! What `lss build` does and says of a layout that asks for a route.
+
+use super::limits;
+use super::progress::ProgressLine;
+use crate::base::number::trimmed;
+use crate::compiled::Compiled;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::model::Layout;
+use crate::route::{self, Summary};
+use crate::solve::Options;
+use crate::source::SourceMap;
+use serde::Serialize;
+
+/// The layout that was found, solved, with its text and what is to be told of it.
+pub struct Routed {
+    pub compiled: Compiled,
+    /// `layout.lss`
+    pub text: Option<String>,
+    summary: Summary,
+}
+
+/// The route in the summary of a build.
+#[derive(Serialize)]
+pub struct RouteSummary<'a> {
+    vertices: usize,
+    sections: &'a [String],
+    orders: usize,
+    tried: usize,
+    /// Of any loop through the sections.
+    lower_bound_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_eur: Option<f64>,
+    gap: f64,
+    assumed: [&'static str; 2],
+}
+
+/// What the bound of a route is about.
+const ASSUMED: [&str; 2] = [
+    "the loop is flat, passes every section once, in an allowed order and way",
+    "it keeps its distance from building and obstacles, and nowhere bends tighter than the smallest radius",
+];
+
+impl Routed {
+    pub fn find(sources: &SourceMap, layout: &Layout, options: &Options) -> Result<Routed, Vec<Diagnostic>> {
+        let line = ProgressLine::new();
+        let found = route::find(layout, options, &|progress| line.show(progress));
+        line.finish();
+        let route::Found { layout: with_vertices, stages, summary } = found?;
+        let compiled = Compiled::new(with_vertices, stages);
+        let text = route::text(sources, layout, &compiled.layout, &compiled.track.corners);
+        Ok(Routed { compiled, text, summary })
+    }
+
+    pub fn summary(&self) -> RouteSummary<'_> {
+        let (value, price) = (self.summary.value, self.summary.cheapest);
+        let bound = price.unwrap_or(self.summary.shortest);
+        RouteSummary {
+            vertices: self.compiled.layout.vertices.len(),
+            sections: &self.summary.order,
+            orders: self.summary.rounds,
+            tried: self.summary.tried,
+            lower_bound_m: self.summary.shortest,
+            lower_bound_eur: price,
+            gap: ((value - bound) / value).max(0.0),
+            assumed: ASSUMED,
+        }
+    }
+}
+
+impl RouteSummary<'_> {
+    pub fn text(&self) -> String {
+        let plural = |n: usize, one: &str, many: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {many}") };
+        let least = match self.lower_bound_eur {
+            Some(price) => format!("worth less than {price:.2} EUR"),
+            None => format!("shorter than {} m", trimmed(self.lower_bound_m, 3)),
+        };
+        format!(
+            "  {} through {}; best of {} in {}\n  no loop through these sections, whatever its curves, is {least} (gap {:.2} %)\n",
+            plural(self.vertices, "vertex", "vertices"),
+            self.sections.join(", "),
+            plural(self.tried, "loop", "loops"),
+            plural(self.orders, "order", "orders"),
+            100.0 * self.gap
+        )
+    }
+}
+
+/// Why a verb other than `build` does not take a layout with a route.
+pub fn without_vertices(layout: &Layout) -> Option<Diagnostic> {
+    let route = layout.route.as_ref()?;
+    Some(
+        Diagnostic::new(Code::E0414, "the layout has no vertices yet", route.span, "asks for them")
+            .help("`lss build` finds them: take its `layout.lss`, which is this layout with vertices"),
+    )
+}
+
+/// The options that the search for a route is run with.
+pub fn options(options: Options) -> Options {
+    Options { perturb: None, threads: limits::threads(), ..options }
+}
