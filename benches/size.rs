@@ -32,6 +32,7 @@ fn main() {
     }
     cases.retain(|(name, _)| name.contains(&only));
     if let Some(folder) = after("--write") {
+        std::fs::create_dir_all(folder).expect("a folder");
         for (name, text) in &cases {
             std::fs::write(std::path::Path::new(folder).join(format!("{name}.lss")), text).expect("written");
         }
