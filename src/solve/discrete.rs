@@ -19,6 +19,8 @@ const ROUNDS: [(f64, f64); 4] = [(0.02, 0.3), (0.1, 1.5), (0.5, 6.0), (2.0, 25.0
 const REPEATS: usize = 3;
 /// How many choices of turns the repair looks at.
 const CHOICES: usize = 80;
+/// So many radii are rounded at once first: one by one, each takes two solves.
+const MANY: usize = 24;
 /// A radius this close to the grid is on it, m.
 const ON_GRID: f64 = 1e-6;
 
@@ -236,11 +238,21 @@ impl<'a> Grid<'a> {
         sqp::minimise(&problem, &x, &self.settings, &|_, _, _| {})
     }
 
-    /// Holds the radii one by one at the better of their two neighbours on the grid, the farthest from it first.
+    /// Holds the radii one by one at the better of their two neighbours on the grid, the farthest from it first; of many
+    /// all at once, where that leaves a layout.
     fn round_radii(&self, turns: &[i64], mut solution: Solution, iterations: &mut usize) -> Solution {
         // A radius that the layout fixes stays: off the grid it is reported when elements are chosen.
         let fixed = |i: usize| self.problem.bounds[radius(i)].low == self.problem.bounds[radius(i)].high;
         let mut held: Vec<Option<f64>> = vec![None; self.len()];
+        if self.len() > MANY {
+            let nearest = |i: usize| self.radii_by_distance(solution.variables[radius(i)])[0];
+            let all: Vec<Option<f64>> = (0..self.len()).map(|i| (!fixed(i)).then(|| nearest(i))).collect();
+            let rounded = self.repair(turns, &all, &solution.variables);
+            *iterations += rounded.iterations;
+            if rounded.max_violation <= self.settings.feasibility {
+                return rounded;
+            }
+        }
         loop {
             let mut farthest: Option<(f64, usize)> = None;
             for i in (0..self.len()).filter(|&i| !fixed(i)) {

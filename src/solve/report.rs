@@ -45,6 +45,10 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
             "the search over the catalogue's grid has proven that there is none, for turns that go the way they are \
              written and as often around. The best layout found is written, marked NOT FEASIBLE"
         }
+        _ if last.cut.is_some() => {
+            "the limit of time ended the search for one: give it more. The best layout found is written, marked NOT \
+             FEASIBLE"
+        }
         _ => {
             "that none was found is no proof that there is none. The best layout found is written, marked NOT \
              FEASIBLE: \
@@ -56,12 +60,12 @@ pub fn diagnose(layout: &Layout, stages: &[Stage]) -> Vec<Diagnostic> {
 }
 
 /// Why the last stage found no layout: smallest sets of lines that no layout was found for. None where they are not
-/// found.
+/// found, or where a limit of time ended the search over the grid: nothing contradicts then.
 pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
     match stages.last() {
         Some(last) if last.status == Status::Infeasible => match last.name {
             "stage1" | "stage2" => conflict::conflicts(layout, last),
-            "stage3" => conflict::grid(layout, stages),
+            "stage3" if last.cut.is_none() => conflict::grid(layout, stages),
             _ => Vec::new(),
         },
         _ => Vec::new(),

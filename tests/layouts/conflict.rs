@@ -11,7 +11,7 @@ use lss::problem::measures::to_corners;
 use lss::problem::{Problem, Scope};
 use lss::semantics::analyse;
 use lss::solve::sqp::{self, SqpSettings};
-use lss::solve::{self, Conflict, Discretise, LineKind, Member, Options, Proof, Stage, Within};
+use lss::solve::{self, Conflict, Cut, Discretise, LineKind, Member, Options, Proof, Stage, Within};
 use lss::source::{Loader, SourceMap, Span};
 
 /// A layout of four vertices, by what is said about it.
@@ -313,6 +313,13 @@ fn what_the_grid_forbids_is_proven_by_it() {
     holds_up(&layout, conflict);
     let said = solve::diagnose(&layout, &stages);
     assert!(said[0].message.starts_with("no layout on the catalogue's grid meets"), "{said:?}");
+    // Where a limit of time ended the search, nothing is known to contradict, and looking for it would take longer yet.
+    let mut cut = stages.clone();
+    let last = cut.last_mut().unwrap();
+    (last.cut, last.refuted) = (Some(Cut::Time), false);
+    assert!(solve::conflicts(&layout, &cut).is_empty());
+    let [said] = &solve::diagnose(&layout, &cut)[..] else { panic!("one message") };
+    assert!(said.help.as_ref().is_some_and(|help| help.contains("limit of time")), "{said:?}");
 }
 
 /// Two curves of right angles leave no straight between them: tangent lengths are radii, of 4.4 m and 4 m at least, and

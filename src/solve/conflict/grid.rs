@@ -5,7 +5,7 @@
 
 use super::lines::{LineKind, Lines, Role};
 use super::search::{Search, Set, meets};
-use super::{Conflict, Examiner, Member, Proof, Relaxed, Within, decided, unit, words};
+use super::{Conflict, Examiner, MOST_ON_GRID, Member, Proof, Relaxed, Within, decided, unit, words};
 use crate::geometry::Track;
 use crate::model::{ConstraintKind, Formula, Goal, Interval, Layout, Objective, Side, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables};
@@ -22,9 +22,12 @@ use std::collections::BTreeMap;
 const RUNS: usize = 40;
 const NODES: usize = 300;
 
-/// The lines for which stage 3 found no layout; none where leaving lines out does not help.
+/// The lines for which stage 3 found no layout; none where leaving lines out does not help, or a run takes long.
 pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
     let [.., before, failed] = stages else { return Vec::new() };
+    if layout.vertices.len() > MOST_ON_GRID {
+        return Vec::new();
+    }
     let open: Vec<Span> = layout.obstacles.iter().filter(|o| o.side == Side::Either).map(|o| o.span).collect();
     let mut layout = decided(layout, failed);
     layout.objective = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None };
