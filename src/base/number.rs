@@ -53,6 +53,11 @@ pub fn decimal(value: f64, digits: i32) -> String {
     trimmed(value, decimals.clamp(0, 9) as usize)
 }
 
+/// Whether a count is one, which files leave out where it goes without saying.
+pub fn is_one(count: &usize) -> bool {
+    *count == 1
+}
+
 /// Rounds a computed quantity to 1e-12, which clears away the last bits' noise (12.000000000000002 m) and keeps far
 /// more than any use needs. Large numbers, whose own resolution is coarser, stay as they are.
 pub fn tidy(value: f64) -> f64 {

@@ -20,7 +20,6 @@ mod polygon;
 mod progress;
 mod read;
 mod report;
-mod routed;
 mod runs;
 mod simulate;
 

@@ -2,11 +2,11 @@
 //! verbs that need one.
 
 use super::check::{Opened, open};
-use super::{MessageFormat, Outcome, could_not, foreign, report, routed};
+use super::{MessageFormat, Outcome, could_not, foreign, report};
 use crate::chain_input::Simulation;
 use crate::cli::limits;
 use crate::compiled::Compiled;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
 use crate::semantics::analyse;
 use crate::solve::{self, Options, unsupported};
@@ -23,7 +23,7 @@ pub struct Read {
 /// Reads and checks a layout with vertices; mistakes are reported here, and end the verb with the outcome returned.
 pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
     let Read { sources, layout, mut said } = read_any(file, name, format)?;
-    match routed::without_vertices(&layout) {
+    match without_vertices(&layout) {
         None => Ok(Read { sources, layout, said }),
         Some(diagnostic) => {
             said.push(diagnostic);
@@ -110,4 +110,13 @@ pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
     let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
     let stages = solve::solve(layout, &options, &|_| ());
     Compiled::new(layout.clone(), stages)
+}
+
+/// Why a verb other than `build` does not take a layout with a route.
+fn without_vertices(layout: &Layout) -> Option<Diagnostic> {
+    let route = layout.route.as_ref()?;
+    Some(
+        Diagnostic::new(Code::E0414, "the layout has no vertices yet", route.span, "asks for them")
+            .help("`lss build` finds them: take its `layout.lss`, which is this layout with vertices"),
+    )
 }

@@ -48,7 +48,7 @@ pub struct Stage {
     pub violations: Vec<Violation>,
     pub iterations: usize,
     /// From how many starts the stage's optimum was looked for, where from more than one.
-    #[serde(skip_serializing_if = "is_one")]
+    #[serde(skip_serializing_if = "crate::base::number::is_one")]
     pub starts: usize,
     /// Wall time; never in an output file.
     #[serde(skip)]
@@ -63,8 +63,4 @@ pub struct Stage {
     /// Whether the search over the catalogue's grid proved that there is no layout on it.
     #[serde(skip)]
     pub refuted: bool,
-}
-
-fn is_one(starts: &usize) -> bool {
-    *starts == 1
 }

@@ -112,7 +112,7 @@ impl Diagnose {
         let mut answer = bar.diagnose(&self.remembered(&chains, &origin, PARTIAL), &Settings::default());
         bar.say("fitting the runs with what was found");
         bar.costs.enter("nominal_fits", chains.effort());
-        if let Some(next) = chains.anew(&subjects, &answer.found, &tell) {
+        if let Some(next) = chains.anew(&subjects, &answer.found, &Settings::default(), &tell) {
             let name = format!("{PARTIAL}.2");
             let again = bar.diagnose(&self.remembered(&next, &origin, &name), &Settings::default());
             books.push(self.output.join(name));

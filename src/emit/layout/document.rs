@@ -265,7 +265,7 @@ pub struct Stage {
     pub iterations: usize,
     /// From how many starts local optima were looked for that lead to a better layout on the grid, where from more than
     /// one: where the search over the grid proves nothing.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[serde(default = "one", skip_serializing_if = "crate::base::number::is_one")]
     pub starts: usize,
     /// [x, y, radius] of each vertex, m.
     pub vertices_m: Vec<[f64; 3]>,
@@ -291,8 +291,4 @@ pub enum Status {
 
 fn one() -> usize {
     1
-}
-
-fn is_one(count: &usize) -> bool {
-    *count == 1
 }

@@ -1,25 +1,26 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
+mod routed;
+mod summary;
+
 use super::progress::ProgressLine;
 use super::read::{Read, read_any, tell};
-use super::routed::{self, RouteSummary, Routed};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
 use crate::cli::read::loose;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::emit::pareto::Pareto;
 use crate::emit::{DrawError, Files};
-use crate::kinematics::Fit;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
-use crate::solve::{self, Certificate, Counted, Effort, Options, Part, Solver, unsupported};
+use crate::solve::{self, Effort, Options, Solver, unsupported};
 use crate::source::disk::{Found, inspect};
-use crate::source::shown;
 use crate::{elements, emit};
 use clap::ValueEnum;
-use serde::Serialize;
+use routed::Routed;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use summary::Summary;
 
 /// Optimise a layout and write its elements, drawings and simulation input.
 ///
@@ -94,78 +95,6 @@ enum SolverName {
     Sqp,
     /// Box's complex method, for comparison.
     Complex,
-}
-
-/// The summary in JSON.
-#[derive(Serialize)]
-struct Summary<'a> {
-    layout: &'a str,
-    stages: Vec<StageSummary<'a>>,
-    length_m: f64,
-    footprint_m2: f64,
-    element_count: usize,
-    closure_m: f64,
-    closure_rad: f64,
-    price_eur: f64,
-    mass_kg: f64,
-    feasible: bool,
-    /// What ended the search before it was done.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cut: Option<solve::Cut>,
-    certificate: Option<CertificateSummary<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    route: Option<RouteSummary<'a>>,
-    chain: Option<ChainSummary>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pareto: Option<&'a Pareto>,
-}
-
-/// What is proven of the last stage's layout.
-#[derive(Serialize)]
-struct CertificateSummary<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    lower_bound_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    lower_bound_eur: Option<f64>,
-    /// Before the price of each piece is rounded to the cent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    value_eur: Option<f64>,
-    /// What each metre counts beside the price.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    eur_per_metre: Option<f64>,
-    gap: f64,
-    proven: bool,
-    nodes: usize,
-    seconds: f64,
-    parts: &'a [Part],
-    assumed: &'a [String],
-    /// What only layouts within a budget were compared by.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    budget: Option<&'a str>,
-}
-
-/// How a whole number of carts fits.
-#[derive(Serialize)]
-struct ChainSummary {
-    carts: usize,
-    left_over_mm: f64,
-    take_up_mm: f64,
-}
-
-#[derive(Serialize)]
-struct StageSummary<'a> {
-    name: &'a str,
-    length_m: f64,
-    max_violation_m: f64,
-    iterations: usize,
-    #[serde(skip_serializing_if = "is_one")]
-    starts: usize,
-    seconds: f64,
-    status: solve::Status,
-}
-
-fn is_one(count: &usize) -> bool {
-    *count == 1
 }
 
 impl Build {
@@ -312,35 +241,10 @@ impl Build {
     }
 
     fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>, routed: Option<&Routed>) {
-        let stage = |s: &'_ solve::Stage| StageSummary {
-            name: s.name,
-            length_m: s.length,
-            max_violation_m: s.max_violation,
-            iterations: s.iterations,
-            starts: s.starts,
-            seconds: s.seconds,
-            status: s.status,
-        };
-        let summary = Summary {
-            layout: &compiled.layout.name,
-            stages: compiled.stages.iter().map(stage).collect(),
-            length_m: compiled.length(),
-            footprint_m2: compiled.footprint,
-            element_count: compiled.bill.count,
-            closure_m: compiled.sequence.closure,
-            closure_rad: compiled.sequence.closure_heading,
-            price_eur: compiled.bill.price,
-            mass_kg: compiled.bill.mass,
-            feasible: !compiled.failed(),
-            cut: compiled.stages.last().and_then(|s| s.cut),
-            certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
-            route: routed.map(Routed::summary),
-            chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
-            pareto,
-        };
+        let summary = Summary::new(compiled, pareto, routed);
         let text = match self.format {
             OutputFormat::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
-            OutputFormat::Text => text(&summary, compiled.raised(), self.output.as_ref()),
+            OutputFormat::Text => summary.text(compiled.raised(), self.output.as_deref()),
         };
         report::print(&text);
     }
@@ -379,106 +283,6 @@ fn told_of(found: &Found, folder: &Path) {
             }
         }
     }
-}
-
-fn certificate(c: &Certificate) -> CertificateSummary<'_> {
-    let price = match c.counted {
-        Counted::Length => None,
-        Counted::Price { metre } => Some(metre),
-    };
-    CertificateSummary {
-        lower_bound_m: price.is_none().then_some(c.lower_bound),
-        lower_bound_eur: price.map(|_| c.lower_bound),
-        value_eur: price.map(|_| c.value),
-        eur_per_metre: price.filter(|metre| *metre > 0.0),
-        gap: c.gap,
-        proven: c.proven,
-        nodes: c.nodes,
-        seconds: c.seconds,
-        parts: &c.parts,
-        assumed: &c.assumed,
-        budget: c.budget.as_deref(),
-    }
-}
-
-fn chain(fit: Fit, layout: &Layout) -> ChainSummary {
-    let millimetres = |metres: f64| (metres * 1e6).round() / 1e3 + 0.0;
-    ChainSummary {
-        carts: fit.carts,
-        left_over_mm: millimetres(fit.left_over),
-        take_up_mm: millimetres(layout.catalog.take_up),
-    }
-}
-
-/// The summary for people.
-fn text(summary: &Summary, raised: bool, output: Option<&PathBuf>) -> String {
-    let mut out = format!("{}\n", summary.layout);
-    for stage in &summary.stages {
-        let state = match stage.status {
-            solve::Status::Local => "local optimum",
-            solve::Status::BestFound => "best found",
-            solve::Status::Proven => "proven",
-            solve::Status::Feasible if summary.cut.is_some() => "feasible, not optimal",
-            solve::Status::Feasible => "feasible, but out of iterations before it was a local optimum",
-            solve::Status::Infeasible => "NOT FEASIBLE",
-            solve::Status::AsWritten => "as written",
-        };
-        let starts = if stage.starts > 1 { format!(" from {} starts", stage.starts) } else { String::new() };
-        out += &format!(
-            "  {:<8} {:>12.5} m  {state}{starts}, violation {:.1e}, {} iterations, {:.3} s\n",
-            stage.name, stage.length_m, stage.max_violation_m, stage.iterations, stage.seconds
-        );
-    }
-    if summary.cut == Some(solve::Cut::Time) {
-        out += "  cut: time; this is the best layout so far, and more time may find a better one or prove more\n";
-    }
-    if let Some(c) = &summary.certificate {
-        let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };
-        let least = match (c.lower_bound_eur, c.eur_per_metre) {
-            (Some(eur), None) => format!("cheaper than {eur:.3} EUR"),
-            (Some(eur), Some(metre)) => format!("better than {eur:.3} EUR, a metre counted as {metre} EUR"),
-            (None, _) => format!("shorter than {:.6} m", c.lower_bound_m.unwrap_or(0.0)),
-        };
-        let best = match (c.lower_bound_eur, c.eur_per_metre) {
-            (None, _) => "shortest",
-            (Some(_), None) => "cheapest",
-            (Some(_), Some(_)) => "best",
-        };
-        let these =
-            if c.budget.is_some() { "no layout on this grid and within the budget" } else { "no layout on this grid" };
-        out += &if c.lower_bound_m.or(c.lower_bound_eur) == Some(0.0) && !c.proven {
-            format!("  no bound was found for layouts on this grid ({nodes}); more time or --nodes may give one\n")
-        } else if c.proven {
-            format!("  proven {best}: {these} is {least} ({nodes})\n")
-        } else {
-            format!("  {these} is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
-        };
-        if let Some(budget) = c.budget {
-            out += &format!("  budget: {budget}\n");
-        }
-    }
-    if let Some(route) = &summary.route {
-        out += &route.text();
-    }
-    if let Some(chain) = &summary.chain {
-        let beyond = if chain.left_over_mm.abs() > chain.take_up_mm + 0.01 {
-            format!(", beyond the take-up of {} mm", chain.take_up_mm)
-        } else {
-            String::new()
-        };
-        out += &format!("  {} carts, {:.1} mm left over{beyond}\n", chain.carts, chain.left_over_mm);
-    }
-    out += &format!(
-        "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",
-        summary.element_count, summary.price_eur, summary.mass_kg, summary.footprint_m2, summary.closure_m
-    );
-    if raised {
-        out += &format!("  {:.5} m along the slope; stages count the plan\n", summary.length_m);
-    }
-    if let Some(folder) = output {
-        out += &format!("  written to {}\n", shown(folder));
-    }
-    out
 }
 
 /// `0.1%`, `0.1 %`, `0.001`.

@@ -1,10 +1,10 @@
 //! What `lss build` does and says of a layout that asks for a route.
 
-use super::limits;
-use super::progress::ProgressLine;
 use crate::base::number::trimmed;
+use crate::cli::limits;
+use crate::cli::progress::ProgressLine;
 use crate::compiled::Compiled;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::model::Layout;
 use crate::route::{self, Summary};
 use crate::solve::Options;
@@ -83,15 +83,6 @@ impl RouteSummary<'_> {
             100.0 * self.gap
         )
     }
-}
-
-/// Why a verb other than `build` does not take a layout with a route.
-pub fn without_vertices(layout: &Layout) -> Option<Diagnostic> {
-    let route = layout.route.as_ref()?;
-    Some(
-        Diagnostic::new(Code::E0414, "the layout has no vertices yet", route.span, "asks for them")
-            .help("`lss build` finds them: take its `layout.lss`, which is this layout with vertices"),
-    )
 }
 
 /// The options that the search for a route is run with.

@@ -1,0 +1,213 @@
+//! What a build says of its result, for people and in JSON.
+
+use super::routed::{RouteSummary, Routed};
+use crate::compiled::Compiled;
+use crate::emit::pareto::Pareto;
+use crate::kinematics::Fit;
+use crate::model::Layout;
+use crate::solve::{self, Certificate, Counted, Part};
+use crate::source::shown;
+use serde::Serialize;
+use std::path::Path;
+
+/// The summary in JSON.
+#[derive(Serialize)]
+pub struct Summary<'a> {
+    layout: &'a str,
+    stages: Vec<StageSummary<'a>>,
+    length_m: f64,
+    footprint_m2: f64,
+    element_count: usize,
+    closure_m: f64,
+    closure_rad: f64,
+    price_eur: f64,
+    mass_kg: f64,
+    feasible: bool,
+    /// What ended the search before it was done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut: Option<solve::Cut>,
+    certificate: Option<CertificateSummary<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    route: Option<RouteSummary<'a>>,
+    chain: Option<ChainSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pareto: Option<&'a Pareto>,
+}
+
+/// What is proven of the last stage's layout.
+#[derive(Serialize)]
+struct CertificateSummary<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_bound_eur: Option<f64>,
+    /// Before the price of each piece is rounded to the cent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value_eur: Option<f64>,
+    /// What each metre counts beside the price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eur_per_metre: Option<f64>,
+    gap: f64,
+    proven: bool,
+    nodes: usize,
+    seconds: f64,
+    parts: &'a [Part],
+    assumed: &'a [String],
+    /// What only layouts within a budget were compared by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    budget: Option<&'a str>,
+}
+
+/// How a whole number of carts fits.
+#[derive(Serialize)]
+struct ChainSummary {
+    carts: usize,
+    left_over_mm: f64,
+    take_up_mm: f64,
+}
+
+#[derive(Serialize)]
+struct StageSummary<'a> {
+    name: &'a str,
+    length_m: f64,
+    max_violation_m: f64,
+    iterations: usize,
+    #[serde(skip_serializing_if = "crate::base::number::is_one")]
+    starts: usize,
+    seconds: f64,
+    status: solve::Status,
+}
+
+impl<'a> Summary<'a> {
+    pub fn new(compiled: &'a Compiled, pareto: Option<&'a Pareto>, routed: Option<&'a Routed>) -> Self {
+        let stage = |s: &'a solve::Stage| StageSummary {
+            name: s.name,
+            length_m: s.length,
+            max_violation_m: s.max_violation,
+            iterations: s.iterations,
+            starts: s.starts,
+            seconds: s.seconds,
+            status: s.status,
+        };
+        Summary {
+            layout: &compiled.layout.name,
+            stages: compiled.stages.iter().map(stage).collect(),
+            length_m: compiled.length(),
+            footprint_m2: compiled.footprint,
+            element_count: compiled.bill.count,
+            closure_m: compiled.sequence.closure,
+            closure_rad: compiled.sequence.closure_heading,
+            price_eur: compiled.bill.price,
+            mass_kg: compiled.bill.mass,
+            feasible: !compiled.failed(),
+            cut: compiled.stages.last().and_then(|s| s.cut),
+            certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
+            route: routed.map(Routed::summary),
+            chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
+            pareto,
+        }
+    }
+
+    /// The summary for people.
+    pub fn text(&self, raised: bool, output: Option<&Path>) -> String {
+        let mut out = format!("{}\n", self.layout);
+        for stage in &self.stages {
+            let state = match stage.status {
+                solve::Status::Local => "local optimum",
+                solve::Status::BestFound => "best found",
+                solve::Status::Proven => "proven",
+                solve::Status::Feasible if self.cut.is_some() => "feasible, not optimal",
+                solve::Status::Feasible => "feasible, but out of iterations before it was a local optimum",
+                solve::Status::Infeasible => "NOT FEASIBLE",
+                solve::Status::AsWritten => "as written",
+            };
+            let starts = if stage.starts > 1 { format!(" from {} starts", stage.starts) } else { String::new() };
+            out += &format!(
+                "  {:<8} {:>12.5} m  {state}{starts}, violation {:.1e}, {} iterations, {:.3} s\n",
+                stage.name, stage.length_m, stage.max_violation_m, stage.iterations, stage.seconds
+            );
+        }
+        if self.cut == Some(solve::Cut::Time) {
+            out += "  cut: time; this is the best layout so far, and more time may find a better one or prove more\n";
+        }
+        if let Some(c) = &self.certificate {
+            let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };
+            let least = match (c.lower_bound_eur, c.eur_per_metre) {
+                (Some(eur), None) => format!("cheaper than {eur:.3} EUR"),
+                (Some(eur), Some(metre)) => format!("better than {eur:.3} EUR, a metre counted as {metre} EUR"),
+                (None, _) => format!("shorter than {:.6} m", c.lower_bound_m.unwrap_or(0.0)),
+            };
+            let best = match (c.lower_bound_eur, c.eur_per_metre) {
+                (None, _) => "shortest",
+                (Some(_), None) => "cheapest",
+                (Some(_), Some(_)) => "best",
+            };
+            let these = if c.budget.is_some() {
+                "no layout on this grid and within the budget"
+            } else {
+                "no layout on this grid"
+            };
+            out += &if c.lower_bound_m.or(c.lower_bound_eur) == Some(0.0) && !c.proven {
+                format!("  no bound was found for layouts on this grid ({nodes}); more time or --nodes may give one\n")
+            } else if c.proven {
+                format!("  proven {best}: {these} is {least} ({nodes})\n")
+            } else {
+                format!("  {these} is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
+            };
+            if let Some(budget) = c.budget {
+                out += &format!("  budget: {budget}\n");
+            }
+        }
+        if let Some(route) = &self.route {
+            out += &route.text();
+        }
+        if let Some(chain) = &self.chain {
+            let beyond = if chain.left_over_mm.abs() > chain.take_up_mm + 0.01 {
+                format!(", beyond the take-up of {} mm", chain.take_up_mm)
+            } else {
+                String::new()
+            };
+            out += &format!("  {} carts, {:.1} mm left over{beyond}\n", chain.carts, chain.left_over_mm);
+        }
+        out += &format!(
+            "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",
+            self.element_count, self.price_eur, self.mass_kg, self.footprint_m2, self.closure_m
+        );
+        if raised {
+            out += &format!("  {:.5} m along the slope; stages count the plan\n", self.length_m);
+        }
+        if let Some(folder) = output {
+            out += &format!("  written to {}\n", shown(folder));
+        }
+        out
+    }
+}
+
+fn certificate(c: &Certificate) -> CertificateSummary<'_> {
+    let price = match c.counted {
+        Counted::Length => None,
+        Counted::Price { metre } => Some(metre),
+    };
+    CertificateSummary {
+        lower_bound_m: price.is_none().then_some(c.lower_bound),
+        lower_bound_eur: price.map(|_| c.lower_bound),
+        value_eur: price.map(|_| c.value),
+        eur_per_metre: price.filter(|metre| *metre > 0.0),
+        gap: c.gap,
+        proven: c.proven,
+        nodes: c.nodes,
+        seconds: c.seconds,
+        parts: &c.parts,
+        assumed: &c.assumed,
+        budget: c.budget.as_deref(),
+    }
+}
+
+fn chain(fit: Fit, layout: &Layout) -> ChainSummary {
+    let millimetres = |metres: f64| (metres * 1e6).round() / 1e3 + 0.0;
+    ChainSummary {
+        carts: fit.carts,
+        left_over_mm: millimetres(fit.left_over),
+        take_up_mm: millimetres(layout.catalog.take_up),
+    }
+}
