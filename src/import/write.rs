@@ -10,12 +10,7 @@ use crate::syntax;
 
 /// The text of a layout `name`. `from` says where it comes from, for the first line.
 pub fn write(plan: &Plan, name: &str, from: &str) -> String {
-    let from: String = from.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let mut out = format!("// {from}\n");
-    out.push_str("use std.carts.tilt_tray\nuse std.tracks.standard\n\n");
-    let _ = writeln!(out, "layout {name} {{");
-    out.push_str("catalog standard\ncart tilt_tray(length: 1250 mm)\nspeed 2.0 m/s\n");
-    let _ = writeln!(out, "width {}\n", metres(plan.width));
+    let mut out = head(name, from, plan.width);
     for vertex in &plan.vertices {
         let corner = &vertex.corner;
         let _ = writeln!(out, "vertex {} {} radius {}", vertex.name, point(corner.point), metres(corner.radius));
@@ -23,18 +18,29 @@ pub fn write(plan: &Plan, name: &str, from: &str) -> String {
     if plan.areas() > 0 {
         out.push('\n');
     }
-    if let Some(building) = &plan.building {
-        let _ = writeln!(out, "building {}", area(building));
-    }
-    for obstacle in &plan.obstacles {
-        let _ = writeln!(out, "obstacle {} {}", obstacle.name, area(obstacle));
-    }
+    out.push_str(&areas(plan.building.as_ref(), &plan.obstacles));
     if let (Some(start), [first, second, ..]) = (plan.start, plan.vertices.as_slice()) {
         let _ = writeln!(out, "\nstart on {}..{} at {}", first.name, second.name, metres(start));
     }
     out.push_str("\noptimise nothing\n}\n");
     let (tree, _) = syntax::parse(FileId(0), &out);
     syntax::format(&tree, &out)
+}
+
+/// How a layout `name` begins, up to its width, m.
+pub fn head(name: &str, from: &str, width: f64) -> String {
+    let from: String = from.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    format!(
+        "// {from}\nuse std.carts.tilt_tray\nuse std.tracks.standard\n\nlayout {name} {{\ncatalog standard\n\
+         cart tilt_tray(length: 1250 mm)\nspeed 2.0 m/s\nwidth {}\n\n",
+        metres(width)
+    )
+}
+
+/// Building and obstacles.
+pub fn areas(building: Option<&DrawnArea>, obstacles: &[DrawnArea]) -> String {
+    let walls = building.map(|building| format!("building {}\n", area(building)));
+    walls.into_iter().chain(obstacles.iter().map(|o| format!("obstacle {} {}\n", o.name, area(o)))).collect()
 }
 
 /// A thousandth of a nanometre: finer than any drawing, and short for round numbers.

@@ -3,24 +3,14 @@
 use std::fmt::Write;
 
 use super::hall::Hall;
-use super::write::{area, metres, point};
+use super::write::{areas, head, point};
 use crate::source::FileId;
 use crate::syntax;
 
 /// The text of a layout `name` that asks for the loop through a hall's sections.
 pub fn write_hall(hall: &Hall, name: &str, from: &str) -> String {
-    let from: String = from.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let mut out = format!("// {from}\n");
-    out.push_str("use std.carts.tilt_tray\nuse std.tracks.standard\n\n");
-    let _ = writeln!(out, "layout {name} {{");
-    out.push_str("catalog standard\ncart tilt_tray(length: 1250 mm)\nspeed 2.0 m/s\n");
-    let _ = writeln!(out, "width {}\n", metres(hall.width));
-    if let Some(building) = &hall.building {
-        let _ = writeln!(out, "building {}", area(building));
-    }
-    for obstacle in &hall.obstacles {
-        let _ = writeln!(out, "obstacle {} {}", obstacle.name, area(obstacle));
-    }
+    let mut out = head(name, from, hall.width);
+    out.push_str(&areas(hall.building.as_ref(), &hall.obstacles));
     out.push_str("\n// What has to be there. `section NAME 20 m within (x, y)..(x, y)` may slide along a wall; `either way` is open.\n");
     for section in &hall.sections {
         let _ = writeln!(out, "section {} {}..{}", section.name, point(section.from), point(section.to));
