@@ -39,7 +39,7 @@ fn main() {
     let mut found = diagnose(&chains, &Settings::default(), &mut |stage| costs.enter(stage.name(), chains.effort()));
     let candidates = chains.candidates().len();
     costs.enter("nominal_fits", chains.effort());
-    let anew = chains.anew(&subjects, &found, &|_| {});
+    let anew = chains.anew(&subjects, &found, &Settings::default(), &|_| {});
     if let Some(anew) = &anew {
         found = diagnose(anew, &Settings::default(), &mut |stage| costs.enter(stage.name(), anew.effort()));
     }

@@ -4,6 +4,7 @@
 use super::{Chains, Fitting};
 use crate::chain_input::DeclaredEffect;
 use crate::gap::diagnosis::{Diagnosis, Finding, Verdict};
+use crate::gap::settings::Settings;
 use crate::gap::simulator::Simulator;
 use crate::identify::Counter;
 use crate::identify::study::Subject;
@@ -14,7 +15,13 @@ impl Chains {
     /// it named nothing, of the best that it knew. `None` where that is no effect of the machine, or leaves no run far
     /// over its limit, or runs cannot be fitted with it. Offered are the likeliest effects of the machine, and all of
     /// sensors.
-    pub fn anew(&self, subjects: &[Subject], found: &Diagnosis, tell: &(dyn Fn(&str) + Sync)) -> Option<Chains> {
+    pub fn anew(
+        &self,
+        subjects: &[Subject],
+        found: &Diagnosis,
+        settings: &Settings,
+        tell: &(dyn Fn(&str) + Sync),
+    ) -> Option<Chains> {
         if found.verdict == Verdict::None || found.left() < self.settings.ensembles.left_anew {
             return None;
         }
@@ -34,7 +41,7 @@ impl Chains {
         if about.is_empty() {
             return None;
         }
-        let known = self.together(subjects, about, tell)?;
+        let known = self.together(subjects, about, settings, tell)?;
         let likeliest: BTreeSet<&str> =
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {

@@ -32,36 +32,37 @@ impl Chains {
         &self,
         subjects: &[Subject],
         mut effects: Vec<DeclaredEffect>,
+        settings: &Settings,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Option<Vec<Known>> {
-        let settings = &self.settings.ensembles;
+        let ensembles = &self.settings.ensembles;
         let strengths = strengths(&effects);
         let bounds: Vec<(f64, f64)> = strengths.iter().map(|own| (own.low, own.high)).collect();
         let mut best: Option<(f64, Vec<Known>)> = None;
         let mut near: Option<Vec<Known>> = None;
-        for round in 0..settings.together {
+        for round in 0..ensembles.together {
             let (runs, known) = self.fitted_with(subjects, &effects, near.as_deref(), tell)?;
             let observations: PerRun<Observation> = subjects
                 .iter()
                 .zip(&runs)
-                .map(|(s, run)| Observation::new(&frame::frame(&s.name, run), &[], &Settings::default()))
+                .map(|(s, run)| Observation::new(&frame::frame(&s.name, run), &[], settings))
                 .collect();
             let left: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
             let square = norm_squared(&left);
             if best.as_ref().is_none_or(|(least, _)| square < *least) {
                 best = Some((square, known.clone()));
             }
-            if round + 1 == settings.together {
+            if round + 1 == ensembles.together {
                 break;
             }
             let columns = self.columns(&runs, &observations, &effects, &strengths)?;
             let at: Vec<f64> = strengths.iter().map(|own| effects[own.effect].strengths[own.name]).collect();
             let far = |(x, (low, high)): (&f64, (f64, f64))| {
-                (low.max(-settings.together_far * x.abs()), high.min(settings.together_far * x.abs()))
+                (low.max(-ensembles.together_far * x.abs()), high.min(ensembles.together_far * x.abs()))
             };
             let room: Vec<(f64, f64)> = at.iter().zip(room(&bounds, &at)).map(far).collect();
             let step = explain(&left, &columns.iter().collect::<Vec<_>>(), &room, None).strengths;
-            let short = |(x, step): (&f64, &f64)| step.abs() < settings.together_near * x.abs();
+            let short = |(x, step): (&f64, &f64)| step.abs() < ensembles.together_near * x.abs();
             if at.iter().zip(&step).all(short) {
                 break;
             }
