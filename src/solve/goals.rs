@@ -6,7 +6,8 @@ use super::options::{Discretise, Options, Progress};
 use super::{Stage, exact, polygon, stages};
 use crate::model::Layout;
 
-/// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last.
+/// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last. A
+/// layout without vertices has no stages: `route::find` gives it vertices.
 pub fn solve(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
     solve_with(layout, options, exact::discretise, watch)
 }
@@ -18,6 +19,9 @@ pub fn solve_with(
     discretise: Discretise,
     watch: &(dyn Fn(Progress) + Sync),
 ) -> Vec<Stage> {
+    if layout.vertices.is_empty() {
+        return Vec::new();
+    }
     let mut stages = match (Budget::of(&layout.objective), polygon::Smooth::of(&layout.objective)) {
         (Some(budget), _) => budget.solve(layout, options, discretise, watch),
         (None, Some(goal)) => polygon::solve(layout, goal, options, discretise, watch),

@@ -86,6 +86,12 @@ fn a_loop_that_can_be_told_by_hand() {
     assert!((alone.summary.shortest - (40.0 + 3.0 * TAU)).abs() < 1e-5);
 }
 
+#[test]
+fn a_layout_without_vertices_has_no_stages() {
+    let text = include_str!("../../examples/route.lss");
+    assert_eq!(solve(&layout(text), &brief(), &|_| {}).len(), 0);
+}
+
 /// A section that slides, the other driven either way: as if it stood in the best place, driven the better way.
 #[test]
 fn freedom_is_used() {
