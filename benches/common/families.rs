@@ -123,3 +123,44 @@ pub fn meander(n: usize, obstacles: usize, seed: u64) -> String {
     }
     text + "\n  optimise length\n}\n"
 }
+
+/// A loop with so many vertices, two of them a step of a staircase, that goes around an obstacle in each of its corners
+/// and leaves another one in each notch outside. No section is fixed, or the direction of one.
+pub fn staircase(n: usize, direction: bool) -> String {
+    let steps = (n - 4) / 2;
+    let (width, mut text) = (20.0 + 16.0 * steps as f64, String::new());
+    text += "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout staircase {\n  catalog standard\n";
+    text += "  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n";
+    let at = |j: usize| (width - 16.0 * j as f64, 16.0 + 12.0 * j as f64);
+    let mut corners = vec![(0.0, 0.0), (width, 0.0)];
+    let mut obstacles = vec![((3.0, 3.0), "left"), ((width - 5.0, 3.0), "left")];
+    for j in 0..=steps {
+        let (x, y) = at(j);
+        // Off the grid, so that no two are alike.
+        let off = 0.37 * (1 + j % 3) as f64;
+        corners.push((x, y));
+        obstacles.push(((x - 5.0 - off, y - 5.0 + 0.5 * off), "left"));
+        if j < steps {
+            corners.push((at(j + 1).0, y));
+            obstacles.push(((at(j + 1).0 + 3.0 + 0.5 * off, y + 3.0 + off), "right"));
+        }
+    }
+    let top = at(steps).1;
+    corners.push((0.0, top));
+    obstacles.push(((3.0, top - 5.0), "left"));
+    for (k, (x, y)) in corners.iter().enumerate() {
+        let _ = writeln!(text, "  vertex P{k} ({x} m, {y} m) radius 4 m");
+    }
+    for (k, ((x, y), side)) in obstacles.iter().enumerate() {
+        let (right, top) = (x + 2.0, y + 2.0);
+        let _ = writeln!(
+            text,
+            "  obstacle O{k} [({x} m, {y} m), ({right} m, {y} m), ({right} m, {top} m), ({x} m, {top} m)]\n  pass O{k} \
+             {side}"
+        );
+    }
+    if direction {
+        text += "  fix rotation P0..P1\n";
+    }
+    text + "  optimise length\n}\n"
+}

@@ -21,6 +21,8 @@ const REPEATS: usize = 3;
 const CHOICES: usize = 80;
 /// So many radii are rounded at once first: one by one, each takes two solves.
 const MANY: usize = 24;
+/// Distances beyond what obstacles and building ask for that a layout is begun from where rounding it left none, m.
+const ROOM: [f64; 3] = [0.05, 0.2, 0.5];
 /// A radius this close to the grid is on it, m.
 const ON_GRID: f64 = 1e-6;
 
@@ -65,6 +67,13 @@ pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings
         }
     }
     search.run();
+    for room in ROOM {
+        if search.is_feasible() || settings.stop.now() {
+            break;
+        }
+        search.begin_with_room(room, &start.variables);
+        search.run();
+    }
     let mut best = search.best.unwrap_or_else(|| start.clone());
     best.iterations = search.iterations;
     best
@@ -118,6 +127,22 @@ impl Search<'_> {
         self.open.push((headings, relaxed));
     }
 
+    fn is_feasible(&self) -> bool {
+        self.best.as_ref().is_some_and(|s| s.max_violation <= self.grid.settings.feasibility)
+    }
+
+    /// Looks anew at the turns of a layout that keeps a larger distance: a layout that touches everything around it may
+    /// have none on the grid beside it.
+    fn begin_with_room(&mut self, room: f64, x: &[f64]) {
+        let mut problem = self.grid.problem.clone();
+        problem.keepouts.iter_mut().for_each(|k| k.distance += room);
+        let roomy = sqp::minimise(&problem, x, &self.grid.settings, &|_, _, _| {});
+        self.iterations += roomy.iterations;
+        self.seen.clear();
+        self.open.clear();
+        self.look(self.grid.nearest(&roomy.variables), &roomy.variables);
+    }
+
     fn rank_of_best(&self) -> f64 {
         self.best.as_ref().map_or(f64::INFINITY, |s| self.grid.rank(s))
     }
@@ -127,8 +152,7 @@ impl Search<'_> {
         while let Some(next) = (0..self.open.len()).min_by(|&a, &b| rank(&self.open[a]).total_cmp(&rank(&self.open[b])))
         {
             // Before that there would be nothing to keep.
-            let settings = &self.grid.settings;
-            if self.best.as_ref().is_some_and(|s| s.max_violation <= settings.feasibility) && settings.stop.now() {
+            if self.is_feasible() && self.grid.settings.stop.now() {
                 break;
             }
             let (headings, relaxed) = self.open.swap_remove(next);

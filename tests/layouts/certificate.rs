@@ -2,6 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use super::size::families;
 use lss::compiled::Compiled;
 use lss::kinematics::fit;
 use lss::model::Layout;
@@ -185,6 +186,17 @@ fn thesis10_with_one_fixed_section_is_proven() {
     let stage = last(&layout(&text), Effort::default(), 2);
     assert_eq!(stage.status, Status::Proven);
     assert!((stage.length - 128.042605).abs() < 2e-6, "{}", stage.length);
+}
+
+/// Where nothing holds the grid, its offset is bounded by intervals, wide ones briefly. The same loop with one direction fixed
+/// is a layout of the free one, and no shorter than its bound.
+#[test]
+fn a_free_loop_is_bounded() {
+    let effort = Effort { nodes: 1_500, gap: 0.0 };
+    let [free, fixed] = [false, true].map(|direction| last(&layout(&families::staircase(6, direction)), effort, 2));
+    let certificate = free.certificate.expect("a certificate");
+    assert!(certificate.gap < 0.011, "{certificate:?}");
+    assert!(certificate.lower_bound <= fixed.length, "{} {certificate:?}", fixed.length);
 }
 
 /// The local optimum that the written layout leads to is 0.27 m longer on the grid than others are. Rough starts, each of

@@ -1,12 +1,12 @@
 //! Layouts of many vertices: the continuous stages end at a local optimum, however many there are.
 
 #[path = "../../benches/common/families.rs"]
-mod families;
+pub mod families;
 
 use super::small::layout;
 use lss::geometry::{Point, Track};
 use lss::model::Layout;
-use lss::solve::{Options, Stage, Status, solve_with};
+use lss::solve::{Effort, Options, Stage, Status, solve, solve_with};
 
 /// Stages 1 and 2.
 fn continuous(layout: &Layout) -> Vec<Stage> {
@@ -34,4 +34,16 @@ fn a_comb_of_52_vertices_ends_at_local_optima() {
     }
     let mut turns = track.fillets.iter().map(|fillet| fillet.turn.abs().to_degrees());
     assert!(turns.all(|turn| (5.0 - 1e-4..=90.0 + 1e-4).contains(&turn)));
+}
+
+/// A loop that touches all that is around it has no layout on the grid beside it; one that keeps a little more distance has.
+#[test]
+fn rounding_begins_anew_with_more_room() {
+    let layout = layout(&families::staircase(10, true));
+    let options = Options { effort: Effort { nodes: 1, ..Effort::default() }, ..Options::default() };
+    let stages = solve(&layout, &options, &|_| {});
+    let last = stages.last().unwrap();
+    assert_eq!(last.status, Status::BestFound, "{:?}", last.violations);
+    // A layout on this grid that a longer search found.
+    assert!(last.length < 197.9028, "{}", last.length);
 }

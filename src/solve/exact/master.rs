@@ -43,6 +43,72 @@ impl Column {
     }
 }
 
+/// Choices that a relaxation is mixed from, with the basis of the last one: rows are only ever added, so that it begins the
+/// next one, unless one of its choices is excluded.
+#[derive(Clone, Debug, Default)]
+pub struct Pool {
+    columns: Vec<Column>,
+    basis: Option<Vec<Variable>>,
+}
+
+impl Pool {
+    /// Leaves out choices that are excluded now, and completes the others with rows that were added.
+    pub fn renew(&mut self, grid: &Grid, tariff: &Tariff, open: &Open, rows: &[GridRow]) {
+        let keep: Vec<bool> = self.columns.iter().map(|c| open.admits(&c.choice, grid)).collect();
+        self.retain(&keep);
+        self.columns.iter_mut().for_each(|c| c.complete(grid, tariff, open, rows));
+    }
+
+    fn retain(&mut self, keep: &[bool]) {
+        let places: Vec<usize> =
+            keep.iter().scan(0, |n, &kept| Some(std::mem::replace(n, *n + usize::from(kept)))).collect();
+        let moved = |v: &Variable| match *v {
+            Variable::Column(j) => keep[j].then(|| Variable::Column(places[j])),
+            other => Some(other),
+        };
+        self.basis = self.basis.take().and_then(|basis| basis.iter().map(moved).collect());
+        let mut kept = keep.iter();
+        self.columns.retain(|_| kept.next().copied().unwrap_or(false));
+    }
+
+    /// A basis that is feasible where multipliers may be as large as one likes: the last one with what rows that were added
+    /// are missed by, or the choice that misses rows by least, at this price.
+    fn begin(&mut self, rows: &[GridRow], dear: f64) -> Vec<Variable> {
+        let lack = |r: usize, value: f64| match (rows[r].low - value, rows[r].equal) {
+            (lack, _) if lack >= 0.0 => Variable::Short(r),
+            (_, true) => Variable::Over(r),
+            (_, false) => Variable::Surplus(r),
+        };
+        if let Some(mut basis) = self.basis.take() {
+            let known = basis.len() - 1;
+            let mut right: Vec<f64> = rows[..known].iter().map(|r| r.low).collect();
+            right.push(1.0);
+            if let Some(inverse) = Inverse::new(&basis, &self.columns, known) {
+                let weights = inverse.solve(&right);
+                let value = |r: usize| {
+                    let mix = basis.iter().zip(&weights).filter_map(|(v, w)| match v {
+                        Variable::Column(j) => Some(w * self.columns[*j].values[r]),
+                        _ => None,
+                    });
+                    mix.sum()
+                };
+                let added: Vec<Variable> = (known..rows.len()).map(|r| lack(r, value(r))).collect();
+                basis.extend(added);
+                return basis;
+            }
+        }
+        let miss = |c: &Column| -> f64 {
+            let off = |(row, v): (&GridRow, &f64)| if row.equal { (row.low - v).abs() } else { (row.low - v).max(0.0) };
+            c.cost + dear * rows.iter().zip(&c.values).map(off).sum::<f64>()
+        };
+        let all = 0..self.columns.len();
+        let start = all.min_by(|&a, &b| miss(&self.columns[a]).total_cmp(&miss(&self.columns[b]))).unwrap_or(0);
+        let mut basis = vec![Variable::Column(start)];
+        basis.extend((0..rows.len()).map(|r| lack(r, self.columns[start].values[r])));
+        basis
+    }
+}
+
 /// The relaxation's optimum, or as much of it as was needed.
 pub struct Relaxed {
     /// Rigorous lower bound, in the tariff's units.
@@ -54,10 +120,14 @@ pub struct Relaxed {
 }
 
 const PIVOTS: usize = 400;
+/// So many pivots after one another the inverse of a basis is updated.
+const RENEWED: usize = 40;
+/// What weights may miss rows by, m.
+const SOLVED: f64 = 1e-7;
 const PIVOT: f64 = 1e-9;
 const PRICED: f64 = 1e-9;
 
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Variable {
     Column(usize),
     /// How far a row is exceeded.
@@ -74,42 +144,27 @@ pub fn relax(
     limits: &Limits,
     open: &Open,
     rows: &[GridRow],
-    pool: &mut Vec<Column>,
+    pool: &mut Pool,
     cutoff: f64,
     dear: f64,
 ) -> Option<Relaxed> {
     let m = rows.len();
-    if pool.is_empty() {
+    if pool.columns.is_empty() {
         let dual = minimise(grid, limits, open, rows, &vec![0.0; m])?;
-        pool.push(Column::new(grid, &limits.tariff, open, Rc::new(dual.choice), rows));
+        pool.columns.push(Column::new(grid, &limits.tariff, open, Rc::new(dual.choice), rows));
     }
-    let miss = |c: &Column| -> f64 {
-        let off = |(row, v): (&GridRow, &f64)| if row.equal { (row.low - v).abs() } else { (row.low - v).max(0.0) };
-        c.cost + dear * rows.iter().zip(&c.values).map(off).sum::<f64>()
-    };
-    let start = (0..pool.len()).min_by(|&a, &b| miss(&pool[a]).total_cmp(&miss(&pool[b]))).unwrap_or(0);
-    let mut basis: Vec<Variable> = (0..m)
-        .map(|r| {
-            let lack = rows[r].low - pool[start].values[r];
-            match (lack >= 0.0, rows[r].equal) {
-                (true, _) => Variable::Short(r),
-                (false, true) => Variable::Over(r),
-                (false, false) => Variable::Surplus(r),
-            }
-        })
-        .collect();
-    basis.push(Variable::Column(start));
+    let mut basis = pool.begin(rows, dear);
+    let columns = &mut pool.columns;
+    let mut right: Vec<f64> = rows.iter().map(|r| r.low).collect();
+    right.push(1.0);
     let mut best: Option<Dual> = None;
-    let mut weights = Vec::new();
-    for _ in 0..PIVOTS {
-        let Some(factors) = Factors::new(&basis, pool, m) else { break };
-        let mut right: Vec<f64> = rows.iter().map(|r| r.low).collect();
-        right.push(1.0);
-        weights = factors.solve(&right);
-        let costs: Vec<f64> = basis.iter().map(|v| cost(*v, pool, dear)).collect();
-        let y = factors.solve_transposed(&costs);
+    let mut inverse = Inverse::new(&basis, columns, m);
+    for pivot in 1..=PIVOTS {
+        let Some(at) = &mut inverse else { break };
+        let costs: Vec<f64> = basis.iter().map(|v| cost(*v, columns, dear)).collect();
+        let y = at.solve_transposed(&costs);
         let (prices, share) = y.split_at(m);
-        let mut entering = cheapest(rows, pool, &basis, prices, share[0], dear);
+        let mut entering = cheapest(rows, columns, &basis, prices, share[0], dear);
         if entering.is_none() {
             let y: Vec<f64> = prices.iter().zip(rows).map(|(y, r)| if r.equal { *y } else { y.max(0.0) }).collect();
             let dual = minimise(grid, limits, open, rows, &y)?;
@@ -123,36 +178,50 @@ pub fn relax(
             if bound >= cutoff || reduced > -PRICED {
                 break;
             }
-            pool.push(Column::new(grid, &limits.tariff, open, column, rows));
-            entering = Some(Variable::Column(pool.len() - 1));
+            columns.push(Column::new(grid, &limits.tariff, open, column, rows));
+            entering = Some(Variable::Column(columns.len() - 1));
         }
         let Some(entering) = entering else { break };
-        let direction = factors.solve(&column_of(entering, pool, m));
-        let Some(leaving) = leaving(&weights, &direction) else { break };
+        let direction = at.solve(&column_of(entering, columns, m));
+        let Some(leaving) = leaving(&at.solve(&right), &direction) else { break };
         basis[leaving] = entering;
+        if pivot % RENEWED == 0 {
+            inverse = Inverse::new(&basis, columns, m);
+        } else {
+            at.pivot(leaving, &direction);
+        }
     }
     let best = match best {
         Some(best) => best,
         None => minimise(grid, limits, open, rows, &vec![0.0; m])?,
     };
+    // Nearly singular, a basis means nothing.
+    let weights = Inverse::new(&basis, columns, m).map(|at| at.solve(&right));
+    let weights = weights.filter(|weights| is_solved(&basis, weights, columns, &right));
     let missed = |(v, w): (&Variable, &f64)| matches!(v, Variable::Short(_) | Variable::Over(_)) && *w > 1e-7;
-    let met = best.bound < cutoff && weights.len() == basis.len() && !basis.iter().zip(&weights).any(missed);
-    let mix = met.then(|| {
-        let shares = basis.iter().zip(&weights).filter_map(|(v, &w)| match v {
-            Variable::Column(j) if w > 1e-9 => Some((pool[*j].choice.clone(), w)),
+    let mix = weights.as_ref().filter(|w| best.bound < cutoff && !basis.iter().zip(*w).any(missed)).map(|weights| {
+        let shares = basis.iter().zip(weights).filter_map(|(v, &w)| match v {
+            Variable::Column(j) if w > 1e-9 => Some((columns[*j].choice.clone(), w)),
             _ => None,
         });
         shares.collect()
     });
     // Children start from the basis and the latest columns.
-    let kept = |j: usize| basis.contains(&Variable::Column(j));
-    let count = pool.len();
-    let mut place = 0;
-    pool.retain(|_| {
-        place += 1;
-        kept(place - 1) || place + 24 > count
-    });
+    let count = columns.len();
+    let keep: Vec<bool> = (0..count).map(|j| basis.contains(&Variable::Column(j)) || j + 25 > count).collect();
+    pool.basis = weights.is_some().then_some(basis);
+    pool.retain(&keep);
     Some(Relaxed { bound: best.bound, through: best.through, mix })
+}
+
+/// Whether weights are those of a basis, none of them negative.
+fn is_solved(basis: &[Variable], weights: &[f64], pool: &[Column], right: &[f64]) -> bool {
+    let mut left = right.to_vec();
+    for (v, w) in basis.iter().zip(weights) {
+        let column = column_of(*v, pool, right.len() - 1);
+        left.iter_mut().zip(&column).for_each(|(left, value)| *left -= w * value);
+    }
+    weights.iter().all(|w| *w >= -SOLVED) && left.iter().all(|left| left.abs() <= SOLVED)
 }
 
 fn cost(v: Variable, pool: &[Column], dear: f64) -> f64 {
@@ -170,7 +239,7 @@ fn column_of(v: Variable, pool: &[Column], m: usize) -> Vec<f64> {
         column
     };
     match v {
-        Variable::Column(j) => pool[j].values.iter().copied().chain([1.0]).collect(),
+        Variable::Column(j) => pool[j].values[..m].iter().copied().chain([1.0]).collect(),
         Variable::Short(r) => unit(r, 1.0),
         Variable::Surplus(r) | Variable::Over(r) => unit(r, -1.0),
     }
@@ -214,77 +283,74 @@ fn leaving(weights: &[f64], direction: &[f64]) -> Option<usize> {
     candidates().filter(|&i| ratio(i) <= least + 1e-12).max_by(|&a, &b| direction[a].total_cmp(&direction[b]))
 }
 
-/// LU factors of a basis, with partial pivoting.
-struct Factors {
+/// The inverse of a basis, by rows.
+struct Inverse {
     size: usize,
-    lu: Vec<f64>,
-    order: Vec<usize>,
+    rows: Vec<f64>,
 }
 
-impl Factors {
+impl Inverse {
+    /// By elimination with partial pivoting (Gauss and Jordan). `None` where the basis is singular.
     fn new(basis: &[Variable], pool: &[Column], m: usize) -> Option<Self> {
         let size = m + 1;
-        let mut lu = vec![0.0; size * size];
+        let wide = 2 * size;
+        let mut a = vec![0.0; size * wide];
         for (j, v) in basis.iter().enumerate() {
             for (i, value) in column_of(*v, pool, m).into_iter().enumerate() {
-                lu[i * size + j] = value;
+                a[i * wide + j] = value;
             }
         }
-        let mut order: Vec<usize> = (0..size).collect();
+        (0..size).for_each(|i| a[i * wide + size + i] = 1.0);
         for k in 0..size {
-            let pivot = (k..size).max_by(|&a, &b| lu[a * size + k].abs().total_cmp(&lu[b * size + k].abs()))?;
-            if lu[pivot * size + k].abs() < 1e-13 {
+            let pivot = (k..size).max_by(|&p, &q| a[p * wide + k].abs().total_cmp(&a[q * wide + k].abs()))?;
+            if a[pivot * wide + k].abs() < 1e-13 {
                 return None;
             }
             if pivot != k {
-                order.swap(pivot, k);
-                (0..size).for_each(|j| lu.swap(k * size + j, pivot * size + j));
+                (0..wide).for_each(|j| a.swap(k * wide + j, pivot * wide + j));
             }
-            for i in k + 1..size {
-                let factor = lu[i * size + k] / lu[k * size + k];
-                if factor == 0.0 {
-                    continue;
-                }
-                lu[i * size + k] = factor;
-                for j in k + 1..size {
-                    lu[i * size + j] -= factor * lu[k * size + j];
-                }
+            let factor = 1.0 / a[k * wide + k];
+            let row: Vec<f64> = a[k * wide..][..wide].iter().map(|v| v * factor).collect();
+            a[k * wide..][..wide].copy_from_slice(&row);
+            for i in (0..size).filter(|&i| i != k) {
+                subtract(&mut a[i * wide..][..wide], k, &row);
             }
         }
-        Some(Factors { size, lu, order })
+        Some(Inverse { size, rows: a.chunks(wide).flat_map(|row| row[size..].iter().copied()).collect() })
     }
 
-    fn at(&self, i: usize, j: usize) -> f64 {
-        self.lu[i * self.size + j]
+    /// That of the basis with another variable at a place, `direction` being what [`solve`](Self::solve) makes of it.
+    fn pivot(&mut self, place: usize, direction: &[f64]) {
+        let n = self.size;
+        let row: Vec<f64> = self.rows[place * n..][..n].iter().map(|v| v / direction[place]).collect();
+        for (i, own) in self.rows.chunks_mut(n).enumerate() {
+            if i == place {
+                own.copy_from_slice(&row);
+            } else if direction[i] != 0.0 {
+                own.iter_mut().zip(&row).for_each(|(a, b)| *a -= direction[i] * b);
+            }
+        }
     }
 
     /// B x = b
     fn solve(&self, b: &[f64]) -> Vec<f64> {
-        let mut x: Vec<f64> = self.order.iter().map(|&i| b[i]).collect();
-        for i in 0..self.size {
-            x[i] -= (0..i).map(|j| self.at(i, j) * x[j]).sum::<f64>();
-        }
-        for i in (0..self.size).rev() {
-            x[i] -= (i + 1..self.size).map(|j| self.at(i, j) * x[j]).sum::<f64>();
-            x[i] /= self.at(i, i);
-        }
-        x
+        self.rows.chunks(self.size).map(|row| row.iter().zip(b).map(|(r, b)| r * b).sum()).collect()
     }
 
     /// Bᵀ y = c
     fn solve_transposed(&self, c: &[f64]) -> Vec<f64> {
-        let mut z = c.to_vec();
-        for i in 0..self.size {
-            z[i] -= (0..i).map(|j| self.at(j, i) * z[j]).sum::<f64>();
-            z[i] /= self.at(i, i);
-        }
-        for i in (0..self.size).rev() {
-            z[i] -= (i + 1..self.size).map(|j| self.at(j, i) * z[j]).sum::<f64>();
-        }
         let mut y = vec![0.0; self.size];
-        for (k, &i) in self.order.iter().enumerate() {
-            y[i] = z[k];
+        for (row, c) in self.rows.chunks(self.size).zip(c).filter(|(_, c)| **c != 0.0) {
+            y.iter_mut().zip(row).for_each(|(y, r)| *y += c * r);
         }
         y
+    }
+}
+
+/// Takes from a row as much of another as its entry at a place, where the other has one.
+fn subtract(own: &mut [f64], place: usize, row: &[f64]) {
+    let factor = own[place];
+    if factor != 0.0 {
+        own.iter_mut().zip(row).for_each(|(a, b)| *a -= factor * b);
     }
 }

@@ -4,7 +4,7 @@ use super::alternative::{Alternative, Decided, Remedy};
 use super::beside::Beside;
 use super::closes::Closes;
 use super::grid::Grid;
-use super::master::{Column, relax};
+use super::master::{Pool, relax};
 use super::network::Limits;
 use super::row::GridRow;
 use super::tariff::{Tariff, on_hull};
@@ -94,7 +94,7 @@ struct Node {
     open: Open,
     rows: Vec<GridRow>,
     decided: Vec<Decided>,
-    pool: Vec<Column>,
+    pool: Pool,
 }
 
 impl Ord for Node {
@@ -127,7 +127,7 @@ pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
         open: setting.open.clone(),
         rows: setting.rows.clone(),
         decided: Vec::new(),
-        pool: Vec::new(),
+        pool: Pool::default(),
     };
     let mut search = Search {
         setting,
@@ -173,9 +173,7 @@ impl Search<'_> {
 
     fn expand(&mut self, mut node: Node) {
         let grid = self.setting.grid;
-        node.pool.retain(|c| node.open.admits(&c.choice, grid));
-        let tariff = &self.setting.limits.tariff;
-        node.pool.iter_mut().for_each(|c| c.complete(grid, tariff, &node.open, &node.rows));
+        node.pool.renew(grid, &self.setting.limits.tariff, &node.open, &node.rows);
         let cutoff = self.cutoff();
         let mut dear = 50.0;
         let relaxed = loop {
