@@ -18,6 +18,7 @@
 //! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
 //! - [`route`]: the vertices of a loop from the sections that it has to pass: orders, ways around obstacles, bounds,
 //! - [`compiled`]: a solved layout with everything that its readers need worked out once,
+//! - [`review`]: what changed between two solved layouts, as text, Markdown and JSON,
 //! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have
 //!   from it,
 //! - [`signal`]: runs and campaigns, filters, spectra, load cycles, deviations between runs,
@@ -48,6 +49,7 @@ pub mod kinematics;
 pub mod model;
 pub mod problem;
 pub mod report;
+pub mod review;
 pub mod route;
 pub mod semantics;
 pub mod signal;

@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ImplItem, Item, ItemImpl, ItemUse, Macro, Type, UseTree, Visibility};
 
 /// From the top: a room may use those before it.
-const ROOMS: [&str; 24] = [
+const ROOMS: [&str; 25] = [
     "base",
     "source",
     "diagnostic",
@@ -25,6 +25,7 @@ const ROOMS: [&str; 24] = [
     "solve",
     "route",
     "compiled",
+    "review",
     "chain_input",
     "signal",
     "dynamics",

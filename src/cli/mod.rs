@@ -6,6 +6,7 @@ mod build;
 mod cases;
 mod check;
 mod compare;
+mod diff;
 mod explain;
 mod fmt;
 mod foreign;
@@ -51,6 +52,7 @@ pub struct Cli {
 enum Verb {
     Build(build::Build),
     Check(check::Check),
+    Diff(diff::Diff),
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Runs(runs::Runs),
@@ -119,6 +121,7 @@ pub fn main() -> ExitCode {
     let outcome = match cli.verb {
         Verb::Build(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
+        Verb::Diff(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Compare(verb) => verb.run(),
         Verb::Runs(verb) => verb.run(),

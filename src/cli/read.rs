@@ -8,9 +8,9 @@ use crate::cli::limits;
 use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
-use crate::semantics::analyse;
+use crate::semantics::{self, analyse};
 use crate::solve::{self, Options, unsupported};
-use crate::source::{SourceMap, input, root, shown};
+use crate::source::{FileId, Loader, SourceMap, input, revision, root, shown};
 use std::path::Path;
 
 /// A checked layout, its sources, and what was said of it so far.
@@ -18,13 +18,19 @@ pub struct Read {
     pub sources: SourceMap,
     pub layout: Layout,
     pub said: Vec<Diagnostic>,
+    /// Whether warnings are left out.
+    pub mute: bool,
 }
 
 /// Reads and checks a layout with vertices; mistakes are reported here, and end the verb with the outcome returned.
 pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
-    let Read { sources, layout, mut said } = read_any(file, name, format)?;
+    with_vertices(read_any(file, name, format)?, format)
+}
+
+fn with_vertices(read: Read, format: MessageFormat) -> Result<Read, Outcome> {
+    let Read { sources, layout, mut said, mute } = read;
     match without_vertices(&layout) {
-        None => Ok(Read { sources, layout, said }),
+        None => Ok(Read { sources, layout, said, mute }),
         Some(diagnostic) => {
             said.push(diagnostic);
             Err(tell(&sources, &said, format))
@@ -40,10 +46,41 @@ pub fn read_any(file: &Path, name: Option<&str>, format: MessageFormat) -> Resul
         Err(Opened::Unreadable(why)) => return Err(could_not("read", file, why)),
         Err(Opened::Problem(diagnostic)) => return Err(tell(&sources, &[*diagnostic], format)),
     };
-    let analysis = analyse(&mut sources, &mut loader, main, name);
+    analysed(sources, &mut loader, main, name, format)
+}
+
+/// The same as [`read`] of a file as it is in a revision of its repository.
+pub fn read_revision(file: &Path, revision: &str, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
+    let files = match revision::layouts(file, revision) {
+        Ok(files) => files,
+        Err(why) => {
+            report::error(&why.to_string());
+            return Err(if why.is_absent() { Outcome::Problems } else { Outcome::CouldNotRun });
+        }
+    };
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
+    let mut sources = SourceMap::default();
+    let shown = format!("{revision}:{}", shown(file));
+    match Loader::memory(&mut sources, &files) {
+        Ok((mut loader, main)) => with_vertices(analysed(sources, &mut loader, main, name, format)?, format),
+        Err(why) => match semantics::unreadable(&mut sources, &why, &shown) {
+            Some(diagnostic) => Err(tell(&sources, &[diagnostic], format)),
+            None => Err(could_not("read", Path::new(&shown), format!("{why:?}"))),
+        },
+    }
+}
+
+fn analysed(
+    mut sources: SourceMap,
+    loader: &mut Loader,
+    main: FileId,
+    name: Option<&str>,
+    format: MessageFormat,
+) -> Result<Read, Outcome> {
+    let analysis = analyse(&mut sources, loader, main, name);
     let mut said = analysis.diagnostics.clone();
     match analysis.chosen() {
-        Ok(Some(layout)) if !analysis.has_errors() => Ok(Read { layout: layout.clone(), sources, said }),
+        Ok(Some(layout)) if !analysis.has_errors() => Ok(Read { layout: layout.clone(), sources, said, mute: false }),
         Ok(_) => Err(tell(&sources, &said, format)),
         Err(unclear) => {
             if !said.contains(&unclear) {
@@ -76,7 +113,15 @@ pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Res
 
 /// What a layout builds; what is wrong with it is reported here.
 pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Compiled, Outcome> {
-    let Read { sources, layout, mut said } = read(file, name, format)?;
+    match solved(read(file, name, format)?, format)? {
+        (compiled, Outcome::Clean) => Ok(compiled),
+        (_, failed) => Err(failed),
+    }
+}
+
+/// What a layout that was read builds, and whether it is a layout that can be built.
+pub fn solved(read: Read, format: MessageFormat) -> Result<(Compiled, Outcome), Outcome> {
+    let Read { sources, layout, mut said, mute } = read;
     said.extend(unsupported(&layout));
     if said.iter().any(Diagnostic::is_error) {
         return Err(tell(&sources, &said, format));
@@ -88,10 +133,9 @@ pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<C
     if !compiled.failed() {
         said.extend(loose(&compiled));
     }
-    match tell(&sources, &said, format) {
-        Outcome::Clean => Ok(compiled),
-        failed => Err(failed),
-    }
+    said.retain(|d| !mute || d.is_error());
+    let outcome = tell(&sources, &said, format);
+    Ok((compiled, outcome))
 }
 
 /// Reports diagnostics, and whether they are problems.

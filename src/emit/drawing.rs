@@ -50,3 +50,19 @@ pub fn stages_pdf(compiled: &Compiled, written: &[Corner]) -> Result<Vec<u8>, Dr
     let title = format!("{}: stages", compiled.layout.name);
     pdf::render(&svg::stages(compiled, written, svg::Theme::Light)?, &title)
 }
+
+/// `change.svg`: two layouts over each other, each with its name.
+///
+/// # Errors
+/// As [`svg::change`].
+pub fn change_svg(names: (&str, &str), both: (&Compiled, &Compiled)) -> Result<String, DrawError> {
+    svg::change(names, both, svg::Theme::Adaptive)
+}
+
+/// The same as PNG.
+///
+/// # Errors
+/// As [`svg::change`] and [`png::render`].
+pub fn change_png(names: (&str, &str), both: (&Compiled, &Compiled)) -> Result<Vec<u8>, DrawError> {
+    png::render(&svg::change(names, both, svg::Theme::Light)?)
+}

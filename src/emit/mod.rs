@@ -20,7 +20,7 @@ pub mod svg;
 
 pub use crate::source::disk::{Files, WriteError};
 pub use draw_error::DrawError;
-pub use drawing::{drawing_files, drawing_pdf, stages_pdf, stages_png, stages_svg};
+pub use drawing::{change_png, change_svg, drawing_files, drawing_pdf, stages_pdf, stages_png, stages_svg};
 
 /// The data outputs, name and content: `layout.json`, `simulation.json`, `bom.csv` and `bom.json`.
 pub fn data_files(compiled: &Compiled) -> Vec<(String, Vec<u8>)> {

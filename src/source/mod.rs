@@ -6,6 +6,7 @@
 pub mod disk;
 pub mod input;
 mod loader;
+pub mod revision;
 pub mod root;
 mod visible;
 

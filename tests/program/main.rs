@@ -7,6 +7,7 @@
 mod cli;
 mod crash;
 mod determinism;
+mod diff;
 mod documents;
 mod fits;
 mod limits;

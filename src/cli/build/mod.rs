@@ -100,11 +100,11 @@ enum SolverName {
 impl Build {
     pub fn run(&self) -> Outcome {
         limits::set_time(self.time_limit);
-        let Read { sources, layout, mut said } = match read_any(&self.file, self.layout.as_deref(), self.message_format)
-        {
-            Ok(read) => read,
-            Err(outcome) => return outcome,
-        };
+        let Read { sources, layout, mut said, .. } =
+            match read_any(&self.file, self.layout.as_deref(), self.message_format) {
+                Ok(read) => read,
+                Err(outcome) => return outcome,
+            };
         let layout = &layout;
         if self.emit == Some(Emit::Model) {
             report::print(&model::print(layout));

@@ -22,7 +22,7 @@ mod tests;
 
 pub use general::{Furniture, drawing, furniture};
 pub use sheet::Sheet;
-pub use stages::stages;
+pub use stages::{change, stages};
 pub use theme::Theme;
 pub use xml::XmlElement;
 

@@ -4,6 +4,7 @@ use crate::compiled::Compiled;
 use crate::emit::paper::{PaperPoint, Projection};
 use crate::emit::{DrawError, plan};
 use crate::geometry::{Corner, Track};
+use crate::model::Layout;
 use crate::solve::Status;
 
 use super::obstacles;
@@ -29,10 +30,55 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
             (name + failed, Track::new(&stage.corners))
         }))
         .collect();
-    let tracks: Vec<&Track> = lines.iter().map(|(_, track)| track).collect();
+    let words = Words {
+        title: format!("{}: stages", layout.name),
+        description: format!("Centre lines of {} before and after each stage of the optimisation.", layout.name),
+        subject: "stages of the optimisation, lengths of the centre line",
+    };
+    let lines: Vec<Line> = (0..).zip(lines).map(|(i, (name, track))| Line { name, track, style: i.min(3) }).collect();
+    over_each_other(layout, &lines, &words, theme)
+}
+
+/// Centre lines of two layouts, each with its name; building and obstacles are the second one's.
+///
+/// # Errors
+/// As [`stages`].
+pub fn change(names: (&str, &str), (before, after): (&Compiled, &Compiled), theme: Theme) -> Result<String, DrawError> {
+    let layout = &after.layout;
+    let line = |name: &str, compiled: &Compiled, style: usize| {
+        let failed = if compiled.failed() { ", not feasible" } else { "" };
+        Line { name: format!("{name}{failed}"), track: compiled.track.clone(), style }
+    };
+    // As a stage before all others, and as the last one.
+    let lines = [line(names.0, before, 0), line(names.1, after, 3)];
+    let words = Words {
+        title: format!("{}: change", layout.name),
+        description: format!("Centre lines of {} before and after a change.", layout.name),
+        subject: "before and after, lengths of the centre line",
+    };
+    over_each_other(layout, &lines, &words, theme)
+}
+
+/// A track among others.
+struct Line {
+    name: String,
+    track: Track,
+    /// Of the four that stages have.
+    style: usize,
+}
+
+/// What a drawing of several tracks is called.
+struct Words {
+    title: String,
+    description: String,
+    subject: &'static str,
+}
+
+/// Centre lines over each other, the last one with names of its vertices.
+fn over_each_other(layout: &Layout, lines: &[Line], words: &Words, theme: Theme) -> Result<String, DrawError> {
+    let tracks: Vec<&Track> = lines.iter().map(|line| &line.track).collect();
     let sheet = Sheet::choose(&extent(layout, &tracks, 0.0, 0.0))?;
-    let description = format!("Centre lines of {} before and after each stage of the optimisation.", layout.name);
-    let mut svg = root(&sheet, theme, &format!("{}: stages", layout.name), &description);
+    let mut svg = root(&sheet, theme, &words.title, &words.description);
     svg.push(sheet.frame());
     let inside = PaperPoint::new(6.0, 6.0);
     let mut area = TakenPaper::new(sheet.drawing.low + inside, sheet.drawing.high - inside);
@@ -40,8 +86,8 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     svg.push(track::building(&sheet, layout));
     svg.push(obstacles::draw(&sheet, layout, &titles));
     let mut group = XmlElement::group("stages");
-    for (i, (_, line)) in lines.iter().enumerate() {
-        let class = format!("stage-{}", i.min(3));
+    for Line { track: line, style, .. } in lines {
+        let class = format!("stage-{style}");
         group.push(path(&(track::curves(&sheet, &plan::side(line, 0.0)) + "Z"), &class));
         let crosses: String = line.corners.iter().map(|c| symbol::cross(sheet.at(c.point), 1.0)).collect();
         group.push(path(&crosses, &class).attr("style", "stroke-width:.3;stroke-dasharray:none"));
@@ -55,7 +101,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
             names.push(text::centred(place.centre, 0.0, &title.text, Height::H25, "halo"));
         }
     }
-    if let Some((_, last)) = lines.last() {
+    if let Some(Line { track: last, .. }) = lines.last() {
         for (vertex, (corner, fillet)) in layout.vertices.iter().zip(last.corners.iter().zip(&last.fillets)) {
             let prefer = Projection::direction((corner.point - fillet.centre).heading());
             let name = text::fitted(&vertex.name, Height::H25, false, 70.0);
@@ -65,8 +111,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     svg.push(names);
     let mut entries: Vec<(Key, String)> = lines
         .iter()
-        .enumerate()
-        .map(|(i, (name, line))| (Key::Stage(i.min(3)), format!("{name}: {} m", trimmed(line.length, 3))))
+        .map(|line| (Key::Stage(line.style), format!("{}: {} m", line.name, trimmed(line.track.length, 3))))
         .collect();
     if layout.building.is_some() {
         entries.push((Key::Wall, "wall".to_owned()));
@@ -83,12 +128,12 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
         field("width of band", format!("{} m", trimmed(layout.width.value, 3))),
         field("vertices", layout.vertices.len().to_string()),
     ]];
-    let lengths = lines.iter().map(|(name, line)| strip::TitleField {
-        warn: name.ends_with("not feasible"),
-        ..field(name.clone(), format!("{} m", trimmed(line.length, 3)))
+    let lengths = lines.iter().map(|line| strip::TitleField {
+        warn: line.name.ends_with("not feasible"),
+        ..field(line.name.clone(), format!("{} m", trimmed(line.track.length, 3)))
     });
     rows.push(lengths.take(5).collect());
-    svg.push(strip::title(&sheet, &layout.name, "stages of the optimisation, lengths of the centre line", &rows));
+    svg.push(strip::title(&sheet, &layout.name, words.subject, &rows));
     Ok(svg.document())
 }
 

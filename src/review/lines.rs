@@ -1,0 +1,47 @@
+//! Statements that only one of two checked layouts has.
+
+use super::{Change, Line};
+use crate::model::{Layout, print};
+use std::collections::BTreeMap;
+
+/// What went, in the order of the first, then what came, in that of the second.
+pub fn changed(before: &Layout, after: &Layout) -> Vec<Line> {
+    let [before, after] = [before, after].map(|layout| statements(&print(layout), &layout.name));
+    let only = |own: &[(String, String)], other: &[(String, String)], change: Change| -> Vec<Line> {
+        let mut known: BTreeMap<&(String, String), usize> = BTreeMap::new();
+        other.iter().for_each(|line| *known.entry(line).or_default() += 1);
+        let mut is_known = |line: &(String, String)| match known.get_mut(line) {
+            Some(count) if *count > 0 => {
+                *count -= 1;
+                true
+            }
+            _ => false,
+        };
+        let lines = own.iter().filter(|line| !is_known(line));
+        lines.map(|(within, text)| Line { change, within: within.clone(), text: text.clone() }).collect()
+    };
+    let mut out = only(&before, &after, Change::Removed);
+    out.extend(only(&after, &before, Change::Added));
+    out
+}
+
+/// Each statement with the blocks around it.
+fn statements(text: &str, layout: &str) -> Vec<(String, String)> {
+    let own = format!("layout {layout}");
+    let mut within: Vec<&str> = Vec::new();
+    let mut out = Vec::new();
+    for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        if line == "}" {
+            within.pop();
+        } else {
+            let blocks: Vec<&str> = within.iter().copied().filter(|block| *block != own).collect();
+            let head = line.strip_suffix('{').map(str::trim_end);
+            // What a layout is called is told by itself; a block that holds something is told by that.
+            if head.is_none() {
+                out.push((blocks.join(" / "), line.to_owned()));
+            }
+            within.extend(head);
+        }
+    }
+    out
+}

@@ -1,0 +1,302 @@
+//! What changed between two solved layouts: in what they mean, not in how their text stands.
+
+mod lines;
+mod words;
+
+use crate::base::number::tidy;
+use crate::compiled::Compiled;
+use crate::elements::{self, BillLine, OrderedPiece};
+use crate::geometry::Point;
+use crate::solve::Status;
+use serde::Serialize;
+
+/// Two solved layouts beside each other: `lss diff --format json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    pub before: Version,
+    pub after: Version,
+    /// What is measured of both, in the order of the text; all of it, also where nothing changed.
+    pub quantities: Vec<Quantity>,
+    /// Statements of the checked layouts, with every default filled in and without regard to order or form, that only one
+    /// of them has.
+    pub lines: Vec<Line>,
+    /// Vertices that moved, have another radius, came or went, as they are built.
+    pub vertices: Vec<VertexChange>,
+    /// Straights and curves whose length, heading or turn changed, as they are built.
+    pub sections: Vec<SectionChange>,
+    /// Articles of which there are more or fewer, or which have another price.
+    pub bill: Vec<ArticleChange>,
+}
+
+/// One of the two.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Version {
+    /// Where it comes from, as the reader named it.
+    pub source: String,
+    pub layout: String,
+    pub status: Status,
+}
+
+/// A figure of both layouts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Quantity {
+    pub name: &'static str,
+    pub unit: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<f64>,
+    /// Differences from here on are told.
+    #[serde(skip)]
+    told: f64,
+    /// Decimals that are shown.
+    #[serde(skip)]
+    decimals: usize,
+}
+
+/// A statement that came or went.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    pub change: Change,
+    /// The blocks that it stands in, `catalog standard / straight`; empty within the layout itself.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub within: String,
+    pub text: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    Removed,
+    Added,
+}
+
+/// Where a vertex is built, or `None` where a layout lacks it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VertexChange {
+    pub name: String,
+    /// [x, y, radius], m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before_m: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after_m: Option<[f64; 3]>,
+}
+
+/// The straight of a section, as it is built.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SectionChange {
+    /// `P4..P5`
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<Straight>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<Straight>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Straight {
+    pub length_m: f64,
+    pub heading_deg: f64,
+}
+
+/// An article on both bills.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ArticleChange {
+    pub article: String,
+    pub description: String,
+    pub before: usize,
+    pub after: usize,
+    /// What all of them cost, EUR.
+    pub before_eur: f64,
+    pub after_eur: f64,
+}
+
+/// What is told of lengths, m: solvers end this near to their rows.
+const TOLD: f64 = 2e-6;
+/// Of headings, deg.
+const TOLD_DEGREES: f64 = 1e-4;
+
+impl Comparison {
+    /// Compares two layouts, which are named as the reader named them. Vertices and sections are those of the same name.
+    pub fn new((before_source, before): (&str, &Compiled), (after_source, after): (&str, &Compiled)) -> Self {
+        Comparison {
+            before: Version::new(before_source, before),
+            after: Version::new(after_source, after),
+            quantities: quantities(before, after),
+            lines: lines::changed(&before.layout, &after.layout),
+            vertices: vertices(before, after),
+            sections: sections(before, after),
+            bill: bill(before, after),
+        }
+    }
+
+    /// Whether both mean the same and come out the same.
+    pub fn is_same(&self) -> bool {
+        self.lines.is_empty() && self.is_built_alike() && self.before.status == self.after.status
+    }
+
+    /// Whether what is built is the same, whatever is written.
+    pub fn is_built_alike(&self) -> bool {
+        let moved = self.quantities.iter().any(Quantity::is_changed);
+        !moved && self.vertices.is_empty() && self.sections.is_empty() && self.is_billed_alike()
+    }
+
+    pub fn is_billed_alike(&self) -> bool {
+        self.bill.is_empty()
+    }
+}
+
+impl Version {
+    fn new(source: &str, compiled: &Compiled) -> Self {
+        let status = compiled.stages.last().map_or(Status::AsWritten, |stage| stage.status);
+        Version { source: source.to_owned(), layout: compiled.layout.name.clone(), status }
+    }
+}
+
+impl Quantity {
+    pub fn is_changed(&self) -> bool {
+        match (self.before, self.after) {
+            (Some(before), Some(after)) => (after - before).abs() >= self.told,
+            (None, None) => false,
+            _ => true,
+        }
+    }
+}
+
+fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
+    let of = |name, unit, (told, decimals): (f64, usize), value: &dyn Fn(&Compiled) -> Option<f64>| {
+        let [before, after] = [before, after].map(|compiled| value(compiled).map(tidy));
+        Quantity { name, unit, before, after, told, decimals }
+    };
+    let count = (0.5, 0);
+    vec![
+        of("length", "m", (TOLD, 3), &|c| Some(c.length())),
+        of("footprint", "m²", (0.005, 2), &|c| Some(c.footprint)),
+        of("elements", "", count, &|c| Some(c.bill.count as f64)),
+        of("price", "EUR", (0.005, 2), &|c| Some(c.bill.price)),
+        of("mass", "kg", (0.0005, 1), &|c| Some(c.bill.mass)),
+        of("carts", "", count, &|c| c.chain.map(|fit| fit.carts as f64)),
+        of("left over by the chain", "mm", (0.05, 1), &|c| c.chain.map(|fit| 1e3 * fit.left_over)),
+        of("least clearance", "m", (TOLD, 3), &|c| {
+            c.contacts.iter().map(|contact| contact.clearance - contact.required).min_by(f64::total_cmp)
+        }),
+        of("gap of the proof", "%", (0.005, 2), &|c| {
+            let certificate = c.stages.last().and_then(|stage| stage.certificate.as_ref());
+            certificate.map(|certificate| 100.0 * certificate.gap)
+        }),
+    ]
+}
+
+/// Pairs what both have by name, in the order of the second; what only the first has comes last.
+fn paired<T: Clone>(before: &[(String, T)], after: &[(String, T)]) -> Vec<(String, Option<T>, Option<T>)> {
+    let find = |list: &[(String, T)], name: &str| list.iter().find(|own| own.0 == name).map(|own| own.1.clone());
+    let kept = after.iter().map(|(name, own)| (name.clone(), find(before, name), Some(own.clone())));
+    let gone = before.iter().filter(|own| find(after, &own.0).is_none());
+    kept.chain(gone.map(|(name, own)| (name.clone(), Some(own.clone()), None))).collect()
+}
+
+fn vertices(before: &Compiled, after: &Compiled) -> Vec<VertexChange> {
+    let of = |compiled: &Compiled| -> Vec<(String, [f64; 3])> {
+        let corners = compiled.track.corners.iter().map(|c| [c.point.x, c.point.y, c.radius].map(tidy));
+        compiled.layout.vertices.iter().map(|vertex| vertex.name.clone()).zip(corners).collect()
+    };
+    let is_moved = |a: [f64; 3], b: [f64; 3]| {
+        Point::new(a[0], a[1]).distance(Point::new(b[0], b[1])) >= TOLD || (a[2] - b[2]).abs() >= TOLD
+    };
+    paired(&of(before), &of(after))
+        .into_iter()
+        .filter(|(_, a, b)| a.zip(*b).is_none_or(|(a, b)| is_moved(a, b)))
+        .map(|(name, before_m, after_m)| VertexChange { name, before_m, after_m })
+        .collect()
+}
+
+fn sections(before: &Compiled, after: &Compiled) -> Vec<SectionChange> {
+    let of = |compiled: &Compiled| -> Vec<(String, Straight)> {
+        (0..compiled.layout.vertices.len())
+            .map(|i| {
+                let straight = compiled.track.straight(i);
+                let heading_deg = tidy(straight.heading.to_degrees());
+                (compiled.layout.section_name(i), Straight { length_m: tidy(straight.length), heading_deg })
+            })
+            .collect()
+    };
+    let is_other = |a: Straight, b: Straight| {
+        let turned = (a.heading_deg - b.heading_deg).rem_euclid(360.0);
+        (a.length_m - b.length_m).abs() >= TOLD || turned.min(360.0 - turned) >= TOLD_DEGREES
+    };
+    paired(&of(before), &of(after))
+        .into_iter()
+        .filter(|(_, a, b)| a.zip(*b).is_none_or(|(a, b)| is_other(a, b)))
+        .map(|(name, before, after)| SectionChange { name, before, after })
+        .collect()
+}
+
+fn bill(before: &Compiled, after: &Compiled) -> Vec<ArticleChange> {
+    // A piece that is cut to a stock length has the article of the stock, and a line of its own.
+    let find = |compiled: &Compiled, own: &BillLine| {
+        let mut lines = compiled.bill.lines.iter();
+        let found = lines.find(|line| line.article == own.article && line.description == own.description);
+        found.map_or((0, 0.0), |line| (line.count, line.price))
+    };
+    // A bill of both has all lines in the order of bills.
+    let pieces: Vec<OrderedPiece> = before.pieces.iter().chain(&after.pieces).cloned().collect();
+    let order = elements::bill(&pieces, &after.layout).lines;
+    let missing = before
+        .bill
+        .lines
+        .iter()
+        .filter(|line| !order.iter().any(|own| own.article == line.article && own.description == line.description));
+    let change = |line: &BillLine| {
+        let ((was, was_eur), (is, is_eur)) = (find(before, line), find(after, line));
+        let (article, description) = (line.article.clone(), line.description.clone());
+        ArticleChange { article, description, before: was, after: is, before_eur: was_eur, after_eur: is_eur }
+    };
+    order
+        .iter()
+        .chain(missing)
+        .map(change)
+        .filter(|c| c.before != c.after || (c.before_eur - c.after_eur).abs() >= 0.005)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compiled::fixture::compile;
+    use crate::model::fixture::rectangle;
+
+    #[test]
+    fn the_same_layout_is_the_same() {
+        let own = compile(rectangle(20.0, 12.0, 4.0));
+        let found = Comparison::new(("a", &own), ("b", &own));
+        assert!(found.is_same() && found.text().contains("nothing changed"), "{found:?}");
+    }
+
+    /// Differences of articles add up to that of the whole bills, which are counted apart.
+    #[test]
+    fn a_moved_vertex_is_billed() {
+        let before = compile(rectangle(20.0, 12.0, 4.0));
+        let mut layout = rectangle(20.0, 12.0, 4.0);
+        layout.vertices[2].point.x += 0.7;
+        let after = compile(layout);
+        let found = Comparison::new(("a", &before), ("b", &after));
+        let own: f64 = found.bill.iter().map(|a| a.after_eur - a.before_eur).sum();
+        assert!((own - (after.bill.price - before.bill.price)).abs() < 0.005 && own != 0.0, "{own}");
+        let moved: Vec<&str> = found.vertices.iter().map(|v| v.name.as_str()).collect();
+        assert_eq!(moved, [after.layout.vertices[2].name.as_str()]);
+        let written: Vec<Change> = found.lines.iter().map(|l| l.change).collect();
+        assert_eq!(written, [Change::Removed, Change::Added], "{:?}", found.lines);
+        assert_eq!(found.sections.len(), 2, "{:?}", found.sections);
+        let longer = found.quantities[0].after.unwrap() - found.quantities[0].before.unwrap();
+        assert!((longer - (after.length() - before.length())).abs() < 1e-9);
+    }
+
+    #[test]
+    fn markdown_shows_text_as_it_is() {
+        let mut layout = rectangle(20.0, 12.0, 4.0);
+        layout.name = "a_b*".to_owned();
+        let own = compile(layout);
+        let text = Comparison::new(("<b>|x", &own), ("@team", &own)).markdown();
+        assert!(text.starts_with("### a\\_b\\*: \\<b>\\|x → \\@team\n"), "{text}");
+    }
+}
