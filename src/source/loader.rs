@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use super::root::normalise;
 use super::{FileId, InputError, Root, SourceMap, input, root};
@@ -46,10 +47,14 @@ impl From<InputError> for LoadError {
     }
 }
 
+/// Texts that stand in for files of the disk, by their canonical places: what an editor has open, saved or not. A place
+/// need not exist yet.
+pub type Overlay = BTreeMap<PathBuf, String>;
+
 /// Where files come from.
 #[derive(Clone, Debug)]
 enum Origin {
-    Disk { root: Root },
+    Disk { root: Root, overlay: Arc<Overlay> },
     Memory { files: BTreeMap<String, Vec<u8>> },
 }
 
@@ -68,11 +73,34 @@ impl Loader {
     /// Reads the main file, which the command line names, from the disk. The project root is [`Root::of_layout`] of its
     /// folder.
     pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, FileId), LoadError> {
-        let place = root::given(path)?;
-        let root = Root::of_layout(place.parent().unwrap_or(Path::new("/")));
-        let mut loader = Loader::new(Origin::Disk { root });
+        Loader::open_over(sources, path, Arc::default())
+    }
+
+    /// The same, with texts that stand in for files. A main file of the overlay that is not on the disk imports no files
+    /// unless its folder is there.
+    pub fn open_over(
+        sources: &mut SourceMap,
+        path: &Path,
+        overlay: Arc<Overlay>,
+    ) -> Result<(Loader, FileId), LoadError> {
+        let place = if overlay.contains_key(path) { path.to_owned() } else { root::given(path)? };
+        let root = match place.parent().filter(|folder| folder.is_absolute() && folder.is_dir()) {
+            Some(folder) => Root::of_layout(folder),
+            None => Root::default(),
+        };
+        let mut loader = Loader::new(Origin::Disk { root, overlay });
         let main = loader.read(sources, place, path.to_string_lossy().into_owned())?;
         Ok((loader, main))
+    }
+
+    /// Where a file was read from: its canonical place. `None` of the standard library, and of what was no text.
+    pub fn place(&self, file: FileId) -> Option<&Path> {
+        self.places.get(&file).map(PathBuf::as_path)
+    }
+
+    /// The module of the standard library that a file is.
+    pub fn standard_module(&self, file: FileId) -> Option<&'static str> {
+        self.standard.iter().find(|(_, id)| **id == file).map(|(module, _)| *module)
     }
 
     /// Takes files from memory, by their paths relative to a root. The first one is the main file.
@@ -97,8 +125,16 @@ impl Loader {
         let wanted = normalise(&folder.join(path)).filter(|_| !Path::new(path).is_absolute());
         let place = match &self.origin {
             Origin::Memory { .. } => wanted.ok_or_else(|| LoadError::OutsideRoot("the project".into()))?,
-            Origin::Disk { root } => match wanted.filter(|wanted| root.holds(wanted)) {
-                Some(wanted) => root.place(&wanted)?,
+            Origin::Disk { root, overlay } => match wanted.filter(|wanted| root.holds(wanted)) {
+                Some(wanted) => match root.place(&wanted) {
+                    // Not saved yet. Its folder may be a link; where that leads is held to the root, too.
+                    Err(InputError::Missing(why)) => {
+                        let folder = wanted.parent().and_then(|folder| root.place(folder).ok());
+                        let unsaved = folder.zip(wanted.file_name()).map(|(folder, name)| folder.join(name));
+                        unsaved.filter(|place| overlay.contains_key(place)).ok_or(InputError::Missing(why))?
+                    }
+                    place => place?,
+                },
                 None => return Err(root.outside().into()),
             },
         };
@@ -123,7 +159,11 @@ impl Loader {
             return Ok(*id);
         }
         let bytes = match &self.origin {
-            Origin::Disk { .. } => input::read(&place, SIZE_LIMIT)?,
+            Origin::Disk { overlay, .. } => match overlay.get(&place) {
+                Some(text) if text.len() as u64 <= SIZE_LIMIT => text.clone().into_bytes(),
+                Some(text) => return Err(LoadError::TooLarge(text.len() as u64)),
+                None => input::read(&place, SIZE_LIMIT)?,
+            },
             Origin::Memory { files } => files
                 .get(place.to_string_lossy().as_ref())
                 .cloned()
@@ -194,6 +234,33 @@ mod tests {
         assert_eq!(sources.file(id).text, "// carts");
         assert!(sources.file(id).name.ends_with("/shared/carts.lss") && !sources.file(id).name.contains(".."));
         assert_eq!(loader.import(&mut sources, main, "../.././shared/carts.lss"), Ok(id), "read once");
+    }
+
+    #[test]
+    fn an_overlay_stands_in_for_files_and_leads_nowhere_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = dir.path().canonicalize().unwrap();
+        write(at.join("p/lss.toml"), "");
+        write(at.join("p/main.lss"), "// saved");
+        write(at.join("p/carts.lss"), "// saved");
+        write(at.join("other.lss"), "// outside");
+        let places = ["p/main.lss", "p/carts.lss", "p/new.lss", "other.lss", "p/none/new.lss"];
+        let overlay: Overlay = places.iter().map(|name| (at.join(name), format!("// open {name}"))).collect();
+        let mut sources = SourceMap::default();
+        let (mut loader, main) = Loader::open_over(&mut sources, &at.join("p/main.lss"), Arc::new(overlay)).unwrap();
+        assert_eq!(sources.file(main).text, "// open p/main.lss");
+        for name in ["carts.lss", "new.lss"] {
+            let id = loader.import(&mut sources, main, name).unwrap();
+            assert_eq!(sources.file(id).text, format!("// open p/{name}"));
+            assert_eq!(loader.place(id), Some(at.join("p").join(name).as_path()));
+        }
+        assert!(matches!(loader.import(&mut sources, main, "../other.lss"), Err(LoadError::OutsideRoot(_))));
+        assert!(matches!(loader.import(&mut sources, main, "gone.lss"), Err(LoadError::Unreadable(_))));
+        // A text that belongs to no folder of the disk imports nothing.
+        let untitled = PathBuf::from("Untitled-1");
+        let overlay = Arc::new(Overlay::from([(untitled.clone(), "// new".to_owned())]));
+        let (mut loader, main) = Loader::open_over(&mut sources, &untitled, overlay).unwrap();
+        assert!(matches!(loader.import(&mut sources, main, "other.lss"), Err(LoadError::OutsideRoot(_))));
     }
 
     #[test]

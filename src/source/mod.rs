@@ -5,13 +5,15 @@
 
 pub mod disk;
 pub mod input;
+mod listing;
 mod loader;
 pub mod revision;
 pub mod root;
 mod visible;
 
 pub use input::InputError;
-pub use loader::{DRAWING_LIMIT, LoadError, Loader, SIZE_LIMIT, STDLIB, drawing};
+pub use listing::layouts;
+pub use loader::{DRAWING_LIMIT, LoadError, Loader, Overlay, SIZE_LIMIT, STDLIB, drawing};
 pub use root::Root;
 pub use visible::{one_line, shown, steers, visible};
 

@@ -104,6 +104,16 @@ impl Root {
         input::open(&self.place(named)?)
     }
 
+    /// Its folders, canonical.
+    pub fn folders(&self) -> impl Iterator<Item = &Path> {
+        self.folders.iter().map(PathBuf::as_path)
+    }
+
+    /// Whether it is the root that is given, or a folder that a project marks.
+    pub fn is_marked(&self) -> bool {
+        self.folders.iter().all(|folder| GIVEN.get() == Some(folder) || is_marked(folder))
+    }
+
     pub(super) fn holds(&self, place: &Path) -> bool {
         self.folders.iter().any(|folder| place.starts_with(folder))
     }
