@@ -171,6 +171,13 @@ pub fn symbols() -> impl Iterator<Item = &'static str> {
     UNITS.iter().map(|(symbol, ..)| *symbol)
 }
 
+/// Products and quotients of symbols that are usual: those that dimensions are written in, and what speeds are read off
+/// in.
+pub fn compounds() -> impl Iterator<Item = &'static str> {
+    let usual = KNOWN.iter().map(|(_, unit, _)| *unit).filter(|unit| unit.contains(['/', '*', '^']));
+    usual.chain(["mm/s", "km/h"])
+}
+
 /// Other spellings that people use.
 const ALIASES: &[(&str, &str)] = &[
     ("metre", "m"),

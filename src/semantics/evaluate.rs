@@ -212,6 +212,7 @@ impl<'t> Context<'t> {
                 *slot.state.borrow_mut() = SlotState::Busy;
                 let value = self.evaluate(Scope { env, geometry: None }, slot.expr);
                 *slot.state.borrow_mut() = SlotState::Known(value.clone());
+                self.values.borrow_mut().entry(slot.name.span).or_insert_with(|| value.clone());
                 value
             }
         }

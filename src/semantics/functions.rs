@@ -32,6 +32,22 @@ const GEOMETRY: &[(&str, &str)] = &[
     ("distance", "distance(P1, P2) or distance(P1, obstacle)"),
 ];
 
+/// A function that expressions may call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Function {
+    pub name: &'static str,
+    /// How it is called: `distance(P1, P2) or distance(P1, obstacle)`.
+    pub usage: &'static str,
+    /// Whether it asks the layout's geometry, which only `require` and `equal` may.
+    pub geometric: bool,
+}
+
+/// Every function there is.
+pub fn all() -> impl Iterator<Item = Function> {
+    let of = |geometric| move |(name, usage): &(&'static str, &'static str)| Function { name, usage, geometric };
+    ARITHMETIC.iter().map(of(false)).chain(GEOMETRY.iter().map(of(true)))
+}
+
 /// What a function of the geometry gives: `Ok(None)` is a mistake that has been reported, `Err` a wrong call, at a
 /// place if one argument is to blame.
 type Asked = Result<Option<(Formula, Dimension)>, Option<Span>>;

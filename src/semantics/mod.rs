@@ -19,19 +19,23 @@ mod field_value;
 mod fields;
 mod functions;
 mod layout;
+pub mod names;
 mod program;
 mod scope;
 mod sink;
 mod value;
+pub mod vocabulary;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
 use crate::source::{FileId, LoadError, Loader, SourceMap, Span};
-use crate::syntax::tree::{Item, LayoutDeclaration, Name};
+use crate::syntax::tree::{Item, LayoutDeclaration, Name, Tree};
 pub use layout::settle_sides;
 use program::{Program, Symbol};
+use names::Names;
 use scope::{Context, Env};
 use sink::Sink;
+use std::collections::BTreeMap;
 
 /// Everything that is known about a file after checking it.
 #[derive(Clone, Debug)]
@@ -67,7 +71,46 @@ impl Analysis {
 pub fn analyse(sources: &mut SourceMap, loader: &mut Loader, main: FileId, layout: Option<&str>) -> Analysis {
     let mut sink = Sink::default();
     let program = Program::load(sources, loader, main, &mut sink);
-    let context = Context::new(sources, &program, sink);
+    check(sources, &program, sink, layout).0
+}
+
+/// A checked file and what it imports, for who asks for more than what is wrong with them.
+#[derive(Debug)]
+pub struct Study {
+    pub analysis: Analysis,
+    /// The main file's first.
+    pub files: Vec<StudiedFile>,
+    pub names: Names,
+    /// Of each `let` its name's place and its value, as messages show it, in the unit that its dimension is usually
+    /// written in. Formulas over the geometry and what holds a mistake have none.
+    pub values: BTreeMap<Span, String>,
+}
+
+/// A file of a [`Study`].
+#[derive(Debug)]
+pub struct StudiedFile {
+    pub tree: Tree,
+    /// The module of the standard library that it is.
+    pub standard: Option<&'static str>,
+}
+
+/// Checks a file as [`analyse`] does, and keeps the trees, names and values.
+pub fn study(sources: &mut SourceMap, loader: &mut Loader, main: FileId) -> Study {
+    let mut sink = Sink::default();
+    let program = Program::load(sources, loader, main, &mut sink);
+    let (analysis, values) = check(sources, &program, sink, None);
+    let names = Names::of(&program);
+    let files = program.modules.into_iter().map(|m| StudiedFile { tree: m.tree, standard: m.standard });
+    Study { analysis, files: files.collect(), names, values }
+}
+
+fn check(
+    sources: &SourceMap,
+    program: &Program,
+    sink: Sink,
+    layout: Option<&str>,
+) -> (Analysis, BTreeMap<Span, String>) {
+    let context = Context::new(sources, program, sink);
     context.check_items();
     let layouts = context.layouts();
     context.unused_imports();
@@ -75,7 +118,9 @@ pub fn analyse(sources: &mut SourceMap, loader: &mut Loader, main: FileId, layou
     if let (Some(diagnostic), Some(_)) = (&unclear, layout) {
         context.report(diagnostic.clone());
     }
-    Analysis { diagnostics: context.sink.into_inner().into_sorted(), layouts, unclear, wanted }
+    let values = context.values.into_inner();
+    let shown = values.into_iter().filter_map(|(span, value)| Some((span, value.text()?))).collect();
+    (Analysis { diagnostics: context.sink.into_inner().into_sorted(), layouts, unclear, wanted }, shown)
 }
 
 /// The message for a main file that exists but holds no text that could be checked: not UTF-8, or too large. `None`
@@ -87,7 +132,7 @@ pub fn unreadable(sources: &mut SourceMap, error: &LoadError, path: &str) -> Opt
 impl<'t> Context<'t> {
     /// Lets and declarations of the user's files, whether or not a layout uses them.
     fn check_items(&self) {
-        for (module, file) in self.program.modules.iter().enumerate().filter(|(_, m)| !m.standard) {
+        for (module, file) in self.program.modules.iter().enumerate().filter(|(_, m)| m.standard.is_none()) {
             for (item, node) in file.tree.items.nodes.iter().enumerate() {
                 let symbol = Symbol { module, item };
                 match &node.value {

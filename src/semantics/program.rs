@@ -56,7 +56,8 @@ pub(super) struct Symbol {
 pub(super) struct Module {
     pub file: FileId,
     pub tree: Tree,
-    pub standard: bool,
+    /// The module of the standard library that it is.
+    pub standard: Option<&'static str>,
     /// Whether some of it did not parse.
     pub flawed: bool,
     /// Its own items.
@@ -169,7 +170,7 @@ impl Reading<'_> {
             file,
             tree,
             flawed,
-            standard: self.loader.is_standard(file),
+            standard: self.loader.standard_module(file),
             own,
             imported: BTreeMap::new(),
             imports: Vec::new(),

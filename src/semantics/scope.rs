@@ -35,6 +35,8 @@ pub(super) struct Context<'t> {
     /// Whether that has been said: it is said once.
     too_deep: Cell<bool>,
     suggestions: Cell<usize>,
+    /// The first value of each `let`, by its name's place.
+    pub values: RefCell<BTreeMap<Span, Value>>,
 }
 
 /// A `let` and its value once it is known.
@@ -135,6 +137,7 @@ impl<'t> Context<'t> {
             depth: Cell::new(0),
             too_deep: Cell::new(false),
             suggestions: Cell::new(SUGGESTION_BUDGET),
+            values: RefCell::default(),
         }
     }
 

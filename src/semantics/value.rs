@@ -36,6 +36,29 @@ impl Value {
         Value::Quantity(Quantity { formula: Formula::Constant(value), dimension })
     }
 
+    /// It as messages show it, if it is one constant, a text, or several of them.
+    pub fn text(&self) -> Option<String> {
+        let all = |items: &[Spanned<Value>]| -> Option<String> {
+            let shown: Option<Vec<String>> = items.iter().take(9).map(|item| item.value.text()).collect();
+            let more = if items.len() > 9 { ", …" } else { "" };
+            Some(shown?.join(", ") + more)
+        };
+        match self {
+            Value::Poison => None,
+            Value::Quantity(quantity) => Some(shown(quantity.as_constant()?, quantity.dimension)),
+            Value::Text(text) => Some(format!("\"{text}\"")),
+            Value::List(items) => Some(format!("[{}]", all(items)?)),
+            Value::Tuple(items) => Some(format!("({})", all(items)?)),
+            Value::Range(range) => {
+                let ends = format!("{} .. {}", range.low.value.text()?, range.high.value.text()?);
+                match &range.step {
+                    Some(step) => Some(format!("{ends} step {}", step.value.text()?)),
+                    None => Some(ends),
+                }
+            }
+        }
+    }
+
     /// What a message calls it.
     pub fn described(&self) -> String {
         match self {

@@ -149,11 +149,6 @@ impl Loader {
         Some(*self.standard.entry(name).or_insert_with(|| sources.add(format!("std/{name}.lss"), *text)))
     }
 
-    /// Whether the file belongs to the standard library.
-    pub fn is_standard(&self, file: FileId) -> bool {
-        self.standard.values().any(|id| *id == file)
-    }
-
     fn read(&mut self, sources: &mut SourceMap, place: PathBuf, name: String) -> Result<FileId, LoadError> {
         if let Some(id) = self.read.get(&place) {
             return Ok(*id);

@@ -19,7 +19,7 @@ pub enum Context {
 
 impl Context {
     /// The rule that reads one such line and nothing else.
-    pub fn entry(self) -> Rule {
+    pub(super) fn entry(self) -> Rule {
         match self {
             Context::Item => Rule::only_item,
             Context::Statement => Rule::only_statement,
@@ -301,7 +301,7 @@ fn is_keyword(rule: Rule) -> bool {
 }
 
 /// The keywords that a rule takes. The name of a keyword's rule is `kw_` and the keyword.
-fn words_of(rule: Rule) -> Vec<String> {
+pub(super) fn words_of(rule: Rule) -> Vec<String> {
     let words: Vec<&str> = match rule {
         Rule::kind => DeclarationKind::ALL.map(DeclarationKind::word).to_vec(),
         Rule::component | Rule::component_kind => vec!["cart", "catalog", "controller", "motor", "sensor"],
@@ -380,6 +380,12 @@ fn phrases_of(rule: Rule, text: &str, at: usize) -> Vec<String> {
         _ => "something else",
     };
     vec![phrase.to_string()]
+}
+
+/// An example of the value that a line's words before it ask for: `4 m`, `5 deg`, `12`.
+pub fn value_example(begun: &str) -> &'static str {
+    let phrase = value_phrase(begun, begun.len());
+    phrase.split('`').nth(1).unwrap_or("4 m")
 }
 
 /// A value as the words before it suggest.

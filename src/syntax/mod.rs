@@ -6,6 +6,7 @@
 //! fixed, the statement that was meant.
 
 mod build;
+mod continuation;
 mod expected;
 mod expression;
 mod format;
@@ -20,6 +21,8 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub use continuation::{Next, continuations};
+pub use expected::{Context, STATEMENT_WORDS, value_example};
 pub use format::format;
 pub use guard::{MAX_BYTES, MAX_DEPTH};
 pub use nearest::{by_likeness, nearest};
