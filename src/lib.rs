@@ -29,6 +29,7 @@
 //! - [`benchmark`]: sealed challenges: campaigns whose effects are withheld, and what a diagnosis makes of them,
 //! - [`emit`]: files of a layout: SVG, PNG, DXF, CSV, JSON,
 //! - [`report`]: pages that a person reads: a lap, an identification, a diagnosis, polygon action,
+//! - [`editor`]: the language server: what an editor asks of a layout while it is written,
 //! - [`cli`]: one file a verb.
 
 pub mod base;
@@ -38,6 +39,7 @@ pub mod cli;
 pub mod compiled;
 pub mod diagnostic;
 pub mod dynamics;
+pub mod editor;
 pub mod effects;
 pub mod elements;
 pub mod emit;

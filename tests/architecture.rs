@@ -35,6 +35,7 @@ const ROOMS: [&str; 25] = [
     "benchmark",
     "emit",
     "report",
+    "editor",
     "cli",
 ];
 

@@ -16,6 +16,7 @@ mod identify;
 mod import;
 mod layouts;
 mod limits;
+mod lsp;
 mod new;
 mod polygon;
 mod progress;
@@ -63,6 +64,7 @@ enum Verb {
     Explain(explain::Explain),
     New(new::New),
     Import(import::Import),
+    Lsp(lsp::Lsp),
     Completions(generate::Completions),
     Man(generate::Man),
 }
@@ -132,6 +134,7 @@ pub fn main() -> ExitCode {
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),
         Verb::Import(verb) => verb.run(),
+        Verb::Lsp(verb) => verb.run(),
         Verb::Completions(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),
     };

@@ -89,7 +89,10 @@ mod tests {
         assert_eq!(length.bounds.as_deref(), Some("at least 0.05 m, at most 20 m"));
         let step = fields(DeclarationKind::Catalog).find(|f| f.path == "curve.angle_step").unwrap();
         assert_eq!(step.form, "a number, in deg");
-        assert_eq!(fields(DeclarationKind::Cart).find(|f| f.path == "joint").unwrap().names, Some(DeclarationKind::Joint));
+        assert_eq!(
+            fields(DeclarationKind::Cart).find(|f| f.path == "joint").unwrap().names,
+            Some(DeclarationKind::Joint)
+        );
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub struct Stop(Option<Limit>);
 struct Limit {
     at: Instant,
     cut: &'static AtomicBool,
+    /// Somebody else may end it earlier.
+    ended: Option<&'static AtomicBool>,
 }
 
 impl Stop {
@@ -30,12 +32,19 @@ impl Stop {
     /// So long from now on. A few bytes stay in use until the program ends, so that every copy may look at them.
     pub fn after(limit: Duration) -> Stop {
         let at = Instant::now().checked_add(limit);
-        Stop(at.map(|at| Limit { at, cut: Box::leak(Box::new(AtomicBool::new(false))) }))
+        Stop(at.map(|at| Limit { at, cut: Box::leak(Box::new(AtomicBool::new(false))), ended: None }))
+    }
+
+    /// So long from now on, or as soon as `ended` is set.
+    pub fn after_or(limit: Duration, ended: &'static AtomicBool) -> Stop {
+        let Stop(limit) = Stop::after(limit);
+        Stop(limit.map(|limit| Limit { ended: Some(ended), ..limit }))
     }
 
     /// Whether the time is over. Who is told so ends its work early: that is remembered.
     pub fn now(&self) -> bool {
-        let Some(limit) = self.0.filter(|limit| Instant::now() >= limit.at) else { return false };
+        let ended = |limit: &Limit| limit.ended.is_some_and(|ended| ended.load(Ordering::Relaxed));
+        let Some(limit) = self.0.filter(|limit| Instant::now() >= limit.at || ended(limit)) else { return false };
         limit.cut.store(true, Ordering::Relaxed);
         true
     }
@@ -57,6 +66,11 @@ mod tests {
         assert_eq!((never.now(), long.now(), over.cut()), (false, false, None));
         assert!(over.now());
         assert_eq!((never.cut(), long.cut(), over.cut()), (None, None, Some(Cut::Time)));
+        static ENDED: AtomicBool = AtomicBool::new(false);
+        let either = Stop::after_or(Duration::from_secs(1_000_000), &ENDED);
+        assert!(!either.now());
+        ENDED.store(true, Ordering::Relaxed);
+        assert!(either.now());
         // Too long to be reckoned is no limit.
         assert!(!Stop::after(Duration::MAX).now());
     }

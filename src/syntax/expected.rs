@@ -300,6 +300,13 @@ fn is_keyword(rule: Rule) -> bool {
     format!("{rule:?}").starts_with("kw_")
 }
 
+/// Every keyword that has a rule of its own.
+pub fn keywords() -> impl Iterator<Item = &'static str> {
+    static ALL: std::sync::OnceLock<Vec<String>> = std::sync::OnceLock::new();
+    let all = || Rule::all_rules().iter().filter(|rule| is_keyword(**rule)).flat_map(|rule| words_of(*rule)).collect();
+    ALL.get_or_init(all).iter().map(String::as_str)
+}
+
 /// The keywords that a rule takes. The name of a keyword's rule is `kw_` and the keyword.
 pub(super) fn words_of(rule: Rule) -> Vec<String> {
     let words: Vec<&str> = match rule {

@@ -22,7 +22,7 @@ mod words;
 mod tests;
 
 pub use continuation::{Next, continuations};
-pub use expected::{Context, STATEMENT_WORDS, value_example};
+pub use expected::{Context, keywords, value_example};
 pub use format::format;
 pub use guard::{MAX_BYTES, MAX_DEPTH};
 pub use nearest::{by_likeness, nearest};

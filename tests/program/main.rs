@@ -9,6 +9,7 @@ mod crash;
 mod determinism;
 mod diff;
 mod documents;
+mod editor;
 mod fits;
 mod limits;
 mod messages;

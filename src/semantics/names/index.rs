@@ -205,9 +205,7 @@ impl Index<'_> {
                 self.declare(&item.name, NameKind::Value, item.name.span);
                 self.expression(scope, &item.value);
             }
-            Statement::Component { kind, reference } => {
-                self.reference(scope, Space::Component(*kind), Some(reference))
-            }
+            Statement::Component { kind, reference } => self.reference(scope, Space::Component(*kind), Some(reference)),
             Statement::Speed(expr)
             | Statement::Width(expr)
             | Statement::ChainTension(expr)

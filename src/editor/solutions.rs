@@ -1,0 +1,221 @@
+//! Solving in the background: after a pause in typing, on a thread of its own. What comes too late is dropped.
+
+use super::workspace::Checked;
+use crate::base::number::trimmed;
+use crate::compiled::Compiled;
+use crate::diagnostic::Diagnostic;
+use crate::model::{self, Layout};
+use crate::route;
+use crate::solve::{self, Options, Status, Stop, unsupported};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// A layout to be solved.
+struct Job {
+    place: PathBuf,
+    checked: Arc<Checked>,
+    /// Which of the check's layouts.
+    index: usize,
+    key: String,
+    limit: Duration,
+}
+
+/// What became of a job.
+pub struct Outcome {
+    place: PathBuf,
+    name: String,
+    key: String,
+    /// The check whose spans its diagnostics have.
+    checked: Arc<Checked>,
+    result: Result<Compiled, String>,
+    said: Vec<Diagnostic>,
+    seconds: f64,
+}
+
+/// A solved layout.
+#[derive(Debug)]
+pub struct Solved {
+    pub compiled: Compiled,
+    seconds: f64,
+}
+
+impl Solved {
+    /// `proven, 0.31 s`
+    pub fn state(&self) -> String {
+        let cut = self.compiled.stages.last().is_some_and(|s| s.cut.is_some());
+        let how = match self.compiled.stages.last().map(|s| s.status) {
+            None => "as written, which nothing optimises",
+            Some(Status::Infeasible) => "NOT FEASIBLE, this is the best layout found",
+            Some(Status::Proven) => "proven to be the best on the catalogue's grid",
+            Some(_) if cut => "the best found in the time that it had",
+            Some(Status::Local) => "a local optimum",
+            Some(Status::BestFound) => "the best found",
+            Some(Status::Feasible) => "feasible",
+            Some(Status::AsWritten) => "as written, which nothing optimises",
+        };
+        format!("{how} ({} s)", trimmed(self.seconds, 2))
+    }
+}
+
+#[derive(Debug)]
+struct Entry {
+    key: String,
+    /// The last layout that was solved, and what it was solved from.
+    solved: Option<(String, Solved)>,
+    refused: Option<String>,
+    /// With the check that its spans are of.
+    said: Option<(Arc<Checked>, Vec<Diagnostic>)>,
+}
+
+/// What is known of a layout.
+pub enum Known<'a> {
+    No,
+    Solved(&'a Solved),
+    /// Of the text before the last change.
+    Stale(&'a Solved),
+    Refused(&'a str),
+}
+
+/// Solved layouts, and the thread that solves more.
+pub struct Solutions {
+    entries: BTreeMap<(PathBuf, String), Entry>,
+    jobs: Sender<Job>,
+    /// Ends the job that is running.
+    ended: &'static AtomicBool,
+    limit: Duration,
+}
+
+impl Solutions {
+    /// Starts the thread; `done` is told of each job on that thread. A limit of no time solves nothing.
+    pub fn new(limit: Duration, done: impl Fn(Outcome) + Send + 'static) -> Solutions {
+        let (jobs, queue) = channel();
+        // One for each server, which a process has one of.
+        let ended: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
+        std::thread::spawn(move || work(&queue, ended, done));
+        Solutions { entries: BTreeMap::new(), jobs, ended, limit }
+    }
+
+    /// Asks for what is not solved yet of a document.
+    pub fn ask(&mut self, place: &Path, checked: &Arc<Checked>) {
+        let Some(study) = checked.study.as_ref().filter(|study| !study.analysis.has_errors()) else { return };
+        if self.limit.is_zero() {
+            return;
+        }
+        for (index, layout) in study.analysis.layouts.iter().enumerate() {
+            let key = model::print(layout);
+            let entry = self.entries.entry((place.to_owned(), layout.name.clone())).or_insert_with(|| Entry {
+                key: String::new(),
+                solved: None,
+                refused: None,
+                said: None,
+            });
+            // Spans of diagnostics move with every change, the layout does not.
+            let moved = entry.said.as_ref().is_some_and(|(of, said)| !said.is_empty() && !Arc::ptr_eq(of, checked));
+            if entry.key == key && !moved {
+                continue;
+            }
+            entry.key.clone_from(&key);
+            self.ended.store(true, Ordering::Relaxed);
+            let job = Job { place: place.to_owned(), checked: checked.clone(), index, key, limit: self.limit };
+            // The thread lives as long as the queue does.
+            let _ = self.jobs.send(job);
+        }
+    }
+
+    /// Takes what the thread did. Whether it is of use still.
+    pub fn take(&mut self, outcome: Outcome) -> bool {
+        let Some(entry) = self.entries.get_mut(&(outcome.place, outcome.name)) else { return false };
+        if entry.key != outcome.key {
+            return false;
+        }
+        entry.said = Some((outcome.checked, outcome.said));
+        match outcome.result {
+            Ok(compiled) => {
+                entry.solved = Some((outcome.key, Solved { compiled, seconds: outcome.seconds }));
+                entry.refused = None;
+            }
+            Err(why) => entry.refused = Some(why),
+        }
+        true
+    }
+
+    pub fn forget(&mut self, place: &Path) {
+        self.entries.retain(|(own, _), _| own != place);
+    }
+
+    /// What is known of a layout of a document.
+    pub fn of(&self, place: &Path, layout: &Layout) -> Known<'_> {
+        let Some(entry) = self.entries.get(&(place.to_owned(), layout.name.clone())) else { return Known::No };
+        let key = model::print(layout);
+        match (&entry.solved, &entry.refused) {
+            (Some((own, solved)), _) if *own == key => Known::Solved(solved),
+            (_, Some(why)) if entry.key == key => Known::Refused(why),
+            (Some((_, solved)), _) => Known::Stale(solved),
+            (None, _) => Known::No,
+        }
+    }
+
+    /// What solving said of a document, as long as its text is what was solved.
+    pub fn said(&self, place: &Path, checked: &Arc<Checked>) -> Vec<&Diagnostic> {
+        let own = self.entries.iter().filter(|((own, _), _)| own == place).filter_map(|(_, entry)| entry.said.as_ref());
+        own.filter(|(of, _)| Arc::ptr_eq(of, checked)).flat_map(|(_, said)| said).collect()
+    }
+}
+
+fn work(queue: &Receiver<Job>, ended: &'static AtomicBool, done: impl Fn(Outcome)) {
+    while let Ok(first) = queue.recv() {
+        // The last one asked for a layout is the one that counts.
+        let mut jobs = vec![first];
+        jobs.extend(queue.try_iter());
+        ended.store(false, Ordering::Relaxed);
+        let mut newest: Vec<Job> = Vec::new();
+        for job in jobs {
+            newest.retain(|other| (&other.place, other.index) != (&job.place, job.index));
+            newest.push(job);
+        }
+        for job in newest {
+            let Some(study) = &job.checked.study else { continue };
+            let Some(layout) = study.analysis.layouts.get(job.index) else { continue };
+            let begun = Instant::now();
+            let stop = Stop::after_or(job.limit, ended);
+            let (result, said) = solved(layout, stop);
+            if ended.load(Ordering::Relaxed) && stop.cut().is_some() {
+                // Ended for a newer one, which is in the queue.
+                continue;
+            }
+            let (place, name, key) = (job.place, layout.name.clone(), job.key);
+            let seconds = begun.elapsed().as_secs_f64();
+            done(Outcome { place, name, key, checked: job.checked.clone(), result, said, seconds });
+        }
+    }
+}
+
+/// The layout, solved, and what there is to say of that.
+fn solved(layout: &Layout, stop: Stop) -> (Result<Compiled, String>, Vec<Diagnostic>) {
+    let refused = unsupported(layout);
+    if let Some(first) = refused.first() {
+        return (Err(first.message.clone()), refused);
+    }
+    // One thread: the other cores are the editor's.
+    let options = Options { threads: 1, stop, ..Options::default() };
+    let compiled = match layout.route {
+        None => Compiled::new(layout.clone(), solve::solve(layout, &options, &|_| ())),
+        Some(_) => match route::find(layout, &options, &|_| ()) {
+            Ok(found) => Compiled::new(found.layout, found.stages),
+            Err(said) => {
+                let why = said.first().map_or_else(|| "no loop was found".to_owned(), |d| d.message.clone());
+                return (Err(why), said);
+            }
+        },
+    };
+    let mut said = Vec::new();
+    if stop.cut().is_none() {
+        said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
+        said.extend(compiled.heights.iter().cloned());
+    }
+    (Ok(compiled), said)
+}
