@@ -55,7 +55,11 @@ impl<'t> Context<'t> {
                 Some(near) => diagnostic.help(format!("did you mean `{near}`?")).fix(name.span, near),
                 None => match standard_home(space, &name.text) {
                     Some(home) => {
-                        diagnostic.help(format!("the standard library has it: `use std.{home}.{}`", name.text))
+                        let path = format!("std.{home}.{}", name.text);
+                        let import = seen.tree.import_place();
+                        diagnostic
+                            .help(format!("the standard library has it: `use {path}`"))
+                            .fix(import.span, import.text(&path))
                     }
                     None => diagnostic,
                 },

@@ -32,7 +32,9 @@ impl Tree {
     /// Behind the last import, or before everything else where there is none.
     pub fn import_place(&self) -> ImportPlace {
         let last = self.items.nodes.iter().rev().find(|node| matches!(node.value, Item::Use(_)));
-        let end = last.map_or(0, |node| node.span.end);
+        // Not between a comment at the head of the file and what it may be about.
+        let first = self.items.nodes.first().filter(|node| node.above.is_empty()).map_or(0, |node| node.span.start);
+        let end = last.map_or(first, |node| node.span.end);
         ImportPlace { span: Span { file: self.file, start: end, end }, behind: last.is_some() }
     }
 }

@@ -69,10 +69,8 @@ impl<'a> Cursor<'a> {
                     line = at + 1;
                 }
                 b'(' | b'[' => open.push(Open::Bracket),
-                b')' | b']' => {
-                    if open.last() == Some(&Open::Bracket) {
-                        open.pop();
-                    }
+                b')' | b']' if open.last() == Some(&Open::Bracket) => {
+                    open.pop();
                 }
                 b'\n' => {
                     let goes_on = open.last() == Some(&Open::Bracket)

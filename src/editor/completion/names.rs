@@ -3,7 +3,7 @@
 use super::Proposals;
 use crate::editor::describe;
 use crate::editor::workspace::{Checked, Home, Workspace};
-use crate::model::effect_definitions::EFFECTS;
+use crate::model::effect_definitions::{EFFECTS, spelled};
 use crate::semantics::names::{NameKind, Visible};
 use crate::semantics::vocabulary;
 use crate::source::{self, FileId, STDLIB};
@@ -154,9 +154,12 @@ impl Known<'_> {
 
     pub fn effects(&self, out: &mut Proposals) {
         for effect in EFFECTS {
-            let first = effect.strengths.first();
-            let snippet = first.map_or_else(String::new, |s| format!("({}: $1 {})", s.name, s.unit).replace(" )", ")"));
-            let snippet = format!("{}{snippet}", effect.name);
+            let first = effect.strengths.first().map_or_else(String::new, |strength| {
+                let unit = spelled(strength.unit);
+                let unit = if unit.is_empty() { unit } else { format!(" {unit}") };
+                format!("({}: $1{unit})", strength.name)
+            });
+            let snippet = format!("{}{first}", effect.name);
             let about = describe::effect(effect.name);
             out.snippet(effect.name, CompletionItemKind::EVENT, effect.about, Some(about), &snippet);
         }

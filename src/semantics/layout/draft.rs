@@ -39,6 +39,8 @@ pub(super) enum Key<'t> {
 #[derive(Debug)]
 pub(super) struct Draft<'t> {
     pub name: &'t Name,
+    /// Behind the brace that opens its block, if it has one: where a statement can be put in.
+    pub opens: Option<Span>,
     /// In driving order where that counts.
     pub statements: Vec<Placed<'t>>,
     keys: BTreeMap<Key<'t>, usize>,
@@ -160,6 +162,7 @@ impl<'t> Context<'t> {
         });
         let mut draft = base.unwrap_or_else(|| Draft {
             name: &layout.name,
+            opens: None,
             statements: Vec::new(),
             keys: BTreeMap::new(),
             bad: Vec::new(),
@@ -169,7 +172,9 @@ impl<'t> Context<'t> {
             base_known: true,
         });
         draft.layer += usize::from(layout.from.is_some());
-        draft = Draft { name: &layout.name, env, base_known, ..draft };
+        let body = layout.body.span;
+        let opens = (!layout.body.is_absent()).then(|| Span { start: body.start + 1, end: body.start + 1, ..body });
+        draft = Draft { name: &layout.name, opens, env, base_known, ..draft };
         draft.replace_rows(layout);
         draft.replace_way(layout);
         for node in &layout.body.nodes {
@@ -253,7 +258,8 @@ impl<'t> Context<'t> {
         self.report(match a == b {
             true => Diagnostic::new(Code::W0704, format!("`{name}` is passed twice"), span, "says nothing new")
                 .related(first_span, "said here")
-                .help("remove it"),
+                .help("remove it")
+                .fix(span, ""),
             false => Diagnostic::new(Code::E0502, format!("`{name}` is passed on two sides"), span, "one side")
                 .related(first_span, "another side")
                 .expected("one side", "two")

@@ -127,11 +127,13 @@ impl<'t> Context<'t> {
             return;
         }
         let message = format!("the layout `{}` has no `{keyword}`", draft.name.text);
-        self.report(
-            Diagnostic::new(Code::E0214, message, draft.name.span, "in this layout")
-                .expected(format!("a line `{keyword} ...`"), "none")
-                .help(format!("for example `{example}`")),
-        );
+        let diagnostic = Diagnostic::new(Code::E0214, message, draft.name.span, "in this layout")
+            .expected(format!("a line `{keyword} ...`"), "none")
+            .help(format!("for example `{example}`"));
+        self.report(match draft.opens {
+            Some(opens) => diagnostic.fix(opens, format!("\n  {example}")),
+            None => diagnostic,
+        });
     }
 
     /// A statement with one constant that every layout needs.
@@ -253,7 +255,12 @@ impl<'t> Context<'t> {
                 .expected(offered(lengths), metres(cart.length))
                 .related(component.place("lengths"), "the lengths that it is made in");
             if let Some(near) = near {
-                diagnostic = diagnostic.help(format!("the nearest is {}", metres(near)));
+                let near = metres(near);
+                diagnostic = diagnostic.help(format!("the nearest is `{near}`"));
+                // Without an argument the declaration says its length, for all who use it.
+                if place != reference.span {
+                    diagnostic = diagnostic.fix(place, near);
+                }
             }
             self.report(diagnostic);
             return None;

@@ -198,7 +198,11 @@ impl<'t> Context<'t> {
             .related(part.from_span.to(part.to_span), format!("heads {}", degrees(asked)))
             .expected(format!("a straight that heads {}", degrees(asked)), degrees(written));
         self.report(match off > trig::PI - HEADING {
-            true => diagnostic.help("a section runs in driving order: swap its ends"),
+            true => {
+                let ends = [part.to_span, part.from_span].map(|span| self.sources.text(span).trim_end());
+                let whole = part.from_span.to(part.to_span);
+                diagnostic.help("a section runs in driving order: swap its ends").fix(whole, ends.join(".."))
+            }
             false => diagnostic.help(format!("write vertices {names} on the section's line, to nine decimals")),
         });
     }

@@ -55,6 +55,11 @@ pub fn index(program: &Program) -> Names {
     Names { occurrences, layouts: layouts.collect(), files: files.collect() }
 }
 
+/// The name without the space behind it, which belongs to its expression.
+fn own(name: &str, expr: Span) -> Span {
+    Span { end: expr.end.min(expr.start + name.len() as u32), ..expr }
+}
+
 struct Index<'p> {
     program: &'p Program,
     found: Vec<Occurrence>,
@@ -131,7 +136,7 @@ impl Index<'_> {
                 Field::Group { fields, .. } => self.fields(scope, kind, &format!("{path}."), fields),
                 Field::Value { value, .. } => match (spec.map(|s| s.shape), &value.kind) {
                     (Some(Shape::Reference(kind)), ExprKind::Name(text)) => {
-                        self.item(scope.module, Space::Component(kind), text, value.span);
+                        self.item(scope.module, Space::Component(kind), text, own(text, value.span));
                     }
                     (Some(Shape::Reference(kind)), ExprKind::Call { name, args }) => {
                         self.instance(scope, Space::Component(kind), name, Some(args));
@@ -291,9 +296,9 @@ impl Index<'_> {
         match &expr.kind {
             ExprKind::Number { .. } | ExprKind::Text(_) => {}
             ExprKind::Name(name) => match scope.value(name) {
-                Some((kind, definition)) => self.used(expr.span, kind, definition),
+                Some((kind, definition)) => self.used(own(name, expr.span), kind, definition),
                 None => {
-                    self.item(scope.module, Space::Let, name, expr.span);
+                    self.item(scope.module, Space::Let, name, own(name, expr.span));
                 }
             },
             ExprKind::Call { name, args } => self.call(scope, name, args),
@@ -331,11 +336,11 @@ impl Index<'_> {
     fn geometry(&mut self, scope: &Scope, expr: &Expr, obstacle_first: bool) {
         match &expr.kind {
             ExprKind::Name(text) => {
-                let name = Name { text: text.clone(), span: expr.span };
+                let name = Name { text: text.clone(), span: own(text, expr.span) };
                 let parts = if obstacle_first { vec![Part::Obstacle, Part::Vertex] } else { vec![Part::Vertex] };
                 match parts.into_iter().find(|part| scope.part(*part, text).is_some()) {
                     Some(part) => self.part(scope, part, &name),
-                    None if text == "building" => self.known(expr.span, NameKind::Building),
+                    None if text == "building" => self.known(name.span, NameKind::Building),
                     None => {}
                 }
             }

@@ -159,6 +159,7 @@ impl Context<'_> {
                 Diagnostic::new(Code::W0704, "this always holds", constraint.span, format!("the value is {found}"))
                     .expected("a constraint that rules something out", interval(wanted, unit))
                     .help("remove it, or tighten it")
+                    .fix(constraint.span, "")
             }
         };
         holds.sort();
@@ -220,7 +221,8 @@ impl Context<'_> {
             self.report(
                 Diagnostic::new(Code::W0704, "another line asks for this already", span, "says nothing new")
                     .related(first, "asks for as much")
-                    .help("remove it"),
+                    .help("remove it")
+                    .fix(span, ""),
             );
         }
         if wanted.low > before.low.0 {
