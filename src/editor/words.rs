@@ -151,10 +151,16 @@ pub fn to_snippet(form: &str) -> String {
                 rest = &rest[end..];
                 continue;
             }
+            // A unit goes on behind its signs: `m/s`.
+            _ if after_number && c.is_ascii_alphabetic() => {
+                let end = taken(&|c| super::text::in_name(c) || matches!(c, '/' | '*' | '^'));
+                out.push_str(&escaped(&rest[..end]));
+                end
+            }
             _ if c.is_ascii_alphabetic() || c == '_' => {
                 let end = taken(&super::text::in_name);
                 let word = &rest[..end];
-                if after_number || is_keyword(word) {
+                if is_keyword(word) {
                     out.push_str(&escaped(word))
                 } else {
                     place(&mut out, word)
@@ -163,12 +169,9 @@ pub fn to_snippet(form: &str) -> String {
             }
             _ => {
                 out.push_str(&escaped(&rest[..c.len_utf8()]));
-                // A unit goes on behind its sign: `m/s`.
-                if matches!(c, ' ' | '/' | '*') {
-                    rest = &rest[c.len_utf8()..];
-                    continue;
-                }
-                c.len_utf8()
+                rest = &rest[c.len_utf8()..];
+                after_number &= c == ' ';
+                continue;
             }
         };
         after_number = false;

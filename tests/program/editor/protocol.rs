@@ -246,7 +246,7 @@ fn random_edits_and_questions_end_nothing_and_edits_are_what_a_fresh_text_is() {
         lines.splice(a..=b, parts);
         for method in ["completion", "hover", "definition", "references", "documentHighlight", "prepareRename"] {
             let position = at(next(lines.len() + 3), next(90));
-            let params = json!({ "textDocument": { "uri": uri(&path) }, "position": position, "context": { "includeDeclaration": true } });
+            let params = json!({ "textDocument": { "uri": uri(&path) }, "position": position, "context": { "includeDeclaration": true, "triggerKind": 1 } });
             if let Err(error) = client.ask(&format!("textDocument/{method}"), params) {
                 assert_eq!((method, error["code"].as_i64()), ("prepareRename", Some(-32803)), "{error}");
             }
