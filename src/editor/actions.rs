@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 /// The fixes of diagnostics of the main file that touch a range.
 pub fn actions(workspace: &Workspace, client: &Client, checked: &Checked, range: Range) -> Vec<CodeAction> {
-    let lines = workspace.lines(checked.text(checked.main));
+    let lines = workspace.lines_of(checked, checked.main);
     let (from, to) = (lines.offset(range.start) as u32, lines.offset(range.end) as u32);
     let touched = |d: &&Diagnostic| {
         let span = d.label.span;
@@ -22,7 +22,7 @@ pub fn actions(workspace: &Workspace, client: &Client, checked: &Checked, range:
 fn action(workspace: &Workspace, client: &Client, checked: &Checked, diagnostic: &Diagnostic) -> Option<CodeAction> {
     let fix = diagnostic.fix.as_ref()?;
     let home = checked.home(fix.span.file).filter(|home| matches!(home, Home::Disk(_)))?;
-    let lines = workspace.lines(checked.text(fix.span.file));
+    let lines = workspace.lines_of(checked, fix.span.file);
     let edit = TextEdit::new(lines.of_span(fix.span), fix.replacement.clone());
     // A URI is a key by its text alone, which nothing changes.
     #[allow(clippy::mutable_key_type)]

@@ -101,7 +101,7 @@ pub fn answer(session: &mut Session, request: Request) -> Response {
         ask::CodeActionRequest::METHOD => on::<ask::CodeActionRequest>(session, request, code_actions),
         ask::FoldingRangeRequest::METHOD => on::<ask::FoldingRangeRequest>(session, request, |session, params| {
             let checked = session.workspace.checked(&place::of_uri(&params.text_document.uri));
-            let folds = |c: &super::workspace::Checked| outline::folds(&session.workspace.lines(c.text(c.main)), c);
+            let folds = |c: &super::workspace::Checked| outline::folds(&session.workspace.lines_of(c, c.main), c);
             Ok(checked.map(|checked| folds(&checked)))
         }),
         ask::SelectionRangeRequest::METHOD => on::<ask::SelectionRangeRequest>(session, request, selection),
@@ -204,7 +204,7 @@ fn symbols(
 ) -> Result<Option<lsp::DocumentSymbolResponse>, Refusal> {
     let uri: Uri = params.text_document.uri;
     let Some(checked) = session.workspace.checked(&place::of_uri(&uri)) else { return Ok(None) };
-    let symbols = outline::symbols(&session.workspace.lines(checked.text(checked.main)), &checked);
+    let symbols = outline::symbols(&session.workspace.lines_of(&checked, checked.main), &checked);
     Ok(Some(match session.client.nested_symbols {
         true => lsp::DocumentSymbolResponse::Nested(symbols),
         false => {
@@ -233,7 +233,7 @@ fn selection(
     params: lsp::SelectionRangeParams,
 ) -> Result<Option<Vec<lsp::SelectionRange>>, Refusal> {
     let Some(checked) = session.workspace.checked(&place::of_uri(&params.text_document.uri)) else { return Ok(None) };
-    let lines = session.workspace.lines(checked.text(checked.main));
+    let lines = session.workspace.lines_of(&checked, checked.main);
     Ok(Some(params.positions.into_iter().map(|at| outline::selection(&lines, &checked, at)).collect()))
 }
 
@@ -243,7 +243,7 @@ fn semantic(
 ) -> Result<Option<lsp::SemanticTokensResult>, Refusal> {
     let checked = session.workspace.checked(&place::of_uri(&params.text_document.uri));
     Ok(checked.map(|checked| {
-        let data = tokens::tokens(&session.workspace.lines(checked.text(checked.main)), &checked);
+        let data = tokens::tokens(&session.workspace.lines_of(&checked, checked.main), &checked);
         lsp::SemanticTokensResult::Tokens(lsp::SemanticTokens { result_id: None, data })
     }))
 }

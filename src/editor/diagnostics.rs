@@ -50,7 +50,7 @@ pub fn of(workspace: &Workspace, client: &Client, checked: &Checked, diagnostic:
     }
     let page = client.pages.then(|| reference::page(diagnostic.code)).flatten();
     lsp::Diagnostic {
-        range: workspace.lines(checked.text(span.file)).of_span(span),
+        range: workspace.lines_of(checked, span.file).of_span(span),
         severity: Some(match diagnostic.severity() {
             Severity::Error => lsp::DiagnosticSeverity::ERROR,
             Severity::Warning => lsp::DiagnosticSeverity::WARNING,

@@ -18,7 +18,7 @@ pub fn hints(
     range: Range,
 ) -> Vec<InlayHint> {
     let Some(study) = &checked.study else { return Vec::new() };
-    let lines = workspace.lines(checked.text(checked.main));
+    let lines = workspace.lines_of(checked, checked.main);
     let (from, to) = (lines.offset(range.start), lines.offset(range.end));
     let mut found: Vec<(usize, String, &str)> = Vec::new();
     for item in lets(checked) {

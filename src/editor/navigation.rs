@@ -63,7 +63,7 @@ pub fn references(
 /// The uses in the same file.
 pub fn highlights(workspace: &Workspace, checked: &Checked, offset: usize) -> Vec<DocumentHighlight> {
     let Some(name) = checked.names_at(offset).first() else { return Vec::new() };
-    let lines = workspace.lines(checked.text(checked.main));
+    let lines = workspace.lines_of(checked, checked.main);
     let written = checked.sources.text(name.span);
     let same = |other: &&crate::semantics::names::Occurrence| match name.symbol {
         Some(_) => other.symbol == name.symbol,

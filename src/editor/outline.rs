@@ -116,7 +116,7 @@ pub fn of_project(workspace: &mut Workspace, query: &str) -> Vec<SymbolInformati
         let checked = workspace.checked(&place);
         let checked = checked.unwrap_or_else(|| Checked::new(&place, workspace.texts()).into());
         let Some(uri) = workspace.uri(&Home::Disk(place)) else { continue };
-        let lines = workspace.lines(checked.text(checked.main));
+        let lines = workspace.lines_of(&checked, checked.main);
         let named = flat(symbols(&lines, &checked), &|s| Location::new(uri.clone(), s.selection_range));
         found.extend(named.into_iter().filter(|symbol| has_letters(&symbol.name, query)));
         if found.len() >= MOST_SYMBOLS {

@@ -42,7 +42,7 @@ fn with_article(kind: &NameKind) -> String {
 /// What would be renamed at a byte, and its name as it is.
 pub fn prepare(workspace: &Workspace, checked: &Checked, offset: usize) -> Result<(Range, String), String> {
     let name = renamable(workspace, checked, offset)?;
-    let range = workspace.lines(checked.text(checked.main)).of_span(name.span);
+    let range = workspace.lines_of(checked, checked.main).of_span(name.span);
     Ok((range, checked.sources.text(name.span).to_owned()))
 }
 

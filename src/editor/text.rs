@@ -1,7 +1,8 @@
 //! Places in a text as the protocol counts them, and edits of a text.
 
-use crate::source::Span;
+use crate::source::{SourceFile, Span};
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
+use std::borrow::Cow;
 
 /// What characters of a line are counted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,14 +39,19 @@ impl Encoding {
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     text: &'a str,
-    starts: Vec<usize>,
+    starts: Cow<'a, [u32]>,
     encoding: Encoding,
 }
 
 impl<'a> Lines<'a> {
     pub fn new(text: &'a str, encoding: Encoding) -> Self {
-        let breaks = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at + 1);
+        let breaks = text.match_indices('\n').map(|(at, _)| at as u32 + 1);
         Lines { text, starts: std::iter::once(0).chain(breaks).collect(), encoding }
+    }
+
+    /// The same of a file whose lines are known.
+    pub fn of_file(file: &'a SourceFile, encoding: Encoding) -> Self {
+        Lines { text: &file.text, starts: Cow::Borrowed(file.line_starts()), encoding }
     }
 
     pub fn text(&self) -> &'a str {
@@ -58,8 +64,8 @@ impl<'a> Lines<'a> {
 
     /// A line without its break, and where it begins.
     pub fn line(&self, number: usize) -> Option<(usize, &'a str)> {
-        let start = *self.starts.get(number)?;
-        let end = self.starts.get(number + 1).map_or(self.text.len(), |next| next - 1);
+        let start = *self.starts.get(number)? as usize;
+        let end = self.starts.get(number + 1).map_or(self.text.len(), |next| *next as usize - 1);
         let line = &self.text[start..end];
         Some((start, line.strip_suffix('\r').unwrap_or(line)))
     }
@@ -81,8 +87,8 @@ impl<'a> Lines<'a> {
 
     pub fn position(&self, offset: usize) -> Position {
         let offset = offset.min(self.text.len());
-        let line = self.starts.partition_point(|start| *start <= offset) - 1;
-        let before = self.text.get(self.starts[line]..offset).unwrap_or_default();
+        let line = self.starts.partition_point(|start| *start as usize <= offset) - 1;
+        let before = self.text.get(self.starts[line] as usize..offset).unwrap_or_default();
         let character: usize = before.chars().map(|c| self.encoding.width(c)).sum();
         Position::new(line as u32, character as u32)
     }

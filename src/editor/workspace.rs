@@ -177,6 +177,11 @@ impl Workspace {
         Lines::new(text, self.encoding)
     }
 
+    /// A file of a check with its lines.
+    pub fn lines_of<'a>(&self, checked: &'a Checked, file: FileId) -> Lines<'a> {
+        Lines::of_file(checked.sources.file(file), self.encoding)
+    }
+
     /// How the client calls a file of a check; one of the standard library is made where it can be shown.
     pub fn uri(&self, home: &Home) -> Option<Uri> {
         match home {
@@ -188,13 +193,13 @@ impl Workspace {
     /// A span of a check as the client knows it.
     pub fn location(&self, checked: &Checked, span: Span) -> Option<Location> {
         let uri = self.uri(checked.home(span.file)?)?;
-        Some(Location::new(uri, self.lines(checked.text(span.file)).of_span(span)))
+        Some(Location::new(uri, self.lines_of(checked, span.file).of_span(span)))
     }
 
     /// The document that a request is about, checked, and the byte that it asks for.
     pub fn at(&mut self, uri: &Uri, position: Position) -> Option<(Arc<Checked>, usize)> {
         let checked = self.checked(&place::of_uri(uri))?;
-        let offset = self.lines(checked.text(checked.main)).offset(position);
+        let offset = self.lines_of(&checked, checked.main).offset(position);
         Some((checked, offset))
     }
 }

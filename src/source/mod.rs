@@ -67,10 +67,13 @@ pub struct SourceFile {
 
 impl SourceFile {
     fn new(name: String, text: String) -> Self {
-        let line_starts = std::iter::once(0)
-            .chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32 + 1))
-            .collect();
+        let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i as u32 + 1)).collect();
         SourceFile { name, text, line_starts }
+    }
+
+    /// Byte offset at which each line starts.
+    pub fn line_starts(&self) -> &[u32] {
+        &self.line_starts
     }
 
     /// Number of lines, at least one.

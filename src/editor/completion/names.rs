@@ -94,7 +94,7 @@ impl Known<'_> {
         }
         let NameKind::Component(kind) = kind else { return };
         let Some(import) = self.checked.tree(self.checked.main).map(|tree| tree.import_place()) else { return };
-        let lines = self.workspace.lines(self.checked.text(self.checked.main));
+        let lines = self.workspace.lines_of(self.checked, self.checked.main);
         for item in standard().iter().filter(|item| item.kind == *kind && !seen.contains(item.name.as_str())) {
             let path = format!("std.{}.{}", item.module, item.name);
             let edit = TextEdit::new(lines.of_span(import.span), import.text(&path));
@@ -220,7 +220,7 @@ impl Known<'_> {
     /// Files of the project in the quotes of a `use`.
     pub fn files(&self, out: &mut Proposals, place: &Path, quoted: &str) {
         let Some(folder) = place.parent().filter(|folder| folder.is_absolute()) else { return };
-        let lines = self.workspace.lines(self.checked.text(self.checked.main));
+        let lines = self.workspace.lines_of(self.checked, self.checked.main);
         out.range = lines.range(self.offset - quoted.len(), self.offset);
         let open = self.workspace.places();
         let mut all: BTreeSet<&Path> = open.iter().map(|p| p.as_path()).filter(|p| p.is_absolute()).collect();

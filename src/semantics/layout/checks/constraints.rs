@@ -104,11 +104,13 @@ impl Context<'_> {
                     (some, all) if some < all => format!("{} of `{what}` is fixed already", kinds.join(" and ")),
                     _ => format!("`{what}` is fixed already"),
                 };
-                self.report(
-                    Diagnostic::new(Code::W0704, message, constraint.span, "says nothing new")
-                        .related(*first, "fixed here")
-                        .help("remove one of the two"),
-                );
+                let diagnostic = Diagnostic::new(Code::W0704, message, constraint.span, "says nothing new")
+                    .related(*first, "fixed here")
+                    .help("remove one of the two");
+                self.report(match repeated.len() == items.len() {
+                    true => diagnostic.fix(constraint.span, ""),
+                    false => diagnostic,
+                });
             }
             for item in &items {
                 held.entry(*item).or_insert(constraint.span);
