@@ -140,16 +140,15 @@ fn completion(
     params: lsp::CompletionParams,
 ) -> Result<Option<lsp::CompletionResponse>, Refusal> {
     let TextDocumentPositionParams { text_document, position } = params.text_document_position;
-    // A space is typed everywhere: where it asks, a number or a word has to be before it.
     let Some((checked, offset)) = session.workspace.at(&text_document.uri, position) else { return Ok(None) };
-    let place = place::of_uri(&text_document.uri);
-    let items = completion::complete(&session.workspace, &session.client, &place, &checked, offset);
+    // A space asks by itself behind a word or a number, and not while a line is indented.
     let asked = params.context.and_then(|context| context.trigger_character);
-    let line_begins =
-        checked.text(checked.main)[..offset].ends_with("\n ") || checked.text(checked.main)[..offset].ends_with("  ");
-    if asked.as_deref() == Some(" ") && line_begins {
+    let line = checked.text(checked.main)[..offset].rsplit('\n').next().unwrap_or_default();
+    if asked.as_deref() == Some(" ") && (line.trim().is_empty() || line.ends_with("  ")) {
         return Ok(None);
     }
+    let place = place::of_uri(&text_document.uri);
+    let items = completion::complete(&session.workspace, &session.client, &place, &checked, offset);
     Ok(Some(lsp::CompletionResponse::Array(items)))
 }
 
