@@ -41,6 +41,9 @@ pub struct Diagnosis {
     /// What the shown effects leave.
     #[serde(default)]
     pub unexplained: Unexplained,
+    /// Whether laps of the shown effects' model leave as much; null where too few are known.
+    #[serde(default)]
+    pub predictive_check: Option<PredictiveCheck>,
     /// Of each run, the noise of its channels' sensors as it was found; empty where the model has none.
     #[serde(default)]
     pub noise: BTreeMap<String, BTreeMap<String, ChannelNoise>>,
@@ -112,6 +115,28 @@ pub struct Unexplained {
     /// Where what is left lies, the largest share first; empty where no run is over its limit.
     #[serde(rename = "where")]
     pub places: Vec<GapPlace>,
+}
+
+/// A posterior predictive check: what is left of the runs beside what draws of the model leave, fitted in the same way.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PredictiveCheck {
+    /// Whether in every run at least one draw leaves as much. A verdict whose residual no draw shows is not certain,
+    /// whatever its probability.
+    pub passed: bool,
+    /// By the model with the shown effects; where none is shown by the nominal one.
+    pub runs: Vec<CheckedRun>,
+    /// By the nominal model.
+    pub no_gap: Vec<CheckedRun>,
+}
+
+/// How many draws leave as much as a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CheckedRun {
+    pub run: String,
+    /// Laps of the model, or repetitions of a model outside.
+    pub draws: usize,
+    /// How many of them leave at least the run's mean square.
+    pub leave_as_much: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -417,6 +442,18 @@ impl Diagnosis {
     /// What the shown effects leave in the run in which it is farthest over its limit, over that limit.
     pub fn left(&self) -> f64 {
         self.runs.iter().map(|run| run.after / run.replicate_high).fold(0.0, f64::max)
+    }
+
+    /// Of the runs that no draw of the named effects' model leaves as much as, the one that is farthest over its limit: the
+    /// verdict is not certain then.
+    pub fn in_doubt(&self) -> Option<&CheckedRun> {
+        let check = self.predictive_check.as_ref().filter(|check| !check.passed && !self.named().is_empty())?;
+        let over = |run: &CheckedRun| {
+            let own = self.runs.iter().find(|own| own.run == run.run);
+            own.map_or(0.0, |own| own.after / own.replicate_high)
+        };
+        let none = check.runs.iter().filter(|run| run.leave_as_much == 0);
+        none.max_by(|a, b| over(a).total_cmp(&over(b)))
     }
 
     /// Effects of which something could not be simulated.

@@ -18,6 +18,7 @@ mod observation;
 pub mod outside;
 mod overlays;
 mod places;
+mod predictive;
 #[cfg(test)]
 pub(crate) mod random_reports;
 mod refit;
@@ -39,12 +40,12 @@ mod words;
 pub use cost::{Cost, Costs};
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
 pub use diagnosis::{
-    Amount, Bound, ByAccuracy, Diagnosis, Extent, Finding, GapPlace, Group, Lost, OutsideModel, Overlay, RunGap,
-    SampleError, Shape, Unexplained, Verdict,
+    Amount, Bound, ByAccuracy, CheckedRun, Diagnosis, Extent, Finding, GapPlace, Group, Lost, OutsideModel, Overlay,
+    PredictiveCheck, RunGap, SampleError, Shape, Unexplained, Verdict,
 };
 pub use ids::{CandidateId, Id, List, PerRun, RunId};
 pub use remembered::{Left, Remembered};
 pub use scored::{Explanation, Terms};
 pub use settings::Settings;
 pub use simulator::{Applied, Axis, Band, Candidate, Candidates, Frame, Label, Laps, Request, Simulator, Strength};
-pub use words::{bound, percent};
+pub use words::{bound, draws, percent};

@@ -44,6 +44,9 @@ pub struct Observation {
     as_built: Vec<DVector<f64>>,
     /// As many independent features have mean squares that scatter as much as replicate laps' do.
     pub degrees_of_freedom: f64,
+    /// Mean square of what is within the as-built tolerance, and by what those of replicate laps are multiplied, as the
+    /// variances hold discrepancies that laps of one simulation do not have.
+    drawn: (f64, f64),
 }
 
 impl Observation {
@@ -109,6 +112,7 @@ impl Observation {
             built: Vec::new(),
             as_built: Vec::new(),
             degrees_of_freedom: n as f64,
+            drawn: (0.0, 1.0),
         };
         out.laps = replicate.iter().map(|lap| out.projected(lap)).collect();
         out.built = frame.built.iter().map(|change| out.column(change)).collect();
@@ -129,9 +133,9 @@ impl Observation {
         let count = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / count;
         let variance = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (count - 1.0);
-        // The variances hold discrepancies that replicate laps of one simulation do not have.
         let scale = mean.max(1.0) / mean.max(1e-9);
         self.replicate = mean.max(1.0) + built;
+        self.drawn = (built, scale);
         self.replicate_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
         // χ² of f degrees of freedom over f has the variance 2/f.
         self.degrees_of_freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
@@ -207,6 +211,17 @@ impl Observation {
     /// Mean square of a projected residual over that of replicate laps.
     pub fn mean_square(&self, residual: &DVector<f64>) -> f64 {
         residual.norm_squared() / self.rows.len().max(1) as f64 / self.replicate
+    }
+
+    /// Replicate laps, projected.
+    pub fn laps(&self) -> &[DVector<f64>] {
+        &self.laps
+    }
+
+    /// Mean square of a replicate lap over that of all, with what is within the as-built tolerance beside.
+    pub fn mean_square_of_lap(&self, lap: &DVector<f64>) -> f64 {
+        let (built, scale) = self.drawn;
+        (built + scale * lap.norm_squared() / self.rows.len().max(1) as f64) / self.replicate
     }
 
     /// Each used feature's projected residual, over its deviation.

@@ -1,7 +1,8 @@
 //! Reports whose numbers are random, also such as no diagnosis makes, and what their sentences must agree with.
 
 use super::diagnosis::{
-    Amount, Bound, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, RunGap, Unexplained, Verdict,
+    Amount, Bound, CheckedRun, Diagnosis, Extent, Finding, GapPlace, Group, Lost, Overlay, PredictiveCheck, RunGap,
+    Unexplained, Verdict,
 };
 use super::simulator::Axis;
 use super::words;
@@ -129,12 +130,23 @@ pub fn report(seed: u64) -> Diagnosis {
             places: ["a", "b"].map(|channel| random.place(axis, channel)).into(),
             ..Unexplained::default()
         },
+        predictive_check: None,
         noise: BTreeMap::new(),
         gap_closed_channels: [("a".to_owned(), random.one())].into(),
         overlays: vec![random.overlay("a")],
         axis,
         outside: None,
     };
+    if random.chance(0.7) {
+        let mut checked = |run: &RunGap| CheckedRun {
+            run: run.run.clone(),
+            draws: 19 + random.below(60),
+            leave_as_much: [0, 1 + random.below(19)][random.below(2)],
+        };
+        let runs: Vec<CheckedRun> = found.runs.iter().map(&mut checked).collect();
+        let passed = runs.iter().all(|run| run.leave_as_much > 0);
+        found.predictive_check = Some(PredictiveCheck { passed, no_gap: runs.clone(), runs });
+    }
     found.summary = words::summary(&found);
     found.next_experiment = words::next_experiment(&found);
     found
@@ -172,6 +184,10 @@ pub fn hold(text: &str, found: &Diagnosis) -> Result<(), String> {
     }
     if says("leaves ") && !left {
         return wrong("leaves something, but no run is over its limit");
+    }
+    let unseen = found.predictive_check.iter().flat_map(|check| &check.runs).any(|run| run.leave_as_much == 0);
+    if says("not certain") != (unseen && !named.is_empty()) {
+        return wrong("certain where no draw leaves as much, or uncertain where each run has one that does");
     }
     for finding in &named {
         if !says(&finding.name) && !says(&finding.name.replace('_', " ")) && !says(&capital(&finding.name)) {

@@ -8,6 +8,7 @@ use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
 use super::overlays::overlays;
 use super::places::{places, unexplained};
+use super::predictive::predictive_check;
 use super::scored::Scored;
 use super::screen::explain;
 use super::shape::shape;
@@ -158,6 +159,7 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
         gap_closed_black_box: black_box(&compared.comparison).filter(|_| gap).map(tidy),
         gap_closed: closed.map(tidy),
         unexplained: unexplained(&compared.comparison, shown, &runs, axis),
+        predictive_check: predictive_check(&compared.comparison, shown),
         noise: compared.comparison.simulator.noise(),
         gap_closed_channels: shown.filter(|_| gap).map_or_else(BTreeMap::new, |j| by_channel(&compared.comparison, j)),
         runs,

@@ -1,6 +1,6 @@
 //! A diagnosis in words.
 
-use super::diagnosis::{Amount, Bound, Diagnosis, Finding, GapPlace, RunGap, Verdict, ranked};
+use super::diagnosis::{Amount, Bound, CheckedRun, Diagnosis, Finding, GapPlace, RunGap, Verdict, ranked};
 use super::simulator::Axis;
 use crate::base::number::{fixed, significant, trimmed};
 use crate::effects::{self, Experiment, RandomEffect};
@@ -33,7 +33,7 @@ pub fn summary(found: &Diagnosis) -> String {
         _ if found.has_gap() => format!("{} {}", best(found), closure(found)),
         _ => small(found),
     };
-    let more = [at_bounds(found), untested(found)];
+    let more = [doubt(found), at_bounds(found), untested(found)];
     more.into_iter().filter(|text| !text.is_empty()).fold(lead, |all, text| all + " " + &text)
 }
 
@@ -105,6 +105,34 @@ fn best(found: &Diagnosis) -> String {
         Some(run) if run.after > run.replicate_high => format!("{lead}, but leaves {}{}.", left(run), mostly(found)),
         _ => format!("{lead}."),
     }
+}
+
+/// That no lap of the model with what is named shows what is left.
+fn doubt(found: &Diagnosis) -> String {
+    let Some(run) = found.in_doubt() else { return String::new() };
+    let with = if found.named().len() > 1 { "them" } else { "it" };
+    let draws = if found.axis == Axis::Time { "repetitions" } else { "laps" };
+    format!(
+        "That is not certain: none of {} {draws} of the model with {with} is as far off as run {}, so something else is \
+         off, too, or the machine follows another equation.",
+        run.draws, run.run
+    )
+}
+
+/// How many draws of the models are as far off as each run: with the shown effects, and as it is. `None` where too few
+/// are known.
+pub fn draws(found: &Diagnosis) -> Option<String> {
+    let check = found.predictive_check.as_ref().filter(|check| !check.runs.is_empty())?;
+    let draws = if found.axis == Axis::Time { "repetitions" } else { "laps" };
+    let each = |runs: &[CheckedRun]| {
+        let each: Vec<String> = runs.iter().map(|run| format!("{} of {}", run.leave_as_much, run.draws)).collect();
+        each.join(", ")
+    };
+    let mut out = format!("As far off as the runs, in this order, {draws} of the model are: {}", each(&check.no_gap));
+    if !found.shown.is_empty() {
+        out += &format!("; with the effects {}", each(&check.runs));
+    }
+    Some(out + ".")
 }
 
 /// In which channel most of what is left lies.

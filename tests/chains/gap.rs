@@ -306,6 +306,36 @@ fn what_no_effect_explains_is_unknown() {
 }
 
 #[test]
+fn what_no_lap_of_its_model_leaves_is_not_certain() {
+    // The slope is beyond doubt, and so is that there is more than it.
+    let found = found(&[(0, 40.0)], 1.5, 7);
+    assert_eq!((found.verdict, found.effects[0].name.as_str()), (Verdict::Effect, "slope"), "{}", found.summary);
+    assert!(found.effects[0].probability > 0.9, "{}", found.summary);
+    let check = found.predictive_check.as_ref().expect("a check");
+    assert!(!check.passed && check.runs.iter().all(|run| (run.draws, run.leave_as_much) == (40, 0)), "{check:?}");
+    assert!(found.summary.contains("not certain: none of 40 laps"), "{}", found.summary);
+}
+
+#[test]
+fn the_right_model_is_in_doubt_as_often_as_a_run_is_the_last_of_all_laps() {
+    let (mut failed, mut shares) = (0, Vec::new());
+    for seed in 0..60 {
+        let found = found(&[(0, 8.0)], 0.0, 500 + seed);
+        assert_eq!(found.effects[0].name, "slope", "{}", found.summary);
+        let check = found.predictive_check.expect("a check");
+        failed += usize::from(!check.passed);
+        shares.extend(check.runs.iter().map(|run| run.leave_as_much as f64 / run.draws as f64));
+        // Of the nominal model no lap leaves as much.
+        assert!(check.no_gap.iter().all(|run| run.leave_as_much == 0));
+    }
+    // 3/41 of 60 are 4.4; more than 11 are rarer than once in a thousand.
+    assert!(failed <= 11, "{failed} of 60");
+    // Evenly distributed shares have a mean of one half, here within 0.022.
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    assert!((mean - 0.5).abs() < 0.075, "{mean}");
+}
+
+#[test]
 fn effects_with_one_signature_are_a_group() {
     let found = found(&[(1, 4.0)], 0.0, 8);
     let group = found.groups.first().expect("a group");

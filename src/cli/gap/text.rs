@@ -1,7 +1,7 @@
 //! A diagnosis for the terminal.
 
 use crate::base::number::{fixed, significant};
-use crate::gap::{Amount, Axis, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, percent};
+use crate::gap::{Amount, Axis, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, draws, percent};
 use crate::identify::noise::ChannelNoise;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -100,6 +100,9 @@ pub fn text(found: &Diagnosis) -> String {
     for run in &found.runs {
         let [a, b, c] = [run.before, run.after, run.replicate_high].map(|x| fixed(x, 2));
         let _ = writeln!(out, "  {:<18}{a:>9}{b:>9}    {c}", run.run);
+    }
+    if let Some(draws) = draws(found) {
+        let _ = writeln!(out, "  {draws}");
     }
     noise(&mut out, found);
     outside(&mut out, found);

@@ -7,6 +7,9 @@ settings! {
         may_lack: f64 = 0.05, "–", Chosen("a delay moves a series past its last window");
         /// How many kept answers are asked again before any is used.
         asked_again: usize = 4, "–", Chosen("they are spread over all that is kept, and cost little of what it saves");
+        /// Laps of a model without which it is not held against them.
+        draws: usize = 19, "–", Derived("a run of the right model leaves more than all of n laps once in n + 1 times, \
+            5 % here");
     }
 }
 

@@ -14,7 +14,7 @@ use super::lap::lap_track::LapTrack;
 use crate::base::number::{decimal, trimmed};
 use crate::base::words::list;
 use crate::chain_input::Track;
-use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound};
+use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound, draws};
 use crate::report::style::document;
 use crate::signal::Channel;
 use maud::{Markup, html};
@@ -49,6 +49,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
                     b { "Gap of each run" } ", mean square residual over that of repeated measurements: 1 is none"
                 }
                 (bars::runs(&diagnosis.runs, changed))
+                @if let Some(draws) = draws(diagnosis) { p.note { (draws) } }
             }
         }
         (places(diagnosis, track.as_ref()))
