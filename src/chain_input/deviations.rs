@@ -47,6 +47,33 @@ pub struct Deviations {
     pub resistance: Vec<f64>,
     /// Force across the track on a cart, to the left, N, over the lap; empty for none.
     pub side_force: Vec<f64>,
+    pub warming: Warming,
+}
+
+/// Every stiffness times 1 + change (1 − exp(−t/after)), with the time t since a run's record began, s. A chain without
+/// such a time, of which each cart is a lap, has none of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Warming {
+    pub change: f64,
+    /// s
+    pub after: f64,
+}
+
+impl Warming {
+    /// Share of the change that is there at a time, s.
+    pub fn share(&self, time: f64) -> f64 {
+        if self.after > 0.0 { 1.0 - trig::exp(-time.max(0.0) / self.after) } else { 1.0 }
+    }
+
+    /// The mean of that share over a run of so many seconds.
+    pub fn mean_share(&self, duration: f64) -> f64 {
+        let over = if self.after > 0.0 { duration / self.after } else { f64::INFINITY };
+        match over {
+            x if x <= 0.0 => 0.0,
+            x if x.is_finite() => 1.0 - (1.0 - trig::exp(-x)) / x,
+            _ => 1.0,
+        }
+    }
 }
 
 /// Thrust times 1 + ratio · sin(2π d/wavelength + phase), with d how far a plate's front is past a motor's begin.
@@ -166,6 +193,7 @@ impl Default for Deviations {
             held: false,
             resistance: Vec::new(),
             side_force: Vec::new(),
+            warming: Warming::default(),
         }
     }
 }

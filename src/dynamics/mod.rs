@@ -24,6 +24,7 @@ mod start;
 mod state;
 mod step;
 mod trouble;
+mod warming;
 mod width;
 
 pub use chain::Chain;

@@ -14,7 +14,7 @@ use std::fmt;
 const PHASES: usize = 16;
 
 /// Elongation of a joint beyond which the chain is broken, m.
-const BROKEN: f64 = 0.02;
+pub const BROKEN: f64 = 0.02;
 
 /// Lateral or vertical offset of a front joint from the centre line beyond which the cart is off the rail, m.
 pub const OFF_RAIL: f64 = 0.05;
@@ -167,6 +167,8 @@ impl Model {
         let weight = mass * simulation.gravity_m_s2;
         let widest = simulation.running_wheel.half_spacing_m.max(simulation.running_wheel.height_m.abs());
         let widest = widest.max(simulation.cart.motor_height_m.abs()) + OFF_RAIL;
+        // Steps have to do for the stiffest that it gets.
+        let stiffest = 1.0 + deviations.warming.change.max(0.0);
         let (running, radial) = (&simulation.running_wheel, damped(&simulation.joint.radial, tension));
         let wheels = 2.0 * tangent_of(&running.contact, weight / 2.0);
         let motors = Motors {
@@ -186,7 +188,8 @@ impl Model {
             stiffness_rates: [
                 4.0 * tangent_of(&simulation.joint.axial, tension.abs().max(0.25 * weight)) / mass,
                 cart.ends().rate(tangent_of(&simulation.joint.radial, weight / 2.0), wheels),
-            ],
+            ]
+            .map(|rate| stiffest * rate),
             answers: cart.answers(simulation.running_wheel.half_spacing_m),
             floor: simulation.joint.approach_floor_m_s,
             coverage: Coverage::new(&motors.s, motors.length, line.length),

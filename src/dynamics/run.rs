@@ -7,6 +7,7 @@ use super::model::Model;
 use super::reactions::Reactions;
 use super::sensor::SensorCart;
 use super::trouble::Trouble;
+use super::warming::Cold;
 use super::width::Width;
 use crate::chain_input::{Deviations, Simulation, Unfit};
 use crate::signal::{Channel, Run, Sidecar, SupportLoad};
@@ -141,6 +142,7 @@ pub fn simulate(
             why: format!("{} Hz must be below half the rate of steps, {:.0} Hz", sensor.lowpass_hz, 0.5 / clock.step),
         })
     };
+    let cold = Cold::new(&model);
     let mut measuring = filter(&chain)?;
     let lap = model.segments.line.length;
     let mut recorder = Recorder {
@@ -158,6 +160,9 @@ pub fn simulate(
     let mut tick: u64 = 0;
     loop {
         if clock.controls(tick) {
+            if let Some(cold) = cold.as_ref().filter(|_| tick > settling) {
+                cold.warm(&mut chain, (tick - settling) as f64 / clock.ticks_a_second);
+            }
             chain.sample_control();
         }
         if tick >= settling {

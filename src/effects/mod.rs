@@ -26,7 +26,7 @@ mod sensor_swapped;
 mod simulate;
 pub mod sites;
 mod speed_drag;
-mod stiffness_temperature;
+pub mod stiffness_temperature;
 mod track_flexibility;
 mod wheel_out_of_round;
 mod wheel_sliding;

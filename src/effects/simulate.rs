@@ -1,6 +1,6 @@
 //! Simulations of an input with its effects.
 
-use super::{Sensed, deviations_of, sense};
+use super::{Sensed, deviations_of, sense, stiffness_temperature};
 use crate::base::parallel;
 use crate::chain_input::{Simulation, Unfit};
 use crate::dynamics::{self, Ensemble, EnsemblePlan, Model, Outcome, Plan, Progress, Settled, Width};
@@ -39,7 +39,7 @@ pub fn simulate_all(inputs: &[(Simulation, Plan)], width: Width, threads: usize)
 }
 
 /// As [`dynamics::run_ensemble`], of an input with its effects on the chain. Those of sensors are for who reads the
-/// carts' records.
+/// carts' records. A stiffness that comes up in a run is what it comes to.
 ///
 /// # Errors
 ///
@@ -50,7 +50,8 @@ pub fn run_ensemble(
     from: Option<&Settled>,
     width: Width,
 ) -> Result<Ensemble, Unfit> {
-    let (nominal, deviations) = deviations_of(simulation)?;
+    let effects = stiffness_temperature::at_rest(&simulation.effects, |_| 1.0);
+    let (nominal, deviations) = deviations_of(&Simulation { effects, ..simulation.clone() })?;
     dynamics::run_ensemble(&nominal, deviations, ensemble, from, width)
 }
 

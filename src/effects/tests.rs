@@ -189,6 +189,30 @@ fn constants_follow_their_equations() {
 }
 
 #[test]
+fn stiffness_comes_up_in_a_run() {
+    let channel = |simulation: &Simulation, laps: usize| {
+        let plan = crate::dynamics::Plan { settle: 8.0, laps, ..Default::default() };
+        let outcome = simulate(simulation, &plan, Width::widest(), &mut |_| true).expect("a chain");
+        outcome.run.channels[&crate::signal::Channel::FORCES[4]].clone()
+    };
+    let (change, after) = (-0.6, 4.0);
+    let soft = |after: f64| with("stiffness_temperature", &[("change", change), ("after", after)]);
+    let [plain, warm, constant] = [nominal(), soft(after), soft(0.0)].map(|simulation| channel(&simulation, 1));
+    assert_eq!(warm[0], plain[0]);
+    // Polygon action is in proportion to the stiffness. Straights and curves are as at the end in the lap's last quarter.
+    let swings = |force: &[f64]| {
+        let end = &force[3 * force.len() / 4..];
+        let mean = end.iter().sum::<f64>() / end.len() as f64;
+        (end.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / end.len() as f64).sqrt()
+    };
+    let [plain, warm, constant] = [plain, warm, constant].map(|force| swings(&force));
+    assert!((warm / constant - 1.0).abs() < 0.15 && plain / constant > 1.4, "{plain} {warm} {constant}");
+    let evened = stiffness_temperature::at_rest(&soft(after).effects, |warming| warming.share(after));
+    let expected = change * (1.0 - trig::exp(-1.0));
+    assert_eq!(evened, with("stiffness_temperature", &[("change", expected)]).effects);
+}
+
+#[test]
 fn sensors_say_what_their_equations_say() {
     let plain = sensed(&nominal());
     let gained = sensed(&with("sensor_gain", &[("gain", 0.1), ("channel", 5.0)]));

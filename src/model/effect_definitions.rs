@@ -41,6 +41,8 @@ pub struct PlaceDefinition {
 pub enum PlaceKind {
     /// m
     Length,
+    /// s
+    Time,
     /// Which one of several, or which way; without a unit.
     Number,
     /// The number of a force channel, from 1.
@@ -268,7 +270,12 @@ pub const STIFFNESS_TEMPERATURE: EffectDefinition = EffectDefinition {
         low: -0.8,
         high: 2.0,
     }],
-    places: &[],
+    places: &[PlaceDefinition {
+        name: "after",
+        kind: PlaceKind::Time,
+        about: "time constant with which it comes up in a run; 0 where it is there from the beginning",
+        default: 0.0,
+    }],
 };
 
 pub const CURVE_GEOMETRY: EffectDefinition = EffectDefinition {
@@ -492,7 +499,11 @@ impl EffectDefinition {
     /// SI unit of what says its place; `None` of what does not.
     pub fn place_unit(&self, name: &str) -> Option<&'static str> {
         let place = self.places.iter().find(|p| p.name == name)?;
-        Some(if place.kind == PlaceKind::Length { "m" } else { "" })
+        Some(match place.kind {
+            PlaceKind::Length => "m",
+            PlaceKind::Time => "s",
+            PlaceKind::Number | PlaceKind::ForceChannel => "",
+        })
     }
 
     /// SI unit of a strength or of what says its place, as a layout writes it; empty for a ratio.

@@ -23,6 +23,7 @@ fn places(effect: &EffectDefinition) -> String {
         let name = format!("`{}`", p.name);
         let kind = match p.kind {
             PlaceKind::Length => " m",
+            PlaceKind::Time => " s",
             PlaceKind::ForceChannel => ", a force channel",
             PlaceKind::Number => "",
         };

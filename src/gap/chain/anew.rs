@@ -3,6 +3,7 @@
 
 use super::{Chains, Fitting};
 use crate::chain_input::DeclaredEffect;
+use crate::effects::stiffness_temperature;
 use crate::gap::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::gap::settings::Settings;
 use crate::gap::simulator::Simulator;
@@ -37,7 +38,10 @@ impl Chains {
         let of_machine = |finding: &&&Finding| {
             self.candidates.iter().any(|candidate| candidate.effect == finding.name && !candidate.sensor)
         };
-        let about: Vec<DeclaredEffect> = best.iter().filter(of_machine).flat_map(|f| f.declared()).collect();
+        // What comes up in a run is no part of a model whose carts are laps.
+        let steady = |effect: &DeclaredEffect| stiffness_temperature::warming(std::slice::from_ref(effect)).is_none();
+        let about = best.iter().filter(of_machine).flat_map(|f| f.declared()).filter(steady);
+        let about: Vec<DeclaredEffect> = about.collect();
         if about.is_empty() {
             return None;
         }

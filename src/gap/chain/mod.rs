@@ -10,6 +10,7 @@ mod laps;
 mod nominal;
 mod outline;
 mod together;
+mod warming;
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
@@ -19,7 +20,9 @@ use crate::chain_input as input;
 use crate::chain_input::Simulation;
 use crate::dynamics::{Ensemble, Width};
 use crate::effects::sites::Site;
-use crate::effects::{AS_BUILT, Effect, LIBRARY, Sites, Start, StrengthSearch, deviations_of, named};
+use crate::effects::{
+    AS_BUILT, Effect, LIBRARY, Sites, Start, StrengthSearch, deviations_of, named, stiffness_temperature,
+};
 use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan};
 use crate::identify::noise::{ChannelNoise, Excess, channel_noise};
@@ -241,6 +244,14 @@ impl Chains {
         effects: Vec<input::DeclaredEffect>,
         sensor: bool,
     ) -> Option<Vec<f64>> {
+        if let Some(warming) = stiffness_temperature::warming(&effects) {
+            let (cold, warm) = [0.0, 1.0].map(|share| stiffness_temperature::at_rest(&effects, |_| share)).into();
+            let alone = step.is_empty() && effects.len() == 1;
+            let frame = &self.frames[run];
+            let cold = if alone { frame.nominal.clone() } else { self.simulated(run, step, cold, sensor)? };
+            let warm = self.simulated(run, step, warm, sensor)?;
+            return Some(self.runs[run].warming(frame, warming, &cold, &warm));
+        }
         let settings = &self.settings.ensembles;
         let passes = if step.is_empty() { settings.signature_passes } else { settings.passes };
         let fitted = &self.runs[run];
@@ -286,6 +297,7 @@ impl Chains {
                 at[p.index()] += planned - fitted.landing.at[p.index()];
             }
         }
+        let effects = stiffness_temperature::at_rest(&effects, |warming| warming.mean_share(fitted.duration()));
         let model = fitted.with(effects);
         let mut ensemble = model.run_ensemble(&at, &plan);
         // An impact may ask for shorter steps than the chain does.

@@ -6,7 +6,7 @@ use super::impacts::{self, high_frequency_power};
 use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
-use crate::effects::is_of_machine;
+use crate::effects::{is_of_machine, stiffness_temperature};
 use crate::gap::settings;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, excess, land};
@@ -73,7 +73,8 @@ pub fn fitted_with(
     near: Option<&Known>,
 ) -> Result<(FittedRun, Known), String> {
     let (measured, mut model) = ready(subject, width)?;
-    model.simulation.effects.extend(effects.iter().cloned());
+    let duration = measured.laps * model.spec.places.lap / measured.speed.map_or(measured.nominal_speed, |s| s.0);
+    model.simulation.effects.extend(stiffness_temperature::at_rest(effects, |warming| warming.mean_share(duration)));
     let (found, landing) = land(&mut model, &measured, near.map(|known| known.at), fit)?;
     Ok((of(model, landing, &measured, fit, settings), Known { at: found.at, noise: found.noise }))
 }

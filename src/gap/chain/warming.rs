@@ -1,0 +1,64 @@
+//! Stiffness that comes up in a run. Each cart of a simulated chain is a lap, to whose places times of the run belong: it
+//! is simulated as stiff as at the run's begin and as it comes to, and each feature lies between, by the share of the
+//! change that is there when its place is passed.
+
+use super::FittedRun;
+use crate::base::trig;
+use crate::chain_input::Warming;
+use crate::gap::simulator::Frame;
+use crate::identify::Parameter;
+
+impl FittedRun {
+    /// How long the run is, s.
+    pub fn duration(&self) -> f64 {
+        self.laps * self.model.spec.places.lap / self.speed()
+    }
+
+    /// m/s
+    fn speed(&self) -> f64 {
+        trig::exp(self.landing.at[Parameter::Speed.index()])
+    }
+
+    /// Features between those of a chain without the change and with all of it.
+    pub fn warming(&self, frame: &Frame, warming: Warming, cold: &[f64], warm: &[f64]) -> Vec<f64> {
+        let lap = self.model.spec.places.lap;
+        let whole = (1e3 * lap).round() as i64;
+        let all = warming.mean_share(self.duration());
+        let share = |k: usize| match frame.labels.get(k) {
+            Some(label) if label.to - label.from < whole / 2 => {
+                let beyond = 5e-4 * (label.from + label.to) as f64 - self.begin;
+                let times = passed(beyond, lap, self.laps);
+                times.iter().map(|way| warming.share(way / self.speed())).sum::<f64>() / times.len() as f64
+            }
+            _ => all,
+        };
+        cold.iter().zip(warm).enumerate().map(|(k, (cold, warm))| cold + share(k) * (warm - cold)).collect()
+    }
+}
+
+/// How far a run of so many laps has come each time that it passes a place so far from where it began, m: at least once.
+fn passed(beyond: f64, lap: f64, laps: f64) -> Vec<f64> {
+    let first = beyond.rem_euclid(lap);
+    let again = ((laps * lap - first) / lap).ceil().max(1.0) as usize;
+    (0..again).map(|k| first + k as f64 * lap).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_passed_once_a_lap() {
+        assert_eq!(passed(3.0, 60.0, 1.5), [3.0, 63.0]);
+        assert_eq!(passed(-3.0, 60.0, 1.5), [57.0]);
+        assert_eq!(passed(50.0, 60.0, 0.5), [50.0]);
+    }
+
+    #[test]
+    fn the_mean_share_is_that_of_all_times() {
+        let warming = Warming { change: -0.2, after: 20.0 };
+        let mean = (0..1000).map(|k| warming.share(0.05 * (f64::from(k) + 0.5))).sum::<f64>() / 1000.0;
+        assert!((warming.mean_share(50.0) - mean).abs() < 1e-6, "{mean}");
+        assert_eq!(Warming { after: 0.0, ..warming }.mean_share(50.0), 1.0);
+    }
+}
