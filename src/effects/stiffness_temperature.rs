@@ -22,9 +22,9 @@ pub const EFFECT: Effect = Effect {
     ..Effect::PLAIN
 };
 
-/// Time constants that are looked for beside 0, in times of a lap: one that is over before the run is, and one with which
-/// stiffness goes nearly linearly with time.
-const AFTER: [f64; 2] = [0.4, 2.0];
+/// Time constants that are looked for beside 0, in times of a lap: from one that is over soon to one with which stiffness
+/// goes nearly linearly with time.
+const AFTER: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
 fn times(simulation: &Simulation) -> Vec<Site> {
     let lap = simulation.track.centre_line().length / simulation.chain.speed_m_s;

@@ -116,6 +116,9 @@ pub fn diagnose_and_explain(
     if gap && unsettled(&scored) {
         scored.extend(comparison.refitted(comparison.seconds(&scored), &as_built, tell));
     }
+    if gap && unsettled(&scored) {
+        scored.extend(comparison.refitted(comparison.from_other_strengths(&scored), &as_built, tell));
+    }
     for _ in 1..settings.selection.places {
         let more = if gap && unsettled(&scored) { comparison.one_place_more(&scored) } else { None };
         let Some((more, before)) = more else { break };

@@ -13,6 +13,7 @@ mod diagnose;
 mod diagnosis;
 mod hypothesis;
 mod ids;
+mod ladder;
 mod likelihood;
 mod observation;
 pub mod outside;

@@ -85,3 +85,15 @@ fn steps_that_pull_the_nominal_parameters_are_found_with_their_heights() {
         assert!(run["after"].as_f64() < run["honest_high"].as_f64(), "{run}");
     }
 }
+
+/// The parameters of a fit take a stiffness that is another all along, but none that comes up in a run.
+#[test]
+#[ignore = "takes a minute or two"]
+fn stiffness_that_comes_up_in_a_run_is_found() {
+    let (_folder, gap) = diagnosed("  effect stiffness_temperature(change: -0.2, after: 20 s)\n");
+    assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
+    let named = &gap["effects"][0];
+    assert_eq!(named["name"], "stiffness_temperature", "{}", gap["summary"]);
+    assert_eq!(named["fixed"]["after"].as_f64(), Some(18.0), "{named}");
+    holds(&named["strength"]["change"], -0.2);
+}

@@ -8,6 +8,9 @@ use crate::chain_input::Warming;
 use crate::gap::simulator::Frame;
 use crate::identify::Parameter;
 
+/// Into how many parts a place is divided.
+const PARTS: usize = 20;
+
 impl FittedRun {
     /// How long the run is, s.
     pub fn duration(&self) -> f64 {
@@ -26,9 +29,11 @@ impl FittedRun {
         let all = warming.mean_share(self.duration());
         let share = |k: usize| match frame.labels.get(k) {
             Some(label) if label.to - label.from < whole / 2 => {
-                let beyond = 5e-4 * (label.from + label.to) as f64 - self.begin;
-                let times = passed(beyond, lap, self.laps);
-                times.iter().map(|way| warming.share(way / self.speed())).sum::<f64>() / times.len() as f64
+                // Parts of it, as the run may begin within it.
+                let length = 1e-3 * (label.to - label.from) as f64 / PARTS as f64;
+                let part = |n: usize| 1e-3 * label.from as f64 + (n as f64 + 0.5) * length - self.begin;
+                let ways: Vec<f64> = (0..PARTS).flat_map(|n| passed(part(n), lap, self.laps)).collect();
+                ways.iter().map(|way| warming.share(way / self.speed())).sum::<f64>() / ways.len() as f64
             }
             _ => all,
         };
