@@ -74,7 +74,7 @@ mod tests {
             let mut chain = Chain::new(Arc::new(model), 0.0, Width::widest()).expect("a chain");
             for time in [0.0, 7.0, 1e4] {
                 cold.warm(&mut chain, time);
-                let factor = 1.0 + change * (1.0 - (-time / after).exp());
+                let factor = 1.0 + change * (1.0 - trig::exp(-time / after));
                 let mut other = input.clone();
                 for contact in [
                     &mut other.joint.axial,

@@ -117,7 +117,7 @@ pub fn diagnose_and_explain(
         scored.extend(comparison.refitted(comparison.seconds(&scored), &as_built, tell));
     }
     if gap && unsettled(&scored) {
-        scored.extend(comparison.refitted(comparison.from_other_strengths(&scored), &as_built, tell));
+        scored.extend(comparison.refitted(comparison.at_other_strengths(&scored), &as_built, tell));
     }
     for _ in 1..settings.selection.places {
         let more = if gap && unsettled(&scored) { comparison.one_place_more(&scored) } else { None };

@@ -12,18 +12,18 @@ use nalgebra::DVector;
 impl Comparison<'_> {
     /// The pair that leaves least of those that were simulated, each of its members at the strength of a ladder with
     /// which less is left, the other one as it fits best beside it. Nothing where none leaves less.
-    pub fn from_other_strengths(&self, scored: &[Scored]) -> Vec<Fitted> {
+    pub fn at_other_strengths(&self, scored: &[Scored]) -> Vec<Fitted> {
         let pair = |j: &&Scored| {
             let hypothesis = &j.fitted.hypothesis;
             hypothesis.members.len() == 2 && self.effects(hypothesis).len() == 2 && j.fitted.simulated()
         };
         let best = scored.iter().filter(pair).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
         let Some(Scored { fitted, .. }) = best else { return Vec::new() };
-        fitted.hypothesis.members.iter().filter_map(|member| self.from_ladder(fitted, *member)).collect()
+        fitted.hypothesis.members.iter().filter_map(|member| self.along_ladder(fitted, *member)).collect()
     }
 
     /// A pair with a member's strengths so many times as large as leaves least, where that is less than it leaves.
-    fn from_ladder(&self, fitted: &Fitted, member: CandidateId) -> Option<Fitted> {
+    fn along_ladder(&self, fitted: &Fitted, member: CandidateId) -> Option<Fitted> {
         let (candidates, frames) = (self.candidates(), self.simulator.frames());
         // Strengths of sensors are found from wherever they begin.
         if candidates[member].sensor || candidates[member].random_effect.is_some() {
@@ -164,7 +164,7 @@ mod tests {
         below.changes = vec![change.clone()].into();
         below.features = Some(vec![change].into());
         let left = norm_squared(&below.residuals);
-        let found = comparison.from_other_strengths(&[comparison.score(below, None)]);
+        let found = comparison.at_other_strengths(&[comparison.score(below, None)]);
         let [one] = &found[..] else { panic!("{} pairs", found.len()) };
         assert_eq!(one.strengths[1], 9.0);
         assert!((one.strengths[0] - 6.0).abs() < 0.6, "{:?}", one.strengths);
@@ -172,6 +172,6 @@ mod tests {
         // From there nothing leaves less.
         let mut there = one.clone();
         there.features = Some(one.changes.clone());
-        assert!(comparison.from_other_strengths(&[comparison.score(there, None)]).is_empty());
+        assert!(comparison.at_other_strengths(&[comparison.score(there, None)]).is_empty());
     }
 }

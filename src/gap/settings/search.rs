@@ -99,7 +99,7 @@ settings! {
         /// Second effects that are fitted beside what the best one really leaves.
         seconds: usize = 3, "–", Chosen("each is one more re-fit");
         /// Factors on the strength of a pair's member from which the pair is fitted once more.
-        pair_factors: [f64; 4] = [1.0 / 3.0, 3.0, 9.0, 27.0], "–", Chosen("a threshold is met within a factor of two of \
+        pair_factors: [f64; 4] = [0.33, 3.0, 9.0, 27.0], "–", Chosen("a threshold is met within a factor of two of \
             one of them; each costs a simulation of every run");
         /// Places of an effect that are tried together at most.
         places: usize = 4, "–", Chosen("each further one is one more re-fit");
