@@ -185,7 +185,8 @@ impl Quantity {
 
     fn signed(&self, difference: f64) -> String {
         // A small difference has as many decimals as it takes to see it.
-        let digits = (self.decimals..9).find(|d| difference.abs() >= 0.5 * 0.1f64.powi(*d as i32)).unwrap_or(9);
+        let is_seen = |digits: &usize| fixed(difference.abs(), *digits).contains(|c| ('1'..='9').contains(&c));
+        let digits = (self.decimals..9).find(is_seen).unwrap_or(9);
         self.with_unit(format!("{}{}", sign(difference), fixed(difference.abs(), digits)))
     }
 
