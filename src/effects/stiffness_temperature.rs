@@ -54,13 +54,10 @@ fn act(strengths: &Strengths, simulation: &mut Simulation, deviations: &mut Devi
     }
 }
 
-/// How stiffness comes up in a run, where effects say that it does.
-pub fn warming(effects: &[DeclaredEffect]) -> Option<Warming> {
-    let of = |effect: &DeclaredEffect| {
-        let after = effect.strengths.get("after").copied().filter(|after| *after > 0.0)?;
-        Some(Warming { change: effect.strengths.get("change").copied().unwrap_or(0.0), after })
-    };
-    effects.iter().filter(|effect| effect.name == EFFECT.name()).find_map(of)
+/// How stiffness comes up in a run, where an effect says that it does.
+pub fn warming(effect: &DeclaredEffect) -> Option<Warming> {
+    let after = effect.strengths.get("after").copied().filter(|after| *after > 0.0 && effect.name == EFFECT.name())?;
+    Some(Warming { change: effect.strengths.get("change").copied().unwrap_or(0.0), after })
 }
 
 /// Effects with a stiffness that does not change in a run, but has a share of what its change comes to: for chains whose
@@ -68,7 +65,7 @@ pub fn warming(effects: &[DeclaredEffect]) -> Option<Warming> {
 pub fn at_rest(effects: &[DeclaredEffect], share: impl Fn(Warming) -> f64) -> Vec<DeclaredEffect> {
     let one = |effect: &DeclaredEffect| {
         let mut effect = effect.clone();
-        if let Some(warming) = warming(std::slice::from_ref(&effect)) {
+        if let Some(warming) = warming(&effect) {
             effect.strengths.remove("after");
             effect.strengths.insert("change".to_owned(), warming.change * share(warming));
         }

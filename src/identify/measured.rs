@@ -45,6 +45,16 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// The mean speed as it was measured, or else the nominal one, m/s.
+    pub fn speed(&self) -> f64 {
+        self.speed.map_or(self.nominal_speed, |(mean, _)| mean)
+    }
+
+    /// How long the run takes on a track of this length, s.
+    pub fn duration(&self, lap: f64) -> f64 {
+        self.laps * lap / self.speed()
+    }
+
     /// Places the samples of a run on the layout's track.
     ///
     /// # Errors

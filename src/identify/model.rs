@@ -65,10 +65,10 @@ impl Model {
         simulation.sensor.photocell_s_m = measured.nominal_trigger;
         let nominal = Parameter::ALL.map(|p| p.get(&simulation));
         let places = Arc::new(Places::new(&simulation));
-        let duration = measured.laps * places.lap / measured.speed.map_or(measured.nominal_speed, |s| s.0);
+        let duration = measured.duration(places.lap);
         simulation.effects = effects::stiffness_temperature::at_rest(&simulation.effects, |w| w.mean_share(duration));
         let pitch = places.lap / simulation.chain.carts as f64;
-        let passing = measured.speed.map_or(measured.nominal_speed, |s| s.0) / pitch;
+        let passing = measured.speed() / pitch;
         Model {
             nominal,
             bounds: Parameter::ALL.map(|p| p.bounds(nominal[p.index()])),

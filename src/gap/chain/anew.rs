@@ -39,7 +39,7 @@ impl Chains {
             self.candidates.iter().any(|candidate| candidate.effect == finding.name && !candidate.sensor)
         };
         // What comes up in a run is no part of a model whose carts are laps.
-        let steady = |effect: &DeclaredEffect| stiffness_temperature::warming(std::slice::from_ref(effect)).is_none();
+        let steady = |effect: &DeclaredEffect| stiffness_temperature::warming(effect).is_none();
         let about = best.iter().filter(of_machine).flat_map(|f| f.declared()).filter(steady);
         let about: Vec<DeclaredEffect> = about.collect();
         if about.is_empty() {

@@ -244,7 +244,7 @@ impl Chains {
         effects: Vec<input::DeclaredEffect>,
         sensor: bool,
     ) -> Option<Vec<f64>> {
-        if let Some(warming) = stiffness_temperature::warming(&effects) {
+        if let Some(warming) = effects.iter().find_map(stiffness_temperature::warming) {
             let (cold, warm) = [0.0, 1.0].map(|share| stiffness_temperature::at_rest(&effects, |_| share)).into();
             let alone = step.is_empty() && effects.len() == 1;
             let frame = &self.frames[run];

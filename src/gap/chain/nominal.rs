@@ -73,7 +73,7 @@ pub fn fitted_with(
     near: Option<&Known>,
 ) -> Result<(FittedRun, Known), String> {
     let (measured, mut model) = ready(subject, width)?;
-    let duration = measured.laps * model.spec.places.lap / measured.speed.map_or(measured.nominal_speed, |s| s.0);
+    let duration = measured.duration(model.spec.places.lap);
     model.simulation.effects.extend(stiffness_temperature::at_rest(effects, |warming| warming.mean_share(duration)));
     let (found, landing) = land(&mut model, &measured, near.map(|known| known.at), fit)?;
     Ok((of(model, landing, &measured, fit, settings), Known { at: found.at, noise: found.noise }))
@@ -85,7 +85,7 @@ fn ready(subject: &Subject, width: Width) -> Result<(Measured, Model), String> {
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let simulation = without_sensors_effects(&subject.simulation);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
-    let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
+    let speed = measured.speed();
     model.spec.set_orders(&orders(&simulation, speed));
     model.spec.local = true;
     Ok((measured, model))

@@ -69,7 +69,7 @@ impl MisplacedBy {
 pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Excess {
     let samples = measured.samples();
     let trigger = at[Parameter::TriggerPosition.index()];
-    let speed = measured.speed.map_or(measured.nominal_speed, |s| s.0);
+    let speed = measured.speed();
     let lap = Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts };
     Excess::new((samples.station, samples.forces), trigger, lap, (ensemble.rate, &ensemble.carts))
 }
@@ -139,7 +139,7 @@ impl Fitter<'_> {
     }
 
     fn lap(&self, model: &Model) -> Lap {
-        let speed = self.measured.speed.map_or(self.measured.nominal_speed, |s| s.0);
+        let speed = self.measured.speed();
         Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts }
     }
 
