@@ -1,7 +1,7 @@
 //! A comparison as text and as Markdown.
 
-use super::{Change, Comparison, Quantity, Straight};
-use crate::base::number::trimmed;
+use super::{Change, Comparison, Line, Quantity, Straight};
+use crate::base::number::{self, trimmed};
 use crate::solve::Status;
 use std::fmt::Write;
 
@@ -43,8 +43,7 @@ impl Comparison {
         if !self.lines.is_empty() {
             out += "\nwritten\n";
             for line in self.lines.iter().take(MOST) {
-                let within = if line.within.is_empty() { String::new() } else { format!("{}: ", line.within) };
-                let _ = writeln!(out, "  {} {within}{}", line.change.sign(), line.text);
+                let _ = writeln!(out, "  {}", line.shown());
             }
             out += &more(self.lines.len(), "  ");
         }
@@ -67,8 +66,7 @@ impl Comparison {
         if !self.lines.is_empty() {
             out += "\n**written**\n\n```diff\n";
             for line in self.lines.iter().take(MOST) {
-                let within = if line.within.is_empty() { String::new() } else { format!("{}: ", line.within) };
-                let _ = writeln!(out, "{} {within}{}", line.change.sign(), line.text.replace("```", "'''"));
+                let _ = writeln!(out, "{}", line.shown().replace("```", "'''"));
             }
             out += "```\n";
             out += &more(self.lines.len(), "\n");
@@ -169,12 +167,15 @@ impl Comparison {
     }
 }
 
-impl Change {
-    fn sign(self) -> char {
-        match self {
+impl Line {
+    /// As a diff shows it.
+    fn shown(&self) -> String {
+        let sign = match self.change {
             Change::Removed => '-',
             Change::Added => '+',
-        }
+        };
+        let within = if self.within.is_empty() { String::new() } else { format!("{}: ", self.within) };
+        format!("{sign} {within}{}", self.text)
     }
 }
 
@@ -203,14 +204,9 @@ fn percent(share: f64) -> String {
     format!(" ({}{} %)", sign(share), trimmed(100.0 * share.abs(), 2))
 }
 
-/// A number with as many decimals, −0 as 0.
+/// With so many decimals, and a minus sign that is as wide as a plus.
 fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
-        Some(rest) => format!("−{rest}"),
-        None => text,
-    }
+    number::fixed(value, decimals).replace('-', "−")
 }
 
 fn more(count: usize, before: &str) -> String {
