@@ -10,7 +10,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
 use crate::semantics::{self, analyse};
 use crate::solve::{self, Options, unsupported};
-use crate::source::{FileId, Loader, SourceMap, input, revision, root, shown};
+use crate::source::{FileId, Loader, SourceMap, input, one_line, revision, root, shown};
 use std::path::Path;
 
 /// A checked layout, its sources, and what was said of it so far.
@@ -60,8 +60,9 @@ pub fn read_revision(file: &Path, revision: &str, name: Option<&str>, format: Me
     };
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
     let mut sources = SourceMap::default();
-    let shown = format!("{revision}:{}", shown(file));
-    match Loader::memory(&mut sources, &files) {
+    let label = format!("{}:", one_line(revision));
+    let shown = format!("{label}{}", shown(file));
+    match Loader::labelled(&mut sources, &files, &label) {
         Ok((mut loader, main)) => with_vertices(analysed(sources, &mut loader, main, name, format)?, format),
         Err(why) => match semantics::unreadable(&mut sources, &why, &shown) {
             Some(diagnostic) => Err(tell(&sources, &[diagnostic], format)),

@@ -55,7 +55,7 @@ pub type Overlay = BTreeMap<PathBuf, String>;
 #[derive(Clone, Debug)]
 enum Origin {
     Disk { root: Root, overlay: Arc<Overlay> },
-    Memory { files: BTreeMap<String, Vec<u8>> },
+    Memory { files: BTreeMap<String, Vec<u8>>, label: String },
 }
 
 /// Reads files into a [`SourceMap`], each once.
@@ -105,10 +105,19 @@ impl Loader {
 
     /// Takes files from memory, by their paths relative to a root. The first one is the main file.
     pub fn memory(sources: &mut SourceMap, files: &[(&str, &[u8])]) -> Result<(Loader, FileId), LoadError> {
+        Loader::labelled(sources, files, "")
+    }
+
+    /// The same, with what their names begin with in messages: `main:` of a revision.
+    pub fn labelled(
+        sources: &mut SourceMap,
+        files: &[(&str, &[u8])],
+        label: &str,
+    ) -> Result<(Loader, FileId), LoadError> {
         let main = files.first().map_or("main.lss", |(name, _)| *name);
         let files = files.iter().map(|(name, bytes)| (name.to_string(), bytes.to_vec())).collect();
-        let mut loader = Loader::new(Origin::Memory { files });
-        let id = loader.read(sources, PathBuf::from(main), main.to_string())?;
+        let mut loader = Loader::new(Origin::Memory { files, label: label.to_owned() });
+        let id = loader.read(sources, PathBuf::from(main), format!("{label}{main}"))?;
         Ok((loader, id))
     }
 
@@ -139,7 +148,11 @@ impl Loader {
             },
         };
         let beside = Path::new(&sources.file(importer).name).parent().map(|f| f.join(path));
-        let name = beside.map_or_else(|| path.to_string(), |p| shorten(&p).to_string_lossy().into_owned());
+        let beside = beside.map_or_else(|| path.to_string(), |p| shorten(&p).to_string_lossy().into_owned());
+        let name = match &self.origin {
+            Origin::Memory { label, .. } if !label.is_empty() => format!("{label}{}", place.to_string_lossy()),
+            _ => beside,
+        };
         self.read(sources, place, name)
     }
 
@@ -159,7 +172,7 @@ impl Loader {
                 Some(text) => return Err(LoadError::TooLarge(text.len() as u64)),
                 None => input::read(&place, SIZE_LIMIT)?,
             },
-            Origin::Memory { files } => files
+            Origin::Memory { files, .. } => files
                 .get(place.to_string_lossy().as_ref())
                 .cloned()
                 .ok_or_else(|| LoadError::Unreadable("no such file".into()))?,

@@ -120,6 +120,11 @@ fn what_is_not_there_is_said() {
         assert!(said.contains(expected), "{said}");
     };
     says(&["new.lss", "--git", "HEAD"], &plant, 1, "HEAD has no plant/new.lss");
+    // What is wrong in the revision is told there, not in the file as it is.
+    fs::write(plant.join("parts/size.lss"), "let band = 1.2\n").expect("written");
+    assert!(git(folder.path(), &["commit", "-q", "-a", "-m", "two"]));
+    fs::write(plant.join("parts/size.lss"), "let band = 1.2 m\n").expect("written");
+    says(&["ring.lss", "--git", "HEAD"], &plant, 1, "[HEAD:plant/");
     says(&["ring.lss", "--git", "v1.0"], &plant, 2, "no revision v1.0");
     says(&["ring.lss", "--git", "--output=x"], &plant, 2, "");
     assert!(!plant.join("x").exists(), "a revision is no option");
