@@ -2,46 +2,19 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+#[path = "common/large.rs"]
+mod large;
+
 use divan::{Bencher, black_box};
+use large::large;
 use lss::editor::Server;
 use serde_json::{Value, json};
 use std::cell::RefCell;
-use std::fmt::Write;
 use std::rc::Rc;
 use std::sync::mpsc::channel;
 
 fn main() {
     divan::main();
-}
-
-/// 1,000 lines: values, a comb of 40 vertices, obstacles and requirements, with comments.
-fn layout() -> String {
-    let mut text = String::from("use std.carts.tilt_tray\nuse std.tracks.thesis\n");
-    for i in 0..400 {
-        let _ = writeln!(text, "let aisle_{i} = {} * 1.2 m + {i} mm // between racks", i % 7 + 1);
-    }
-    text += "layout large {\n  catalog thesis\n  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n";
-    let teeth = 9;
-    for i in 0..teeth {
-        let x = 40.0 * f64::from(i);
-        for (k, (dx, y)) in [(0.0, 0.0), (12.0, 0.0), (12.0, 30.0), (28.0, 30.0)].into_iter().enumerate() {
-            let _ = writeln!(text, "  vertex P{i}_{k} ({} m, {} m) radius 4 m", x + dx, 100.0 - y);
-        }
-    }
-    let end = 40.0 * f64::from(teeth);
-    let _ = writeln!(text, "  vertex E0 ({end} m, 100 m) radius 4 m\n  vertex E1 ({end} m, 200 m) radius 4 m");
-    text += "  vertex E2 (-40 m, 200 m) radius 4 m\n  vertex E3 (-40 m, 112 m) radius 4 m\n";
-    for i in 0..258 {
-        let _ = writeln!(text, "  // rack {i}");
-        let x = 1.5 * f64::from(i);
-        let (a, b) = (format!("{x} m"), format!("{} m", x + 1.0));
-        let _ = writeln!(text, "  obstacle rack_{i} [({a}, 150 m), ({b}, 150 m), ({b}, 151 m), ({a}, 151 m)]");
-    }
-    for i in 0..36 {
-        let _ = writeln!(text, "  require radius(P{}_{}) <= 8 m \"row {i}\"", i / 4, i % 4);
-    }
-    text += "  optimise length\n}\n";
-    text
 }
 
 /// A server with the layout open, and how many diagnostics it has published.
@@ -92,7 +65,7 @@ impl Session {
 
 #[divan::bench]
 fn edit_to_diagnostics(bencher: Bencher) {
-    let text = layout();
+    let text = large(400, 9, 258, 36);
     eprintln!("{} lines, {} bytes", text.lines().count(), text.len());
     let mut session = Session::new(&text);
     let mut bare = false;

@@ -58,7 +58,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// A server that has not heard of its client. `events` is where its own thread reports to.
+    /// A server whose client has sent nothing yet. `events` is where its own thread reports to.
     pub fn new(events: Sender<Event>, send: Box<dyn FnMut(Message)>) -> Server {
         let client = Client::new(&lsp::InitializeParams::default());
         Server {
