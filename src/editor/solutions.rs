@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 use crate::model::{self, Layout};
 use crate::route;
 use crate::solve::{self, Options, Status, Stop, unsupported};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -119,10 +119,10 @@ impl Solutions {
                 continue;
             }
             entry.key.clone_from(&key);
-            self.ended.store(true, Ordering::Relaxed);
             let job = Job { place: place.to_owned(), checked: checked.clone(), index, key, limit: self.limit };
             // The thread lives as long as the queue does.
             let _ = self.jobs.send(job);
+            self.ended.store(true, Ordering::Relaxed);
         }
     }
 
@@ -167,30 +167,32 @@ impl Solutions {
 }
 
 fn work(queue: &Receiver<Job>, ended: &'static AtomicBool, done: impl Fn(Outcome)) {
-    while let Ok(first) = queue.recv() {
-        // The last one asked for a layout is the one that counts.
-        let mut jobs = vec![first];
-        jobs.extend(queue.try_iter());
+    let mut waiting: VecDeque<Job> = VecDeque::new();
+    loop {
+        if waiting.is_empty() {
+            let Ok(first) = queue.recv() else { return };
+            waiting.push_back(first);
+        }
         ended.store(false, Ordering::Relaxed);
-        let mut newest: Vec<Job> = Vec::new();
-        for job in jobs {
-            newest.retain(|other| (&other.place, other.index) != (&job.place, job.index));
-            newest.push(job);
+        for job in queue.try_iter() {
+            // The last one asked for a layout is the one that counts.
+            waiting.retain(|other| (&other.place, other.index) != (&job.place, job.index));
+            waiting.push_back(job);
         }
-        for job in newest {
-            let Some(study) = &job.checked.study else { continue };
-            let Some(layout) = study.analysis.layouts.get(job.index) else { continue };
-            let begun = Instant::now();
-            let stop = Stop::after_or(job.limit, ended);
-            let (result, said) = solved(layout, stop);
-            if ended.load(Ordering::Relaxed) && stop.cut().is_some() {
-                // Ended for a newer one, which is in the queue.
-                continue;
-            }
-            let (place, name, key) = (job.place, layout.name.clone(), job.key);
-            let seconds = begun.elapsed().as_secs_f64();
-            done(Outcome { place, name, key, checked: job.checked.clone(), result, said, seconds });
+        let Some(job) = waiting.pop_front() else { continue };
+        let Some(study) = &job.checked.study else { continue };
+        let Some(layout) = study.analysis.layouts.get(job.index) else { continue };
+        let begun = Instant::now();
+        let stop = Stop::after_or(job.limit, ended);
+        let (result, said) = solved(layout, stop);
+        if ended.load(Ordering::Relaxed) && stop.cut().is_some() {
+            // Ended for another one, which may be a newer state of this layout, or not.
+            waiting.push_back(job);
+            continue;
         }
+        let (place, name, key) = (job.place, layout.name.clone(), job.key);
+        let seconds = begun.elapsed().as_secs_f64();
+        done(Outcome { place, name, key, checked: job.checked.clone(), result, said, seconds });
     }
 }
 

@@ -121,6 +121,25 @@ fn a_layout_is_solved_in_the_background() {
     assert_eq!(client.shut_down(), (Some(0), String::new()));
 }
 
+/// Asking for one layout ends the search for another, which is begun again.
+#[test]
+fn every_layout_of_a_file_is_solved() {
+    let (_folder, root) = project(&[]);
+    let path = root.join("both.lss");
+    let one = include_str!("../../../examples/thesis10.lss");
+    let (head, layout) = one.split_at(one.find("layout thesis10").expect("a layout"));
+    let text = format!("{head}{layout}\n{}", layout.replace("layout thesis10", "layout other"));
+    let mut client = Client::new();
+    client.open(&path, &text);
+    client.wait("workspace/inlayHint/refresh");
+    client.wait("workspace/inlayHint/refresh");
+    for name in ["thesis10 {", "other {"] {
+        let said = client.hover(&path, position(&text, name, 0));
+        assert!(said.contains("as solved: 159.514 m"), "{said}");
+    }
+    assert_eq!(client.shut_down(), (Some(0), String::new()));
+}
+
 #[test]
 fn what_cannot_be_built_is_said_after_a_pause() {
     let (_folder, root) = project(&[]);
