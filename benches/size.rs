@@ -48,7 +48,7 @@ fn main() {
         let grid = arguments.iter().any(|a| a == "--grid");
         let stages = match grid {
             true => solve(&layout, &Options::default(), &|_| {}),
-            false => solve_with(&layout, &Options::default(), |_, _, s, _, _| s.clone().into(), &|_| {}),
+            false => solve_with(&layout, &Options::default(), |_, _, s, _, _, _| s.clone().into(), &|_| {}),
         };
         let seconds = clock.elapsed().as_secs_f64();
         if let Some(folder) = after("--nl") {

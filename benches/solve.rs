@@ -35,7 +35,7 @@ fn beside_complex() {
     println!("solver   stage   length m   violation m  iterations or evaluations   seconds");
     for (name, solver) in [("sqp", Solver::Sqp), ("complex", Solver::Complex)] {
         let options = Options { solver, threads: 1, ..Options::default() };
-        for s in solve_with(&thesis10(), &options, |_, _, s, _, _| s.clone().into(), &|_| {}).iter().take(2) {
+        for s in solve_with(&thesis10(), &options, |_, _, s, _, _, _| s.clone().into(), &|_| {}).iter().take(2) {
             println!(
                 "{name:<8} {} {:>10.5} {:>12.1e} {:>12} {:>22.4}",
                 s.name, s.length, s.max_violation, s.iterations, s.seconds
@@ -67,7 +67,8 @@ fn rough_starts() {
 /// How the continuous stages of combs of growing size end.
 fn by_size() {
     for n in [12, 20, 52, 100] {
-        for s in solve_with(&comb(n, 0), &Options::default(), |_, _, s, _, _| s.clone().into(), &|_| {}).iter().take(2)
+        for s in
+            solve_with(&comb(n, 0), &Options::default(), |_, _, s, _, _, _| s.clone().into(), &|_| {}).iter().take(2)
         {
             println!("comb of {n:>3}: {} {:.4} m, {:?} after {} iterations", s.name, s.length, s.status, s.iterations);
         }
@@ -107,11 +108,13 @@ fn thesis10_all_stages(bencher: Bencher) {
 #[divan::bench(args = [12, 20, 52, 100, 200], sample_count = 3, sample_size = 1)]
 fn stages_1_and_2_by_vertices(bencher: Bencher, n: usize) {
     let layout = comb(n, 0);
-    bencher.bench_local(|| solve_with(&layout, &Options::default(), |_, _, s, _, _| s.clone().into(), &|_| {}).len());
+    bencher
+        .bench_local(|| solve_with(&layout, &Options::default(), |_, _, s, _, _, _| s.clone().into(), &|_| {}).len());
 }
 
 #[divan::bench(args = [0, 10, 50], sample_count = 3, sample_size = 1)]
 fn stages_1_and_2_by_obstacles(bencher: Bencher, obstacles: usize) {
     let layout = comb(52, obstacles);
-    bencher.bench_local(|| solve_with(&layout, &Options::default(), |_, _, s, _, _| s.clone().into(), &|_| {}).len());
+    bencher
+        .bench_local(|| solve_with(&layout, &Options::default(), |_, _, s, _, _, _| s.clone().into(), &|_| {}).len());
 }

@@ -100,6 +100,15 @@ pub fn tick_labels(ticks: &[f64]) -> Vec<String> {
     ticks.iter().map(|t| fixed(*t, decimals)).collect()
 }
 
+/// Seconds in words.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{} s", fixed(s.max(1.0), 0)),
+        s if s < 5400.0 => format!("{} min", fixed(s / 60.0, 0)),
+        s => format!("{} h", fixed(s / 3600.0, 1)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,11 +2,11 @@
 
 use crate::solve::Stop;
 use std::num::NonZeroUsize;
-use std::sync::OnceLock;
+use std::sync::{OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 
 static THREADS: OnceLock<NonZeroUsize> = OnceLock::new();
-static STOP: OnceLock<Stop> = OnceLock::new();
+static STOP: RwLock<Stop> = RwLock::new(Stop::NEVER);
 
 /// Threads at most.
 const MOST: usize = 1024;
@@ -27,13 +27,13 @@ pub fn threads() -> usize {
 /// Takes what `--time-limit` says; the time runs from here on.
 pub fn set_time(limit: Option<Duration>) {
     if let Some(limit) = limit {
-        let _ = STOP.set(Stop::after(limit));
+        *STOP.write().unwrap_or_else(PoisonError::into_inner) = Stop::after(limit);
     }
 }
 
 /// When to stop.
 pub fn stop() -> Stop {
-    STOP.get().copied().unwrap_or(Stop::NEVER)
+    *STOP.read().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Words of `--threads`: `4`.

@@ -22,7 +22,7 @@ pub use write::text;
 use crate::base::{parallel, trig};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Goal, Layout};
-use crate::solve::{self, Effort, Options, Progress, Stage, Status};
+use crate::solve::{self, Effort, Options, Progress, Stage, Status, Tell};
 use bound::{Bounds, Places};
 use loops::{Loop, Maker};
 use plane::Plane;
@@ -69,7 +69,7 @@ pub struct Summary {
 }
 
 /// Finds a loop. `Err` says why there is none.
-pub fn find(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Result<Found, Vec<Diagnostic>> {
+pub fn find(layout: &Layout, options: &Options, watch: Tell) -> Result<Found, Vec<Diagnostic>> {
     let Some(route) = &layout.route else { return Err(Vec::new()) };
     let refused = refuse(layout);
     if !refused.is_empty() {
@@ -140,7 +140,7 @@ fn smallest_radius(layout: &Layout) -> f64 {
 struct Search<'a> {
     layout: &'a Layout,
     options: &'a Options,
-    watch: &'a (dyn Fn(Progress) + Sync),
+    watch: Tell<'a>,
     rounds: &'a [Round],
 }
 

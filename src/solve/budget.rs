@@ -6,7 +6,7 @@
 //! [`pareto`](super::pareto). Where it is length that is limited, a last search has the limit as a row, as layouts may
 //! lie between those that are best for some price.
 
-use super::{Certificate, Counted, Discretise, Options, Progress, Stage, Status, worth};
+use super::{Certificate, Counted, Discretise, Options, Stage, Status, Tell, worth};
 use crate::geometry::Track;
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Layout, Objective, Target, Unit};
 use crate::solve::stages::solve_in_stages;
@@ -70,13 +70,7 @@ impl Budget {
     }
 
     /// Solves in stages; the last stage has a certificate of the goal within the budget.
-    pub fn solve(
-        &self,
-        layout: &Layout,
-        options: &Options,
-        discretise: Discretise,
-        watch: &(dyn Fn(Progress) + Sync),
-    ) -> Vec<Stage> {
+    pub fn solve(&self, layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
         let seek = |layout: &Layout, weights: Weights| {
             let stages = solve_in_stages(&weighted(layout, weights), options, discretise, watch);
             measured(layout, stages)

@@ -269,7 +269,7 @@ mod tests {
     use crate::solve::{Discretise, Options, solve_with};
 
     fn continuous(layout: &Layout) -> Vec<Stage> {
-        let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+        let nothing: Discretise = |_, _, solution, _, _, _| solution.clone().into();
         solve_with(layout, &Options::default(), nothing, &|_| {})
     }
 

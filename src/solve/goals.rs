@@ -2,23 +2,18 @@
 //! go through.
 
 use super::budget::Budget;
-use super::options::{Discretise, Options, Progress};
+use super::options::{Discretise, Options, Tell};
 use super::{Stage, exact, polygon, stages};
 use crate::model::Layout;
 
 /// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last. A
 /// layout without vertices has no stages: `route::find` gives it vertices.
-pub fn solve(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
+pub fn solve(layout: &Layout, options: &Options, watch: Tell) -> Vec<Stage> {
     solve_with(layout, options, exact::discretise, watch)
 }
 
 /// The same with a discretisation of the caller's choice.
-pub fn solve_with(
-    layout: &Layout,
-    options: &Options,
-    discretise: Discretise,
-    watch: &(dyn Fn(Progress) + Sync),
-) -> Vec<Stage> {
+pub fn solve_with(layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
     if layout.vertices.is_empty() {
         return Vec::new();
     }

@@ -33,7 +33,7 @@ pub use exact::{discretise, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use goals::{solve, solve_with};
 pub use left_over::left_over;
-pub use options::{Discretise, Discretised, Effort, Options, Progress, Solver};
+pub use options::{Discretise, Discretised, Effort, Options, Progress, Solver, Tell};
 pub use outcome::{Stage, Status, Violation};
 pub use pareto::{Trade, objective, pareto};
 pub use report::{conflicts, diagnose, unclosed};

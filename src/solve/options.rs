@@ -36,18 +36,34 @@ impl Default for Options {
 }
 
 /// What a solve tells while it goes on.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    pub stage: &'static str,
-    pub iteration: usize,
-    /// m
-    pub length: f64,
-    /// m or rad
-    pub max_violation: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress {
+    /// A step of a continuous method.
+    Iteration {
+        stage: &'static str,
+        iteration: usize,
+        /// m
+        length: f64,
+        /// m or rad
+        max_violation: f64,
+    },
+    /// A node of the search on the catalogue's grid.
+    Node {
+        nodes: usize,
+        /// The search ends after so many.
+        most: usize,
+        /// No layout that is still open is better than the best known by more than this; `None` while that is not known.
+        gap: Option<f64>,
+        /// Of the gap: m or EUR.
+        unit: &'static str,
+    },
 }
 
+/// Takes what a solve tells while it goes on; any thread may tell.
+pub type Tell<'a> = &'a (dyn Fn(Progress) + Sync);
+
 /// Takes a continuous optimum to the catalogue's grid. Stages do not know which method does.
-pub type Discretise = fn(&Layout, &Problem, &Solution, &SqpSettings, &Effort) -> Discretised;
+pub type Discretise = fn(&Layout, &Problem, &Solution, &SqpSettings, &Effort, Tell) -> Discretised;
 
 /// A layout on the grid, with what was proven of it.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@
 //! both alike; what is best then lies below the line between them, or there is nothing (Aneja and Nair 1979). Layouts
 //! that are best for no price of a metre are not found this way.
 
-use super::{Certificate, Options, Progress, Stage, Status, solve, worth};
+use super::{Certificate, Options, Stage, Status, Tell, solve, worth};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout, Objective};
 
@@ -31,7 +31,7 @@ pub struct Trade {
 }
 
 /// Layouts from the shortest to the cheapest; empty where none is feasible. One alone is both.
-pub fn pareto(layout: &Layout, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Trade> {
+pub fn pareto(layout: &Layout, options: &Options, watch: Tell) -> Vec<Trade> {
     let seek = |metre: Option<f64>| trade(layout, metre, options, watch);
     let (Some(shortest), Some(cheapest)) = (seek(None), seek(Some(0.0))) else { return Vec::new() };
     let mut sought = 2;
@@ -69,7 +69,7 @@ pub fn objective(layout: &Layout, metre: Option<f64>) -> Objective {
     Objective { terms, within: None, span: layout.objective.span }
 }
 
-fn trade(layout: &Layout, metre: Option<f64>, options: &Options, watch: &(dyn Fn(Progress) + Sync)) -> Option<Trade> {
+fn trade(layout: &Layout, metre: Option<f64>, options: &Options, watch: Tell) -> Option<Trade> {
     let mut layout = layout.clone();
     layout.objective = objective(&layout, metre);
     let stages = solve(&layout, options, watch);

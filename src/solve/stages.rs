@@ -1,7 +1,7 @@
 //! The thesis' three stages (§3.3): shortest under user constraints and building, then with obstacles, then on the
 //! catalogue's grid.
 
-use super::options::{Discretise, Effort, Options, Progress, Solver};
+use super::options::{Discretise, Effort, Options, Progress, Solver, Tell};
 use super::sqp::{self, Solution, SqpSettings, Watch};
 use super::violations::{as_written, off_grid, stage};
 use super::{Stage, Status, complex, conflict, hopping};
@@ -12,12 +12,7 @@ use std::time::Instant;
 
 /// Solves a layout for length or cost; the last stage returned is the result. A stage that finds no feasible layout is
 /// the last.
-pub(super) fn solve_in_stages(
-    layout: &Layout,
-    options: &Options,
-    discretise: Discretise,
-    watch: &(dyn Fn(Progress) + Sync),
-) -> Vec<Stage> {
+pub(super) fn solve_in_stages(layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
     let mut stages = ways(layout, options, discretise, watch);
     if let Some(last) = stages.last_mut() {
         last.cut = options.stop.cut();
@@ -29,7 +24,7 @@ pub(super) fn solve_in_stages(
 }
 
 /// A solve for each way past the obstacles whose side is open.
-fn ways(layout: &Layout, options: &Options, discretise: Discretise, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Stage> {
+fn ways(layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
     let open: Vec<usize> = (0..layout.obstacles.len()).filter(|&i| layout.obstacles[i].side == Side::Either).collect();
     if open.is_empty() || layout.objective.terms.is_empty() {
         return one_way(layout, options, discretise, watch);
@@ -95,12 +90,7 @@ fn best_of(ways: Vec<Vec<Stage>>) -> Vec<Stage> {
 }
 
 /// Solves with the side of every obstacle chosen.
-fn one_way(
-    layout: &Layout,
-    options: &Options,
-    discretise: Discretise,
-    watch: &(dyn Fn(Progress) + Sync),
-) -> Vec<Stage> {
+fn one_way(layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
     let full = Problem::new(layout, Scope::Obstacles);
     if layout.objective.terms.is_empty() {
         return vec![as_written(&full)];
@@ -108,7 +98,7 @@ fn one_way(
     let settings = SqpSettings { stop: options.stop, ..SqpSettings::default() };
     let run = |stage: &'static str, problem: &Problem, start: &[f64]| {
         let tell: Watch = &|iteration, length, max_violation| {
-            watch(Progress { stage, iteration, length, max_violation });
+            watch(Progress::Iteration { stage, iteration, length, max_violation });
         };
         match options.solver {
             Solver::Sqp => sqp::minimise(problem, start, &settings, tell),
@@ -145,8 +135,9 @@ fn one_way(
     }
 
     let clock = Instant::now();
-    watch(Progress { stage: "stage3", iteration: 0, length: second.length, max_violation: second.max_violation });
-    let mut third = discretise(layout, &full, &second, &settings, &options.effort);
+    let (length, max_violation) = (second.length, second.max_violation);
+    watch(Progress::Iteration { stage: "stage3", iteration: 0, length, max_violation });
+    let mut third = discretise(layout, &full, &second, &settings, &options.effort, watch);
     let mut starts = 1;
     if third.is_open() && !options.stop.now() && options.solver == Solver::Sqp {
         // Only what is shorter than the layout on the grid leads to a shorter one there.
@@ -158,7 +149,7 @@ fn one_way(
         let effort = Effort { nodes: options.effort.nodes / (1 + others.len()), ..options.effort };
         starts += hopping::hops(&full);
         for other in others {
-            third = third.or(discretise(layout, &full, &other, &settings, &effort), settings.feasibility);
+            third = third.or(discretise(layout, &full, &other, &settings, &effort, watch), settings.feasibility);
         }
     }
     let mut last = stage("stage3", &full, &third.solution, &settings, clock);
@@ -261,7 +252,7 @@ mod tests {
         let mut reached = [0; 2];
         for seed in 1..=20 {
             let options = Options { perturb: Some((1.5, seed)), ..Options::default() };
-            let nothing: Discretise = |_, _, s, _, _| s.clone().into();
+            let nothing: Discretise = |_, _, s, _, _, _| s.clone().into();
             let stages = solve_with(&layout, &options, nothing, &quiet);
             for (k, best) in [157.19840, 159.24619].into_iter().enumerate() {
                 let good = |s: &Stage| (s.length - best).abs() < 1e-5 && s.max_violation <= 1e-6;
@@ -341,7 +332,7 @@ mod tests {
     #[test]
     fn the_complex_method_shortens_the_track_too() {
         let options = Options { solver: Solver::Complex, ..Options::default() };
-        let nothing: Discretise = |_, _, s, _, _| s.clone().into();
+        let nothing: Discretise = |_, _, s, _, _, _| s.clone().into();
         let stages = solve_with(&thesis10(), &options, nothing, &quiet);
         println!(
             "{:?}",

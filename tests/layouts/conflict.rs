@@ -34,7 +34,7 @@ fn check(text: &str) -> (SourceMap, Layout) {
 }
 
 fn continuous(layout: &Layout) -> Vec<Stage> {
-    let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+    let nothing: Discretise = |_, _, solution, _, _, _| solution.clone().into();
     let mut stages = solve::solve_with(layout, &Options::default(), nothing, &|_| {});
     stages.truncate(2);
     stages

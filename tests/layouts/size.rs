@@ -10,7 +10,7 @@ use lss::solve::{Effort, Options, Stage, Status, solve, solve_with};
 
 /// Stages 1 and 2.
 fn continuous(layout: &Layout) -> Vec<Stage> {
-    let mut stages = solve_with(layout, &Options::default(), |_, _, s, _, _| s.clone().into(), &|_| {});
+    let mut stages = solve_with(layout, &Options::default(), |_, _, s, _, _, _| s.clone().into(), &|_| {});
     stages.truncate(2);
     stages
 }

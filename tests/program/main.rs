@@ -4,6 +4,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+mod build;
 mod cli;
 mod crash;
 mod determinism;

@@ -3,9 +3,9 @@
 mod routed;
 mod summary;
 
-use super::progress::ProgressLine;
+use super::progress::Solving;
 use super::read::{Read, read_any, tell};
-use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
+use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, report};
 use crate::cli::read::loose;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
@@ -22,17 +22,21 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use summary::Summary;
 
-/// Optimise a layout and write its elements, drawings and simulation input.
+/// Optimise layouts and write their elements, drawings and simulation inputs.
 ///
 /// Writes layout.json, simulation.json, bom.csv, bom.json, drawing.svg, drawing.png and drawing.dxf, all of them or
 /// none. When no layout meets the constraints, the best one found is written, marked as not feasible, and the exit code
-/// is 1.
+/// is 1. Of several files each is built, whatever becomes of the others, and the exit code is the worst.
 #[derive(Debug, clap::Args)]
 pub struct Build {
-    /// Layout file.
-    file: PathBuf,
-    /// Folder for the outputs; created if it is missing.
-    #[arg(short, long, value_name = "DIR", required_unless_present = "emit")]
+    /// Layout files.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Folder for the outputs, out/NAME when not given, NAME being the file's; created if it is missing. Of several
+    /// files each has a folder of its name in it.
+    ///
+    /// With --emit only what it prints is made unless a folder is given; `nl` and `mps` are files in any case.
+    #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Which layout, when the file has several.
     #[arg(long, value_name = "NAME")]
@@ -50,7 +54,7 @@ pub struct Build {
     #[arg(long)]
     stages: bool,
     /// Write the drawing as PDF, too: drawing.pdf, on a page of the sheet's size; with --stages also stages.pdf.
-    #[arg(long, requires = "output")]
+    #[arg(long)]
     pdf: bool,
     /// Solver of the continuous stages.
     #[arg(long, value_enum, default_value_t)]
@@ -67,7 +71,8 @@ pub struct Build {
     /// Most nodes of that search; then the best layout found is returned with the gap that is left.
     #[arg(long, value_name = "N", default_value_t = Effort::default().nodes as u64)]
     nodes: u64,
-    /// End after this time (30, 30s, 2min) with the best layout so far, and with what is proven of it.
+    /// End after this time (30, 30s, 2min) with the best layout so far, and with what is proven of it. Of several files
+    /// each has so much.
     #[arg(long, value_name = "TIME", value_parser = limits::time)]
     time_limit: Option<Duration>,
 }
@@ -99,12 +104,31 @@ enum SolverName {
 
 impl Build {
     pub fn run(&self) -> Outcome {
-        limits::set_time(self.time_limit);
-        let Read { sources, layout, mut said, .. } =
-            match read_any(&self.file, self.layout.as_deref(), self.message_format) {
-                Ok(read) => read,
-                Err(outcome) => return outcome,
+        let names = layouts::names(self.files.iter().map(PathBuf::as_path), "");
+        let mut worst = Outcome::Clean;
+        for (file, name) in self.files.iter().filter_map(|file| names.get_key_value(file)) {
+            let folder = match (&self.output, self.emit) {
+                (Some(folder), _) if self.files.len() > 1 => Some(folder.join(name)),
+                (Some(folder), _) => Some(folder.clone()),
+                (None, Some(Emit::Model | Emit::Problem | Emit::Freedom | Emit::Pareto))
+                    if !self.pdf && !self.stages =>
+                {
+                    None
+                }
+                (None, _) => Some(Path::new("out").join(name)),
             };
+            worst = worst.max(self.build(file, folder.as_deref()));
+        }
+        worst
+    }
+
+    /// Builds one file, into a folder if there is one.
+    fn build(&self, file: &Path, output: Option<&Path>) -> Outcome {
+        limits::set_time(self.time_limit);
+        let Read { sources, layout, mut said, .. } = match read_any(file, self.layout.as_deref(), self.message_format) {
+            Ok(read) => read,
+            Err(outcome) => return outcome,
+        };
         let layout = &layout;
         if self.emit == Some(Emit::Model) {
             report::print(&model::print(layout));
@@ -131,13 +155,9 @@ impl Build {
             report::print(&problem::print(&Problem::new(layout, Scope::Obstacles), &sources));
             return tell(&sources, &said, self.message_format);
         }
-        if matches!(self.emit, Some(Emit::Nl | Emit::Mps)) && self.output.is_none() {
-            report::error("--emit nl and --emit mps write files: say where with -o DIR");
-            return Outcome::CouldNotRun;
-        }
         let (compiled, routed) = match layout.route {
             None => (self.solve(layout), None),
-            Some(_) => match Routed::find(&sources, layout, &routed::options(self.options())) {
+            Some(_) => match Routed::find(&sources, layout, &routed::options(self.options()), self.message_format) {
                 Ok(found) => (found.compiled.clone(), Some(found)),
                 Err(why) => {
                     said.extend(why);
@@ -161,18 +181,18 @@ impl Build {
         let new = |d: &Diagnostic| !said.iter().any(|s| s.label.span == d.label.span && !s.is_error());
         let lacking: Vec<Diagnostic> = lacking.into_iter().filter(new).collect();
         said.extend(lacking);
-        if self.output.is_some() && !compiled.failed() {
+        if output.is_some() && !compiled.failed() {
             said.extend(solve::implied(&compiled.layout, &compiled.stages));
         }
         let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed())
             .then(|| emit::freedom::Table::new(&compiled, &sources));
         let pareto = (self.emit == Some(Emit::Pareto) && !compiled.failed()).then(|| {
-            let line = ProgressLine::new();
+            let line = Solving::new(self.message_format);
             let trades = solve::pareto(layout, &self.options(), &|progress| line.show(progress));
             line.finish();
             Pareto::new(layout, &trades)
         });
-        if let Some(folder) = &self.output {
+        if let Some(folder) = output {
             let files = self.files(&compiled, freedom.as_ref()).map(|mut files| {
                 files.extend(pareto.iter().map(Pareto::file));
                 if let Some(text) = routed.as_ref().and_then(|r| r.text.clone()) {
@@ -182,7 +202,7 @@ impl Build {
             });
             let files = match files {
                 Ok(files) => files,
-                Err(why) => return could_not("draw", &self.file, why),
+                Err(why) => return could_not("draw", file, why),
             };
             told_of(&inspect(folder, SET), folder);
             if let Err(error) = files.write_set(folder, SET) {
@@ -191,7 +211,7 @@ impl Build {
         }
         match &freedom {
             Some(table) if self.format == OutputFormat::Text => report::print(&table.text),
-            _ => self.summarise(&compiled, pareto.as_ref(), routed.as_ref()),
+            _ => self.summarise(&compiled, pareto.as_ref(), routed.as_ref(), output),
         }
         if let (Some(pareto), OutputFormat::Text) = (&pareto, self.format) {
             report::print(&pareto.text());
@@ -213,7 +233,7 @@ impl Build {
     }
 
     fn solve(&self, layout: &Layout) -> Compiled {
-        let line = ProgressLine::new();
+        let line = Solving::new(self.message_format);
         let stages = solve::solve(layout, &self.options(), &|progress| line.show(progress));
         line.finish();
         Compiled::new(layout.clone(), stages)
@@ -240,11 +260,11 @@ impl Build {
         Ok(files)
     }
 
-    fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>, routed: Option<&Routed>) {
+    fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>, routed: Option<&Routed>, output: Option<&Path>) {
         let summary = Summary::new(compiled, pareto, routed);
         let text = match self.format {
             OutputFormat::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
-            OutputFormat::Text => summary.text(compiled.raised(), self.output.as_deref()),
+            OutputFormat::Text => summary.text(compiled.raised(), output),
         };
         report::print(&text);
     }

@@ -1,8 +1,9 @@
 //! What `lss build` does and says of a layout that asks for a route.
 
 use crate::base::number::trimmed;
+use crate::cli::MessageFormat;
 use crate::cli::limits;
-use crate::cli::progress::ProgressLine;
+use crate::cli::progress::Solving;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::model::Layout;
@@ -41,8 +42,13 @@ const ASSUMED: [&str; 2] = [
 ];
 
 impl Routed {
-    pub fn find(sources: &SourceMap, layout: &Layout, options: &Options) -> Result<Routed, Vec<Diagnostic>> {
-        let line = ProgressLine::new();
+    pub fn find(
+        sources: &SourceMap,
+        layout: &Layout,
+        options: &Options,
+        format: MessageFormat,
+    ) -> Result<Routed, Vec<Diagnostic>> {
+        let line = Solving::new(format);
         let found = route::find(layout, options, &|progress| line.show(progress));
         line.finish();
         let route::Found { layout: with_vertices, stages, summary } = found?;

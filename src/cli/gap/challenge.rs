@@ -4,12 +4,11 @@ use crate::base::json::to_json;
 use crate::benchmark::answering::{AnsweringStep, Before, answer, child, facts, score_folder};
 use crate::benchmark::generate::{Order, generate};
 use crate::benchmark::{CaseKind, table};
+use crate::cli::progress::Line;
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::source::disk::Files;
-use crate::source::{one_line, shown};
+use crate::source::shown;
 use clap::{Subcommand, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::path::PathBuf;
 
 /// Test the diagnosis on campaigns whose effects are withheld.
@@ -98,15 +97,11 @@ impl New {
             given => given.and_then(Result::ok),
         };
         let order = Order { cases: self.cases as usize, seed: self.seed, only, layout, threads };
-        let bar = progress(order.cases);
+        let line = Line::steps(order.cases as u64, "cases");
         let made = generate(&order, &self.output, &|done| {
-            if let Some(bar) = &bar {
-                bar.set_position(done as u64);
-            }
+            line.at(done as u64, || "made".into());
         });
-        if let Some(bar) = &bar {
-            bar.finish_and_clear();
-        }
+        line.finish();
         match made {
             Ok(facts) => {
                 report::print(&format!("{} cases in {}\n", facts.cases.len(), shown(&self.output)));
@@ -124,22 +119,14 @@ impl Score {
             Ok(facts) => facts.cases.len(),
             Err(why) => return could_not("read the challenge", &self.folder, why),
         };
-        let bar = progress(cases);
+        let line = Line::steps(cases as u64, "cases");
         let mut watch = |step: AnsweringStep| {
-            match &bar {
-                Some(bar) => {
-                    bar.set_position(step.number as u64);
-                    bar.set_message(one_line(step.case).into_owned());
-                }
-                None if step.before != Before::Kept => {
-                    report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
-                }
-                None => {}
+            if line.moves() {
+                line.at(step.number as u64, || step.case.to_owned());
+            } else if step.before != Before::Kept {
+                report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
             }
-            let say = |why: &str| match &bar {
-                Some(bar) => bar.suspend(|| report::warning(&format!("{}: {why}", step.case))),
-                None => report::warning(&format!("{}: {why}", step.case)),
-            };
+            let say = |why: &str| line.warning(&format!("{}: {why}", step.case));
             match step.before {
                 Before::Nothing | Before::Kept => {}
                 Before::OfOthers => say("its answer is of another version of lss or other files, and is asked anew"),
@@ -150,9 +137,7 @@ impl Score {
             true
         };
         let answered = answer(&self.folder, crate::base::program(), &child, &mut watch);
-        if let Some(bar) = &bar {
-            bar.finish_and_clear();
-        }
+        line.finish();
         match answered {
             Ok(hash) => report::note(&format!("answers SHA-256 {hash}")),
             Err(why) => return could_not("answer the challenge", &self.folder, why),
@@ -178,15 +163,4 @@ impl Score {
         }
         Outcome::Clean
     }
-}
-
-/// A bar where somebody looks.
-fn progress(cases: usize) -> Option<ProgressBar> {
-    if !std::io::stderr().is_terminal() {
-        return None;
-    }
-    let style = ProgressStyle::with_template("[{bar:24}] {pos} of {len} cases {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
-        .progress_chars("=> ");
-    Some(ProgressBar::new(cases as u64).with_style(style))
 }

@@ -3,9 +3,11 @@
 use super::model::Model;
 use super::{apply, text};
 use crate::base::json;
+use crate::base::number::duration;
 use crate::chain_input::Track;
 use crate::cli::cases::{Case, cases};
-use crate::cli::{Outcome, OutputFormat, could_not, report};
+use crate::cli::progress::Line;
+use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, report};
 use crate::dynamics::Width;
 use crate::effects::is_of_machine;
 use crate::emit::Files;
@@ -16,12 +18,11 @@ use crate::gap::{
     diagnose_and_explain,
 };
 use crate::identify::study::Subject;
-use crate::source::{one_line, shown};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::source::shown;
 use std::collections::BTreeSet;
-use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Simulations of a diagnosis that was stopped, in the folder of its outputs.
 const PARTIAL: &str = "gap.partial";
@@ -97,7 +98,7 @@ impl Diagnose {
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
         let line = bar.line.clone();
-        let tell = |run: &str| line.say(&format!("fitted {run}"));
+        let tell = |run: &str| line.say(|| format!("fitted {run}"));
         let mut chains = match Chains::new(&subjects, &Settings::default(), self.seed, threads(), Width::used(), &tell)
         {
             Ok(chains) => chains,
@@ -296,64 +297,45 @@ struct Answer {
     cost: Cost,
 }
 
-/// How far a diagnosis is, told on the terminal.
+/// How far a diagnosis is, and what it costs.
 struct Progress {
-    line: Line,
+    line: Arc<Line>,
     costs: Costs,
     begin: Instant,
     /// Simulations that are thought to be needed, where that is known.
     expected: Option<u64>,
-}
-
-/// A line on the terminal, if there is one.
-#[derive(Clone)]
-struct Line(Option<ProgressBar>);
-
-impl Line {
-    fn new() -> Self {
-        Line(std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
-            let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        }))
-    }
-
-    fn say(&self, what: &str) {
-        if let Some(bar) = &self.0 {
-            if bar.is_finished() {
-                bar.reset();
-            }
-            bar.set_message(one_line(what).into_owned());
-        }
-    }
-
-    fn clear(&self) {
-        if let Some(bar) = &self.0 {
-            bar.finish_and_clear();
-        }
-    }
+    /// The stage that is counted, and when it began.
+    stage: (&'static str, Instant),
 }
 
 impl Progress {
     fn new() -> Self {
-        Progress { line: Line::new(), costs: Costs::new("nominal_fits"), begin: Instant::now(), expected: None }
+        let begin = Instant::now();
+        let line = Arc::new(Line::open(MessageFormat::Text));
+        Progress { line, costs: Costs::new("nominal_fits"), begin, expected: None, stage: ("", begin) }
     }
 
     fn say(&self, what: &str) {
-        self.line.say(what);
+        self.line.say(|| what.to_owned());
     }
 
     fn clear(&self) {
-        self.line.clear();
+        self.line.finish();
     }
 
-    /// What is left of the time, as far as it went.
-    fn left(&self, simulations: u64) -> String {
-        match self.expected {
-            Some(expected) if simulations > 0 && expected > simulations => {
+    /// What is left of the time: of all, where the number of simulations is known, else of a stage whose steps are.
+    fn left(&mut self, stage: &Stage, simulations: u64) -> String {
+        if self.stage.0 != stage.name() {
+            self.stage = (stage.name(), Instant::now());
+        }
+        let about = |seconds: f64, of: &str| format!(", about {} left{of}", duration(seconds));
+        match (self.expected, stage) {
+            (Some(expected), _) if simulations > 0 && expected > simulations => {
                 let each = self.begin.elapsed().as_secs_f64() / simulations as f64;
-                format!(", about {} left", outside::duration(each * (expected - simulations) as f64))
+                about(each * (expected - simulations) as f64, "")
+            }
+            (None, Stage::Screening { done, of } | Stage::Relinearising { done, of }) if *done > 0 && done < of => {
+                about(self.stage.1.elapsed().as_secs_f64() / *done as f64 * (of - done) as f64, " of this step")
             }
             _ => String::new(),
         }
@@ -365,7 +347,7 @@ impl Progress {
         costs.enter("nominal_fits", model.effort());
         let (found, explained) = diagnose_and_explain(model, settings, &mut |stage| {
             costs.enter(stage.name(), model.effort());
-            let left = self.left(model.effort().simulations);
+            let left = self.left(&stage, model.effort().simulations);
             match stage {
                 Stage::Screening { done, of } => {
                     self.say(&format!("screening effects: {done} of {of} strengths{left}"))

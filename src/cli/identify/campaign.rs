@@ -6,6 +6,7 @@ use crate::base::{json, parallel};
 use crate::chain_input::ContactLaw;
 use crate::cli::cases::{Case, cases};
 use crate::cli::identify::reports::law_name;
+use crate::cli::progress::Line;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, report};
 use crate::dynamics::Width;
 use crate::emit::Files;
@@ -14,10 +15,8 @@ use crate::identify::share::{Shared, combine};
 use crate::identify::study::{self, RunFit, carry, fit_run};
 use crate::identify::{FitSettings, Measured, Model, Parameter};
 use crate::report::identification;
-use crate::source::{SIZE_LIMIT, one_line, root, shown};
+use crate::source::{SIZE_LIMIT, root, shown};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -90,16 +89,16 @@ impl Campaign {
             return self.tell(&cases, &settings, threads, broken);
         }
         let trusted =
-            Work { output, law: self.law.0[0], settings, first: None, bar: None, trusted: true }.confirmed(&cases);
+            Work { output, law: self.law.0[0], settings, first: None, line: None, trusted: true }.confirmed(&cases);
         if !trusted {
             report::warning("a fit that was kept here comes out otherwise now: all fits are made anew");
         }
-        let bar = progress(cases.len() * self.law.0.len());
+        let line = Line::steps((cases.len() * self.law.0.len()) as u64, "fits");
         let mut done: Vec<(ContactLaw, Vec<RunFit>, Vec<Shared>)> = Vec::new();
         let mut failed = broken;
         for &law in &self.law.0 {
             let first = done.first().map(|(_, fits, _)| fits.clone());
-            let work = Work { output, law, settings, first: first.as_deref(), bar: bar.as_ref(), trusted };
+            let work = Work { output, law, settings, first: first.as_deref(), line: Some(&line), trusted };
             let results = parallel::map(&cases, threads, |case| work.fit(case));
             let mut fits = Vec::new();
             for (case, result) in cases.iter().zip(results) {
@@ -121,9 +120,7 @@ impl Campaign {
             };
             done.push((law, fits, shared.into_iter().collect()));
         }
-        if let Some(bar) = &bar {
-            bar.finish_and_clear();
-        }
+        line.finish();
         let points: Vec<SetPoint> = cases.iter().map(|case| case.set_point.clone()).collect();
         let groups = RunGroup::all(&points);
         let reports: Vec<LawReport> =
@@ -186,7 +183,7 @@ struct Work<'a> {
     settings: FitSettings,
     /// Those of the first law.
     first: Option<&'a [RunFit]>,
-    bar: Option<&'a ProgressBar>,
+    line: Option<&'a Line>,
     /// Whether fits that were kept may be used.
     trusted: bool,
 }
@@ -225,9 +222,8 @@ impl Work<'_> {
                 })
             }
         };
-        if let Some(bar) = self.bar {
-            bar.set_message(one_line(&format!("{}, {}", subject.name, law_name(self.law))).into_owned());
-            bar.inc(1);
+        if let Some(line) = self.line {
+            line.step(|| format!("{}, {}", subject.name, law_name(self.law)));
         }
         fit
     }
@@ -307,16 +303,4 @@ impl Work<'_> {
         *fits = again.into_iter().collect::<Result<_, String>>()?;
         Ok(Some(shared))
     }
-}
-
-fn progress(steps: usize) -> Option<ProgressBar> {
-    std::io::stderr().is_terminal().then(|| {
-        let bar = ProgressBar::new(steps as u64).with_style(
-            ProgressStyle::with_template("{spinner} [{bar:24}] {pos} of {len} fits, {msg}, {eta} left")
-                .unwrap_or_else(|_| ProgressStyle::default_bar())
-                .progress_chars("=> "),
-        );
-        bar.enable_steady_tick(std::time::Duration::from_millis(200));
-        bar
-    })
 }

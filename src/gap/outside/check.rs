@@ -5,7 +5,7 @@ use super::fit::{left, share};
 use super::protocol::Description;
 use super::told::root_mean_square;
 use super::{Error, Outside, Rows, Settings};
-use crate::base::number::{fixed, significant};
+use crate::base::number::{duration, fixed, significant};
 use crate::gap::Applied;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -54,15 +54,6 @@ pub fn check(command: &str, campaign: &Path, settings: &Settings) -> Result<Dry,
         outside.pool.most()
     );
     Ok(dry)
-}
-
-/// Seconds in words.
-pub fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 90.0 => format!("{} s", fixed(s.max(1.0), 0)),
-        s if s < 5400.0 => format!("{} min", fixed(s / 60.0, 0)),
-        s => format!("{} h", fixed(s / 3600.0, 1)),
-    }
 }
 
 impl Outside {

@@ -22,7 +22,7 @@ mod shared;
 mod told;
 mod windows;
 
-pub use check::{Dry, check, duration};
+pub use check::{Dry, check};
 pub use error::Error;
 
 use super::{Applied, Axis, CandidateId, Candidates, Frame, Laps, Lost, PerRun, Request, RunId, Simulator, settings};

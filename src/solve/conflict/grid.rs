@@ -125,7 +125,14 @@ impl GridStage<'_> {
         let layout = self.only(set);
         let problem = Problem::new(&layout, Scope::Obstacles);
         let start = Solution::at(&problem, self.start);
-        exact::discretise(&layout, &problem, &start, &SqpSettings::default(), &Effort { nodes: NODES, gap: 1.0 })
+        exact::discretise(
+            &layout,
+            &problem,
+            &start,
+            &SqpSettings::default(),
+            &Effort { nodes: NODES, gap: 1.0 },
+            &|_| (),
+        )
     }
 
     /// A layout on the grid that meets some lines; `None` where none was found, or out of runs.

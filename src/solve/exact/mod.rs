@@ -20,6 +20,7 @@ mod parts;
 mod row;
 mod search;
 mod tariff;
+mod told;
 mod touched;
 
 pub use tariff::worth;
@@ -30,7 +31,7 @@ use super::{Certificate, Counted, Stop, Violation, discrete};
 use crate::geometry::{Point, bounds};
 use crate::model::Layout;
 use crate::problem::Problem;
-use crate::solve::options::Effort;
+use crate::solve::options::{Effort, Tell};
 use beside::Beside;
 use closes::Closes;
 use closes::Polish;
@@ -43,6 +44,7 @@ use search::{FEASIBLE, Found, Setting, Value};
 use std::cell::RefCell;
 use std::time::Instant;
 use tariff::{Aim, Detail, Tariff};
+use told::Told;
 
 /// The shortest or cheapest layout on the catalogue's grid, from the saw-tooth's. What is found is proven, or says how
 /// far it may be from the best.
@@ -52,6 +54,7 @@ pub fn discretise(
     start: &Solution,
     settings: &SqpSettings,
     effort: &Effort,
+    watch: Tell,
 ) -> Discretised {
     let rough = discrete::discretise(layout, problem, start, settings);
     let clock = Instant::now();
@@ -64,6 +67,7 @@ pub fn discretise(
         sound(problem, &held.variables).then_some(held.variables)
     };
     let aim = Aim::of(layout);
+    let unit = if aim == Aim::Length { "m" } else { "EUR" };
     let task = Task {
         layout,
         problem,
@@ -72,6 +76,7 @@ pub fn discretise(
         polish: &polish,
         aim,
         cheapest: RefCell::new(None),
+        told: Told::new(watch, effort.nodes, (tariff::unit(layout, aim), unit)),
     };
     let fits = place(&grid, &rough.variables).is_some() && sound(problem, &rough.variables);
     let incumbent = fits.then(|| (rough.variables.clone(), task.worth(&rough.variables))).filter(|i| i.1.is_finite());
@@ -136,6 +141,7 @@ struct Task<'a> {
     aim: Aim,
     /// The cheapest layout that any search came by, with what it is worth.
     cheapest: RefCell<Option<(Vec<f64>, f64)>>,
+    told: Told<'a>,
 }
 
 impl Task<'_> {
@@ -234,7 +240,9 @@ impl Task<'_> {
             Some((x, value))
         };
         let metre = tariff::least_rate(self.layout, self.aim);
-        offset::search(self.problem, grid.step, incumbent.clone(), (effort, self.stop), metre, &at, &improve)
+        let part = |gap: f64| self.told.part_of(gap);
+        let known = (incumbent.clone(), metre);
+        offset::search(self.problem, grid.step, known, (effort, self.stop), &at, &improve, &part)
     }
 
     /// The shortest layout whose chain closes, from what is known of all.
@@ -338,6 +346,7 @@ impl Task<'_> {
             value,
             closes: None,
             polish: self.polish,
+            told: &self.told,
         };
         (setting, stated)
     }

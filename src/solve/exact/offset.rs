@@ -72,15 +72,16 @@ fn directed(function: &Function) -> bool {
 type Improve<'a> = dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)> + 'a;
 
 /// Bounds every offset, and improves the incumbent (variables and value) on the way. `improve` makes a layout of the
-/// relaxed problem one of the problem, if it can; a metre of track is worth at least `metre`.
+/// relaxed problem one of the problem, if it can; a metre of track is worth at least `metre`. `part_of` is told what is left
+/// open before each search of an interval.
 pub fn search(
     problem: &Problem,
     step: f64,
-    incumbent: (Vec<f64>, f64),
+    (incumbent, metre): ((Vec<f64>, f64), f64),
     (effort, stop): (Effort, Stop),
-    metre: f64,
     at: &At,
     improve: &Improve,
+    part_of: &dyn Fn(f64),
 ) -> Found {
     let mut best = incumbent;
     let reach = reach(problem);
@@ -93,6 +94,7 @@ pub fn search(
             left = left.min(interval.bound);
             break;
         }
+        part_of(if interval.bound > 0.0 { best.1 - interval.bound } else { f64::INFINITY });
         let middle = (interval.low + interval.high) / 2.0;
         let by = (interval.high - interval.low) / 2.0 * reach * best.1 / metre;
         let most = interval.nodes.min(effort.nodes - nodes);

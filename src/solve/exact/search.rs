@@ -8,6 +8,7 @@ use super::master::{Pool, relax};
 use super::network::Limits;
 use super::row::GridRow;
 use super::tariff::{Tariff, on_hull};
+use super::told::Told;
 use crate::geometry::{Corner, Point};
 use crate::model::TOLERANCE;
 use crate::problem::measures::to_variables;
@@ -61,6 +62,7 @@ pub struct Setting<'a> {
     /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m);
     /// `None` where that fails.
     pub polish: &'a Polish<'a>,
+    pub told: &'a Told<'a>,
 }
 
 /// How a search ended.
@@ -149,6 +151,7 @@ pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
             break;
         }
         nodes += 1;
+        setting.told.node(search.value - node.bound.min(search.left));
         search.expand(node);
     }
     let bound = search.left.min(search.value);

@@ -9,7 +9,7 @@ use crate::problem::{Aim, Problem, Scope};
 use crate::solve::sqp::{self, SqpSettings};
 use crate::solve::stages::solve_in_stages;
 use crate::solve::violations::{as_written, off_grid, stage};
-use crate::solve::{Discretise, Options, Progress, Stage, Status, discrete};
+use crate::solve::{Discretise, Options, Stage, Status, Tell, discrete};
 use crate::source::Span;
 use std::time::Instant;
 
@@ -31,7 +31,7 @@ pub fn base(
     goal: Smooth,
     options: &Options,
     discretise: Discretise,
-    watch: &(dyn Fn(Progress) + Sync),
+    watch: Tell,
 ) -> (Vec<Stage>, Option<Base>) {
     let mut held = hold_radii(layout);
     let find = |layout: &Layout| {

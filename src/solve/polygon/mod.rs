@@ -34,7 +34,7 @@ pub use rival::{Rival, rival};
 
 use super::sqp::SqpSettings;
 use super::violations::stage;
-use super::{Discretise, Options, Progress, Stage, Status};
+use super::{Discretise, Options, Progress, Stage, Status, Tell};
 use crate::model::Layout;
 use crate::problem::{Problem, Scope};
 use candidate::Candidate;
@@ -52,13 +52,7 @@ pub struct Effort {
 }
 
 /// Solves a layout for an even run. The last stage, `polygon`, is the result; those before are of its base.
-pub fn solve(
-    layout: &Layout,
-    goal: Smooth,
-    options: &Options,
-    discretise: Discretise,
-    watch: &(dyn Fn(Progress) + Sync),
-) -> Vec<Stage> {
+pub fn solve(layout: &Layout, goal: Smooth, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
     run(layout, goal, options, discretise, watch).0
 }
 
@@ -68,14 +62,14 @@ pub fn run(
     goal: Smooth,
     options: &Options,
     discretise: Discretise,
-    watch: &(dyn Fn(Progress) + Sync),
+    watch: Tell,
 ) -> (Vec<Stage>, Effort) {
     let (mut stages, base) = base::base(layout, goal, options, discretise, watch);
     let mut effort = Effort::default();
     let Some(base) = base else { return (stages, effort) };
     let clock = Instant::now();
     let tell = |iteration: usize, at: &Candidate| {
-        watch(Progress {
+        watch(Progress::Iteration {
             stage: "polygon",
             iteration,
             length: at.solution.length,

@@ -86,7 +86,7 @@ fn the_search_finds_the_best_of_a_fine_grid() {
     let layout = smooth(fixture::rectangle(30.0, 20.0, 4.0), None);
     let problem = Problem::new(&layout, Scope::Obstacles);
     let goal = Smooth::of(&layout.objective).expect("a goal");
-    let (_, base) = base::base(&layout, goal, &Options::default(), |_, _, s, _, _| s.clone().into(), &quiet);
+    let (_, base) = base::base(&layout, goal, &Options::default(), |_, _, s, _, _, _| s.clone().into(), &quiet);
     let base = base.expect("a base");
     let held =
         base.problem(&Problem::new(&base.layout, Scope::Obstacles), &base.turns(&base.variables), &base.variables);

@@ -31,7 +31,7 @@ fn example(name: &str) -> Layout {
 
 /// Stages 1 and 2.
 fn continuous(layout: &Layout) -> Vec<Stage> {
-    let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+    let nothing: Discretise = |_, _, solution, _, _, _| solution.clone().into();
     let mut stages = solve::solve_with(layout, &Options::default(), nothing, &|_| {});
     stages.truncate(2);
     stages

@@ -70,7 +70,7 @@ fn around(problem: &Problem, at: &[f64], room: f64) -> Headings {
 /// What a layout meets with nothing to spare is refuted in no box that holds the layout.
 #[test]
 fn nothing_that_is_met_is_refuted() {
-    let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+    let nothing: Discretise = |_, _, solution, _, _, _| solution.clone().into();
     for layout in [thesis10(), horseshoe()] {
         let stages = solve_with(&layout, &Options::default(), nothing, &|_| {});
         let walls = Problem::new(&layout, Scope::Building);
