@@ -9,7 +9,7 @@
 
 use super::search::Found;
 use crate::base::trig;
-use crate::model::Interval as Bounds;
+use crate::model::{Formula, Interval as Bounds};
 use crate::problem::{ConstraintRow, Function, Problem};
 use crate::solve::{Effort, Stop};
 use std::cmp::Ordering;
@@ -64,7 +64,47 @@ fn directed(function: &Function) -> bool {
     match function {
         Function::Turn(_) | Function::Section(_) | Function::Straight(_) => false,
         Function::Linear(terms) => terms.iter().any(|(k, _)| k % 3 != 2),
-        Function::StraightMiddle { .. } | Function::StraightEnd { .. } | Function::Formula(_) => true,
+        Function::StraightMiddle { .. } | Function::StraightEnd { .. } => true,
+        Function::Formula(formula) => change(formula, 1.0) > 0.0,
+    }
+}
+
+/// By how much a formula may change at most when a layout is turned as a whole and no point of it moves by more than
+/// `by`, m; infinite where that is not known.
+fn change(formula: &Formula, by: f64) -> f64 {
+    let of = |formula: &Formula| change(formula, by);
+    let known = |f: &Formula| match f {
+        Formula::Constant(value) => Some(value.abs()),
+        _ => None,
+    };
+    match formula {
+        Formula::Constant(_)
+        | Formula::Radius(_)
+        | Formula::Length(_)
+        | Formula::Angle(_)
+        | Formula::DistanceVertices(..) => 0.0,
+        Formula::X(_) | Formula::Y(_) | Formula::DistanceObstacle(..) | Formula::DistanceBuilding(_) => by,
+        Formula::Heading(_) => f64::INFINITY,
+        Formula::Sum(terms) => terms.iter().map(of).sum(),
+        Formula::Smallest(terms) | Formula::Largest(terms) => terms.iter().map(of).fold(0.0, f64::max),
+        Formula::Negative(inner) | Formula::Absolute(inner) => of(inner),
+        Formula::Product(factors) => {
+            let changes: Vec<f64> = factors.iter().map(of).collect();
+            let moving = changes.iter().filter(|c| **c > 0.0).count();
+            let still = factors.iter().zip(&changes).filter(|(_, c)| **c == 0.0);
+            match (moving, still.map(|(f, _)| known(f)).try_fold(1.0, |product, f| Some(product * f?))) {
+                (0, _) | (_, Some(0.0)) => 0.0,
+                (1, Some(factor)) => factor * changes.iter().sum::<f64>(),
+                _ => f64::INFINITY,
+            }
+        }
+        Formula::Reciprocal(inner) | Formula::SquareRoot(inner) => {
+            if of(inner) > 0.0 {
+                f64::INFINITY
+            } else {
+                0.0
+            }
+        }
     }
 }
 
@@ -139,8 +179,8 @@ fn relaxed(problem: &Problem, by: f64) -> Problem {
             Function::Turn(_) | Function::Section(_) | Function::Straight(_) => continue,
             Function::Linear(terms) => by * terms.iter().map(|(_, factor)| factor.abs()).sum::<f64>(),
             Function::StraightMiddle { .. } | Function::StraightEnd { .. } => by,
-            // How a formula changes is not known: it counts in layouts, not in the bound.
-            Function::Formula(_) => f64::INFINITY,
+            // Of what changes by who knows how much the bound says nothing: it counts in layouts.
+            Function::Formula(formula) => change(formula, by),
         };
         (row.low, row.high) = (row.low - by, row.high + by);
     }
@@ -153,4 +193,95 @@ fn relaxed(problem: &Problem, by: f64) -> Problem {
         problem.rows.push(ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None });
     }
     problem
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::random::Random;
+    use crate::geometry::{Point, Polygon};
+    use crate::model::fixture::{rectangle, span};
+    use crate::model::{Obstacle, Side, Target};
+    use crate::problem::{Scope, measures};
+
+    /// Formulas of every kind, with what is known of their change for a displacement of 1 m.
+    fn formulas() -> Vec<(Formula, f64)> {
+        use Formula::*;
+        let section = |from| Length(Target { from, straight: false });
+        let straight = |from| Length(Target { from, straight: true });
+        let minus = |f: Formula| Negative(Box::new(f));
+        let times = |k: f64, f: Formula| Product(vec![Constant(k), f]);
+        vec![
+            (section(0), 0.0),
+            (Sum(vec![straight(1), minus(times(2.0, Radius(3)))]), 0.0),
+            (DistanceVertices(0, 2), 0.0),
+            (Angle(2), 0.0),
+            (Product(vec![section(0), straight(1)]), 0.0),
+            (Reciprocal(Box::new(section(2))), 0.0),
+            (X(1), 1.0),
+            (Sum(vec![X(1), minus(X(0)), times(0.5, Y(2))]), 2.5),
+            (Absolute(Box::new(times(-3.0, Y(3)))), 3.0),
+            (Smallest(vec![X(0), times(2.0, Y(1)), section(0)]), 2.0),
+            (Largest(vec![minus(X(0)), Y(1)]), 1.0),
+            (DistanceObstacle(2, 0), 1.0),
+            (times(0.0, Heading(0)), 0.0),
+            (Product(vec![X(0), Y(0)]), f64::INFINITY),
+            (Product(vec![X(0), section(1)]), f64::INFINITY),
+            (SquareRoot(Box::new(X(2))), f64::INFINITY),
+            (Heading(1), f64::INFINITY),
+        ]
+    }
+
+    #[test]
+    fn no_formula_changes_by_more_than_is_known_when_a_layout_is_turned() {
+        let mut layout = rectangle(30.0, 20.0, 4.0);
+        let corners = [(10.0, 25.0), (14.0, 25.0), (14.0, 28.0), (10.0, 28.0)];
+        let polygon = Polygon::new(corners.map(|(x, y)| Point { x, y }).to_vec()).unwrap();
+        layout.obstacles.push(Obstacle {
+            name: "rack".into(),
+            polygon,
+            clearance: 0.0,
+            side: Side::Right,
+            pass: None,
+            span: span(),
+        });
+        let mut problem = Problem::new(&layout, Scope::Obstacles);
+        let row = |(function, _): (Formula, f64)| ConstraintRow {
+            function: Function::Formula(function),
+            low: 0.0,
+            high: 0.0,
+            angle: false,
+            weight: None,
+            label: String::new(),
+            span: span(),
+            reason: None,
+        };
+        problem.rows = formulas().into_iter().map(row).collect();
+        let values = |x: &[f64]| -> Vec<f64> {
+            problem.evaluate(x, 0.0).rows[..problem.rows.len()].iter().map(|r| r.expansion.value).collect()
+        };
+        let before = values(&problem.start);
+        let mut random = Random::new(7);
+        let mut most = vec![0.0f64; before.len()];
+        for _ in 0..200 {
+            let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+            let middle = Point { x: between(-10.0, 40.0), y: between(-10.0, 40.0) };
+            let along = Point::unit(between(-0.02, 0.02));
+            let turned = |p: Point| middle + along * (p - middle).x + along.left() * (p - middle).y;
+            let mut corners = measures::to_corners(&problem.start);
+            let far = corners.iter().map(|c| (turned(c.point) - c.point).norm()).fold(0.0, f64::max);
+            corners.iter_mut().for_each(|c| c.point = turned(c.point));
+            let after = values(&measures::to_variables(&corners));
+            for (k, (formula, at_most)) in formulas().iter().enumerate() {
+                let moved = (after[k] - before[k]).abs();
+                assert!(moved <= change(formula, far) + 1e-9, "{formula:?} {moved} {far}");
+                assert_eq!(change(formula, 1.0), *at_most, "{formula:?}");
+                most[k] = most[k].max(moved / far);
+            }
+        }
+        // What is said to change does.
+        for ((formula, known), moved) in formulas().iter().zip(most) {
+            assert_eq!(*known > 0.0, moved > 1e-6, "{formula:?} {moved}");
+        }
+    }
 }
