@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod order;
 mod station;
 
 pub use station::Station;

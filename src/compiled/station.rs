@@ -48,6 +48,16 @@ impl Compiled {
         (0..row.count).map(|i| self.station(place(i))).collect()
     }
 
+    /// Where the track's supports stand: at the start and every so many metres on.
+    pub fn supports(&self) -> Vec<Station> {
+        let Some(every) = self.layout.equipment.supports.map(|every| every.value).filter(|every| *every > 0.0) else {
+            return Vec::new();
+        };
+        // The last one would stand on the first when the length is a multiple.
+        let count = ((self.length() - 1e-6) / every).floor() as usize + 1;
+        (0..count).map(|i| self.station_at(i as f64 * every)).collect()
+    }
+
     /// Arc length of a station in the plan, from vertex 0's outgoing tangent point, m: where drawings put it.
     pub fn plan_arc_length(&self, station: &Station) -> f64 {
         if !self.raised() {

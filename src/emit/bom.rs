@@ -1,8 +1,10 @@
 //! `bom.json` and `bom.csv`: the bill of elements.
 
+use super::OwnNumbers;
 use crate::base::json;
 use crate::base::number::{fixed, normal, trimmed};
 use crate::compiled::Compiled;
+use crate::compiled::order::{self, OrderLine};
 use crate::elements::{BillLine, Part};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,6 +26,39 @@ pub struct Bom {
     pub price_eur: f64,
     /// Mass in all, kg.
     pub mass_kg: f64,
+    /// What is ordered beside the track: carts, joints, motors, sensors, supports, stations. Not in the sums above.
+    #[serde(default)]
+    pub beside: Vec<Beside>,
+}
+
+/// A component that is ordered beside the track.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Beside {
+    /// `chain`, `drive`, `sensors`, `supports` or `stations`.
+    pub group: String,
+    /// Article number; absent where its declaration has none.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub article: Option<String>,
+    /// Own article number, of `--articles`.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub own_number: Option<String>,
+    /// In words.
+    pub description: String,
+    /// Number of pieces.
+    pub count: usize,
+    /// Price of a piece, EUR; absent where its declaration has none, as the next one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unit_price_eur: Option<f64>,
+    /// Price of all pieces, EUR.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub price_eur: Option<f64>,
+    /// Mass of a piece, kg; absent where its declaration has none, as the next one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unit_mass_kg: Option<f64>,
+    /// Mass of all pieces, kg.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub mass_kg: Option<f64>,
 }
 
 /// One article.
@@ -32,6 +67,9 @@ pub struct Bom {
 pub struct Article {
     /// Article number; a piece that the catalogue lacks begins with `X-`.
     pub article: String,
+    /// Own article number, of `--articles`.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub own_number: Option<String>,
     /// In words.
     pub description: String,
     /// Length of the centre line of a piece, m.
@@ -65,21 +103,38 @@ pub struct Article {
 }
 
 impl Bom {
-    pub fn new(compiled: &Compiled) -> Self {
+    pub fn new(compiled: &Compiled, own: &OwnNumbers) -> Self {
         let bill = &compiled.bill;
         Bom {
             layout: compiled.layout.name.clone(),
             catalog: compiled.layout.catalog.name.clone(),
-            articles: bill.lines.iter().map(Article::new).collect(),
+            articles: bill.lines.iter().map(|line| Article::new(line, own)).collect(),
             count: bill.count,
             price_eur: normal(bill.price),
             mass_kg: normal(bill.mass),
+            beside: order::lines(compiled).iter().map(|line| Beside::new(line, own)).collect(),
+        }
+    }
+}
+
+impl Beside {
+    fn new(line: &OrderLine, own: &OwnNumbers) -> Self {
+        Beside {
+            group: line.group.name().to_owned(),
+            article: line.article.clone(),
+            own_number: line.article.as_deref().and_then(|article| own.of(article)).map(str::to_owned),
+            description: line.description.clone(),
+            count: line.count,
+            unit_price_eur: line.unit_price,
+            price_eur: line.price(),
+            unit_mass_kg: line.unit_mass,
+            mass_kg: line.mass(),
         }
     }
 }
 
 impl Article {
-    fn new(line: &BillLine) -> Self {
+    fn new(line: &BillLine, own: &OwnNumbers) -> Self {
         let micrometre = |length: f64| (length * 1e6).round() / 1e6;
         let degrees = |turn: f64| (turn.to_degrees() * 1e4).round() / 1e4;
         let (cut, radius_m, turn_deg, rise_m) = match line.part {
@@ -93,6 +148,7 @@ impl Article {
         };
         Article {
             article: line.article.clone(),
+            own_number: own.of(&line.article).map(str::to_owned),
             description: line.description.clone(),
             length_m: micrometre(line.part.length()),
             cut,
@@ -110,12 +166,12 @@ impl Article {
 }
 
 /// `bom.json`
-pub fn json(compiled: &Compiled) -> Vec<u8> {
-    json::to_json(&Bom::new(compiled))
+pub fn json(compiled: &Compiled, own: &OwnNumbers) -> Vec<u8> {
+    json::to_json(&Bom::new(compiled, own))
 }
 
-/// `bom.csv`: a row an article, without a row of totals, so that a spreadsheet's own sums are right.
-pub fn csv(compiled: &Compiled) -> Vec<u8> {
+/// `bom.csv`: a row an article of the track, with a last column of own numbers where there are any, without a row of totals, so that a spreadsheet's own sums are right.
+pub fn csv(compiled: &Compiled, own: &OwnNumbers) -> Vec<u8> {
     let header = [
         "article",
         "description",
@@ -129,7 +185,8 @@ pub fn csv(compiled: &Compiled) -> Vec<u8> {
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
     let rows = compiled.bill.lines.iter().map(|line| {
-        [
+        let own = own.of(&line.article).unwrap_or_default().to_owned();
+        let row = [
             line.article.clone(),
             line.description.clone(),
             line.count.to_string(),
@@ -139,11 +196,13 @@ pub fn csv(compiled: &Compiled) -> Vec<u8> {
             fixed(line.unit_mass, 3),
             fixed(line.mass, 3),
             line.in_catalog.to_string(),
-        ]
+        ];
+        (row, own)
     });
-    for row in std::iter::once(header.map(str::to_owned)).chain(rows) {
+    for (row, number) in std::iter::once((header.map(str::to_owned), "own_number".to_owned())).chain(rows) {
+        let row = row.into_iter().chain((!own.is_empty()).then_some(number));
         // Rows are equally long and a vector takes every byte: nothing can fail.
-        let written = writer.write_record(&row);
+        let written = writer.write_record(row);
         debug_assert!(written.is_ok(), "{written:?}");
     }
     writer.into_inner().unwrap_or_default()
@@ -152,11 +211,13 @@ pub fn csv(compiled: &Compiled) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use crate::compiled::fixture::compile;
+    use crate::emit::OwnNumbers;
     use crate::model::fixture;
 
     #[test]
     fn a_table_for_a_spreadsheet() {
-        let text = String::from_utf8(super::csv(&compile(fixture::rectangle(20.0, 10.5, 4.0)))).unwrap();
+        let text = String::from_utf8(super::csv(&compile(fixture::rectangle(20.0, 10.5, 4.0)), &OwnNumbers::default()))
+            .unwrap();
         insta::assert_snapshot!(text, @r#"
         article,description,count,length_m,unit_price_eur,price_eur,unit_mass_kg,mass_kg,in_catalog
         ST-2500,straight cut to 2500 mm,2,2.5,315.00,630.00,52.000,104.000,true
@@ -167,7 +228,8 @@ mod tests {
 
     #[test]
     fn a_bill_for_machines() {
-        let text = String::from_utf8(super::json(&compile(fixture::rectangle(20.0, 8.0, 4.0)))).unwrap();
+        let text = String::from_utf8(super::json(&compile(fixture::rectangle(20.0, 8.0, 4.0)), &OwnNumbers::default()))
+            .unwrap();
         insta::assert_snapshot!(text);
     }
 }

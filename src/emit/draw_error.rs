@@ -9,12 +9,15 @@ pub enum DrawError {
     Extent,
     /// The renderer's words.
     Raster(String),
+    /// The words of the workbook's writer.
+    Workbook(String),
 }
 
 impl fmt::Display for DrawError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             DrawError::Extent => write!(f, "no sheet can show the layout's extent"),
+            DrawError::Workbook(message) => write!(f, "the workbook could not be written: {message}"),
             DrawError::Raster(message) => write!(f, "the drawing could not be rendered: {message}"),
         }
     }

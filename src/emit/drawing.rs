@@ -39,7 +39,7 @@ pub fn stages_png(compiled: &Compiled, written: &[Corner]) -> Result<Vec<u8>, Dr
 /// # Errors
 /// As [`svg::drawing`] and [`pdf::render`].
 pub fn drawing_pdf(compiled: &Compiled) -> Result<Vec<u8>, DrawError> {
-    pdf::render(&svg::drawing(compiled, svg::Theme::Light)?, &compiled.layout.name)
+    pdf::render(&[svg::drawing(compiled, svg::Theme::Light)?], &compiled.layout.name)
 }
 
 /// `stages.pdf`: the same of the stages.
@@ -48,7 +48,7 @@ pub fn drawing_pdf(compiled: &Compiled) -> Result<Vec<u8>, DrawError> {
 /// As [`svg::stages`] and [`pdf::render`].
 pub fn stages_pdf(compiled: &Compiled, written: &[Corner]) -> Result<Vec<u8>, DrawError> {
     let title = format!("{}: stages", compiled.layout.name);
-    pdf::render(&svg::stages(compiled, written, svg::Theme::Light)?, &title)
+    pdf::render(&[svg::stages(compiled, written, svg::Theme::Light)?], &title)
 }
 
 /// `change.svg`: two layouts over each other, each with its name.

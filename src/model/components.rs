@@ -18,6 +18,8 @@ pub struct Catalog {
     pub take_up: f64,
     /// From one section's centre line up to that of another which crosses it, at least, m.
     pub headroom: f64,
+    /// One support of the track.
+    pub support: Article,
 }
 
 /// Price (EUR) and mass (kg) of a piece: a part per piece and a part per unit of its size
@@ -32,6 +34,20 @@ impl Rate {
     pub fn of(&self, length: f64) -> f64 {
         self.per_piece + self.per_metre * length
     }
+}
+
+/// How a component is ordered, as far as its declaration says.
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
+pub struct Article {
+    /// Article number; of carts what their length is added to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub number: Option<String>,
+    /// EUR
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub price: Option<f64>,
+    /// kg
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
 }
 
 /// Straight track: stock lengths, and pieces cut to length.
@@ -127,6 +143,8 @@ pub struct Cart {
     pub joint: Joint,
     /// Height of the motor force below the joint, h_m, m.
     pub motor_height: f64,
+    /// Its mass is the cart's own.
+    pub article: Article,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -152,6 +170,7 @@ pub struct Joint {
     pub radial: ContactParameters,
     /// v_min, m/s: floor of the approach speed in every contact law.
     pub approach_floor: f64,
+    pub article: Article,
 }
 
 /// Linear motors and their speed controller.
@@ -168,6 +187,7 @@ pub struct Motor {
     pub length: f64,
     /// F_max, N
     pub force: f64,
+    pub article: Article,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -193,4 +213,5 @@ pub struct Sensor {
     pub rate: f64,
     /// Length past the photocell over which the trigger reads 1, m.
     pub trigger_length: f64,
+    pub article: Article,
 }

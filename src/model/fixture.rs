@@ -43,7 +43,13 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         catalog,
         cart: cart(),
         drive: drive(),
-        sensor: Sensor { name: "sensor_cart".to_owned(), lowpass: 100.0, rate: 500.0, trigger_length: 0.10 },
+        sensor: Sensor {
+            name: "sensor_cart".to_owned(),
+            lowpass: 100.0,
+            rate: 500.0,
+            trigger_length: 0.10,
+            article: Article::default(),
+        },
         speed: spanned(2.0),
         width: spanned(1.2),
         vertices,
@@ -89,6 +95,7 @@ pub fn catalog() -> Catalog {
         spiral: None,
         take_up: 0.05,
         headroom: 1.0,
+        support: Article::default(),
     }
 }
 
@@ -130,14 +137,16 @@ fn cart() -> Cart {
             axial: contact(4.0e6, 1.0),
             radial: contact(2.0e6, 1.0),
             approach_floor: 0.05,
+            article: Article::default(),
         },
         motor_height: 0.10,
+        article: Article::default(),
     }
 }
 
 fn drive() -> Drive {
     Drive {
-        motor: Motor { name: "linear".to_owned(), length: 1.0, force: 400.0 },
+        motor: Motor { name: "linear".to_owned(), length: 1.0, force: 400.0, article: Article::default() },
         controller: Controller {
             name: "pi".to_owned(),
             proportional: 400.0,

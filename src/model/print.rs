@@ -84,8 +84,23 @@ impl Printer {
                     out.rates(stock.price, stock.mass);
                 });
             }
+            if catalog.support != Article::default() {
+                out.block("support", |out| out.article(&catalog.support));
+            }
         });
         self.text.push('\n');
+    }
+
+    fn article(&mut self, article: &Article) {
+        if let Some(number) = &article.number {
+            self.field("article", quoted(number));
+        }
+        if let Some(price) = article.price {
+            self.field("price", unit(price, "EUR"));
+        }
+        if let Some(mass) = article.mass {
+            self.field("mass", unit(mass, "kg"));
+        }
     }
 
     fn slopes(&mut self, article: &str, radii: &[f64], step: f64, steepest: f64) {
@@ -118,6 +133,7 @@ impl Printer {
             out.field("approach_floor", unit(joint.approach_floor, "m/s"));
             out.block("axial", |out| out.contact(&joint.axial));
             out.block("radial", |out| out.contact(&joint.radial));
+            out.article(&joint.article);
         });
         self.text.push('\n');
         self.block(format!("cart {}", cart.name), |out| {
@@ -132,6 +148,7 @@ impl Printer {
             out.field("running", &running);
             out.field("joint", &joint.name);
             out.field("motor_height", metres(cart.motor_height));
+            out.article(&cart.article);
         });
         self.text.push('\n');
     }
@@ -160,6 +177,7 @@ impl Printer {
         self.block(format!("motor {}", motor.name), |out| {
             out.field("length", metres(motor.length));
             out.field("force", unit(motor.force, "N"));
+            out.article(&motor.article);
         });
         self.text.push('\n');
         self.block(format!("controller {}", controller.name), |out| {
@@ -173,6 +191,7 @@ impl Printer {
             out.field("lowpass", unit(sensor.lowpass, "Hz"));
             out.field("rate", unit(sensor.rate, "Hz"));
             out.field("trigger_length", metres(sensor.trigger_length));
+            out.article(&sensor.article);
         });
         self.text.push('\n');
     }

@@ -25,7 +25,7 @@ pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
 mod tests {
     use super::*;
     use crate::compiled::fixture::compile;
-    use crate::emit::data_files;
+    use crate::emit::{OwnNumbers, data_files};
     use crate::model::fixture;
     use serde_json::Value;
     use std::path::Path;
@@ -49,7 +49,7 @@ mod tests {
         let mut special = fixture::rectangle(20.0, 10.0, 4.0);
         special.vertices[1].radius.value = 4.2;
         for layout in [fixture::rectangle(20.3, 10.0, 4.0), special] {
-            let files = data_files(&compile(layout));
+            let files = data_files(&compile(layout), &OwnNumbers::default());
             let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
             for (name, schema) in schemas() {

@@ -2,8 +2,8 @@
 //! been reported.
 
 use crate::model::{
-    Cart, Catalog, ContactParameters, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock,
-    VerticalStock, Wheel,
+    Article, Cart, Catalog, ContactParameters, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock,
+    StraightStock, VerticalStock, Wheel,
 };
 use crate::semantics::component::Component;
 use crate::source::Span;
@@ -35,6 +35,7 @@ pub(super) fn catalog(c: &Component, span: Span) -> Option<Catalog> {
         spiral: spiral(c),
         take_up: c.number("take_up")?,
         headroom: c.number("headroom").unwrap_or(0.0),
+        support: article(c, "support."),
     })
 }
 
@@ -67,6 +68,12 @@ fn rate(c: &Component, group: &str, of: &str) -> Option<Rate> {
     })
 }
 
+fn article(c: &Component, prefix: &str) -> Article {
+    let number = |of: &str| c.number(&format!("{prefix}{of}"));
+    let text = c.text(&format!("{prefix}article")).map(str::to_owned);
+    Article { number: text, price: number("price"), mass: number("mass") }
+}
+
 /// The cart; `span` is the layout's statement.
 pub(super) fn cart(c: &Component, span: Span) -> Option<Cart> {
     let [roll, pitch, yaw] = c.numbers("inertia")? else { return None };
@@ -83,6 +90,7 @@ pub(super) fn cart(c: &Component, span: Span) -> Option<Cart> {
         running: wheel(c.component("running")?)?,
         joint: joint(c.component("joint")?)?,
         motor_height: c.number("motor_height")?,
+        article: Article { mass: None, ..article(c, "") },
     })
 }
 
@@ -104,6 +112,7 @@ fn joint(c: &Component) -> Option<Joint> {
         axial: contact(c, "axial.")?,
         radial: contact(c, "radial.")?,
         approach_floor: c.number("approach_floor")?,
+        article: article(c, ""),
     })
 }
 
@@ -116,7 +125,8 @@ fn contact(c: &Component, prefix: &str) -> Option<ContactParameters> {
 }
 
 pub(super) fn motor(c: &Component) -> Option<Motor> {
-    Some(Motor { name: c.name.clone(), length: c.number("length")?, force: c.number("force")? })
+    let (length, force) = (c.number("length")?, c.number("force")?);
+    Some(Motor { name: c.name.clone(), length, force, article: article(c, "") })
 }
 
 pub(super) fn controller(c: &Component) -> Option<Controller> {
@@ -135,5 +145,6 @@ pub(super) fn sensor(c: &Component) -> Option<Sensor> {
         lowpass: c.number("lowpass")?,
         rate: c.number("rate")?,
         trigger_length: c.number("trigger_length")?,
+        article: article(c, ""),
     })
 }

@@ -120,6 +120,9 @@ const CATALOG: &[FieldSpec] = &[
     field("spiral.metre_price", Number("EUR/m", NOT_NEGATIVE), InGroup, "price of a metre of centre line"),
     field("spiral.piece_mass", Number("kg", NOT_NEGATIVE), InGroup, "mass of a piece, besides its length"),
     field("spiral.metre_mass", Number("kg/m", NOT_NEGATIVE), InGroup, "mass of a metre of centre line"),
+    field("support.article", Text, Optional, "article number of a support"),
+    field("support.price", Number("EUR", NOT_NEGATIVE), Optional, "price of a support"),
+    field("support.mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a support"),
 ];
 
 const CART: &[FieldSpec] = &[
@@ -138,6 +141,8 @@ const CART: &[FieldSpec] = &[
     field("joint", Reference(DeclarationKind::Joint), Required, "the joint to the next cart"),
     field("motor_height", Number("m", Bounds::between(-5.0, 5.0)), Required, "of the motor force, below the joint"),
     field("tension", Number("N", NOT_NEGATIVE), Optional, "chain tension unless the layout says otherwise"),
+    field("article", Text, Optional, "article number; the length in mm is added"),
+    field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a cart with its wheels, without the joint"),
 ];
 
 const WHEEL: &[FieldSpec] = &[
@@ -159,11 +164,17 @@ const JOINT: &[FieldSpec] = &[
     field("radial.stiffness", Stiffness, Required, "of the contact law across the chain"),
     field("radial.exponent", Number("", EXPONENT), Required, "of the contact law across the chain"),
     field("radial.restitution", Number("", RESTITUTION), Required, "coefficient of restitution across the chain"),
+    field("article", Text, Optional, "article number"),
+    field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a joint"),
+    field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a joint"),
 ];
 
 const MOTOR: &[FieldSpec] = &[
     field("length", Number("m", Bounds::above(0.0, 100.0)), Required, "of the stretch that it covers"),
     field("force", Number("N", POSITIVE), Required, "largest thrust"),
+    field("article", Text, Optional, "article number"),
+    field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a motor"),
+    field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a motor"),
 ];
 
 const CONTROLLER: &[FieldSpec] = &[
@@ -182,6 +193,9 @@ const SENSOR: &[FieldSpec] = &[
         Required,
         "past the photocell, where the trigger reads 1",
     ),
+    field("article", Text, Optional, "article number"),
+    field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a sensor cart's equipment"),
+    field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a sensor cart's equipment"),
 ];
 
 /// The fields of a kind.

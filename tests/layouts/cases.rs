@@ -57,7 +57,7 @@ fn every_stage_of_every_example() {
             insta::assert_snapshot!("1-model", model::print(&layout));
             insta::assert_snapshot!("2-problem", problem::print(&Problem::new(&layout, Scope::Obstacles), &sources));
             insta::assert_snapshot!("3-stages", told(&compiled.stages));
-            for (file, bytes) in emit::data_files(&compiled) {
+            for (file, bytes) in emit::data_files(&compiled, &emit::OwnNumbers::default()) {
                 if file == "bom.csv" || file == "simulation.json" {
                     let step = if file == "bom.csv" { "4-bom" } else { "5-simulation" };
                     insta::assert_snapshot!(step, String::from_utf8(bytes).expect("text"));
@@ -85,7 +85,7 @@ fn a_printed_model_builds_the_same() {
     let (_, again) = check("printed", &model::print(&layout));
     let bill = |layout: &Layout| {
         let compiled = Compiled::new(layout.clone(), solve::solve(layout, &Options::default(), &|_| {}));
-        emit::bom::csv(&compiled)
+        emit::bom::csv(&compiled, &emit::OwnNumbers::default())
     };
     assert_eq!(bill(&layout), bill(&again));
 }

@@ -2,6 +2,7 @@
 
 mod routed;
 mod summary;
+mod written;
 
 use super::progress::Solving;
 use super::read::{Read, read_any, tell};
@@ -9,18 +10,18 @@ use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, re
 use crate::cli::read::loose;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
+use crate::emit::OwnNumbers;
 use crate::emit::pareto::Pareto;
-use crate::emit::{DrawError, Files};
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::solve::{self, Effort, Options, Solver, unsupported};
-use crate::source::disk::{Found, inspect};
 use crate::{elements, emit};
 use clap::ValueEnum;
 use routed::Routed;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use summary::Summary;
+use written::More;
 
 /// Optimise layouts and write their elements, drawings and simulation inputs.
 ///
@@ -50,12 +51,8 @@ pub struct Build {
     /// Print a stage of the compiler instead of building (`model`, `problem`), or write more about the result.
     #[arg(long, value_enum, value_name = "WHAT")]
     emit: Option<Emit>,
-    /// Draw start and stages over each other, too: stages.svg and stages.png.
-    #[arg(long)]
-    stages: bool,
-    /// Write the drawing as PDF, too: drawing.pdf, on a page of the sheet's size; with --stages also stages.pdf.
-    #[arg(long)]
-    pdf: bool,
+    #[command(flatten)]
+    more: More,
     /// Solver of the continuous stages.
     #[arg(long, value_enum, default_value_t)]
     solver: SolverName,
@@ -104,26 +101,26 @@ enum SolverName {
 
 impl Build {
     pub fn run(&self) -> Outcome {
+        let own = match self.more.own_numbers() {
+            Ok(own) => own,
+            Err(outcome) => return outcome,
+        };
         let names = layouts::names(self.files.iter().map(PathBuf::as_path), "");
         let mut worst = Outcome::Clean;
         for (file, name) in self.files.iter().filter_map(|file| names.get_key_value(file)) {
             let folder = match (&self.output, self.emit) {
                 (Some(folder), _) if self.files.len() > 1 => Some(folder.join(name)),
                 (Some(folder), _) => Some(folder.clone()),
-                (None, Some(Emit::Model | Emit::Problem | Emit::Freedom | Emit::Pareto))
-                    if !self.pdf && !self.stages =>
-                {
-                    None
-                }
+                (None, Some(Emit::Model | Emit::Problem | Emit::Freedom | Emit::Pareto)) if !self.more.any() => None,
                 (None, _) => Some(Path::new("out").join(name)),
             };
-            worst = worst.max(self.build(file, folder.as_deref()));
+            worst = worst.max(self.build(file, folder.as_deref(), &own));
         }
         worst
     }
 
     /// Builds one file, into a folder if there is one.
-    fn build(&self, file: &Path, output: Option<&Path>) -> Outcome {
+    fn build(&self, file: &Path, output: Option<&Path>, own: &OwnNumbers) -> Outcome {
         limits::set_time(self.time_limit);
         let Read { sources, layout, mut said, .. } = match read_any(file, self.layout.as_deref(), self.message_format) {
             Ok(read) => read,
@@ -193,7 +190,7 @@ impl Build {
             Pareto::new(layout, &trades)
         });
         if let Some(folder) = output {
-            let files = self.files(&compiled, freedom.as_ref()).map(|mut files| {
+            let files = self.more.files(&compiled, self.emit, freedom.as_ref(), own).map(|mut files| {
                 files.extend(pareto.iter().map(Pareto::file));
                 if let Some(text) = routed.as_ref().and_then(|r| r.text.clone()) {
                     files.push("layout.lss", text);
@@ -204,9 +201,8 @@ impl Build {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", file, why),
             };
-            told_of(&inspect(folder, SET), folder);
-            if let Err(error) = files.write_set(folder, SET) {
-                return could_not("write", &error.path, &error.reason);
+            if let Err(outcome) = written::write(&files, folder) {
+                return outcome;
             }
         }
         match &freedom {
@@ -239,27 +235,6 @@ impl Build {
         Compiled::new(layout.clone(), stages)
     }
 
-    fn files(&self, compiled: &Compiled, freedom: Option<&emit::freedom::Table>) -> Result<Files, DrawError> {
-        let mut files: Files = emit::data_files(compiled).into_iter().chain(emit::drawing_files(compiled)?).collect();
-        if self.stages {
-            let written = compiled.layout.corners();
-            files.push("stages.svg", emit::stages_svg(compiled, &written)?);
-            files.push("stages.png", emit::stages_png(compiled, &written)?);
-            if self.pdf {
-                files.push("stages.pdf", emit::stages_pdf(compiled, &written)?);
-            }
-        }
-        if self.pdf {
-            files.push("drawing.pdf", emit::drawing_pdf(compiled)?);
-        }
-        match self.emit {
-            Some(Emit::Nl) => files.extend(emit::outside::nl_files(compiled)),
-            Some(Emit::Mps) => files.extend(emit::outside::mps_files(compiled)),
-            _ => files.extend(freedom.into_iter().flat_map(|table| table.files())),
-        }
-        Ok(files)
-    }
-
     fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>, routed: Option<&Routed>, output: Option<&Path>) {
         let summary = Summary::new(compiled, pareto, routed);
         let text = match self.format {
@@ -267,41 +242,6 @@ impl Build {
             OutputFormat::Text => summary.text(compiled.raised(), output),
         };
         report::print(&text);
-    }
-}
-
-/// Of the manifest in the folder of the outputs.
-const SET: &str = "build";
-
-/// Says where the files of an earlier build are no whole set. All of them are written anew.
-fn told_of(found: &Found, folder: &Path) {
-    let folder = folder.display();
-    match found {
-        Found::Whole => {}
-        Found::Interrupted { new, old } => report::warning(&format!(
-            "{folder} holds parts of two builds, as a build was stopped while it wrote: {} {} new, {} {} not; all are \
-             written anew",
-            new.join(", "),
-            if new.len() == 1 { "is" } else { "are" },
-            old.join(", "),
-            if old.len() == 1 { "is" } else { "are" },
-        )),
-        Found::Changed { changed, missing } => {
-            if !changed.is_empty() {
-                let what = if changed.len() == 1 { "is not what" } else { "are not what" };
-                report::warning(&format!(
-                    "{} in {folder} {what} the last build wrote there; written anew",
-                    changed.join(", ")
-                ));
-            }
-            if !missing.is_empty() {
-                let what = if missing.len() == 1 { "is" } else { "are" };
-                report::warning(&format!(
-                    "{} of the last build {what} gone from {folder}; written anew",
-                    missing.join(", ")
-                ));
-            }
-        }
     }
 }
 

@@ -17,13 +17,44 @@ const SYSTEM: SystemInfo = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b
 const SUBSET: &str = "LSSDRW+";
 
 /// A font in use.
-pub struct Font {
-    pub id: Ref,
+struct Font {
+    id: Ref,
     /// `DejaVuSans-Bold`
     title: String,
     data: Vec<u8>,
     /// Width in thousandths of an em, and the characters that it stands for, by glyph.
     glyphs: BTreeMap<u16, (f32, String)>,
+}
+
+/// The fonts of a file, which its pages share.
+#[derive(Default)]
+pub struct Fonts(Vec<Font>);
+
+impl Fonts {
+    /// Index of a font of a page; its first use embeds it.
+    pub fn index(&mut self, tree: &Tree, font: ID, ids: &mut Ids) -> Result<usize, DrawError> {
+        let title = tree.fontdb().face(font).map(|face| face.post_script_name.clone()).ok_or_else(broken)?;
+        if let Some(known) = self.0.iter().position(|known| known.title == title) {
+            return Ok(known);
+        }
+        let data = tree.fontdb().with_face_data(font, |data, _| data.to_vec()).ok_or_else(broken)?;
+        self.0.push(Font { id: ids.fresh(), title, data, glyphs: BTreeMap::new() });
+        Ok(self.0.len() - 1)
+    }
+
+    /// Takes a glyph of a font into use; its width in em.
+    pub fn glyph(&mut self, font: usize, glyph: u16, text: &str) -> Result<f32, DrawError> {
+        self.0.get_mut(font).ok_or_else(broken)?.glyph(glyph, text)
+    }
+
+    /// Of all so far, in the order of their indices.
+    pub fn ids(&self) -> impl Iterator<Item = Ref> {
+        self.0.iter().map(|font| font.id)
+    }
+
+    pub fn write(&self, pdf: &mut Pdf, ids: &mut Ids) -> Result<(), DrawError> {
+        self.0.iter().try_for_each(|font| font.write(pdf, ids))
+    }
 }
 
 /// Why a font cannot be embedded.
@@ -32,14 +63,8 @@ fn broken() -> DrawError {
 }
 
 impl Font {
-    pub fn new(tree: &Tree, font: ID, ids: &mut Ids) -> Result<Self, DrawError> {
-        let title = tree.fontdb().face(font).map(|face| face.post_script_name.clone()).ok_or_else(broken)?;
-        let data = tree.fontdb().with_face_data(font, |data, _| data.to_vec()).ok_or_else(broken)?;
-        Ok(Font { id: ids.fresh(), title, data, glyphs: BTreeMap::new() })
-    }
-
     /// Takes a glyph into use; its width in em.
-    pub fn glyph(&mut self, glyph: u16, text: &str) -> Result<f32, DrawError> {
+    fn glyph(&mut self, glyph: u16, text: &str) -> Result<f32, DrawError> {
         if let Some((width, _)) = self.glyphs.get(&glyph) {
             return Ok(*width / 1000.0);
         }
@@ -51,7 +76,7 @@ impl Font {
         Ok(width)
     }
 
-    pub fn write(&self, pdf: &mut Pdf, ids: &mut Ids) -> Result<(), DrawError> {
+    fn write(&self, pdf: &mut Pdf, ids: &mut Ids) -> Result<(), DrawError> {
         let (cid, descriptor, map, file) = (ids.fresh(), ids.fresh(), ids.fresh(), ids.fresh());
         let title = format!("{SUBSET}{}", self.title);
         pdf.type0_font(self.id)

@@ -10,37 +10,44 @@ use pdf_writer::{Filter, Name, Pdf, Rect, Ref, TextStr};
 use resvg::usvg::Transform;
 
 use super::{DrawError, png};
+use fonts::Fonts;
 use painter::Painter;
 
 /// Points a pixel: 72 and 96 an inch.
 const POINTS: f32 = 0.75;
 
-/// Renders an SVG of [`Theme::Light`](super::svg::Theme) on a page of its size. The file holds no dates.
+/// Renders each SVG of [`Theme::Light`](super::svg::Theme) on a page of its size. The file holds no dates.
 ///
 /// # Errors
 /// [`DrawError::Raster`] with the words of the reader of SVG or of fonts.
-pub fn render(svg: &str, title: &str) -> Result<Vec<u8>, DrawError> {
-    let tree = png::parse(svg)?;
-    let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
-    // From pixels, y down, to points, y up.
-    let page_transform = Transform::from_row(POINTS, 0.0, 0.0, -POINTS, 0.0, height);
+pub fn render<S: AsRef<str>>(svgs: &[S], title: &str) -> Result<Vec<u8>, DrawError> {
     let mut ids = Ids(1);
-    let (catalog, pages, page, content, info) = (ids.fresh(), ids.fresh(), ids.fresh(), ids.fresh(), ids.fresh());
-    let mut painter = Painter::new(&tree, page_transform, &mut ids);
-    painter.group(tree.root());
-    let painted = painter.finish()?;
-
+    let (catalog, pages, info) = (ids.fresh(), ids.fresh(), ids.fresh());
+    let mut fonts = Fonts::default();
     let mut pdf = Pdf::new();
-    pdf.catalog(catalog).pages(pages);
-    pdf.pages(pages).kids([page]).count(1);
-    {
-        let mut entry = pdf.page(page);
-        entry.parent(pages).media_box(Rect::new(0.0, 0.0, width, height)).contents(content);
-        painted.list(&mut entry.resources());
+    let mut kids = Vec::new();
+    for svg in svgs {
+        let tree = png::parse(svg.as_ref())?;
+        let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
+        // From pixels, y down, to points, y up.
+        let page_transform = Transform::from_row(POINTS, 0.0, 0.0, -POINTS, 0.0, height);
+        let (page, content) = (ids.fresh(), ids.fresh());
+        let mut painter = Painter::new(&tree, page_transform, &mut ids, &mut fonts);
+        painter.group(tree.root());
+        let painted = painter.finish()?;
+        {
+            let mut entry = pdf.page(page);
+            entry.parent(pages).media_box(Rect::new(0.0, 0.0, width, height)).contents(content);
+            painted.list(&fonts, &mut entry.resources());
+        }
+        pdf.stream(content, &packed(&painted.content)).filter(Filter::FlateDecode);
+        painted.write(&mut pdf);
+        kids.push(page);
     }
+    pdf.catalog(catalog).pages(pages);
+    pdf.pages(pages).count(kids.len() as i32).kids(kids);
     pdf.document_info(info).title(TextStr(title)).producer(TextStr("lss"));
-    pdf.stream(content, &packed(&painted.content)).filter(Filter::FlateDecode);
-    painted.write(&mut pdf, &mut ids)?;
+    fonts.write(&mut pdf, &mut ids)?;
     Ok(pdf.finish())
 }
 
@@ -80,7 +87,7 @@ mod tests {
     use crate::emit::svg::{Theme, drawing};
 
     fn pdf() -> Vec<u8> {
-        render(&drawing(&samples::crowded(), Theme::Light).expect("drawn"), "crowded").expect("written")
+        render(&[drawing(&samples::crowded(), Theme::Light).expect("drawn")], "crowded").expect("written")
     }
 
     #[test]
@@ -95,7 +102,7 @@ mod tests {
     #[test]
     fn the_page_has_the_size_of_the_sheet() {
         let svg = drawing(&samples::rectangle(), Theme::Light).expect("drawn");
-        let bytes = render(&svg, "rectangle").expect("written");
+        let bytes = render(&[svg], "rectangle").expect("written");
         let text = String::from_utf8_lossy(&bytes);
         let (_, rest) = text.split_once("/MediaBox [").expect("a page");
         let numbers: Vec<f64> =

@@ -10,7 +10,7 @@ use resvg::usvg::{
     Tree,
 };
 
-use super::fonts::Font;
+use super::fonts::Fonts;
 use super::{Ids, name, named, packed};
 use crate::emit::DrawError;
 
@@ -23,7 +23,9 @@ pub struct Painter<'a> {
     page: Transform,
     ids: &'a mut Ids,
     content: Content,
-    fonts: Vec<(ID, Font)>,
+    fonts: &'a mut Fonts,
+    /// Indices of fonts that this page uses, by their number in the page's drawing.
+    known: Vec<(ID, usize)>,
     patterns: Vec<(Ref, Tile)>,
     /// Opacities in use, of lines and of areas alike.
     opacities: Vec<f32>,
@@ -41,13 +43,12 @@ struct Tile {
 /// A page as it is written.
 pub struct Painted {
     pub content: Vec<u8>,
-    fonts: Vec<Font>,
     patterns: Vec<(Ref, Tile)>,
     opacities: Vec<f32>,
 }
 
 impl<'a> Painter<'a> {
-    pub fn new(tree: &'a Tree, page: Transform, ids: &'a mut Ids) -> Self {
+    pub fn new(tree: &'a Tree, page: Transform, ids: &'a mut Ids, fonts: &'a mut Fonts) -> Self {
         let mut content = Content::new();
         content.transform(matrix(page));
         Painter {
@@ -55,7 +56,8 @@ impl<'a> Painter<'a> {
             page,
             ids,
             content,
-            fonts: Vec::new(),
+            fonts,
+            known: Vec::new(),
             patterns: Vec::new(),
             opacities: Vec::new(),
             error: None,
@@ -68,12 +70,7 @@ impl<'a> Painter<'a> {
         if let Some(error) = self.error {
             return Err(error);
         }
-        Ok(Painted {
-            content: self.content.finish().to_vec(),
-            fonts: self.fonts.into_iter().map(|(_, font)| font).collect(),
-            patterns: self.patterns,
-            opacities: self.opacities,
-        })
+        Ok(Painted { content: self.content.finish().to_vec(), patterns: self.patterns, opacities: self.opacities })
     }
 
     /// Everything in a group; drawings clip and mask nothing.
@@ -219,7 +216,7 @@ impl<'a> Painter<'a> {
                     end = at;
                 }
                 items.show(Str(&id.to_be_bytes()));
-                match self.fonts[font].1.glyph(id, &glyph.text) {
+                match self.fonts.glyph(font, id, &glyph.text) {
                     Ok(width) => end += width,
                     Err(error) => self.error = Some(error),
                 }
@@ -241,15 +238,15 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Index of a font.
+    /// Index of a font among the file's.
     fn font(&mut self, id: ID) -> Option<usize> {
-        if let Some(index) = self.fonts.iter().position(|(other, _)| *other == id) {
-            return Some(index);
+        if let Some((_, index)) = self.known.iter().find(|(other, _)| *other == id) {
+            return Some(*index);
         }
-        match Font::new(self.tree, id, self.ids) {
-            Ok(font) => {
-                self.fonts.push((id, font));
-                Some(self.fonts.len() - 1)
+        match self.fonts.index(self.tree, id, self.ids) {
+            Ok(index) => {
+                self.known.push((id, index));
+                Some(index)
             }
             Err(error) => {
                 self.error = Some(error);
@@ -260,13 +257,13 @@ impl<'a> Painter<'a> {
 }
 
 impl Painted {
-    /// What the page names.
-    pub fn list(&self, resources: &mut Resources) {
-        let mut fonts = resources.fonts();
-        for (i, font) in self.fonts.iter().enumerate() {
-            fonts.pair(name(&named('F', i)), font.id);
+    /// What the page names, and the fonts of the pages before it.
+    pub fn list(&self, fonts: &Fonts, resources: &mut Resources) {
+        let mut listed = resources.fonts();
+        for (i, id) in fonts.ids().enumerate() {
+            listed.pair(name(&named('F', i)), id);
         }
-        fonts.finish();
+        listed.finish();
         let mut patterns = resources.patterns();
         for (i, (id, _)) in self.patterns.iter().enumerate() {
             patterns.pair(name(&named('P', i)), *id);
@@ -279,8 +276,8 @@ impl Painted {
         }
     }
 
-    /// Fonts and hatchings.
-    pub fn write(&self, pdf: &mut Pdf, ids: &mut Ids) -> Result<(), DrawError> {
+    /// Its hatchings.
+    pub fn write(&self, pdf: &mut Pdf) {
         for (id, tile) in &self.patterns {
             let content = packed(&tile.content);
             let mut pattern = pdf.tiling_pattern(*id, &content);
@@ -294,7 +291,6 @@ impl Painted {
             pattern.resources();
             pattern.filter(Filter::FlateDecode);
         }
-        self.fonts.iter().try_for_each(|font| font.write(pdf, ids))
     }
 }
 

@@ -54,12 +54,8 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     for (j, station) in compiled.motors().into_iter().enumerate() {
         add(MarkKind::Motor, station, Some(format!("M{}", j + 1)));
     }
-    if let Some(every) = equipment.supports.filter(|every| every.value > 0.0) {
-        // The last one would stand on the first when the length is a multiple.
-        let count = ((compiled.length() - 1e-6) / every.value).floor() as usize + 1;
-        for i in 0..count {
-            add(MarkKind::Support, compiled.station_at(i as f64 * every.value), None);
-        }
+    for station in compiled.supports() {
+        add(MarkKind::Support, station, None);
     }
     marks
 }

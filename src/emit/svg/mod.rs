@@ -35,12 +35,17 @@ use xml::number;
 
 /// The root element with title, description, styles and hatches.
 pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) -> XmlElement {
+    page((sheet.width, sheet.height), theme, title, description)
+}
+
+/// The same for a page of a size, mm.
+pub(crate) fn page((width, height): (f64, f64), theme: Theme, title: &str, description: &str) -> XmlElement {
     let mut svg = XmlElement::new("svg")
         .attr("xmlns", "http://www.w3.org/2000/svg")
         .attr("class", "drawing")
-        .attr("width", format!("{}mm", number(sheet.width)))
-        .attr("height", format!("{}mm", number(sheet.height)))
-        .attr("viewBox", format!("0 0 {} {}", number(sheet.width), number(sheet.height)))
+        .attr("width", format!("{}mm", number(width)))
+        .attr("height", format!("{}mm", number(height)))
+        .attr("viewBox", format!("0 0 {} {}", number(width), number(height)))
         .attr("role", "img")
         .attr("aria-labelledby", "title description")
         .with(XmlElement::new("title").attr("id", "title").text(title))

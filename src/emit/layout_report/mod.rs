@@ -1,0 +1,263 @@
+//! `report.pdf`: all that a meeting about a layout needs, in one file: figures, what is proven, the drawing, sections,
+//! constraints, distances, equipment and the bill.
+
+mod pages;
+
+use super::layout::LayoutFile;
+use super::{DrawError, OwnNumbers, pdf, svg};
+use crate::base::number::{fixed, trimmed};
+use crate::compiled::{Compiled, order};
+use crate::model::TOLERANCE;
+use crate::solve::{Certificate, Counted, Stage, Status};
+use pages::{Pages, narrow, number, words};
+
+/// The report. It holds no dates but those of the layout's title block: the same layout gives the same bytes.
+///
+/// # Errors
+/// As [`svg::drawing`] and [`pdf::render`].
+pub fn pdf(compiled: &Compiled, own: &OwnNumbers) -> Result<Vec<u8>, DrawError> {
+    let layout = &compiled.layout;
+    let title = &layout.drawing.title;
+    let mut pages = Pages::new();
+    summary(&mut pages, compiled);
+    pages.turn();
+    tables(&mut pages, compiled, own);
+    let told =
+        [("project", &title.project), ("drawing", &title.number), ("revision", &title.revision), ("", &title.date)];
+    let told = told.iter().filter(|(_, text)| !text.is_empty());
+    let parts: Vec<String> = std::iter::once(layout.name.clone())
+        .chain(told.map(|(name, text)| format!("{name} {text}").trim().to_owned()))
+        .collect();
+    let mut all = pages.finish(&layout.name, &parts.join(", "), (1, 1));
+    all.insert(1.min(all.len()), svg::drawing(compiled, svg::Theme::Light)?);
+    pdf::render(&all, &layout.name)
+}
+
+fn summary(pages: &mut Pages, compiled: &Compiled) {
+    let layout = &compiled.layout;
+    let title = &layout.drawing.title;
+    pages.title(&layout.name);
+    if compiled.failed() {
+        pages.words("NOT FEASIBLE: this is the best layout that was found; it must not be built.", "bold warn");
+    }
+    let fields = [
+        ("project", &title.project),
+        ("drawing number", &title.number),
+        ("revision", &title.revision),
+        ("date of revision", &title.date),
+        ("author", &title.author),
+        ("checked", &title.checked),
+        ("approved", &title.approved),
+    ];
+    let fields: Vec<(&str, String)> =
+        fields.iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| (*name, (*text).clone())).collect();
+    pages.facts(&fields);
+    pages.heading("The layout");
+    let metres = |value: f64| format!("{} m", trimmed(value, 3));
+    let chain = match compiled.chain {
+        None => "no whole number of carts closes".to_owned(),
+        Some(fit) => format!(
+            "{} of {}, {} mm left over; the take-up compensates {} mm{}",
+            fit.carts,
+            metres(layout.cart.length),
+            trimmed(1e3 * fit.left_over, 1),
+            trimmed(1e3 * layout.catalog.take_up, 1),
+            if compiled.chain_fits() { "" } else { ": THE CHAIN DOES NOT FIT" }
+        ),
+    };
+    let bill = &compiled.bill;
+    pages.facts(&[
+        ("length of track", metres(compiled.length())),
+        ("carts", chain),
+        ("speed", format!("{} m/s", trimmed(layout.speed.value, 3))),
+        ("width of band", metres(layout.width.value)),
+        ("footprint", format!("{} m²", trimmed(compiled.footprint, 2))),
+        ("vertices", layout.vertices.len().to_string()),
+        ("elements", format!("{}, {} EUR, {} kg", bill.count, fixed(bill.price, 2), fixed(bill.mass, 1))),
+        ("catalogue", layout.catalog.name.clone()),
+    ]);
+    pages.heading("How it was found");
+    let stage = |s: &Stage| {
+        vec![
+            s.name.replace("stage", "stage "),
+            fixed(s.length, 5),
+            status(s.status).to_owned(),
+            format!("{:.1e}", s.max_violation),
+        ]
+    };
+    let rows: Vec<Vec<String>> = compiled.stages.iter().map(stage).collect();
+    pages.table(&[narrow("stage"), number("length, m"), words("ended as"), number("largest violation, m")], &rows);
+    if let Some(certificate) = compiled.stages.last().and_then(|s| s.certificate.as_ref()) {
+        pages.words(&proof(certificate), "");
+        if !certificate.assumed.is_empty() {
+            pages.words(&format!("This holds if {}.", certificate.assumed.join("; ")), "quiet");
+        }
+    }
+    for violation in compiled.stages.last().iter().flat_map(|s| &s.violations) {
+        let words = format!("{} is missed by {} {}", violation.row, trimmed(violation.amount, 4), violation.unit);
+        pages.words(&words, "warn");
+    }
+}
+
+fn status(status: Status) -> &'static str {
+    match status {
+        Status::Local => "local optimum",
+        Status::BestFound => "best found",
+        Status::Proven => "proven: none on the catalogue's grid is better",
+        Status::Feasible => "feasible, not optimal",
+        Status::Infeasible => "NOT FEASIBLE",
+        Status::AsWritten => "as written",
+    }
+}
+
+/// What a certificate says.
+fn proof(c: &Certificate) -> String {
+    let bound = match c.counted {
+        Counted::Length => format!("shorter than {} m", fixed(c.lower_bound, 6)),
+        Counted::Price { metre } if metre > 0.0 => {
+            format!("better than {} EUR, a metre counted as {metre} EUR", fixed(c.lower_bound, 2))
+        }
+        Counted::Price { .. } => format!("cheaper than {} EUR", fixed(c.lower_bound, 2)),
+    };
+    let budget = c.budget.as_ref().map_or_else(String::new, |budget| format!(" within the budget ({budget})"));
+    if c.proven {
+        format!("Proven: no layout on the catalogue's grid{budget} is {bound}.")
+    } else if c.lower_bound <= 0.0 {
+        "No bound was found for layouts on the catalogue's grid.".to_owned()
+    } else {
+        format!("No layout on the catalogue's grid{budget} is {bound}; the gap is {} %.", fixed(100.0 * c.gap, 3))
+    }
+}
+
+fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
+    let file = LayoutFile::new(compiled);
+    // Alike in a column.
+    let metres = |value: f64| fixed(value, 3);
+    let degrees = |value: f64| fixed(value, 2);
+    let text = |value: &str| value.to_owned();
+
+    pages.heading("Curves and straights, in driving order");
+    let vertex = |(v, s): (&super::layout::Vertex, &super::layout::Section)| {
+        let place = [v.x_m, v.y_m, v.radius_m].map(metres);
+        let [x, y, radius] = place;
+        let turn = degrees(v.turn_deg);
+        let straight = [metres(s.straight_m), degrees(s.heading_deg)];
+        let [length, heading] = straight;
+        vec![v.name.clone(), x, y, radius, turn, s.name.clone(), length, heading]
+    };
+    let rows: Vec<Vec<String>> = file.vertices.iter().zip(&file.sections).map(vertex).collect();
+    let columns = [
+        narrow("vertex"),
+        number("x, m"),
+        number("y, m"),
+        number("radius, m"),
+        number("turn, deg"),
+        words("then"),
+        number("straight, m"),
+        number("heading, deg"),
+    ];
+    pages.table(&columns, &rows);
+
+    if !file.constraints.is_empty() {
+        pages.heading("Constraints");
+        let unit = |value: f64, unit: &str| match unit {
+            "rad" => format!("{} deg", trimmed(value.to_degrees(), 3)),
+            _ => format!("{} {unit}", trimmed(value, 4)).trim().to_owned(),
+        };
+        let row = |c: &super::layout::Constraint| {
+            let limits = match (c.low, c.high) {
+                (Some(low), Some(high)) if low == high => unit(low, &c.unit),
+                (Some(low), Some(high)) => format!("{} to {}", unit(low, &c.unit), unit(high, &c.unit)),
+                (Some(low), None) => format!("at least {}", unit(low, &c.unit)),
+                (None, Some(high)) => format!("at most {}", unit(high, &c.unit)),
+                (None, None) => String::new(),
+            };
+            let short = c.low.map_or(0.0, |low| low - c.value).max(c.high.map_or(0.0, |high| c.value - high));
+            let at = |limit: Option<f64>| limit.is_some_and(|limit| (limit - c.value).abs() <= 10.0 * TOLERANCE);
+            let state = match short > TOLERANCE {
+                true => "NOT MET",
+                false if c.low == c.high => "",
+                false if at(c.low) || at(c.high) => "at its limit",
+                false => "",
+            };
+            let row = c.reason.as_ref().map_or_else(|| c.row.clone(), |why| format!("{}, \"{why}\"", c.row));
+            vec![row, limits, unit(c.value, &c.unit), text(state)]
+        };
+        let rows: Vec<Vec<String>> = file.constraints.iter().map(row).collect();
+        pages.table(&[words("line"), narrow("asks for"), number("is"), narrow("")], &rows);
+    }
+
+    if !file.contacts.is_empty() {
+        pages.heading("Distances of the band");
+        let row = |c: &super::layout::ContactArea| vec![c.name.clone(), metres(c.clearance_m), metres(c.required_m)];
+        let rows: Vec<Vec<String>> = file.contacts.iter().map(row).collect();
+        pages.table(&[words("to"), number("is, m"), number("at least, m")], &rows);
+    }
+
+    if !file.equipment.is_empty() {
+        pages.heading("Along the track");
+        let row = |e: &super::layout::Equipment| {
+            let kind =
+                serde_json::to_value(e.kind).ok().and_then(|k| k.as_str().map(str::to_owned)).unwrap_or_default();
+            let [s, x, y, z] = [e.s_m, e.x_m, e.y_m, e.z_m].map(metres);
+            vec![kind, e.name.clone(), s, x, y, z, degrees(e.heading_deg)]
+        };
+        let rows: Vec<Vec<String>> = file.equipment.iter().map(row).collect();
+        let columns = [
+            narrow("kind"),
+            words("name"),
+            number("s, m"),
+            number("x, m"),
+            number("y, m"),
+            number("height, m"),
+            number("heading, deg"),
+        ];
+        pages.table(&columns, &rows);
+    }
+
+    pages.heading("Bill");
+    let numbers = |article: &str| own.of(article).unwrap_or_default().to_owned();
+    let euros = |value: Option<f64>| value.map_or_else(String::new, |value| fixed(value, 2));
+    let kilograms = |value: Option<f64>| value.map_or_else(String::new, |value| fixed(value, 1));
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for line in &compiled.bill.lines {
+        let (price, mass) = (euros(Some(line.price)), kilograms(Some(line.mass)));
+        rows.push(vec![
+            line.article.clone(),
+            numbers(&line.article),
+            line.description.clone(),
+            line.count.to_string(),
+            price,
+            mass,
+        ]);
+    }
+    let (mut price, mut mass) = (compiled.bill.price, compiled.bill.mass);
+    for line in order::lines(compiled) {
+        let article = line.article.clone().unwrap_or_default();
+        let own = numbers(&article);
+        price += line.price().unwrap_or(0.0);
+        mass += line.mass().unwrap_or(0.0);
+        rows.push(vec![
+            article,
+            own,
+            line.description.clone(),
+            line.count.to_string(),
+            euros(line.price()),
+            kilograms(line.mass()),
+        ]);
+    }
+    rows.push(vec![text(""), text(""), text("sum of what has a price"), text(""), fixed(price, 2), fixed(mass, 1)]);
+    let mut columns = vec![
+        narrow("article"),
+        narrow("own number"),
+        words("description"),
+        number("count"),
+        number("price, EUR"),
+        number("mass, kg"),
+    ];
+    if own.is_empty() {
+        columns.remove(1);
+        rows.iter_mut().for_each(|row| drop(row.remove(1)));
+    }
+    pages.table(&columns, &rows);
+}
