@@ -13,6 +13,7 @@ mod documents;
 mod editor;
 mod fits;
 mod limits;
+mod links;
 mod messages;
 mod polygon;
 mod route;
