@@ -8,10 +8,12 @@ use crate::cli::limits;
 use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
+use crate::semantics::given::{self, GivenLet};
 use crate::semantics::{self, analyse};
 use crate::solve::{self, Options, unsupported};
 use crate::source::{FileId, Loader, SourceMap, input, one_line, revision, root, shown};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A checked layout, its sources, and what was said of it so far.
 pub struct Read {
@@ -24,7 +26,7 @@ pub struct Read {
 
 /// Reads and checks a layout with vertices; mistakes are reported here, and end the verb with the outcome returned.
 pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
-    with_vertices(read_any(file, name, format)?, format)
+    with_vertices(read_any(file, name, &[], format)?, format)
 }
 
 fn with_vertices(read: Read, format: MessageFormat) -> Result<Read, Outcome> {
@@ -38,15 +40,40 @@ fn with_vertices(read: Read, format: MessageFormat) -> Result<Read, Outcome> {
     }
 }
 
-/// The same for a layout that may ask for its vertices.
-pub fn read_any(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
+/// The same for a layout that may ask for its vertices, with values for its `let`s.
+pub fn read_any(file: &Path, name: Option<&str>, lets: &[GivenLet], format: MessageFormat) -> Result<Read, Outcome> {
     let mut sources = SourceMap::default();
     let (mut loader, main) = match open(&mut sources, file) {
         Ok(opened) => opened,
         Err(Opened::Unreadable(why)) => return Err(could_not("read", file, why)),
         Err(Opened::Problem(diagnostic)) => return Err(tell(&sources, &[*diagnostic], format)),
     };
-    analysed(sources, &mut loader, main, name, format)
+    if lets.is_empty() {
+        return analysed(sources, &mut loader, main, name, format);
+    }
+    let overlay = match given::given(&mut sources, &mut loader, main, lets) {
+        Ok(overlay) => overlay,
+        Err(why) => {
+            report::error(&format!("--let: {why}"));
+            report::note(&format!("  help: {}", why.help()));
+            return Err(Outcome::CouldNotRun);
+        }
+    };
+    let mut sources = SourceMap::default();
+    match Loader::open_over(&mut sources, file, Arc::new(overlay)) {
+        Ok((mut loader, main)) => analysed(sources, &mut loader, main, name, format),
+        Err(why) => Err(could_not("read", file, format!("{why:?}"))),
+    }
+}
+
+/// `NAME=VALUE` of `--let`.
+pub fn given_let(text: &str) -> Result<GivenLet, String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && given::is_value(value) => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err(format!("{text} is not NAME=VALUE, such as aisle=3m")),
+    }
 }
 
 /// The same as [`read`] of a file as it is in a revision of its repository.
@@ -99,7 +126,22 @@ pub fn is_json(file: &Path) -> bool {
 
 /// The simulation input that a `.json` is, or that a layout builds.
 pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Simulation, Outcome> {
+    simulation_with(file, name, &[], format)
+}
+
+/// The same, with values for a layout's `let`s.
+pub fn simulation_with(
+    file: &Path,
+    name: Option<&str>,
+    lets: &[GivenLet],
+    format: MessageFormat,
+) -> Result<Simulation, Outcome> {
     if is_json(file) {
+        if let Some((name, _)) = lets.first() {
+            report::error(&format!("--let {name}: a simulation input has no `let`s"));
+            report::note("  help: give the .lss that it was built from, or set its numbers with --set");
+            return Err(Outcome::CouldNotRun);
+        }
         let bytes = root::read_given(file, input::JSON_LIMIT).map_err(|why| could_not("read", file, why))?;
         return Simulation::read(&bytes).map_err(|why| {
             match foreign::not_a_simulation(&bytes) {
@@ -109,7 +151,11 @@ pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Res
             Outcome::Problems
         });
     }
-    Ok(Simulation::new(&built(file, name, format)?))
+    let read = with_vertices(read_any(file, name, lets, format)?, format)?;
+    match solved(read, format)? {
+        (compiled, Outcome::Clean) => Ok(Simulation::new(&compiled)),
+        (_, failed) => Err(failed),
+    }
 }
 
 /// What a layout builds; what is wrong with it is reported here.

@@ -18,6 +18,7 @@ mod evaluate;
 mod field_value;
 mod fields;
 mod functions;
+pub mod given;
 mod layout;
 pub mod names;
 mod program;

@@ -75,9 +75,13 @@ fn anchors(text: &str) -> BTreeSet<String> {
     let mut anchors = BTreeSet::new();
     for line in text.lines() {
         within ^= line.starts_with("```");
-        if let (false, true, Some(words)) = (within, line.starts_with('#'), line.trim_start_matches('#').strip_prefix(' ')) {
+        if let (false, true, Some(words)) =
+            (within, line.starts_with('#'), line.trim_start_matches('#').strip_prefix(' '))
+        {
             let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
-            anchors.insert(words.trim().to_lowercase().chars().filter(kept).map(|c| if c == ' ' { '-' } else { c }).collect());
+            anchors.insert(
+                words.trim().to_lowercase().chars().filter(kept).map(|c| if c == ' ' { '-' } else { c }).collect(),
+            );
         }
     }
     anchors
@@ -206,12 +210,14 @@ fn every_command_is_one_that_the_program_takes() {
             }
             count += 1;
             if let Err(why) = Cli::try_parse_from(&call)
-                && !matches!(
-                    why.kind(),
-                    clap::error::ErrorKind::DisplayHelp | clap::error::ErrorKind::DisplayVersion
-                )
+                && !matches!(why.kind(), clap::error::ErrorKind::DisplayHelp | clap::error::ErrorKind::DisplayVersion)
             {
-                wrong.push(format!("{}: {}: {}", file.display(), call.join(" "), why.to_string().lines().next().unwrap()));
+                wrong.push(format!(
+                    "{}: {}: {}",
+                    file.display(),
+                    call.join(" "),
+                    why.to_string().lines().next().unwrap()
+                ));
             }
             let named = call.iter().filter(|word| word.starts_with("examples/"));
             wrong.extend(

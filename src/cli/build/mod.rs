@@ -5,7 +5,7 @@ mod summary;
 mod written;
 
 use super::progress::Solving;
-use super::read::{Read, read_any, tell};
+use super::read::{Read, given_let, read_any, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, report};
 use crate::cli::read::loose;
 use crate::compiled::Compiled;
@@ -14,6 +14,7 @@ use crate::emit::OwnNumbers;
 use crate::emit::pareto::Pareto;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
+use crate::semantics::given::GivenLet;
 use crate::solve::{self, Effort, Options, Solver, unsupported};
 use crate::{elements, emit};
 use clap::ValueEnum;
@@ -42,6 +43,9 @@ pub struct Build {
     /// Which layout, when the file has several.
     #[arg(long, value_name = "NAME")]
     layout: Option<String>,
+    /// Give a `let` of the layout another value: --let aisle=3m. May be repeated.
+    #[arg(long = "let", value_name = "NAME=VALUE", value_parser = given_let)]
+    lets: Vec<GivenLet>,
     /// How the summary is written to standard output.
     #[arg(long, value_enum, default_value_t)]
     format: OutputFormat,
@@ -122,10 +126,11 @@ impl Build {
     /// Builds one file, into a folder if there is one.
     fn build(&self, file: &Path, output: Option<&Path>, own: &OwnNumbers) -> Outcome {
         limits::set_time(self.time_limit);
-        let Read { sources, layout, mut said, .. } = match read_any(file, self.layout.as_deref(), self.message_format) {
-            Ok(read) => read,
-            Err(outcome) => return outcome,
-        };
+        let Read { sources, layout, mut said, .. } =
+            match read_any(file, self.layout.as_deref(), &self.lets, self.message_format) {
+                Ok(read) => read,
+                Err(outcome) => return outcome,
+            };
         let layout = &layout;
         if self.emit == Some(Emit::Model) {
             report::print(&model::print(layout));

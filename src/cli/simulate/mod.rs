@@ -11,6 +11,7 @@ use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::effects;
 use crate::emit::Files;
 use crate::report::lap;
+use crate::semantics::given::GivenLet;
 use crate::signal::{csv, parquet};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -30,6 +31,9 @@ pub struct Simulate {
     /// Which layout, when the file has several.
     #[arg(long, value_name = "NAME")]
     layout: Option<String>,
+    /// Give a `let` of the layout another value: --let aisle=3m. May be repeated.
+    #[arg(long = "let", value_name = "NAME=VALUE", value_parser = read::given_let)]
+    lets: Vec<GivenLet>,
     /// Laps of the sensor cart to record.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     laps: u64,
@@ -83,12 +87,13 @@ enum RunFormat {
 
 impl Simulate {
     pub fn run(&self) -> Outcome {
-        let simulation = match read::simulation(&self.file, self.layout.as_deref(), self.message_format)
-            .and_then(|input| self.changed(&input))
-        {
-            Ok(simulation) => simulation,
-            Err(outcome) => return outcome,
-        };
+        let simulation =
+            match read::simulation_with(&self.file, self.layout.as_deref(), &self.lets, self.message_format)
+                .and_then(|input| self.changed(&input))
+            {
+                Ok(simulation) => simulation,
+                Err(outcome) => return outcome,
+            };
         if self.list_parameters {
             super::report::print(&report::parameters(&simulation));
             return Outcome::Clean;
