@@ -27,8 +27,9 @@
 //! - [`identify`]: parameters of the model from measurements,
 //! - [`gap`]: where a built system and its simulation part, and which effect does it; models outside,
 //! - [`benchmark`]: sealed challenges: campaigns whose effects are withheld, and what a diagnosis makes of them,
+//! - [`study`]: many tasks that differ in their parameters, done here or on a cluster, and one table of them,
 //! - [`emit`]: files of a layout: SVG, PNG, DXF, CSV, JSON,
-//! - [`report`]: pages that a person reads: a lap, an identification, a diagnosis, polygon action,
+//! - [`report`]: pages that a person reads: a lap, an identification, a diagnosis, polygon action, a study,
 //! - [`editor`]: the language server: what an editor asks of a layout while it is written,
 //! - [`cli`]: one file a verb.
 
@@ -57,4 +58,5 @@ pub mod semantics;
 pub mod signal;
 pub mod solve;
 pub mod source;
+pub mod study;
 pub mod syntax;

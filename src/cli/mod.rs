@@ -24,6 +24,7 @@ mod read;
 mod report;
 mod runs;
 mod simulate;
+mod study;
 
 use crate::dynamics::{NoWidth, Width};
 use crate::source::{Root, one_line, shown, steers};
@@ -60,6 +61,7 @@ enum Verb {
     Identify(identify::Identify),
     Gap(gap::Gap),
     Polygon(polygon::Polygon),
+    Study(study::Study),
     Fmt(fmt::Fmt),
     Explain(explain::Explain),
     New(new::New),
@@ -130,6 +132,7 @@ pub fn main() -> ExitCode {
         Verb::Identify(verb) => verb.run(),
         Verb::Gap(verb) => verb.run(),
         Verb::Polygon(verb) => verb.run(),
+        Verb::Study(verb) => verb.run(),
         Verb::Fmt(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),

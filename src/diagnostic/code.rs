@@ -1,5 +1,5 @@
 //! The stable codes. E01 text and syntax, E02 files, names and imports, E03 values and dimensions, E04 the layout's
-//! geometry, E05 constraints, E06 solving, W07 warnings, E08 and W08 drawings that are imported.
+//! geometry, E05 constraints, E06 solving, W07 warnings, E08 and W08 drawings that are imported, E09 studies.
 
 use super::Severity;
 
@@ -116,6 +116,13 @@ codes! {
     E0806 "unreadable-shape",
     W0801 "drawing-healed",
     W0802 "outline-left-out",
+
+    E0901 "not-a-study",
+    E0902 "unknown-study-key",
+    E0903 "bad-study-value",
+    E0904 "study-file-unread",
+    E0905 "unknown-layout-value",
+    E0906 "study-size",
 }
 
 impl Code {

@@ -218,6 +218,11 @@ pub(super) fn normalise(path: &Path) -> Option<PathBuf> {
     Some(out)
 }
 
+/// The root that the command line says, canonical.
+pub fn chosen() -> Option<&'static Path> {
+    GIVEN.get().map(PathBuf::as_path)
+}
+
 /// Reads a file that the command line names.
 ///
 /// # Errors

@@ -13,15 +13,21 @@ use lss::geometry::Track;
 use lss::semantics::analyse;
 use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
+use lss::study::Plan;
+use lss::study::plan::NoPlan;
 use lss::{elements, import, route, solve};
 
 fn folder(code: Code) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())
 }
 
-/// What the case's main file is called: codes of an import have a drawing.
+/// What the case's main file is called: codes of an import have a drawing, those of a study a study.
 fn input(code: Code) -> &'static str {
-    if code.as_str()[1..].starts_with("08") { "input.dxf" } else { "input.lss" }
+    match &code.as_str()[1..3] {
+        "08" => "input.dxf",
+        "09" => "input.toml",
+        _ => "input.lss",
+    }
 }
 
 /// The case's files, `input.lss` first. `NAME.spaces` holds the number of spaces that the file NAME is made of.
@@ -52,6 +58,17 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         let drawing = sources.add("input.dxf", text);
         let (_, said) = import::read(&sources, drawing, &import::Options::default());
         return (sources, said);
+    }
+    if input(code) == "input.toml" {
+        let path = folder(code).join("input.toml");
+        let wrong = match Plan::read(&mut sources, &path, &|_| Ok(())) {
+            Err(NoPlan::Wrong(wrong)) => wrong,
+            other => panic!("{code:?}: {other:?}"),
+        };
+        // Messages name the file as it was given.
+        let mut plain = SourceMap::default();
+        sources.ids().for_each(|id| drop(plain.add("input.toml", sources.file(id).text.clone())));
+        return (plain, wrong);
     }
     let files = files(code);
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
@@ -109,7 +126,8 @@ fn said() -> &'static [(SourceMap, Vec<Diagnostic>)] {
 
 /// The first example in a page.
 fn example(page: &str) -> Option<&str> {
-    let (_, rest) = page.split_once("```lss\n").or_else(|| page.split_once("```dxf\n"))?;
+    let (_, rest) =
+        page.split_once("```lss\n").or_else(|| page.split_once("```dxf\n")).or_else(|| page.split_once("```toml\n"))?;
     rest.split_once("```").map(|(example, _)| example)
 }
 
