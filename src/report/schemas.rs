@@ -7,9 +7,10 @@ use crate::emit::layout::LayoutFile;
 use crate::emit::pareto::Pareto;
 use crate::gap::Diagnosis;
 use crate::report::polygon::{PolygonReport, Verification};
+use crate::study;
 
 /// Names and contents of `docs/schemas/`.
-pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
+pub fn schemas() -> [(&'static str, Vec<u8>); 8] {
     [
         ("layout.schema.json", json::schema::<LayoutFile>()),
         ("simulation.schema.json", json::schema::<Simulation>()),
@@ -17,6 +18,7 @@ pub fn schemas() -> [(&'static str, Vec<u8>); 7] {
         ("pareto.schema.json", json::schema::<Pareto>()),
         ("polygon.schema.json", json::schema::<PolygonReport>()),
         ("verify.schema.json", json::schema::<Verification>()),
+        ("study.schema.json", json::to_json(&study::schema())),
         ("gap.schema.json", json::schema::<Diagnosis>()),
     ]
 }
@@ -53,7 +55,7 @@ mod tests {
             let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
             for (name, schema) in schemas() {
-                // Of `lss polygon`, `lss gap` and `--emit pareto`, not of every build.
+                // Of `lss polygon`, `lss study`, `lss gap` and `--emit pareto`, not of every build.
                 let Some((_, content)) = files.iter().find(|(n, _)| *n == name.replace(".schema", "")) else {
                     continue;
                 };

@@ -77,10 +77,11 @@ fn pictures(parameters: &[&Column], results: &[&Column]) -> Markup {
             }
             @for (k, parameter) in parameters.iter().enumerate() {
                 div class=(format!("view by-{k}")) {
+                    p.note { "Across: " (with_unit(parameter)) }
                     div.small {
                         @for (column, cells) in drawn.iter().take(PICTURES) {
                             figure {
-                                figcaption { b { (column.name) } " against " (with_unit(parameter)) }
+                                figcaption { b { (column.name) } }
                                 (picture(parameter, cells))
                             }
                         }
@@ -182,7 +183,7 @@ fn picture(parameter: &Column, cells: &[Option<f64>]) -> Markup {
     }
     let means: Vec<String> =
         groups.values().map(|g| format!("{},{}", fixed(x(g.0), 1), fixed(y(g.3 / g.4), 1))).collect();
-    let marks = ticks(bottom, top, 4.0);
+    let marks = ticks(bottom, top, 5.0);
     let is_number = matches!(parameter.cells, Cells::Numbers(_));
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {

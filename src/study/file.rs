@@ -58,6 +58,8 @@ pub fn read(file: FileId, text: &str) -> (StudyFile, Vec<Diagnostic>) {
     (study, reader.said)
 }
 
+const NOT_KNOWN: &str = "not known";
+
 type Value<'a> = Spanned<DeValue<'a>>;
 type Entry<'a, 'b> = (&'b str, Span, &'b Value<'a>);
 
@@ -79,7 +81,7 @@ impl Reader {
     fn unknown(&mut self, span: Span, key: &str, message: String, known: &[&str]) {
         let listed: Vec<String> = known.iter().map(|k| format!("`{k}`")).collect();
         let mut diagnostic =
-            Diagnostic::new(Code::E0902, message, span, "not known").expected(listed.join(", "), format!("`{key}`"));
+            Diagnostic::new(Code::E0902, message, span, NOT_KNOWN).expected(listed.join(", "), format!("`{key}`"));
         if let Some(near) = nearest(key, known.iter().copied()) {
             diagnostic = diagnostic.fix(span, near);
         }
@@ -297,7 +299,11 @@ impl Reader {
     }
 
     fn options(&mut self, verb: Verb, span: Span, value: &Value, sweep: &mut Sweep) {
-        if !sweep.steps.is_empty() && !sweep.steps.contains(&verb) {
+        // Where a step is mistyped it may be this one.
+        if !sweep.steps.is_empty()
+            && !sweep.steps.contains(&verb)
+            && !self.said.iter().any(|d| d.label.text == NOT_KNOWN)
+        {
             let message = format!("`{}` is no step of this sweep", verb.name());
             let names: Vec<&str> = sweep.steps.iter().map(|v| v.name()).collect();
             self.wrong(

@@ -23,6 +23,7 @@ pub mod place;
 pub mod plan;
 pub mod process;
 pub mod run;
+mod schema;
 pub mod slurm;
 pub mod table;
 #[cfg(test)]
@@ -32,6 +33,7 @@ mod verb;
 
 pub use place::{Place, State};
 pub use plan::{Plan, Task};
+pub use schema::schema;
 pub use verb::Verb;
 
 /// Tasks of a study at most.

@@ -76,10 +76,14 @@ fn build(summary: &Value) -> Values {
 
 fn simulate(summary: &Value) -> Values {
     let mut out = Values::new();
-    flatten("simulate", summary, &mut out);
-    for (channel, of) in summary.get("channels").and_then(Value::as_object).into_iter().flatten() {
+    let channels = summary.get("channels").cloned().unwrap_or_default();
+    let mut rest = summary.clone();
+    rest.as_object_mut().map(|members| members.remove("channels"));
+    flatten("simulate", &rest, &mut out);
+    flatten("simulate", &channels, &mut out);
+    for (channel, of) in channels.as_object().into_iter().flatten() {
         let [mean, sd, min, max] = ["/mean", "/sd", "/min", "/max"].map(|at| number(of, at));
-        let name = format!("simulate.channels.{channel}");
+        let name = format!("simulate.{channel}");
         put(&mut out, &format!("{name}.peak"), min.zip(max).map(|(a, b)| a.abs().max(b.abs())));
         put(&mut out, &format!("{name}.rms"), mean.zip(sd).map(|(a, b)| trig::hypot(a, b)));
     }
@@ -171,8 +175,8 @@ mod tests {
     fn a_channel_has_its_peak_and_its_root_mean_square() {
         let summary = json!({"carts": 3, "wall_s": 1.5, "channels": {"joint_xi": {"mean": 3.0, "sd": 4.0, "min": -9.0, "max": 7.0}}});
         let found = values(Verb::Simulate, &summary.to_string(), Path::new(".")).unwrap();
-        assert_eq!(found["simulate.channels.joint_xi.peak"], 9.0);
-        assert_eq!(found["simulate.channels.joint_xi.rms"], 5.0);
+        assert_eq!(found["simulate.joint_xi.peak"], 9.0);
+        assert_eq!(found["simulate.joint_xi.rms"], 5.0);
         assert_eq!(found["simulate.carts"], 3);
         assert!(!found.contains_key("simulate.wall_s"), "no times");
     }

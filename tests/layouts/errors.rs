@@ -67,7 +67,9 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         };
         // Messages name the file as it was given.
         let mut plain = SourceMap::default();
-        sources.ids().for_each(|id| drop(plain.add("input.toml", sources.file(id).text.clone())));
+        for id in sources.ids() {
+            plain.add("input.toml", sources.file(id).text.clone());
+        }
         return (plain, wrong);
     }
     let files = files(code);

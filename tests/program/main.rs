@@ -18,5 +18,6 @@ mod messages;
 mod polygon;
 mod route;
 mod stiffness;
+mod study;
 mod terminal;
 mod trust;

@@ -296,9 +296,50 @@ fn a_challenge_reads_and_writes_nothing_outside_its_folder() {
     }
 }
 
-/// A program outside is started by `--model`, which only the command line has, and `lss` starts itself for a challenge.
 #[test]
-fn processes_are_started_in_three_places_only() {
+fn a_study_reads_nothing_outside_its_root_and_sets_no_option_that_starts_a_program() {
+    let place = Place::new(true);
+    place.link("p/link.lss", "secret/words.lss");
+    for file in ["../secret/words.lss", "link.lss", "/proc/self/environ", "../secret/missing.lss", "-o", "a"] {
+        place.write("p/study.toml", &format!("[[sweep]]\nsteps = \"build\"\nfile = \"{file}\"\n"));
+        place.keeps_quiet(&["study", "run", "p/study.toml", "-o", "out"]);
+        place.write("p/study.toml", &format!("[[sweep]]\nsteps = \"identify\"\nfile = \"{file}\"\n"));
+        place.keeps_quiet(&["study", "run", "p/study.toml", "-o", "out"]);
+    }
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/smallest.lss"), place.path("p/s.lss")).unwrap();
+    for line in
+        ["diagnose.model = \"touch hit\"", "model = \"touch hit\"", "diagnose.fmu = true", "build.output = \"x\""]
+    {
+        place.write(
+            "p/study.toml",
+            &format!("[[sweep]]\nsteps = [\"build\", \"simulate\", \"diagnose\"]\nfile = \"s.lss\"\n{line}\n"),
+        );
+        assert!(place.keeps_quiet(&["study", "run", "p/study.toml", "-o", "out"]).contains("E0902"));
+    }
+    // A value is told as one word with its option, so that it is none itself.
+    place.write(
+        "p/study.toml",
+        "[[sweep]]\nsteps = \"build\"\nfile = \"s.lss\"\nbuild.layout = \"--output=../elsewhere\"\n",
+    );
+    place.keeps_quiet(&["study", "run", "p/study.toml", "-o", "out"]);
+    assert!(!place.path("hit").exists() && !place.path("elsewhere").exists() && !place.path("p/elsewhere").exists());
+    // Nor does a folder of results lead out of the project.
+    place.write("p/study.toml", "[[sweep]]\nsteps = \"build\"\nfile = \"s.lss\"\n");
+    fs::create_dir(place.path("elsewhere")).unwrap();
+    place.link("p/out", "elsewhere");
+    let said = place.keeps_quiet(&["study", "run", "p/study.toml", "-o", "p/out"]);
+    assert!(said.contains("outside the project's root"), "{said}");
+    fs::remove_file(place.path("p/out")).unwrap();
+    fs::create_dir(place.path("p/out")).unwrap();
+    place.link("p/out/tasks", "elsewhere");
+    place.keeps_quiet(&["study", "run", "p/study.toml", "-o", "p/out"]);
+    assert_eq!(fs::read_dir(place.path("elsewhere")).unwrap().count(), 0);
+}
+
+/// A program outside is started by `--model`, which only the command line has; `lss` starts itself for a challenge and for
+/// a study, and Slurm where the command line says so.
+#[test]
+fn processes_are_started_in_few_places_only() {
     fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -319,7 +360,13 @@ fn processes_are_started_in_three_places_only() {
     };
     let mut found: Vec<_> = all.iter().filter(starts).map(|p| p.strip_prefix(root).unwrap()).collect();
     found.sort();
-    let known = ["src/benchmark/answering.rs", "src/gap/outside/process.rs", "src/source/revision.rs"];
+    let known = [
+        "src/benchmark/answering.rs",
+        "src/gap/outside/process.rs",
+        "src/source/revision.rs",
+        "src/study/process.rs",
+        "src/study/slurm.rs",
+    ];
     assert_eq!(found, known.map(Path::new));
     for key in ["model", "command", "run_before", "exec"] {
         let place = Place::new(false);

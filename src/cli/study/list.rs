@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub struct List {
     /// The study, study.toml.
     study: PathBuf,
-    /// Folder of the results; nothing is written there but plan.jsonl, and that only where the folder exists.
+    /// Folder of the results; the plan is kept there, for `lss study task`.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -50,7 +50,7 @@ impl List {
             Ok(place) => place,
             Err(outcome) => return outcome,
         };
-        if let Some(place) = place.as_ref().filter(|place| place.folder().is_dir())
+        if let Some(place) = &place
             && let Err(error) = place.keep_plan(&plan)
         {
             return could_not("write", &error.path, &error.reason);
