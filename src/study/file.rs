@@ -415,7 +415,12 @@ impl Reader {
             }
         };
         let Some(values) = values else {
-            self.wrong(span, "the range does not get to its end", "steps towards `to`, at most 100000 of them", "none");
+            self.wrong(
+                span,
+                "the range does not get to its end",
+                "steps towards `to`, at most 100 000 of them",
+                "none",
+            );
             return Vec::new();
         };
         values.into_iter().map(|x| AxisValue { text: with_unit(x, &unit), span }).collect()

@@ -31,6 +31,7 @@ mod tests;
 pub mod values;
 mod verb;
 
+pub use file::{StudyFile, Sweep, read};
 pub use place::{Place, State};
 pub use plan::{Plan, Task};
 pub use schema::schema;

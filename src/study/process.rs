@@ -36,7 +36,11 @@ pub type Start<'a> = &'a (dyn Fn(Call) -> io::Result<Ended> + Sync);
 ///
 /// The system's, where it cannot be started.
 pub fn start(call: Call) -> io::Result<Ended> {
-    let output = Command::new(own()?)
+    let mut command = Command::new(own()?);
+    // Lists of processes have its name.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::arg0(&mut command, "lss");
+    let output = command
         .args(call.arguments)
         .current_dir(call.folder)
         .env("NO_COLOR", "1")

@@ -27,7 +27,7 @@ pub struct Wishes {
     pub memory: Option<String>,
     /// Processors of a job, and threads of a task.
     pub cpus: usize,
-    /// Of a page on this cluster's ways: further options of sbatch.
+    /// Further options of sbatch.
     pub more: Vec<String>,
 }
 

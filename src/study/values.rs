@@ -67,13 +67,14 @@ fn put(out: &mut Values, name: &str, value: Option<f64>) {
     }
 }
 
-/// The summary without its stages, and each channel's largest amount and root mean square beside its moments.
+/// The summary without its stages.
 fn build(summary: &Value) -> Values {
     let mut out = Values::new();
     flatten("build", summary, &mut out);
     out
 }
 
+/// The summary, and each channel's largest amount and root mean square beside its moments.
 fn simulate(summary: &Value) -> Values {
     let mut out = Values::new();
     let channels = summary.get("channels").cloned().unwrap_or_default();

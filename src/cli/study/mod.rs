@@ -28,7 +28,7 @@ pub struct Study {
 enum What {
     Plan(list::List),
     Run(run::Run),
-    Task(run::Some),
+    Task(run::Chosen),
     Submit(submit::Submit),
     Status(progress::Status),
     Collect(collect::Collect),

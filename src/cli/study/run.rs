@@ -31,7 +31,7 @@ pub struct Run {
 ///
 /// A task that is done is not done again, and one that somebody else is at is waited for.
 #[derive(Debug, clap::Args)]
-pub struct Some {
+pub struct Chosen {
     /// Hashes of the tasks, as `lss study plan` lists them.
     #[arg(required = true, value_name = "HASH")]
     tasks: Vec<String>,
@@ -96,7 +96,7 @@ fn summary(plan: &Plan, place: &Place, all: &BTreeMap<String, Did>) -> Outcome {
     if done == all.len() { Outcome::Clean } else { Outcome::Problems }
 }
 
-impl Some {
+impl Chosen {
     pub fn run(&self) -> Outcome {
         let place = match self.builds.place(&self.output) {
             Ok(place) => place,
