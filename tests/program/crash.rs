@@ -181,8 +181,9 @@ impl Scene {
                 continue;
             }
             let known = found == self.before.get(path) || found == self.after.get(path);
-            // A challenge keeps why a case failed: a child that was killed is such a reason.
-            let killed = found.is_some_and(|bytes| String::from_utf8_lossy(bytes).contains("signal: 9"));
+            // Challenges and studies keep why a case or task failed: a child that was killed is such a reason.
+            let says = |words: &str| found.is_some_and(|bytes| String::from_utf8_lossy(bytes).contains(words));
+            let killed = says("signal: 9") || says("killed by signal 9");
             assert!(known || killed, "{} {point:?}: {} is neither old nor new", self.name, path.display());
         }
     }
@@ -378,9 +379,9 @@ fn with_study(at: &Path) {
     write(at, "study.toml", STUDY);
 }
 
-/// Two tasks, and the processes that they start.
+/// Two tasks, and the processes that they start. One of these that is killed alone is a failure, which is tried again.
 fn study() -> Scene {
-    Scene::new("study", &["study", "run", "study.toml", "-o", "out", "--jobs", "1"], with_study)
+    Scene::new("study", &["study", "run", "study.toml", "-o", "out", "--jobs", "1", "--retry-failed"], with_study)
 }
 
 /// The table of such a study.
