@@ -418,9 +418,9 @@ fn every_file_is_the_old_one_or_the_new_one_whenever_a_run_is_killed() {
     }
     let count: usize = std::thread::scope(|scope| {
         let files = scope.spawn(|| {
-            let quick = [fmt(), stiffness(), challenge(), collect()];
+            let quick = [fmt(), stiffness(), challenge()];
             let quick = quick.iter().map(|scene| scene.kill_in_turn(1)).sum::<usize>();
-            quick + build().kill_in_turn(2) + study().kill_in_turn(2)
+            quick + build().kill_in_turn(2)
         });
         let models = scope.spawn(|| {
             let kept = gap().kill_in_turn(1) + identify().kill_in_turn(4);
@@ -429,6 +429,15 @@ fn every_file_is_the_old_one_or_the_new_one_whenever_a_run_is_killed() {
         [files, models].map(|part| part.join().expect("no panic")).iter().sum()
     });
     assert!(count >= LEAST, "{count} points");
+}
+
+#[test]
+fn a_study_loses_nothing_whenever_it_is_killed() {
+    if !is_there("strace") || !traces() {
+        return;
+    }
+    let count = collect().kill_in_turn(2) + study().kill_at_every(2, 2);
+    assert!(count >= 30, "{count} points");
 }
 
 /// Exit code and standard error of a run.
