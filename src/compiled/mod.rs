@@ -3,8 +3,10 @@
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod order;
+mod solved;
 mod station;
 
+pub use solved::solved;
 pub use station::Station;
 
 use crate::diagnostic::Diagnostic;

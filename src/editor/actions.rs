@@ -2,8 +2,9 @@
 
 use super::client::Client;
 use super::diagnostics;
-use super::workspace::{Checked, Home, Workspace};
+use super::workspace::Workspace;
 use crate::diagnostic::Diagnostic;
+use crate::semantics::{Checked, Home};
 use lsp_types::{CodeAction, CodeActionKind, Range, TextEdit, Uri, WorkspaceEdit};
 use std::collections::HashMap;
 

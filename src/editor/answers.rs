@@ -101,7 +101,7 @@ pub fn answer(session: &mut Session, request: Request) -> Response {
         ask::CodeActionRequest::METHOD => on::<ask::CodeActionRequest>(session, request, code_actions),
         ask::FoldingRangeRequest::METHOD => on::<ask::FoldingRangeRequest>(session, request, |session, params| {
             let checked = session.workspace.checked(&place::of_uri(&params.text_document.uri));
-            let folds = |c: &super::workspace::Checked| outline::folds(&session.workspace.lines_of(c, c.main), c);
+            let folds = |c: &crate::semantics::Checked| outline::folds(&session.workspace.lines_of(c, c.main), c);
             Ok(checked.map(|checked| folds(&checked)))
         }),
         ask::SelectionRangeRequest::METHOD => on::<ask::SelectionRangeRequest>(session, request, selection),

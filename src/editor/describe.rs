@@ -2,9 +2,9 @@
 
 use super::text::Lines;
 use super::words;
-use super::workspace::Checked;
 use crate::base::number::shortest;
 use crate::model::effect_definitions::{EFFECTS, EffectDefinition, PlaceKind};
+use crate::semantics::Checked;
 use crate::semantics::dimension::parse_unit;
 use crate::semantics::names::NameKind;
 use crate::semantics::vocabulary;

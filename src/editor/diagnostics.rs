@@ -2,8 +2,9 @@
 
 use super::client::Client;
 use super::reference;
-use super::workspace::{Checked, Home, Workspace};
+use super::workspace::Workspace;
 use crate::diagnostic::{Code, Diagnostic, Label, Severity};
+use crate::semantics::{Checked, Home};
 use crate::source::FileId;
 use lsp_types as lsp;
 use std::collections::BTreeMap;

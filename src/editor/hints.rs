@@ -2,8 +2,9 @@
 
 use super::measures::{Measured, Measures, section_at};
 use super::solutions::Solutions;
-use super::workspace::{Checked, Workspace};
+use super::workspace::Workspace;
 use crate::base::number::trimmed;
+use crate::semantics::Checked;
 use crate::semantics::names::NameKind;
 use crate::syntax::tree::{Expr, ExprKind, Item, Let, Statement};
 use lsp_types::{InlayHint, InlayHintKind, InlayHintLabel, InlayHintTooltip, Range};

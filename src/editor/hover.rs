@@ -3,7 +3,8 @@
 use super::describe;
 use super::measures::{Measures, section_at};
 use super::solutions::Solutions;
-use super::workspace::{Checked, Workspace};
+use super::workspace::Workspace;
+use crate::semantics::Checked;
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! What a layout measures as it is written, and as it was solved.
 
 use super::solutions::{Known, Solutions, Solved};
-use super::workspace::Checked;
 use crate::base::number::trimmed;
 use crate::geometry::Track;
 use crate::model::Layout;
+use crate::semantics::Checked;
 use crate::semantics::names::{NameKind, Occurrence};
 use std::path::Path;
 

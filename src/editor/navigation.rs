@@ -1,7 +1,8 @@
 //! Where things are declared and used.
 
 use super::uses::{self, Symbol};
-use super::workspace::{Checked, Workspace};
+use super::workspace::Workspace;
+use crate::semantics::Checked;
 use crate::source::Span;
 use crate::syntax::tree::{Item, Use};
 use lsp_types::{DocumentHighlight, DocumentHighlightKind, Location, Range};
@@ -24,8 +25,8 @@ fn imported(workspace: &Workspace, checked: &Checked, offset: usize) -> Option<L
         _ => None,
     })?;
     let folder = checked.home(checked.main).and_then(|home| match home {
-        super::workspace::Home::Disk(place) => place.parent(),
-        super::workspace::Home::Standard(_) => None,
+        crate::semantics::Home::Disk(place) => place.parent(),
+        crate::semantics::Home::Standard(_) => None,
     })?;
     let wanted = super::place::canonical(&folder.join(path));
     let file = checked.file_at(&wanted)?;

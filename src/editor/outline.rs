@@ -1,7 +1,8 @@
 //! The structure of a document: symbols, folding, and what a selection grows to.
 
 use super::text::Lines;
-use super::workspace::{Checked, Home, Workspace};
+use super::workspace::Workspace;
+use crate::semantics::{Checked, Home};
 use crate::source::{self, Span};
 use crate::syntax::tree::{Block, Field, Item, Name, Node, Statement};
 use lsp_types::{

@@ -1,12 +1,11 @@
 //! Solving in the background: after a pause in typing, on a thread of its own. What comes too late is dropped.
 
-use super::workspace::Checked;
 use crate::base::number::trimmed;
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, solved};
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Layout};
-use crate::route;
-use crate::solve::{self, Options, Status, Stop, unsupported};
+use crate::semantics::Checked;
+use crate::solve::{Options, Status, Stop};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -184,7 +183,9 @@ fn work(queue: &Receiver<Job>, ended: &'static AtomicBool, done: impl Fn(Outcome
         let Some(layout) = study.analysis.layouts.get(job.index) else { continue };
         let begun = Instant::now();
         let stop = Stop::after_or(job.limit, ended);
-        let (result, said) = solved(layout, stop);
+        // One thread: the other cores are the editor's.
+        let options = Options { threads: 1, stop, ..Options::default() };
+        let (result, said) = solved(layout, &options);
         if ended.load(Ordering::Relaxed) && stop.cut().is_some() {
             // Ended for another one, which may be a newer state of this layout, or not.
             waiting.push_back(job);
@@ -194,30 +195,4 @@ fn work(queue: &Receiver<Job>, ended: &'static AtomicBool, done: impl Fn(Outcome
         let seconds = begun.elapsed().as_secs_f64();
         done(Outcome { place, name, key, checked: job.checked.clone(), result, said, seconds });
     }
-}
-
-/// The layout, solved, and what there is to say of that.
-fn solved(layout: &Layout, stop: Stop) -> (Result<Compiled, String>, Vec<Diagnostic>) {
-    let refused = unsupported(layout);
-    if let Some(first) = refused.first() {
-        return (Err(first.message.clone()), refused);
-    }
-    // One thread: the other cores are the editor's.
-    let options = Options { threads: 1, stop, ..Options::default() };
-    let compiled = match layout.route {
-        None => Compiled::new(layout.clone(), solve::solve(layout, &options, &|_| ())),
-        Some(_) => match route::find(layout, &options, &|_| ()) {
-            Ok(found) => Compiled::new(found.layout, found.stages),
-            Err(said) => {
-                let why = said.first().map_or_else(|| "no loop was found".to_owned(), |d| d.message.clone());
-                return (Err(why), said);
-            }
-        },
-    };
-    let mut said = Vec::new();
-    if stop.cut().is_none() {
-        said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
-        said.extend(compiled.heights.iter().cloned());
-    }
-    (Ok(compiled), said)
 }

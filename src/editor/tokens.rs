@@ -1,7 +1,7 @@
 //! Names by what they stand for, which a grammar of colours cannot tell.
 
 use super::text::Lines;
-use super::workspace::Checked;
+use crate::semantics::Checked;
 use crate::semantics::names::NameKind;
 use lsp_types::{SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokensLegend};
 

@@ -1,7 +1,8 @@
 //! All uses of a thing, in open documents and in the other layouts of the project.
 
-use super::workspace::{Checked, Home, Workspace};
+use super::workspace::Workspace;
 use crate::semantics::names::{NameKind, Occurrence};
+use crate::semantics::{Checked, Home};
 use crate::source::{self, Overlay, SIZE_LIMIT, Span, root};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

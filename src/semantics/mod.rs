@@ -10,6 +10,7 @@
 //! once.
 
 mod arguments;
+mod checked;
 mod component;
 mod components;
 mod declaration;
@@ -31,6 +32,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
 use crate::source::{FileId, LoadError, Loader, SourceMap, Span};
 use crate::syntax::tree::{Item, LayoutDeclaration, Name, Tree};
+pub use checked::{Checked, Home};
 pub use layout::settle_sides;
 use names::Names;
 use program::{Program, Symbol};

@@ -2,10 +2,11 @@
 
 use super::Proposals;
 use crate::editor::describe;
-use crate::editor::workspace::{Checked, Home, Workspace};
+use crate::editor::workspace::Workspace;
 use crate::model::effect_definitions::{EFFECTS, spelled};
 use crate::semantics::names::{NameKind, Visible};
 use crate::semantics::vocabulary;
+use crate::semantics::{Checked, Home};
 use crate::source::{self, FileId, STDLIB};
 use crate::syntax;
 use crate::syntax::tree::{Block, DeclarationKind, Item, Param};
