@@ -75,6 +75,33 @@ impl Certificate {
         if parts.is_empty() { self.parts.clone() } else { parts }
     }
 
+    /// What is proven, for people: a line, and one for a budget.
+    pub fn words(&self) -> Vec<String> {
+        let nodes = if self.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", self.nodes) };
+        let bound = self.lower_bound;
+        let (best, least) = match self.counted {
+            Counted::Length => ("shortest", format!("shorter than {bound:.6} m")),
+            Counted::Price { metre } if metre > 0.0 => {
+                ("best", format!("better than {bound:.3} EUR, a metre counted as {metre} EUR"))
+            }
+            Counted::Price { .. } => ("cheapest", format!("cheaper than {bound:.3} EUR")),
+        };
+        let these = if self.budget.is_some() {
+            "no layout on this grid and within the budget"
+        } else {
+            "no layout on this grid"
+        };
+        let proof = if bound == 0.0 && !self.proven {
+            format!("no bound was found for layouts on this grid ({nodes}); more time or --nodes may give one")
+        } else if self.proven {
+            format!("proven {best}: {these} is {least} ({nodes})")
+        } else {
+            format!("{these} is {least} (gap {:.3} %, {nodes})", 100.0 * self.gap)
+        };
+        let budget = self.budget.as_ref().map(|budget| format!("budget: {budget}"));
+        std::iter::once(proof).chain(budget).collect()
+    }
+
     /// Of layouts of which some were not looked at.
     pub fn know_nothing(&mut self) {
         *self = Certificate {

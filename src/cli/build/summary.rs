@@ -27,6 +27,9 @@ pub struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     cut: Option<solve::Cut>,
     certificate: Option<CertificateSummary<'a>>,
+    /// The same for people.
+    #[serde(skip)]
+    proven: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     route: Option<RouteSummary<'a>>,
     chain: Option<ChainSummary>,
@@ -89,6 +92,7 @@ impl<'a> Summary<'a> {
             seconds: s.seconds,
             status: s.status,
         };
+        let proven = compiled.stages.last().and_then(|s| s.certificate.as_ref());
         Summary {
             layout: &compiled.layout.name,
             stages: compiled.stages.iter().map(stage).collect(),
@@ -101,7 +105,8 @@ impl<'a> Summary<'a> {
             mass_kg: compiled.bill.mass,
             feasible: !compiled.failed(),
             cut: compiled.stages.last().and_then(|s| s.cut),
-            certificate: compiled.stages.last().and_then(|s| s.certificate.as_ref()).map(certificate),
+            certificate: proven.map(certificate),
+            proven: proven.map(Certificate::words).unwrap_or_default(),
             route: routed.map(Routed::summary),
             chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
             pareto,
@@ -130,33 +135,8 @@ impl<'a> Summary<'a> {
         if self.cut == Some(solve::Cut::Time) {
             out += "  cut: time; this is the best layout so far, and more time may find a better one or prove more\n";
         }
-        if let Some(c) = &self.certificate {
-            let nodes = if c.nodes == 1 { "1 node".to_owned() } else { format!("{} nodes", c.nodes) };
-            let least = match (c.lower_bound_eur, c.eur_per_metre) {
-                (Some(eur), None) => format!("cheaper than {eur:.3} EUR"),
-                (Some(eur), Some(metre)) => format!("better than {eur:.3} EUR, a metre counted as {metre} EUR"),
-                (None, _) => format!("shorter than {:.6} m", c.lower_bound_m.unwrap_or(0.0)),
-            };
-            let best = match (c.lower_bound_eur, c.eur_per_metre) {
-                (None, _) => "shortest",
-                (Some(_), None) => "cheapest",
-                (Some(_), Some(_)) => "best",
-            };
-            let these = if c.budget.is_some() {
-                "no layout on this grid and within the budget"
-            } else {
-                "no layout on this grid"
-            };
-            out += &if c.lower_bound_m.or(c.lower_bound_eur) == Some(0.0) && !c.proven {
-                format!("  no bound was found for layouts on this grid ({nodes}); more time or --nodes may give one\n")
-            } else if c.proven {
-                format!("  proven {best}: {these} is {least} ({nodes})\n")
-            } else {
-                format!("  {these} is {least} (gap {:.3} %, {nodes})\n", 100.0 * c.gap)
-            };
-            if let Some(budget) = c.budget {
-                out += &format!("  budget: {budget}\n");
-            }
+        for line in &self.proven {
+            out += &format!("  {line}\n");
         }
         if let Some(route) = &self.route {
             out += &route.text();
