@@ -2,7 +2,7 @@
 
 use super::check::{Opened, open};
 use super::{MessageFormat, Outcome, could_not, is_stdin, report};
-use crate::source::{Root, SourceMap, disk, root, shown};
+use crate::source::{SourceMap, disk, shown};
 use crate::syntax;
 use diffy::DiffOptions;
 use std::io::Read;
@@ -74,7 +74,7 @@ impl Fmt {
             report::print_source(&after);
             return Outcome::Clean;
         }
-        if changed && let Err(why) = replace(path, &after) {
+        if changed && let Err(why) = disk::rewrite(path, &after) {
             return could_not("write", path, why);
         }
         Outcome::Clean
@@ -86,12 +86,4 @@ fn diff(path: &Path, before: &str, after: &str) -> String {
     let mut options = DiffOptions::new();
     options.set_original_filename(name.to_string()).set_modified_filename(format!("{name} (formatted)"));
     options.create_patch(before, after).to_string()
-}
-
-/// Replaces a file's text whole or not at all. A link stays a link, and may not lead out of its project.
-fn replace(path: &Path, text: &str) -> Result<(), String> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let place = if path.is_symlink() { Root::of_layout(folder).place(path) } else { root::given(path) };
-    let place = place.map_err(|why| format!("{why}; {}", why.help()))?;
-    disk::replace(&place, text.as_bytes()).map_err(|e| e.reason.to_string())
 }

@@ -2,7 +2,7 @@
 
 use super::manifest::Manifest;
 use super::temporary::{Temporary, folder_of, sweep, sync_folder};
-use crate::source::{root, shown};
+use crate::source::{Root, root, shown};
 use std::fmt;
 use std::fs;
 use std::io;
@@ -100,6 +100,18 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), WriteError> {
         .map_err(|why| WriteError { path: path.to_owned(), reason: io::Error::other(why) })?;
     sweep(folder_of(path));
     Swap::staged([(path.to_owned(), content)]).and_then(Swap::replace)
+}
+
+/// Replaces the text of an input, whole. A link stays a link, and may not lead out of its project.
+///
+/// # Errors
+///
+/// The reason in words; the file is as it was then.
+pub fn rewrite(path: &Path, text: &str) -> Result<(), String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let place = if path.is_symlink() { Root::of_layout(folder).place(path) } else { root::given(path) };
+    let place = place.map_err(|why| format!("{why}; {}", why.help()))?;
+    replace(&place, text.as_bytes()).map_err(|e| e.reason.to_string())
 }
 
 impl Extend<(String, Vec<u8>)> for Files {

@@ -16,7 +16,7 @@ mod manifest;
 mod scratch;
 mod temporary;
 
-pub use files::{Files, WriteError, replace};
+pub use files::{Files, WriteError, replace, rewrite};
 pub use manifest::{Found, inspect};
 pub use scratch::Scratch;
 pub use temporary::{Temporary, sweep, sync_folder};
