@@ -6,6 +6,7 @@ mod labels;
 mod obstacles;
 mod place;
 mod profile;
+mod screen;
 mod setting_out;
 pub(crate) mod sheet;
 mod stages;
@@ -21,9 +22,10 @@ pub(crate) mod xml;
 mod tests;
 
 pub use general::{Furniture, drawing, furniture};
+pub use screen::{Detail, screen, screen_sheet};
 pub use sheet::Sheet;
 pub use stages::{change, stages};
-pub use theme::Theme;
+pub use theme::{Theme, sheet as style};
 pub use xml::XmlElement;
 
 use crate::emit::plan;
@@ -39,8 +41,21 @@ pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) 
 }
 
 /// The same for a page of a size, mm.
-pub(crate) fn page((width, height): (f64, f64), theme: Theme, title: &str, description: &str) -> XmlElement {
-    let mut svg = XmlElement::new("svg")
+pub(crate) fn page(size: (f64, f64), theme: Theme, title: &str, description: &str) -> XmlElement {
+    let mut style = XmlElement::new("style");
+    style.style(theme::sheet(theme));
+    let mut svg = titled(size, title, description).with(style);
+    svg.push(hatches());
+    svg
+}
+
+/// The same where the document around it has the styles.
+fn root_without_style(sheet: &Sheet, title: &str, description: &str) -> XmlElement {
+    titled((sheet.width, sheet.height), title, description).with(hatches())
+}
+
+fn titled((width, height): (f64, f64), title: &str, description: &str) -> XmlElement {
+    XmlElement::new("svg")
         .attr("xmlns", "http://www.w3.org/2000/svg")
         .attr("class", "drawing")
         .attr("width", format!("{}mm", number(width)))
@@ -49,10 +64,10 @@ pub(crate) fn page((width, height): (f64, f64), theme: Theme, title: &str, descr
         .attr("role", "img")
         .attr("aria-labelledby", "title description")
         .with(XmlElement::new("title").attr("id", "title").text(title))
-        .with(XmlElement::new("desc").attr("id", "description").text(description));
-    let mut style = XmlElement::new("style");
-    style.style(theme::sheet(theme));
-    svg.push(style);
+        .with(XmlElement::new("desc").attr("id", "description").text(description))
+}
+
+fn hatches() -> XmlElement {
     let hatch = |id: &str, spacing: f64, class: &str, line: &str| {
         XmlElement::new("pattern")
             .attr("id", id)
@@ -62,11 +77,9 @@ pub(crate) fn page((width, height): (f64, f64), theme: Theme, title: &str, descr
             .with(sheet::path(line, class))
     };
     // Lines at 45° that run on from tile to tile.
-    let defs = XmlElement::new("defs")
+    XmlElement::new("defs")
         .with(hatch("wall-hatch", 1.2, "wall-line", "M-.3 .3L.3 -.3M0 1.2L1.2 0M.9 1.5L1.5 .9"))
-        .with(hatch("obstacle-hatch", 2.4, "obstacle-line", "M-.6 .6L.6 -.6M0 2.4L2.4 0M1.8 3L3 1.8"));
-    svg.push(defs);
-    svg
+        .with(hatch("obstacle-hatch", 2.4, "obstacle-line", "M-.6 .6L.6 -.6M0 2.4L2.4 0M1.8 3L3 1.8"))
 }
 
 /// Smallest and largest coordinates of all that is drawn, m.

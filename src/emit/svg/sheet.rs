@@ -174,6 +174,36 @@ impl Sheet {
         Ok((sheet, panel))
     }
 
+    /// A sheet that is as large as the layout with a margin (mm) at the largest scale at which it keeps within so much
+    /// room, mm: for screens, which have neither standard sizes nor scales.
+    pub fn around(extent: &Extent, room: PaperPoint, margin: f64) -> Result<Sheet, DrawError> {
+        let span = extent.high - extent.low;
+        if !(span.x.is_finite() && span.y.is_finite() && span.x.max(span.y) > 0.0 && span.x.max(span.y) < 1e7) {
+            return Err(DrawError::Extent);
+        }
+        let free = PaperPoint::new(room.x - 2.0 * margin, room.y - 2.0 * margin);
+        let scale = 1000.0 * (span.x / free.x).max(span.y / free.y);
+        let millimetres = 1000.0 / scale;
+        let size = Projection::turned(span) * millimetres;
+        let (width, height) = (size.x + 2.0 * margin, -size.y + 2.0 * margin);
+        let end = PaperPoint::new(width, height);
+        let (none, drawing) = (PaperArea { low: end, high: end }, PaperArea { low: PaperPoint::default(), high: end });
+        let paper = PaperPoint::new(margin, height - margin);
+        Ok(Sheet {
+            size: "screen",
+            width,
+            height,
+            scale,
+            drawing,
+            tables: none,
+            holds_tables: true,
+            profile: none,
+            notes: none,
+            strip: none,
+            projection: Projection { floor: extent.low, paper, scale: millimetres },
+        })
+    }
+
     fn fill(&self, span: Point) -> f64 {
         let room = PaperPoint::new(self.drawing.width() - 2.0 * MARGIN, self.drawing.height() - 2.0 * MARGIN);
         (self.mm(span.x) / room.x).max(self.mm(span.y) / room.y)
