@@ -31,6 +31,7 @@
 //! - [`emit`]: files of a layout: SVG, PNG, DXF, CSV, JSON,
 //! - [`report`]: pages that a person reads: a lap, an identification, a diagnosis, polygon action, a study,
 //! - [`editor`]: the language server: what an editor asks of a layout while it is written,
+//! - [`preview`]: a page that follows a layout's file, with vertices to drag,
 //! - [`cli`]: one file a verb.
 
 pub mod base;
@@ -50,6 +51,7 @@ pub mod identify;
 pub mod import;
 pub mod kinematics;
 pub mod model;
+pub mod preview;
 pub mod problem;
 pub mod report;
 pub mod review;

@@ -37,6 +37,7 @@ const ROOMS: [&str; 27] = [
     "emit",
     "report",
     "editor",
+    "preview",
     "cli",
 ];
 

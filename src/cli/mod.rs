@@ -19,6 +19,7 @@ mod limits;
 mod lsp;
 mod new;
 mod polygon;
+mod preview;
 mod progress;
 mod read;
 mod report;
@@ -66,6 +67,7 @@ enum Verb {
     Explain(explain::Explain),
     New(new::New),
     Import(import::Import),
+    Preview(preview::Preview),
     Lsp(lsp::Lsp),
     Completions(generate::Completions),
     Man(generate::Man),
@@ -137,6 +139,7 @@ pub fn main() -> ExitCode {
         Verb::Explain(verb) => verb.run(),
         Verb::New(verb) => verb.run(),
         Verb::Import(verb) => verb.run(),
+        Verb::Preview(verb) => verb.run(),
         Verb::Lsp(verb) => verb.run(),
         Verb::Completions(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),

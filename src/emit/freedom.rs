@@ -113,7 +113,7 @@ fn word(hold: Hold) -> &'static str {
 }
 
 /// `>= 0.6`, angles in degrees.
-fn limit(row: &ActiveRow) -> String {
+pub fn limit(row: &ActiveRow) -> String {
     let scale = if row.unit == "rad" { 180.0 / PI } else { 1.0 };
     let (low, high) = (trimmed(row.limit.low * scale, 6), trimmed(row.limit.high * scale, 6));
     match (row.limit.low == row.limit.high, row.limit.low.is_finite()) {

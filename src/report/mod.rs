@@ -7,6 +7,6 @@ pub mod lap;
 pub mod polygon;
 mod schemas;
 pub mod study;
-mod style;
+pub mod style;
 
 pub use schemas::schemas;

@@ -9,12 +9,14 @@ mod listing;
 mod loader;
 pub mod revision;
 pub mod root;
+mod stamp;
 mod visible;
 
 pub use input::InputError;
 pub use listing::layouts;
 pub use loader::{DRAWING_LIMIT, LoadError, Loader, Overlay, SIZE_LIMIT, STDLIB, drawing};
 pub use root::Root;
+pub use stamp::Stamp;
 pub use visible::{one_line, shown, steers, visible};
 
 use serde::Serialize;

@@ -44,17 +44,20 @@ pub(crate) fn root(sheet: &Sheet, theme: Theme, title: &str, description: &str) 
 pub(crate) fn page(size: (f64, f64), theme: Theme, title: &str, description: &str) -> XmlElement {
     let mut style = XmlElement::new("style");
     style.style(theme::sheet(theme));
-    let mut svg = titled(size, title, description).with(style);
-    svg.push(hatches());
-    svg
+    sized(size)
+        .attr("aria-labelledby", "title description")
+        .with(XmlElement::new("title").attr("id", "title").text(title))
+        .with(XmlElement::new("desc").attr("id", "description").text(description))
+        .with(style)
+        .with(hatches())
 }
 
-/// The same where the document around it has the styles.
-fn root_without_style(sheet: &Sheet, title: &str, description: &str) -> XmlElement {
-    titled((sheet.width, sheet.height), title, description).with(hatches())
+/// The root element without a title.
+fn paper(sheet: &Sheet) -> XmlElement {
+    sized((sheet.width, sheet.height))
 }
 
-fn titled((width, height): (f64, f64), title: &str, description: &str) -> XmlElement {
+fn sized((width, height): (f64, f64)) -> XmlElement {
     XmlElement::new("svg")
         .attr("xmlns", "http://www.w3.org/2000/svg")
         .attr("class", "drawing")
@@ -62,9 +65,6 @@ fn titled((width, height): (f64, f64), title: &str, description: &str) -> XmlEle
         .attr("height", format!("{}mm", number(height)))
         .attr("viewBox", format!("0 0 {} {}", number(width), number(height)))
         .attr("role", "img")
-        .attr("aria-labelledby", "title description")
-        .with(XmlElement::new("title").attr("id", "title").text(title))
-        .with(XmlElement::new("desc").attr("id", "description").text(description))
 }
 
 fn hatches() -> XmlElement {

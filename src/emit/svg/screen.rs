@@ -14,7 +14,7 @@ use super::obstacles;
 use super::place::TakenPaper;
 use super::sheet::{Sheet, path};
 use super::xml::XmlElement;
-use super::{extent, root_without_style, track};
+use super::{extent, hatches, paper, track};
 
 /// Largest width and height of the plan with its labels, mm. At 900 px, letters of 3.4 mm are then 14 px high.
 const ROOM: PaperPoint = PaperPoint::new(216.0, 150.0);
@@ -58,7 +58,8 @@ pub fn screen_sheet(compiled: &Compiled, written: &[Corner], before: Option<&She
 pub fn screen(compiled: &Compiled, written: &[Corner], sheet: &Sheet, detail: Detail) -> String {
     let (layout, line) = (&compiled.layout, &compiled.track);
     let width = layout.width.value;
-    let mut svg = root_without_style(sheet, &layout.name, "The plan of the layout.");
+    // A title would show at the pointer; the page around it has the styles.
+    let mut svg = paper(sheet).attr("aria-label", format!("plan of {}", layout.name)).with(hatches());
     let mut field = TakenPaper::new(PaperPoint::new(2.0, 2.0), PaperPoint::new(sheet.width - 2.0, sheet.height - 2.0));
     track::occupy(sheet, line, layout, &mut field);
     let names = obstacles::names(sheet, layout, &mut field);

@@ -1,0 +1,49 @@
+//! `lss preview`: a page that follows a layout's file.
+
+use super::{Outcome, limits, report};
+use crate::preview::{self, Settings};
+use crate::source::root;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Show a layout in a browser, redrawn whenever its file is saved; vertices can be dragged there.
+///
+/// Prints the address of a page on this machine, with a token that nobody else knows, and serves it until it is
+/// interrupted. A dragged vertex changes its coordinates in the file, and nothing else.
+#[derive(Debug, clap::Args)]
+pub struct Preview {
+    /// A layout, .lss.
+    file: PathBuf,
+    /// Which layout, when the file has several.
+    #[arg(long, value_name = "NAME")]
+    layout: Option<String>,
+    /// Port to listen on; one that is free when not given.
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    port: u16,
+    /// End the search for the best layout on the grid after this time (30, 30s, 2min).
+    #[arg(long, value_name = "TIME", value_parser = limits::time, default_value = "10s")]
+    time_limit: Duration,
+}
+
+impl Preview {
+    pub fn run(&self) -> Outcome {
+        // A file that is not there is a mistake of the command; one with mistakes is shown with them.
+        if let Err(why) = root::read_given(&self.file, crate::source::SIZE_LIMIT) {
+            return super::could_not("read", &self.file, why);
+        }
+        let settings = Settings {
+            file: self.file.clone(),
+            layout: self.layout.clone(),
+            port: self.port,
+            limit: self.time_limit,
+            threads: limits::threads(),
+        };
+        match preview::serve(&settings, |address| report::print(&format!("{address}\n"))) {
+            Ok(()) => Outcome::Clean,
+            Err(why) => {
+                report::error(&why);
+                Outcome::CouldNotRun
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The plan of a layout for the pages: the drawing, where its vertices are written, and what a pointer is told.
+
+use super::known::Known;
+use crate::base::number::{fixed, shortest, trimmed};
+use crate::base::trig::PI;
+use crate::compiled::Compiled;
+use crate::emit::DrawError;
+use crate::emit::svg::{Detail, Sheet, screen, screen_sheet};
+use crate::geometry::{Corner, PieceKind, Point};
+use crate::model::ConstraintKind;
+use maud::html;
+use serde_json::{Map, Value, json};
+
+/// The sheet and all that a page shows of a plan.
+///
+/// # Errors
+/// [`DrawError`] of what has no extent.
+pub fn part(known: &Known, compiled: &Compiled, before: Option<&Sheet>) -> Result<(Sheet, Value), DrawError> {
+    let written = written(known, compiled);
+    let sheet = screen_sheet(compiled, &written, before)?;
+    let mut plan = json!({
+        "text": known.id,
+        "name": compiled.layout.name,
+        "length": format!("{} m", fixed(compiled.length(), 3)),
+        "svg": svg(compiled, &written, &sheet, Detail::All),
+        "vertices": vertices(known),
+        "tips": tips(compiled),
+        "lines": lines_of_sections(known, compiled),
+        "feasible": !compiled.failed(),
+    });
+    place(&mut plan, &sheet);
+    Ok((sheet, plan))
+}
+
+/// The same of a picture that will not stay: lines alone, on the sheet of the plan before.
+///
+/// # Errors
+/// As [`part`].
+pub fn lines(known: &Known, compiled: &Compiled, before: Option<&Sheet>) -> Result<Value, DrawError> {
+    let written = written(known, compiled);
+    let sheet = match before {
+        Some(sheet) => *sheet,
+        None => screen_sheet(compiled, &written, None)?,
+    };
+    let mut picture = json!({
+        "length": format!("{} m", fixed(compiled.track.length, 3)),
+        "svg": svg(compiled, &written, &sheet, Detail::Lines),
+        "feasible": !compiled.failed(),
+    });
+    if let (true, Some(row)) = (compiled.failed(), compiled.stages.last().and_then(|s| s.violations.first())) {
+        picture["problem"] = json!(format!("not met: {}", row.row));
+    }
+    place(&mut picture, &sheet);
+    Ok(picture)
+}
+
+fn written(known: &Known, compiled: &Compiled) -> Vec<Corner> {
+    if known.layout.vertices.is_empty() { compiled.layout.corners() } else { known.layout.corners() }
+}
+
+fn svg(compiled: &Compiled, written: &[Corner], sheet: &Sheet, detail: Detail) -> String {
+    let document = screen(compiled, written, sheet, detail);
+    // In a page there is no XML declaration.
+    document.find("<svg").map_or(String::new(), |at| document[at..].to_owned())
+}
+
+/// Where the floor lies on the paper.
+fn place(plan: &mut Value, sheet: &Sheet) {
+    let zero = sheet.at(Point::default());
+    plan["paper"] =
+        json!({ "width": sheet.width, "height": sheet.height, "x": zero.x, "y": zero.y, "scale": sheet.mm(1.0) });
+}
+
+/// The written vertices, which can be dragged where their coordinates are numbers.
+fn vertices(known: &Known) -> Vec<Value> {
+    let one = |(vertex, at): (&crate::model::Vertex, &Option<super::edit::Coordinates>)| {
+        let (x, y) = at.as_ref().map_or((false, false), |at| (at.x.is_some(), at.y.is_some()));
+        let why = match (at, x, y) {
+            (None, ..) => "stands in another file",
+            (_, false, false) => "a formula places it",
+            (_, false, true) => "a formula gives its x",
+            (_, true, false) => "a formula gives its y",
+            _ => "",
+        };
+        json!({
+            "name": vertex.name,
+            "x": vertex.point.x,
+            "y": vertex.point.y,
+            "moves": { "x": x, "y": y },
+            "why": why,
+            "line": known.line(vertex.point_span),
+        })
+    };
+    known.layout.vertices.iter().zip(&known.coordinates).map(one).collect()
+}
+
+/// What a pointer is told of each straight and curve, as HTML: `s3`, `c3`.
+fn tips(compiled: &Compiled) -> Map<String, Value> {
+    let (layout, track) = (&compiled.layout, &compiled.track);
+    let tip = |piece: &crate::geometry::Piece| {
+        let straight = piece.kind == PieceKind::Straight;
+        let (title, measures) = match piece.kind {
+            PieceKind::Straight => (
+                layout.section_name(piece.vertex),
+                format!("straight of {} m, heading {}°", fixed(piece.length, 3), degrees(piece.heading)),
+            ),
+            PieceKind::Arc { radius, turn, .. } => {
+                let hand = if turn < 0.0 { "right" } else { "left" };
+                let radius = trimmed(radius, 3);
+                (
+                    layout.vertices[piece.vertex].name.clone(),
+                    format!("radius {radius} m, {}° to the {hand}, {} m", degrees(turn.abs()), fixed(piece.length, 3)),
+                )
+            }
+        };
+        let elements = elements(compiled, piece.vertex, straight);
+        let from = format!("from s = {} m", fixed(piece.s, 3));
+        let html = html! {
+            b { (title) } br; (measures) br;
+            @for (article, count, listed) in &elements {
+                (count) " × " code { (article) } @if !listed { " (not in the catalogue)" } br;
+            }
+            span.note { (from) }
+        };
+        (format!("{}{}", if straight { 's' } else { 'c' }, piece.vertex), json!(html.into_string()))
+    };
+    track.pieces.iter().map(tip).collect()
+}
+
+/// The elements of a straight or of a curve: article, count, whether the catalogue has it.
+fn elements(compiled: &Compiled, vertex: usize, straight: bool) -> Vec<(&str, usize, bool)> {
+    let mut found: Vec<(&str, usize, bool)> = Vec::new();
+    for piece in compiled.pieces.iter().filter(|p| p.place.vertex == vertex && p.turns() != straight) {
+        match found.iter_mut().find(|(article, ..)| *article == piece.article) {
+            Some((_, count, _)) => *count += 1,
+            None => found.push((&piece.article, 1, piece.in_catalog)),
+        }
+    }
+    found
+}
+
+/// Lines of the source that a straight or a curve comes from: those of its vertices, and what fixes it.
+fn lines_of_sections(known: &Known, compiled: &Compiled) -> Map<String, Value> {
+    let mut all = Map::new();
+    let n = known.layout.vertices.len();
+    if n == 0 {
+        // A route: its statement.
+        let line = known.layout.route.as_ref().and_then(|route| known.line(route.span));
+        for piece in &compiled.track.pieces {
+            let kind = if piece.kind == PieceKind::Straight { 's' } else { 'c' };
+            all.insert(format!("{kind}{}", piece.vertex), json!(line.into_iter().collect::<Vec<_>>()));
+        }
+        return all;
+    }
+    for i in 0..n {
+        let vertex = |i: usize| known.line(known.layout.vertices[i].span);
+        let fixing = known.layout.constraints.iter().filter(|c| match &c.kind {
+            ConstraintKind::FixSection { target, .. } => target.from == i,
+            ConstraintKind::Holds { section, .. } => *section == i,
+            _ => false,
+        });
+        let mut lines: Vec<usize> = vertex(i).into_iter().chain(vertex((i + 1) % n)).collect();
+        lines.extend(fixing.filter_map(|c| known.line(c.span)));
+        all.insert(format!("s{i}"), json!(lines));
+        let own = known.layout.constraints.iter().filter(|c| match &c.kind {
+            ConstraintKind::FixVertex { vertex } | ConstraintKind::FixRadius { vertex } => *vertex == i,
+            _ => false,
+        });
+        let lines: Vec<usize> = vertex(i).into_iter().chain(own.filter_map(|c| known.line(c.span))).collect();
+        all.insert(format!("c{i}"), json!(lines));
+    }
+    all
+}
+
+fn degrees(angle: f64) -> String {
+    let text = fixed(angle * 180.0 / PI, 2);
+    shortest(text.parse().unwrap_or(0.0))
+}
