@@ -1,9 +1,10 @@
 //! `lss preview`: a page that follows a layout's file.
 
 use super::{Outcome, limits, report};
-use crate::preview::{self, Settings};
+use crate::preview::{self, Forces, Settings};
 use crate::source::root;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Show a layout in a browser, redrawn whenever its file is saved; vertices can be dragged there.
@@ -17,6 +18,9 @@ pub struct Preview {
     /// Which layout, when the file has several.
     #[arg(long, value_name = "NAME")]
     layout: Option<String>,
+    /// A run that `lss simulate` made of the layout: forces are shown at each straight and curve.
+    #[arg(long, value_name = "RUN")]
+    run: Option<PathBuf>,
     /// Port to listen on; one that is free when not given.
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     port: u16,
@@ -31,12 +35,20 @@ impl Preview {
         if let Err(why) = root::read_given(&self.file, crate::source::SIZE_LIMIT) {
             return super::could_not("read", &self.file, why);
         }
+        let forces = match self.run.as_deref().map(Forces::read).transpose() {
+            Ok(forces) => forces.map(Arc::new),
+            Err(why) => {
+                report::error(&why);
+                return Outcome::CouldNotRun;
+            }
+        };
         let settings = Settings {
             file: self.file.clone(),
             layout: self.layout.clone(),
             port: self.port,
             limit: self.time_limit,
             threads: limits::threads(),
+            forces,
         };
         match preview::serve(&settings, |address| report::print(&format!("{address}\n"))) {
             Ok(()) => Outcome::Clean,

@@ -11,6 +11,9 @@ use crate::solve::{self, ActiveRow, Certificate, Stage, Status};
 use crate::source::one_line;
 use maud::{Markup, html};
 
+/// Rows that are shown with their price at once.
+const DEAREST: usize = 8;
+
 /// How a layout ended up, in a few words.
 pub fn state(compiled: &Compiled) -> &'static str {
     let cut = compiled.stages.last().is_some_and(|stage| stage.cut.is_some());
@@ -145,7 +148,7 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
         html! {
             ul.rows { @for row in rows { li {
                 @if let Some(line) = line(row) { button.line data-line=(line) { "line " (line) } " " }
-                (one_line(&row.row)) " " (limit(row)) br;
+                (one_line(&row.row)) " " (limit(row)) @if row.unit == "rad" { "°" } @else { " m" } br;
                 span.price { (row.words) }
             } } }
         }
@@ -154,12 +157,12 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
         section {
             h2 { "What holds the track" }
             p.note { (ways) ", at the optimum of " (freedom.stage.replace("stage", "stage ")) ", " (fixed(freedom.length, 3)) " m." }
-            (list(&dear))
+            (list(&dear[..dear.len().min(DEAREST)]))
+            @if dear.len() > DEAREST {
+                details { summary { (dear.len() - DEAREST) " more with a price" } (list(&dear[DEAREST..])) }
+            }
             @if !free.is_empty() {
-                details {
-                    summary { (free.len()) @if dear.is_empty() { " at their limit" } @else { " more at their limit, without a price of their own" } }
-                    (list(&free))
-                }
+                details { summary { (free.len()) " at their limit without a price" } (list(&free)) }
             }
         }
     }

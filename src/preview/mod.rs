@@ -6,13 +6,14 @@
 //! - [`session`]: the file, and the thread that checks and solves it,
 //! - [`watch`]: when to look at the file again,
 //! - [`solving`]: a picture at once, and the whole,
-//! - [`plan`], [`facts`], [`messages`], [`listing`]: what pages show,
+//! - [`plan`], [`facts`], [`forces`], [`messages`], [`listing`]: what pages show,
 //! - [`edit`], [`writing`]: a vertex at another place, in a text and on the disk,
 //! - [`guard`], [`server`], [`page`]: who is answered, and with what.
 
 mod board;
 mod edit;
 mod facts;
+mod forces;
 mod guard;
 mod known;
 mod listing;
@@ -25,6 +26,7 @@ mod solving;
 mod watch;
 mod writing;
 
+pub use forces::Forces;
 pub use session::Settings;
 
 use guard::Guard;

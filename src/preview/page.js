@@ -64,8 +64,9 @@ function show(news) {
 function showStatus() {
   const { plan, moving, status } = parts;
   const picture = moving?.svg ? moving : plan;
-  by("length").textContent = picture ? (moving?.svg ? `≈ ${picture.length}` : picture.length) : "";
-  by("length").className = moving?.svg ? "near" : "";
+  const near = moving?.svg || plan?.near;
+  by("length").textContent = picture ? (near ? `≈ ${picture.length}` : picture.length) : "";
+  by("length").className = near ? "near" : "";
   if (plan) by("name").textContent = plan.name;
   if (plan) document.title = `${plan.name}: ${plan.length}`;
   const line = by("status");
@@ -73,6 +74,8 @@ function showStatus() {
   line.classList.toggle("busy", Boolean(status?.busy));
   line.classList.toggle("stale", Boolean(status?.stale));
   sheet.classList.toggle("stale", Boolean(status?.stale) && !moving?.svg);
+  // What is told of a layout is of the one before until the new one is solved.
+  by("facts").classList.toggle("before", Boolean(status?.stale || near));
   tell(moving?.problem ?? null);
 }
 
@@ -87,11 +90,10 @@ function showPlan() {
   const { plan, moving } = parts;
   clearTimeout(later);
   // What comes between two states of the file is shown only if the second one takes long.
-  const passing = moving?.svg && !moving.moved && plan;
-  if (passing) {
-    later = setTimeout(() => put(moving), 250);
-  } else if (moving?.svg) {
+  if (moving?.svg) {
     put(moving);
+  } else if (plan?.near && shown) {
+    later = setTimeout(() => put(plan), 250);
   } else if (plan) {
     put(plan);
   }

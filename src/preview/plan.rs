@@ -1,5 +1,6 @@
 //! The plan of a layout for the pages: the drawing, where its vertices are written, and what a pointer is told.
 
+use super::forces::Forces;
 use super::known::Known;
 use crate::base::number::{fixed, shortest, trimmed};
 use crate::base::trig::PI;
@@ -11,22 +12,35 @@ use crate::model::ConstraintKind;
 use maud::html;
 use serde_json::{Map, Value, json};
 
+/// A layout with what a plan of it goes by.
+pub struct Subject<'a> {
+    pub known: &'a Known,
+    pub compiled: &'a Compiled,
+    /// The sheet of the plan before.
+    pub sheet: Option<&'a Sheet>,
+    pub forces: Option<&'a Forces>,
+    /// Whether it is not on the catalogue's grid yet.
+    pub near: bool,
+}
+
 /// The sheet and all that a page shows of a plan.
 ///
 /// # Errors
 /// [`DrawError`] of what has no extent.
-pub fn part(known: &Known, compiled: &Compiled, before: Option<&Sheet>) -> Result<(Sheet, Value), DrawError> {
+pub fn part(subject: &Subject) -> Result<(Sheet, Value), DrawError> {
+    let Subject { known, compiled, near, .. } = *subject;
     let written = written(known, compiled);
-    let sheet = screen_sheet(compiled, &written, before)?;
+    let sheet = screen_sheet(compiled, &written, subject.sheet)?;
+    let detail = if near { Detail::Labels } else { Detail::All };
     let mut plan = json!({
         "text": known.id,
         "name": compiled.layout.name,
         "length": format!("{} m", fixed(compiled.length(), 3)),
-        "svg": svg(compiled, &written, &sheet, Detail::All),
+        "near": near,
+        "svg": svg(compiled, &written, &sheet, detail),
         "vertices": vertices(known),
-        "tips": tips(compiled),
+        "tips": tips(subject),
         "lines": lines_of_sections(known, compiled),
-        "feasible": !compiled.failed(),
     });
     place(&mut plan, &sheet);
     Ok((sheet, plan))
@@ -45,7 +59,6 @@ pub fn lines(known: &Known, compiled: &Compiled, before: Option<&Sheet>) -> Resu
     let mut picture = json!({
         "length": format!("{} m", fixed(compiled.track.length, 3)),
         "svg": svg(compiled, &written, &sheet, Detail::Lines),
-        "feasible": !compiled.failed(),
     });
     if let (true, Some(row)) = (compiled.failed(), compiled.stages.last().and_then(|s| s.violations.first())) {
         picture["problem"] = json!(format!("not met: {}", row.row));
@@ -95,8 +108,9 @@ fn vertices(known: &Known) -> Vec<Value> {
 }
 
 /// What a pointer is told of each straight and curve, as HTML: `s3`, `c3`.
-fn tips(compiled: &Compiled) -> Map<String, Value> {
-    let (layout, track) = (&compiled.layout, &compiled.track);
+fn tips(subject: &Subject) -> Map<String, Value> {
+    let (compiled, layout, track) = (subject.compiled, &subject.compiled.layout, &subject.compiled.track);
+    let forces = subject.forces.filter(|_| !subject.near).map(|forces| forces.of(compiled)).unwrap_or_default();
     let tip = |piece: &crate::geometry::Piece| {
         let straight = piece.kind == PieceKind::Straight;
         let (title, measures) = match piece.kind {
@@ -113,16 +127,18 @@ fn tips(compiled: &Compiled) -> Map<String, Value> {
                 )
             }
         };
-        let elements = elements(compiled, piece.vertex, straight);
-        let from = format!("from s = {} m", fixed(piece.s, 3));
+        // Before it is on the grid it is made of no elements.
+        let elements = if subject.near { Vec::new() } else { elements(compiled, piece.vertex, straight) };
+        let key = format!("{}{}", if straight { 's' } else { 'c' }, piece.vertex);
+        let told = forces.get(&key).map_or(&[][..], Vec::as_slice);
         let html = html! {
             b { (title) } br; (measures) br;
             @for (article, count, listed) in &elements {
                 (count) " × " code { (article) } @if !listed { " (not in the catalogue)" } br;
             }
-            span.note { (from) }
+            @for line in told { span.note { (line) } br; }
         };
-        (format!("{}{}", if straight { 's' } else { 'c' }, piece.vertex), json!(html.into_string()))
+        (key, json!(html.into_string()))
     };
     track.pieces.iter().map(tip).collect()
 }

@@ -5,7 +5,9 @@
 
 use super::board::Board;
 use super::edit;
+use super::forces::Forces;
 use super::known::{Known, chosen};
+use super::plan::Subject;
 use super::{facts, listing, messages, plan, solving};
 use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
@@ -35,6 +37,8 @@ pub struct Settings {
     /// When the search for the best layout on the grid ends.
     pub limit: Duration,
     pub threads: usize,
+    /// A simulated run, whose forces are told where it is of the same track.
+    pub forces: Option<Arc<Forces>>,
 }
 
 /// What the thread is asked for.
@@ -228,7 +232,13 @@ impl Worker {
         self.show([("errors", json!(warnings)), listing::part(&checked), self.status("solving …", true, false)]);
         let is_new = self.solved.as_ref().is_none_or(|(solved, _)| *solved != key);
         if is_new && let Some(picture) = solving::quick(&known.layout, self.settings.threads) {
-            self.picture(&known, &picture, json!({}));
+            // Until it is on the grid.
+            let subject = Subject { near: true, ..self.subject(&known, &picture) };
+            if let Ok((sheet, plan)) = plan::part(&subject) {
+                self.sheet = Some(sheet);
+                self.moving = false;
+                self.show([("plan", plan), ("moving", Value::Null)]);
+            }
         }
         self.pending = Some(Job { known, key });
     }
@@ -258,6 +268,11 @@ impl Worker {
         if let Some(checked) = text {
             self.show([listing::part(checked)]);
         }
+    }
+
+    fn subject<'a>(&'a self, known: &'a Known, compiled: &'a Compiled) -> Subject<'a> {
+        let (sheet, forces) = (self.sheet.as_ref(), self.settings.forces.as_deref());
+        Subject { known, compiled, sheet, forces, near: false }
     }
 
     /// Shows a picture that will not stay.
@@ -321,7 +336,7 @@ impl Worker {
                 return self.show([("errors", errors), ("moving", Value::Null), status]);
             }
         };
-        match plan::part(known, &compiled, self.sheet.as_ref()) {
+        match plan::part(&self.subject(known, &compiled)) {
             Ok((sheet, plan)) => {
                 self.sheet = Some(sheet);
                 self.moving = false;

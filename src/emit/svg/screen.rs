@@ -19,7 +19,7 @@ use super::{extent, hatches, paper, track};
 /// Largest width and height of the plan with its labels, mm. At 900 px, letters of 3.4 mm are then 14 px high.
 const ROOM: PaperPoint = PaperPoint::new(216.0, 150.0);
 /// Left free around the track for what is written beside it, mm.
-const MARGIN: f64 = 17.0;
+const MARGIN: f64 = 13.0;
 /// A plan keeps its sheet while the track stays this far within, mm,
 const INSIDE: f64 = 6.0;
 /// and takes more than this share of it in one direction.
@@ -28,9 +28,11 @@ const FILLED: f64 = 0.8;
 /// How much of a plan is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// Lines alone, for what changes while a pointer moves.
+    /// Lines and names, for what changes while a pointer moves.
     Lines,
-    /// With elements, equipment and labels.
+    /// With equipment and labels, for a track that is not made of elements yet.
+    Labels,
+    /// With elements, too.
     All,
 }
 
@@ -66,34 +68,38 @@ pub fn screen(compiled: &Compiled, written: &[Corner], sheet: &Sheet, detail: De
     svg.push(track::building(sheet, layout));
     svg.push(obstacles::draw(sheet, layout, &names));
     svg.push(track::band(sheet, line, width));
-    if detail == Detail::Lines {
-        svg.push(track::centre(sheet, line));
-        return svg.document();
-    }
-    let (marks, climbs) = (plan::marks(compiled), plan::climbs(compiled));
+    let (mut marks, climbs) = (plan::marks(compiled), plan::climbs(compiled));
+    // Many small symbols, which hide the track at this scale.
+    marks.retain(|mark| mark.kind != MarkKind::Support);
     if climbs.iter().any(|climb| !climb.is_level()) {
         svg.push(track::climbs(sheet, line, width, &climbs));
     }
-    svg.push(track::joints(sheet, &compiled.pieces, width));
+    if detail == Detail::All {
+        svg.push(track::joints(sheet, &compiled.pieces, width));
+    }
     svg.push(track::fixed(sheet, line, layout));
     svg.push(track::centre(sheet, line));
-    svg.push(track::equipment(sheet, line, layout, &marks, &mut field));
-    svg.push(track::arrows(sheet, line, &marks));
-    svg.push(track::vertices(sheet, line, layout, &mut field));
-    svg.push(stages(compiled, written, sheet));
-
+    if detail != Detail::Lines {
+        svg.push(track::equipment(sheet, line, layout, &marks, &mut field));
+        svg.push(track::arrows(sheet, line, &marks));
+        svg.push(track::vertices(sheet, line, layout, &mut field));
+        svg.push(stages(compiled, written, sheet));
+    }
     let decimals = Decimals::new(compiled, &climbs, &[], &[]);
     let mut labels = Labels::new(sheet, line, layout, field, decimals);
     layout.obstacles.iter().zip(&names).for_each(|(obstacle, name)| labels.obstacle(obstacle, name));
     let n = line.corners.len();
     (0..n).for_each(|i| labels.vertex(i));
-    let told = |kind: MarkKind| !matches!(kind, MarkKind::Motor | MarkKind::Support);
-    marks.iter().filter(|mark| told(mark.kind)).for_each(|mark| labels.mark(mark));
-    (0..n).for_each(|i| labels.straight(i));
-    let curved = line.pieces.iter().filter(|p| matches!(p.kind, PieceKind::Arc { .. }) && p.length > 1e-9);
-    curved.for_each(|piece| labels.curve(piece.vertex, false));
+    if detail != Detail::Lines {
+        marks.iter().filter(|mark| mark.kind != MarkKind::Motor).for_each(|mark| labels.mark(mark));
+        (0..n).for_each(|i| labels.straight(i));
+        let curved = line.pieces.iter().filter(|p| matches!(p.kind, PieceKind::Arc { .. }) && p.length > 1e-9);
+        curved.for_each(|piece| labels.curve(piece.vertex, false));
+    }
     svg.push(labels.finish());
-    svg.push(areas(compiled, sheet));
+    if detail != Detail::Lines {
+        svg.push(areas(compiled, sheet));
+    }
     svg.document()
 }
 
