@@ -85,13 +85,14 @@ mod tests {
     #[test]
     fn who_waits_is_told() {
         let board = Board::default();
+        let wait = |after: u64| board.after(after, Duration::from_secs(60));
         std::thread::scope(|scope| {
-            let waiting = [0; 3].map(|after| scope.spawn(|| board.after(after, Duration::from_secs(60))));
+            let waiting = [(); 3].map(|()| scope.spawn(|| wait(0)));
             board.show([("a", json!("news"))]);
             for page in waiting {
                 assert_eq!(page.join().unwrap()["parts"], json!({ "a": "news" }));
             }
-            let last = scope.spawn(|| board.after(1, Duration::from_secs(60)));
+            let last = scope.spawn(|| wait(1));
             board.close();
             assert_eq!(last.join().unwrap()["closed"], json!(true));
         });

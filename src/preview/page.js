@@ -85,6 +85,12 @@ function tell(words) {
   note.hidden = !words;
 }
 
+// The same, for what one page has done and the server says nothing of.
+function remark(words) {
+  tell(words);
+  setTimeout(() => note.textContent === words && tell(null), 6000);
+}
+
 let later = 0;
 function showPlan() {
   const { plan, moving } = parts;
@@ -297,8 +303,8 @@ handles.addEventListener("pointerdown", (event) => {
   const vertex = Number(group.dataset.vertex);
   const own = parts.plan.vertices[vertex];
   if (own.line) choose([own.line], false);
-  if (parts.status?.stale) return tell("the text has mistakes: put them right before a vertex is moved");
-  if (!own.moves.x && !own.moves.y) return tell(`${own.name} cannot be dragged: ${own.why}`);
+  if (parts.status?.stale) return remark("the text has mistakes: put them right before a vertex is moved");
+  if (!own.moves.x && !own.moves.y) return remark(`${own.name} cannot be dragged: ${own.why}`);
   event.preventDefault();
   group.focus({ preventScroll: true });
   group.setPointerCapture(event.pointerId);
@@ -362,7 +368,7 @@ async function ask(what, body) {
       placed = null;
       drawHandles();
       // What the server shows next would take the words away at once.
-      setTimeout(() => tell(problem), 300);
+      setTimeout(() => remark(problem), 300);
     }
   } catch {
     by("lost").hidden = false;

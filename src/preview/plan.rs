@@ -2,7 +2,7 @@
 
 use super::forces::Forces;
 use super::known::Known;
-use crate::base::number::{fixed, shortest, trimmed};
+use crate::base::number::{fixed, trimmed};
 use crate::base::trig::PI;
 use crate::compiled::Compiled;
 use crate::emit::DrawError;
@@ -116,7 +116,7 @@ fn tips(subject: &Subject) -> Map<String, Value> {
         let (title, measures) = match piece.kind {
             PieceKind::Straight => (
                 layout.section_name(piece.vertex),
-                format!("straight of {} m, heading {}°", fixed(piece.length, 3), degrees(piece.heading)),
+                format!("straight of {} m, heading {}°", fixed(piece.length, 3), heading(piece.heading)),
             ),
             PieceKind::Arc { radius, turn, .. } => {
                 let hand = if turn < 0.0 { "right" } else { "left" };
@@ -189,6 +189,11 @@ fn lines_of_sections(known: &Known, compiled: &Compiled) -> Map<String, Value> {
 }
 
 fn degrees(angle: f64) -> String {
-    let text = fixed(angle * 180.0 / PI, 2);
-    shortest(text.parse().unwrap_or(0.0))
+    trimmed(angle * 180.0 / PI, 2)
+}
+
+/// A heading in (-180°, 180°], also where rounding would leave that.
+fn heading(angle: f64) -> String {
+    let text = degrees(angle);
+    if text == "-180" { "180".to_owned() } else { text }
 }

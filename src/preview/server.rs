@@ -73,10 +73,10 @@ impl Service {
                 continue;
             }
             std::thread::spawn(move || {
+                let _busy = Busy(&service.busy);
                 let mut request = request;
                 let answer = service.answer(&mut request);
                 reply(request, answer);
-                service.busy.fetch_sub(1, Ordering::Relaxed);
             });
         }
     }
@@ -135,6 +135,15 @@ impl Service {
             Ok(()) => json_of(200, &json!({ "problem": null })),
             Err(why) => json_of(409, &json!({ "problem": why })),
         }
+    }
+}
+
+/// Counts a request until it is answered, or its thread has panicked.
+struct Busy<'a>(&'a AtomicUsize);
+
+impl Drop for Busy<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

@@ -17,6 +17,7 @@ use crate::model;
 use crate::semantics::Checked;
 use crate::source::{LoadError, Overlay, root, shown};
 use serde_json::{Value, json};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -166,16 +167,24 @@ impl Worker {
                     Ask::End => return,
                 }
             }
-            if still {
-                self.stand();
-            }
-            if look {
-                self.look();
-            }
-            if let Some((vertex, to, text)) = movement {
-                self.follow(vertex, to, &text);
-            } else if let Some(job) = self.pending.take() {
-                self.solve(job);
+            // A mistake in the program costs one picture, not the preview.
+            let done = catch_unwind(AssertUnwindSafe(|| {
+                if still {
+                    self.stand();
+                }
+                if look {
+                    self.look();
+                }
+                if let Some((vertex, to, text)) = movement {
+                    self.follow(vertex, to, &text);
+                } else if let Some(job) = self.pending.take() {
+                    self.solve(job);
+                }
+            }));
+            if done.is_err() {
+                self.moving = false;
+                let status = self.status("a mistake in lss itself: this cannot be shown", false, true);
+                self.show([("moving", Value::Null), status]);
             }
         }
     }
@@ -254,7 +263,7 @@ impl Worker {
         if !texts.iter().any(|(place, _)| *place == main) {
             all.push((main, None));
         }
-        let incomplete = checked.diagnostics.iter().any(|d| d.code == Code::E0203);
+        let incomplete = checked.diagnostics.iter().any(|d| matches!(d.code, Code::E0202 | Code::E0203));
         *self.session.watched.lock().unwrap_or_else(PoisonError::into_inner) = Watched { texts: all, incomplete };
     }
 
@@ -336,19 +345,19 @@ impl Worker {
                 return self.show([("errors", errors), ("moving", Value::Null), status]);
             }
         };
+        self.moving = false;
         match plan::part(&self.subject(known, &compiled)) {
             Ok((sheet, plan)) => {
                 self.sheet = Some(sheet);
-                self.moving = false;
-                let status = self.status(facts::state(&compiled), false, false);
-                self.show([("errors", errors), ("plan", plan), ("moving", Value::Null), status]);
+                let (facts, status) =
+                    (json!(facts::html(known, &compiled)), self.status(facts::state(&compiled), false, false));
+                self.show([("errors", errors), ("plan", plan), ("facts", facts), ("moving", Value::Null), status]);
             }
             Err(why) => {
                 let status = self.status(&format!("this cannot be drawn: {why}"), false, true);
-                self.show([("errors", errors), status]);
+                self.show([("errors", errors), ("moving", Value::Null), status]);
             }
         }
-        self.show([("facts", json!(facts::html(known, &compiled)))]);
         self.solved = Some((job.key, compiled));
     }
 }

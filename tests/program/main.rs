@@ -16,6 +16,7 @@ mod limits;
 mod links;
 mod messages;
 mod polygon;
+mod preview;
 mod route;
 mod stiffness;
 mod study;
