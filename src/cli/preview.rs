@@ -2,7 +2,7 @@
 
 use super::{Outcome, limits, report};
 use crate::preview::{self, Forces, Settings};
-use crate::source::root;
+use crate::source::{SIZE_LIMIT, root, shown};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -32,7 +32,7 @@ pub struct Preview {
 impl Preview {
     pub fn run(&self) -> Outcome {
         // A file that is not there is a mistake of the command; one with mistakes is shown with them.
-        if let Err(why) = root::read_given(&self.file, crate::source::SIZE_LIMIT) {
+        if let Err(why) = root::read_given(&self.file, SIZE_LIMIT) {
             return super::could_not("read", &self.file, why);
         }
         let forces = match self.run.as_deref().map(Forces::read).transpose() {
@@ -50,7 +50,11 @@ impl Preview {
             threads: limits::threads(),
             forces,
         };
-        match preview::serve(&settings, |address| report::print(&format!("{address}\n"))) {
+        let ready = |address: &str| {
+            report::print(&format!("{address}\n"));
+            report::note(&format!("shows {} there until Ctrl-C", shown(&self.file)));
+        };
+        match preview::serve(&settings, ready) {
             Ok(()) => Outcome::Clean,
             Err(why) => {
                 report::error(&why);

@@ -109,10 +109,23 @@ mod tests {
     /// A layout whose second vertex stands at these words.
     fn text(x: &str, y: &str) -> String {
         format!(
-            "// A hall\nuse std.carts.tilt_tray\nuse std.tracks.standard\nlet far = 30 m\n\nlayout hall {{\n  catalog standard\n  \
-             cart tilt_tray\n  speed 2 m/s\n  width 1.2 m\n  vertex P1 (0 m, 0 m) radius 3 m\n  vertex   P2 \
-             ({x} ,   {y})   radius 4 m // the corner\n  vertex P3 (30 m, 20 m)\n  vertex P4 (0.0 m, 20 m)\n  optimise \
-             nothing\n}}\n"
+            "// A hall
+use std.carts.tilt_tray
+use std.tracks.standard
+let far = 30 m
+
+layout hall {{
+  catalog standard
+  cart tilt_tray
+  speed 2 m/s
+  width 1.2 m
+  vertex P1 (0 m, 0 m) radius 3 m
+  vertex   P2 ({x} ,   {y})   radius 4 m // the corner
+  vertex P3 (30 m, 20 m)
+  vertex P4 (0.0 m, 20 m)
+  optimise nothing
+}}
+"
         )
     }
 

@@ -32,7 +32,7 @@ pub fn state(compiled: &Compiled) -> &'static str {
 pub fn html(known: &Known, compiled: &Compiled) -> String {
     let body = html! {
         (numbers(compiled))
-        (stages(compiled))
+        (stages(known, compiled))
         (chain(compiled))
         (held(known, compiled))
         (bill(compiled))
@@ -71,7 +71,7 @@ fn thousands(value: f64) -> String {
     out
 }
 
-fn stages(compiled: &Compiled) -> Markup {
+fn stages(known: &Known, compiled: &Compiled) -> Markup {
     if compiled.stages.iter().all(|stage| stage.status == Status::AsWritten) {
         return html! {};
     }
@@ -91,13 +91,20 @@ fn stages(compiled: &Compiled) -> Markup {
         Some("3") => "3 on the catalogue's grid".to_owned(),
         _ => stage.name.to_owned(),
     };
+    let swatch = |k: usize| match k {
+        _ if k == last => "swatch last",
+        0 => "swatch one",
+        _ => "swatch two",
+    };
     html! {
         section {
             h2 { "Stages" }
             table {
-                tr { td { i.swatch.start {} "as written" } td.number { (fixed(written, 3)) " m" } td {} }
+                @if known.layout.route.is_none() {
+                    tr { td { i.swatch {} "as written" } td.number { (fixed(written, 3)) " m" } td {} }
+                }
                 @for (k, stage) in compiled.stages.iter().enumerate() { tr {
-                    td { i class=(format!("swatch {}", if k == last { "last" } else if k == 0 { "one" } else { "two" })) {} (name(stage)) }
+                    td { i class=(swatch(k)) {} (name(stage)) }
                     td.number { (fixed(stage.length, 3)) " m" }
                     td { (how(stage)) }
                 } }
@@ -142,6 +149,11 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
         1 => "The layout can still move in one way".to_owned(),
         n => format!("The layout can still move in {n} independent ways"),
     };
+    let of = if freedom.stage == "written" {
+        "the written layout".to_owned()
+    } else {
+        freedom.stage.replace("stage", "the optimum of stage ")
+    };
     // Spans of a route's layout are of a text that nobody wrote.
     let line = |row: &ActiveRow| if known.layout.route.is_some() { None } else { known.line(row.span) };
     let list = |rows: &[&ActiveRow]| {
@@ -156,7 +168,7 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
     html! {
         section {
             h2 { "What holds the track" }
-            p.note { (ways) ", at the optimum of " (freedom.stage.replace("stage", "stage ")) ", " (fixed(freedom.length, 3)) " m." }
+            p.note { (ways) ", at " (of) ", " (fixed(freedom.length, 3)) " m." }
             (list(&dear[..dear.len().min(DEAREST)]))
             @if dear.len() > DEAREST {
                 details { summary { (dear.len() - DEAREST) " more with a price" } (list(&dear[DEAREST..])) }
@@ -200,14 +212,17 @@ fn polygon_action(compiled: &Compiled) -> Markup {
         Ok(report) => {
             let most = report.straights.iter().map(|s| s.rms_mm).fold(0.0, f64::max);
             html! {
-                p { b { (fixed(report.value, 2)) " mm²" } " over all starts and straights; with these curves no less than "
-                    (fixed(report.lower_bound, 2)) " mm²" }
+                p {
+                    b { (fixed(report.value, 2)) " mm²" } " over all starts and straights; with these curves no less "
+                    "than "
+                    (fixed(report.lower_bound, 2)) " mm²"
+                }
                 div.scroll { table {
                     thead { tr { th { "straight" } th.number { "ΔP rms, mm" } th {} } }
                     tbody { @for straight in &report.straights { tr {
                         td { (straight.name) }
                         td.number { (fixed(straight.rms_mm, 2)) }
-                        td { progress max="100" value=(fixed(if most > 0.0 { 100.0 * straight.rms_mm / most } else { 0.0 }, 0)) {} }
+                        td { progress max=(fixed(most.max(1e-6), 6)) value=(fixed(straight.rms_mm, 6)) {} }
                     } } }
                 } }
                 @if !report.notes.is_empty() {

@@ -27,10 +27,11 @@ pub fn sentence(words: &str) -> String {
 }
 
 fn one(sources: &SourceMap, diagnostic: &Diagnostic) -> Markup {
+    let severity = diagnostic.severity().as_str();
     html! {
-        article class=(diagnostic.severity().as_str()) {
+        article class=(severity) {
             p {
-                b { (diagnostic.severity().as_str()) " " code title=(diagnostic.code.name()) { (diagnostic.code.as_str()) } } " "
+                b { (severity) " " code title=(diagnostic.code.name()) { (diagnostic.code.as_str()) } } " "
                 (one_line(&diagnostic.message))
             }
             (place(sources, &diagnostic.label))

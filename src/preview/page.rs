@@ -45,7 +45,8 @@ pub fn html(file: &Path) -> String {
                     }
                 }
                 p #lost hidden {
-                    "The preview is not running any more. Start " code { "lss preview" } " again and open the address it prints."
+                    "The preview does not run any more. Start " code { "lss preview" }
+                    " again, and open the address that it prints."
                 }
                 main.preview {
                     div #sheet {

@@ -324,7 +324,7 @@ impl Worker {
         let (result, said) = match before {
             // Comments and spacing changed, not the layout: spans are new, stages are not.
             Some((_, compiled)) if compiled.layout.route.is_none() && known.layout.route.is_none() => {
-                (Ok(Compiled::new(known.layout.clone(), compiled.stages)), Vec::new())
+                solving::again(&known.layout, compiled.stages)
             }
             _ => {
                 let (limit, threads) = (self.settings.limit, self.settings.threads);

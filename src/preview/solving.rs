@@ -5,7 +5,7 @@ use crate::diagnostic::Diagnostic;
 use crate::elements;
 use crate::model::{Goal, Layout, Objective};
 use crate::solve::{self, Discretise, Options, Stage, Stop, unsupported};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// How long a picture while somebody drags may take.
@@ -39,16 +39,26 @@ pub fn whole(
 ) -> Option<(Result<Compiled, String>, Vec<Diagnostic>)> {
     let stop = Stop::after_or(limit, ended);
     let (result, mut said) = solved(layout, &Options { threads, stop, ..Options::default() });
-    if stop.cut().is_some() && ended.load(std::sync::atomic::Ordering::Relaxed) {
+    if stop.cut().is_some() && ended.load(Ordering::Relaxed) {
         return None;
     }
-    if let Ok(compiled) = &result
-        && !compiled.failed()
-    {
-        let unclosed = solve::unclosed(&compiled.layout, &compiled.track, &compiled.space.line);
-        let loose = || solve::left_over(&compiled.layout, &compiled.track, &compiled.space.line, compiled.chain);
-        said.extend(unclosed.or_else(loose));
-        said.extend(elements::lacking(&compiled.sequence, &compiled.layout));
-    }
+    said.extend(result.iter().flat_map(of_result));
     Some((result, said))
+}
+
+/// A layout whose text changed but not what it says, with the stages that are known.
+pub fn again(layout: &Layout, stages: Vec<Stage>) -> (Result<Compiled, String>, Vec<Diagnostic>) {
+    let compiled = Compiled::new(layout.clone(), stages);
+    let said = compiled.heights.iter().cloned().chain(of_result(&compiled)).collect();
+    (Ok(compiled), said)
+}
+
+/// What there is to say of the chain and the elements of a layout that can be built.
+fn of_result(compiled: &Compiled) -> Vec<Diagnostic> {
+    if compiled.failed() {
+        return Vec::new();
+    }
+    let (layout, track, line) = (&compiled.layout, &compiled.track, &compiled.space.line);
+    let chain = solve::unclosed(layout, track, line).or_else(|| solve::left_over(layout, track, line, compiled.chain));
+    chain.into_iter().chain(elements::lacking(&compiled.sequence, layout)).collect()
 }

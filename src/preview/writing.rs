@@ -1,5 +1,5 @@
-//! What pages may change on the disk: the coordinates of a vertex, and that back again. The file is written whole or not
-//! at all, and only if it is still what the page was dragging on.
+//! What pages may change on the disk: the coordinates of a vertex, and that back again. The file is written whole or
+//! not at all, and only if it is still what the page was dragging on.
 
 use super::edit;
 use super::session::{Ask, Session};
