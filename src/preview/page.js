@@ -225,7 +225,10 @@ sheet.addEventListener("pointerdown", (event) => {
   sheet.addEventListener("pointermove", pan);
   addEventListener("pointerup", () => sheet.removeEventListener("pointermove", pan), { once: true });
 });
-new ResizeObserver(() => view && drawHandles()).observe(sheet);
+new ResizeObserver(() => {
+  tip.hidden = true;
+  if (view) drawHandles();
+}).observe(sheet);
 by("stages").addEventListener("change", (event) => sheet.classList.toggle("stages", event.target.checked));
 
 // ---- Vertices ----

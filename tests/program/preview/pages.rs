@@ -233,6 +233,13 @@ fn a_section_says_what_it_is_and_where_it_is_written() {
     tab.mouse("mouseMoved", on(".area[data-curve=\"1\"]", 0.5), false);
     tab.until("document.getElementById('tip').textContent.includes('90° to the left')");
     assert!(tab.text("#tip").starts_with("P2radius 3 m"));
+    // The stages before lie under it when they are wanted.
+    let stages = "getComputedStyle(document.querySelector('#drawing .stages')).display";
+    assert_eq!(tab.value(stages), "none");
+    tab.click(tab.middle("#stages"));
+    assert_eq!(tab.value(stages), "inline");
+    assert_eq!(tab.value("document.querySelectorAll('#drawing .stages path').length"), 3);
+    assert!(tab.value("document.getElementById('sheet').clientHeight").as_u64().unwrap() > 300);
     // Limits with a price lead to their line.
     tab.click(tab.middle("#facts ul.rows button.line"));
     let line = tab.value("document.querySelector('#source li.chosen').dataset.line");
