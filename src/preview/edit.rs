@@ -119,10 +119,10 @@ layout hall {{
   cart tilt_tray
   speed 2 m/s
   width 1.2 m
-  vertex P1 (0 m, 0 m) radius 3 m
+  vertex P1 (-30 m, -10 m) radius 3 m
   vertex   P2 ({x} ,   {y})   radius 4 m // the corner
   vertex P3 (30 m, 20 m)
-  vertex P4 (0.0 m, 20 m)
+  vertex P4 (-30 m, 20 m)
   optimise nothing
 }}
 "

@@ -273,10 +273,8 @@ impl Worker {
         self.pending = None;
         self.moving = false;
         let words = if self.solved.is_some() { "the drawing is of the text before" } else { "nothing to draw yet" };
-        self.show([("errors", json!(why)), ("moving", Value::Null), self.status(words, false, true)]);
-        if let Some(checked) = text {
-            self.show([listing::part(checked)]);
-        }
+        let errors = [("errors", json!(why)), ("moving", Value::Null), self.status(words, false, true)];
+        self.show(errors.into_iter().chain(text.map(listing::part)));
     }
 
     fn subject<'a>(&'a self, known: &'a Known, compiled: &'a Compiled) -> Subject<'a> {

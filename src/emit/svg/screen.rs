@@ -22,8 +22,8 @@ const ROOM: PaperPoint = PaperPoint::new(216.0, 150.0);
 const MARGIN: f64 = 13.0;
 /// A plan keeps its sheet while the track stays this far within, mm,
 const INSIDE: f64 = 6.0;
-/// and takes more than this share of it in one direction.
-const FILLED: f64 = 0.8;
+/// and would not be drawn larger than by this on a sheet of its own: the ratio of both scales.
+const NEARER: f64 = 0.8;
 
 /// How much of a plan is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,16 +43,13 @@ pub enum Detail {
 pub fn screen_sheet(compiled: &Compiled, written: &[Corner], before: Option<&Sheet>) -> Result<Sheet, DrawError> {
     let written = Track::new(written);
     let extent = extent(&compiled.layout, &[&compiled.track, &written], 0.0, 0.0);
+    let fresh = Sheet::around(&extent, ROOM, MARGIN)?;
     let kept = before.filter(|sheet| {
         let (low, high) = (sheet.at(extent.low), sheet.at(extent.high));
         let within = low.x.min(high.y) >= INSIDE && high.x <= sheet.width - INSIDE && low.y <= sheet.height - INSIDE;
-        let wide = (high.x - low.x) / (sheet.width - 2.0 * MARGIN);
-        within && wide.max((low.y - high.y) / (sheet.height - 2.0 * MARGIN)) > FILLED
+        within && fresh.scale > NEARER * sheet.scale
     });
-    match kept {
-        Some(sheet) => Ok(*sheet),
-        None => Sheet::around(&extent, ROOM, MARGIN),
-    }
+    Ok(kept.copied().unwrap_or(fresh))
 }
 
 /// The plan of a layout as an `svg` element. Straights (`data-section`) and curves (`data-curve`) have areas for the
@@ -136,17 +133,22 @@ mod tests {
     use super::*;
     use crate::compiled::fixture::compile;
     use crate::model::instances::thesis10;
+    use crate::solve::{Discretise, Options, solve_with};
 
     #[test]
     fn every_straight_and_curve_can_be_pointed_at_and_nothing_is_styled_inline() {
-        let compiled = compile(thesis10());
+        let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+        let layout = thesis10();
+        let stages = solve_with(&layout, &Options::default(), nothing, &|_| {});
+        let compiled = Compiled::new(layout, stages);
         let written = compiled.layout.corners();
         let sheet = screen_sheet(&compiled, &written, None).expect("a sheet");
         let svg = screen(&compiled, &written, &sheet, Detail::All);
-        for k in 0..10 {
-            for what in ["data-section", "data-curve"] {
-                assert_eq!(svg.matches(&format!("{what}=\"{k}\"")).count(), 1, "{what} {k}");
-            }
+        for piece in &compiled.track.pieces {
+            let what = if piece.kind == PieceKind::Straight { "data-section" } else { "data-curve" };
+            // Some straights have no length.
+            let count = usize::from(piece.length > 1e-9);
+            assert_eq!(svg.matches(&format!("{what}=\"{}\"", piece.vertex)).count(), count, "{what} {}", piece.vertex);
         }
         assert!(!svg.contains("style=") && !svg.contains("<style"));
         assert_eq!(svg.matches("class=\"stage-").count(), 3, "the written layout and two stages");

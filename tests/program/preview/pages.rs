@@ -117,7 +117,7 @@ fn a_mistake_appears_and_the_last_drawing_stays() {
     assert_eq!((drawn(&tab), tab.text("#status")), (before.clone(), "the drawing is of the text before".to_owned()));
     // Its place leads to the line.
     tab.click(tab.middle("#messages button.line"));
-    assert!(tab.text("#source li.chosen").contains("sped 2.0"));
+    tab.until("document.querySelector('#source li.chosen')?.textContent.includes('sped 2.0')");
     // What is not of the text cannot be dragged.
     let from = tab.middle(&handle(1));
     tab.mouse("mouseMoved", from, false);
