@@ -126,7 +126,7 @@ fn a_mistake_appears_and_the_last_drawing_stays() {
     tab.mouse("mouseReleased", (from.0 - 30.0, from.1), false);
     assert!(preview.text().contains("(37.0 m ,  3000 mm)"));
     preview.save(&HALL.replace("P2   (37.0 m", "P2   (36.0 m"));
-    tab.until("!document.querySelector('#messages article')");
+    tab.until("!document.querySelector('#messages article.error')");
     tab.until(SOLVED);
     tab.until(&format!("document.querySelector('#drawing path.band').getAttribute('d') !== '{before}'"));
     assert_eq!(browser.complaints(), [""; 0]);
