@@ -22,7 +22,7 @@ pub fn quick(layout: &Layout, threads: usize) -> Option<Compiled> {
     if layout.objective.within.is_some() || layout.objective.terms.iter().any(other) {
         layout.objective = Objective { terms: vec![(1.0, Goal::Length)], within: None, ..layout.objective };
     }
-    let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+    let nothing: Discretise = |_, _, solution, _, _, _| solution.clone().into();
     let options = Options { threads, stop: Stop::after(QUICK), ..Options::default() };
     let mut stages: Vec<Stage> = solve::solve_with(&layout, &options, nothing, &|_| ());
     // The last one is off the grid, as nothing put it there.

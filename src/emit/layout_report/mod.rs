@@ -8,7 +8,7 @@ use super::{DrawError, OwnNumbers, pdf, svg};
 use crate::base::number::{fixed, trimmed};
 use crate::compiled::{Compiled, order};
 use crate::model::TOLERANCE;
-use crate::solve::{Certificate, Counted, Stage, Status};
+use crate::solve::{Stage, Status};
 use pages::{Pages, narrow, number, words};
 
 /// The report. It holds no dates but those of the layout's title block: the same layout gives the same bytes.
@@ -88,7 +88,9 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
     let rows: Vec<Vec<String>> = compiled.stages.iter().map(stage).collect();
     pages.table(&[narrow("stage"), number("length, m"), words("ended as"), number("largest violation, m")], &rows);
     if let Some(certificate) = compiled.stages.last().and_then(|s| s.certificate.as_ref()) {
-        pages.words(&proof(certificate), "");
+        for line in certificate.words() {
+            pages.words(&sentence(&line), "");
+        }
         if !certificate.assumed.is_empty() {
             pages.words(&format!("This holds if {}.", certificate.assumed.join("; ")), "quiet");
         }
@@ -110,23 +112,11 @@ fn status(status: Status) -> &'static str {
     }
 }
 
-/// What a certificate says.
-fn proof(c: &Certificate) -> String {
-    let bound = match c.counted {
-        Counted::Length => format!("shorter than {} m", fixed(c.lower_bound, 6)),
-        Counted::Price { metre } if metre > 0.0 => {
-            format!("better than {} EUR, a metre counted as {metre} EUR", fixed(c.lower_bound, 2))
-        }
-        Counted::Price { .. } => format!("cheaper than {} EUR", fixed(c.lower_bound, 2)),
-    };
-    let budget = c.budget.as_ref().map_or_else(String::new, |budget| format!(" within the budget ({budget})"));
-    if c.proven {
-        format!("Proven: no layout on the catalogue's grid{budget} is {bound}.")
-    } else if c.lower_bound <= 0.0 {
-        "No bound was found for layouts on the catalogue's grid.".to_owned()
-    } else {
-        format!("No layout on the catalogue's grid{budget} is {bound}; the gap is {} %.", fixed(100.0 * c.gap, 3))
-    }
+/// With a capital and a full stop.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
+    format!("{first}{}.", letters.as_str())
 }
 
 fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {

@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn every_straight_and_curve_can_be_pointed_at_and_nothing_is_styled_inline() {
-        let nothing: Discretise = |_, _, solution, _, _| solution.clone().into();
+        let nothing: Discretise = |_, _, solution, _, _, _| solution.clone().into();
         let layout = thesis10();
         let stages = solve_with(&layout, &Options::default(), nothing, &|_| {});
         let compiled = Compiled::new(layout, stages);
