@@ -1,10 +1,13 @@
 //! Pages that a person reads in a browser, each one file that opens offline: a lap, an identification, a diagnosis,
-//! polygon action, a study. What a page shows stands beside it as JSON.
+//! polygon action, two runs, a campaign, length against cost, a study. What a page shows stands beside it as JSON.
 
 pub mod gap;
 pub mod identification;
 pub mod lap;
+mod lap_track;
+mod plot;
 pub mod polygon;
+mod rows;
 mod schemas;
 pub mod study;
 pub mod style;

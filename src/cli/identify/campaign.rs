@@ -3,7 +3,7 @@
 use super::reports::{LawReport, Study};
 use super::{fitted, table};
 use crate::base::{json, parallel};
-use crate::chain_input::ContactLaw;
+use crate::chain_input::{ContactLaw, Track};
 use crate::cli::cases::{Case, cases};
 use crate::cli::identify::reports::law_name;
 use crate::cli::progress::Line;
@@ -132,7 +132,7 @@ impl Campaign {
         }
         files.push("identification.json", json::to_json(&study));
         let pages: Vec<(ContactLaw, &[RunFit])> = done.iter().map(|(law, fits, _)| (*law, fits.as_slice())).collect();
-        files.push("identification.html", identification::page(&pages, &self.share, &groups));
+        files.push("identification.html", identification::page(&pages, &self.share, &groups, common(&cases)));
         if let Some((_, fits, _)) = done.first() {
             match fitted::files(&cases, &groups, fits, output) {
                 Ok(more) => files.extend(more),
@@ -303,4 +303,11 @@ impl Work<'_> {
         *fits = again.into_iter().collect::<Result<_, String>>()?;
         Ok(Some(shared))
     }
+}
+
+/// The track of all runs, where they have one.
+fn common(cases: &[Case]) -> Option<&Track> {
+    let (first, rest) = cases.split_first()?;
+    let track = &first.subject.simulation.track;
+    rest.iter().all(|case| case.subject.simulation.track == *track).then_some(track)
 }

@@ -86,7 +86,7 @@ impl Polygon {
         let Some(before) = subjects.first() else { return Outcome::Problems };
         let verification = Verification::new(&before.simulation.name, cases);
         if let Some(folder) = &self.output {
-            let runs: Vec<_> = laps.iter().map(|lap| &lap.run).collect();
+            let runs: Vec<_> = subjects.iter().map(|s| &s.simulation).zip(laps.iter().map(|lap| &lap.run)).collect();
             let mut files = Files::default();
             files.push("verify.json", json::to_json(&verification));
             files.push("verify.html", page(&verification, &runs));

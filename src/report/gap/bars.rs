@@ -1,15 +1,11 @@
 //! Bars and levels: probabilities, how much of the gap is closed, the gap of each run.
 
 use super::words::{heading, percent};
-use crate::base::number::{decimal, fixed};
+use crate::base::number::decimal;
 use crate::base::trig;
 use crate::gap::{Diagnosis, Finding, RunGap};
+use crate::report::rows::{RowScale, row};
 use maud::{Markup, html};
-
-const WIDTH: f64 = 1100.0;
-const LEFT: f64 = 250.0;
-const RIGHT: f64 = 150.0;
-const ROW: f64 = 26.0;
 
 /// Effects less probable than this are counted, not drawn, beyond the first few.
 const LIKELY: f64 = 0.02;
@@ -25,25 +21,17 @@ struct Bar {
 }
 
 fn chart(bars: &[Bar]) -> Markup {
-    let height = ROW * bars.len() as f64 + 4.0;
-    let room = WIDTH - LEFT - RIGHT;
-    html! {
-        svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
-            line.axis x1=(LEFT) x2=(LEFT) y1="0" y2=(fixed(height, 1)) {}
-            line.axis x1=(LEFT + room) x2=(LEFT + room) y1="0" y2=(fixed(height, 1)) {}
-            @for (k, bar) in bars.iter().enumerate() {
-                @let y = ROW * k as f64 + 4.0;
-                @let width = bar.share.clamp(0.0, 1.0) * room;
-                text.name x=(LEFT - 10.0) y=(fixed(y + 14.0, 1)) text-anchor="end" { (bar.name) }
-                @if bar.share.is_finite() {
-                    rect class=(bar.class) x=(LEFT) y=(fixed(y + 2.0, 1)) width=(fixed(width.max(1.0), 1))
-                        height=(ROW - 10.0) rx="2" {}
-                }
-                text.value x=(fixed(LEFT + width + 8.0, 1)) y=(fixed(y + 14.0, 1)) {
-                    (percent(bar.share)) tspan.quiet { (bar.note) }
-                }
-            }
+    let scale = RowScale { low: 0.0, high: 1.0 };
+    let mark = |bar: &Bar| {
+        if bar.share.is_finite() {
+            scale.span(bar.class, 0.0, bar.share)
+        } else {
+            html! {}
         }
+    };
+    let words = |bar: &Bar| html! { (percent(bar.share)) span.quiet { (bar.note) } };
+    html! {
+        div.rows { @for bar in bars { (row("", &bar.name, &mark(bar), &words(bar))) } }
     }
 }
 
@@ -111,9 +99,8 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
         .filter(|x| *x > 0.0 && x.is_finite());
     let (low, high) = all.fold((1.0_f64, 1.0_f64), |(a, b), x| (a.min(x), b.max(x)));
     let (low, high) = (trig::log10(low) - 0.1, trig::log10(high) + 0.1);
-    let x = |value: f64| LEFT + (trig::log10(value.max(1e-12)) - low) / (high - low) * (WIDTH - LEFT - RIGHT);
-    let at = |value: f64| fixed(x(value).max(LEFT), 1);
-    let height = ROW * runs.len() as f64 + 24.0;
+    let scale = RowScale { low, high };
+    let log = |value: f64| trig::log10(value.max(1e-12));
     let spans = match high - low {
         wide if wide > 2.5 => &[1.0][..],
         narrow if narrow < 0.6 => &[1.0, 1.2, 1.4, 1.6, 2.0, 3.0, 4.0, 6.0, 8.0],
@@ -124,26 +111,23 @@ pub fn runs(runs: &[RunGap], changed: bool) -> Markup {
         .flat_map(|d| spans.iter().map(move |m| m * d))
         .filter(|v| (low..=high).contains(&trig::log10(*v)))
         .collect();
+    let lines: Vec<f64> = marks.iter().map(|m| log(*m)).collect();
+    let levels = |run: &RunGap| {
+        html! {
+            @if run.replicate_high > 0.0 && run.replicate_high.is_finite() {
+                (scale.span("replicate", low, log(run.replicate_high)))
+            }
+            (scale.grid(&lines))
+            @if changed { (scale.span("span way", log(run.before), log(run.after))) }
+            (scale.dot("before", log(run.before)))
+            @if changed { (scale.dot("after", log(run.after))) }
+        }
+    };
+    let words = |run: &RunGap| html! { (decimal(run.before, 3)) @if changed { " → " (decimal(run.after, 3)) } };
     html! {
-        svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
-            @for mark in &marks {
-                line.axis x1=(at(*mark)) x2=(at(*mark)) y1="0" y2=(fixed(height - 20.0, 1)) {}
-                text.tick x=(at(*mark)) y=(fixed(height - 5.0, 1)) text-anchor="middle" { (decimal(*mark, 2)) }
-            }
-            @for (k, run) in runs.iter().enumerate() {
-                @let y = ROW * k as f64 + 12.0;
-                text.name x=(LEFT - 10.0) y=(fixed(y + 4.0, 1)) text-anchor="end" { (run.run) }
-                @if run.replicate_high > 0.0 && run.replicate_high.is_finite() {
-                    rect.replicate x=(LEFT) y=(fixed(y - 9.0, 1))
-                        width=(fixed((x(run.replicate_high) - LEFT).max(1.0), 1)) height="18" {}
-                }
-                @if changed { line.way x1=(at(run.before)) x2=(at(run.after)) y1=(fixed(y, 1)) y2=(fixed(y, 1)) {} }
-                circle.before cx=(at(run.before)) cy=(fixed(y, 1)) r="5" {}
-                @if changed { circle.after cx=(at(run.after)) cy=(fixed(y, 1)) r="5" {} }
-                text.value x=(WIDTH - RIGHT + 12.0) y=(fixed(y + 4.0, 1)) {
-                    (decimal(run.before, 3)) @if changed { " → " (decimal(run.after, 3)) }
-                }
-            }
+        div.rows {
+            @for run in runs { (row("", &run.run, &levels(run), &words(run))) }
+            (scale.ticks(&marks.iter().map(|m| (log(*m), decimal(*m, 2))).collect::<Vec<_>>()))
         }
         p.legend.note {
             span { i.dot-before {} @if changed { "before" } @else { "the model as it is" } }

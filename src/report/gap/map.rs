@@ -2,11 +2,10 @@
 
 use super::words::{band, percent, stretch};
 use crate::base::number::{fixed, ticks, trimmed};
-use crate::emit::paper::{PaperPoint, Projection};
 use crate::gap::{Axis, Diagnosis, GapPlace};
-use crate::geometry::Point;
-use crate::report::lap::chart::coordinates;
-use crate::report::lap::lap_track::{LapTrack, PartKind};
+use crate::report::lap_track::{LapTrack, PartKind};
+use crate::report::plot::{Layer, LayerOf, Plan, Rounded, Spot, plan, plan_place};
+use crate::report::rows::{RowScale, row};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
 
@@ -16,8 +15,6 @@ const PIECES: usize = 300;
 const NAMED: usize = 6;
 /// Of the whole axis; what is longer belongs to no place.
 const LOCAL: f64 = 0.6;
-
-const WIDTH: f64 = 1100.0;
 
 /// How long the track, or the longest run, is.
 fn extent(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> f64 {
@@ -56,7 +53,7 @@ pub fn section(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
     let all: Vec<&GapPlace> = diagnosis.places.iter().filter(|p| p.share > 0.0).collect();
     html! {
         @if !places.is_empty() {
-            @if let Some(track) = track { (view(track, &places)) }
+            @if track.is_some() { (plan_place()) }
             (strip(&places, extent, track, diagnosis.axis))
         }
         @if !all.is_empty() {
@@ -72,64 +69,29 @@ fn opacity(density: f64, largest: f64) -> String {
     fixed((density / largest).clamp(0.0, 1.0).sqrt(), 2)
 }
 
-fn view(track: &LapTrack, places: &[&GapPlace]) -> Markup {
+/// The track coloured by the gap, with the places that most of it belongs to; `None` where none is known.
+pub fn plan_of(diagnosis: &Diagnosis, track: &LapTrack) -> Option<Plan> {
     let lap = track.line.length;
-    let values = density(places, lap, PIECES);
-    let largest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let margin = 40.0;
-    let (low, high, scale) = track.fit(PaperPoint::new(WIDTH - 2.0 * margin, 420.0));
-    // In the middle where the track is higher than wide.
-    let left = 0.5 * (WIDTH - (high.x - low.x) * scale);
-    let height = (high.y - low.y) * scale + 2.0 * margin + 26.0;
-    let (floor, paper) = (Point::new(low.x, high.y), PaperPoint::new(left, margin));
-    let projection = Projection { floor, paper, scale };
-    let place = |s: f64| projection.at(track.at(s));
-    let point = |s: f64| coordinates(place(s));
-    let whole: Vec<String> = (0..=PIECES).map(|k| point(lap * k as f64 / PIECES as f64)).collect();
-    let stretch = |from: usize, to: usize| {
-        let halves = (2 * from..=2 * to).map(|k| point(lap * k as f64 / (2 * PIECES) as f64));
-        format!("M{}", halves.collect::<Vec<_>>().join("L"))
-    };
-    let start = place(0.0);
-    // Beside the track, on the side away from the middle.
-    let middle = PaperPoint::new(0.5 * WIDTH, margin + 0.5 * (high.y - low.y) * scale);
-    let beside = |s: f64, by: f64| {
-        let (p, along) = (place(s), place(s + 0.1) - place(s - 0.1));
-        let length = along.dot(along).sqrt().max(1e-9);
-        let outward = p - middle;
-        let away = if outward.x * along.y - outward.y * along.x >= 0.0 { by } else { -by };
-        PaperPoint::new(p.x + away * along.y / length, p.y - away * along.x / length)
-    };
-    html! {
-        svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
-            path.track d=(format!("M{}Z", whole.join("L"))) {}
-            @for (from, to, value) in runs(&values) {
-                path.gap d=(stretch(from, to)) stroke-opacity=(opacity(value, largest)) {}
-            }
-            circle cx=(fixed(start.x, 1)) cy=(fixed(start.y, 1)) r="5" fill="none" stroke="currentColor" {}
-            @let label = beside(0.0, 20.0);
-            text.number-label x=(fixed(label.x, 1)) y=(fixed(label.y + 4.0, 1)) text-anchor="middle" { "s = 0" }
-            @for (k, spot) in spots(places, lap).into_iter().enumerate() {
-                @let p = beside(spot, 20.0);
-                circle.badge cx=(fixed(p.x, 1)) cy=(fixed(p.y, 1)) r="9" {}
-                text.badge-text x=(fixed(p.x, 1)) y=(fixed(p.y + 4.0, 1)) text-anchor="middle" { (k + 1) }
-            }
-            (key(margin, height - 20.0, largest, Axis::Track))
-        }
+    let places = local(diagnosis, lap);
+    if places.is_empty() {
+        return None;
     }
+    let mut plan = plan(track);
+    plan.layers.push(Layer {
+        name: "gap".to_owned(),
+        label: "Share of the gap a metre of the track".to_owned(),
+        unit: "%/m".to_owned(),
+        of: LayerOf::Amounts(Rounded::new(density(&places, lap, PIECES).iter().map(|d| 100.0 * d).collect())),
+    });
+    let spot = |s: f64| Spot { s, name: track.part(s).map_or_else(String::new, |part| part.name.clone()) };
+    plan.spots = spots(&places, lap).into_iter().map(spot).collect();
+    Some(plan)
 }
 
 /// The colours' meaning.
-fn key(x: f64, y: f64, largest: f64, axis: Axis) -> Markup {
+fn key(largest: f64, axis: Axis) -> Markup {
     html! {
-        @for k in 0..32 {
-            @let share = f64::from(k) / 31.0;
-            rect.gap-fill x=(fixed(x + f64::from(k) * 5.0, 1)) y=(fixed(y, 1)) width="5" height="10"
-                fill-opacity=(opacity(share, 1.0)) {}
-        }
-        text.number-label x=(fixed(x + 168.0, 1)) y=(fixed(y + 9.0, 1)) {
-            "0 … " (percent(largest)) " of the gap per " (if axis == Axis::Track { "metre" } else { "second" })
-        }
+        p.note { "0 " i.gap-ramp {} " " (percent(largest)) " of the gap per " (if axis == Axis::Track { "metre" } else { "second" }) }
     }
 }
 
@@ -152,9 +114,6 @@ fn spots(places: &[&GapPlace], lap: f64) -> Vec<f64> {
 
 /// Channels over the axis, the one with most of the gap first.
 fn strip(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis) -> Markup {
-    const LEFT: f64 = 150.0;
-    const RIGHT: f64 = 70.0;
-    const ROW: f64 = 22.0;
     let mut channels: BTreeMap<&str, f64> = BTreeMap::new();
     places.iter().for_each(|p| *channels.entry(&p.channel).or_default() += p.share);
     let mut rows: Vec<(&str, f64)> = channels.into_iter().collect();
@@ -167,40 +126,36 @@ fn strip(places: &[&GapPlace], extent: f64, track: Option<&LapTrack>, axis: Axis
         })
         .collect();
     let largest = columns.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let x = |s: f64| LEFT + s / extent * (WIDTH - LEFT - RIGHT);
-    let top = 14.0;
-    let bottom = top + ROW * rows.len() as f64;
-    let height = bottom + 48.0;
     let step = extent / PIECES as f64;
+    let scale = RowScale { low: 0.0, high: extent };
+    let numbers: Vec<(f64, String)> =
+        ticks(0.0, extent, 8.0).into_iter().map(|t| (t, format!("{} {}", trimmed(t, 3), axis.unit()))).collect();
+    let lines: Vec<f64> = numbers.iter().map(|(t, _)| *t).collect();
+    let bent = || track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != PartKind::Straight);
+    let stretch = |(from, to, value): (usize, usize, f64)| {
+        let (left, right) = (scale.at(from as f64 * step), (to - from) as f64 / PIECES as f64 * 100.0);
+        let style = format!("left:{left}%;width:{}%;opacity:{}", fixed(right, 2), opacity(value, largest));
+        html! { i.gap-fill style=(style) {} }
+    };
     html! {
         figure {
             figcaption { b { "Channel by channel" } ", share of the gap over "
                 (if axis == Axis::Track { "arc length, m" } else { "time, s" })
                 @if track.is_some() { "; shaded above: curves, ramps and spirals" } }
-            svg viewBox=(format!("0 0 {WIDTH} {}", fixed(height, 0))) role="img" {
-                @for part in track.map_or(&[][..], |t| &t.parts).iter().filter(|p| p.kind != PartKind::Straight) {
-                    rect class=(part.kind.class()) x=(fixed(x(part.from), 1)) y="0"
-                        width=(fixed(x(part.to) - x(part.from), 1)) height="8" {}
+            div.rows.strip data-along=(if axis == Axis::Track { "track" } else { "time" }) data-extent=(fixed(extent, 3)) {
+                @if track.is_some() {
+                    @let shades = html! {
+                        @for part in bent() { (scale.span(&format!("part {}", part.kind.class()), part.from, part.to)) }
+                    };
+                    (row("parts", &"", &shades, &""))
                 }
-                @for (k, ((channel, share), values)) in rows.iter().zip(&columns).enumerate() {
-                    @let y = top + ROW * k as f64;
-                    text.name x=(LEFT - 10.0) y=(fixed(y + 13.0, 1)) text-anchor="end" { (channel) }
-                    rect.row x=(LEFT) y=(fixed(y, 1)) width=(WIDTH - LEFT - RIGHT) height=(ROW - 4.0) {}
-                    @for (from, to, value) in runs(values) {
-                        rect.gap-fill x=(fixed(x(from as f64 * step), 1)) y=(fixed(y, 1))
-                            width=(fixed(x((to - from) as f64 * step) - LEFT, 1))
-                            height=(ROW - 4.0) fill-opacity=(opacity(value, largest)) {}
-                    }
-                    text.value x=(WIDTH - RIGHT + 8.0) y=(fixed(y + 13.0, 1)) { (percent(*share)) }
+                @for ((channel, share), values) in rows.iter().zip(&columns) {
+                    @let marks = html! { @for run in runs(values) { (stretch(run)) } (scale.grid(&lines)) };
+                    (row("", channel, &marks, &percent(*share)))
                 }
-                @for t in ticks(0.0, extent, 12.0) {
-                    line.axis x1=(fixed(x(t), 1)) x2=(fixed(x(t), 1)) y1=(top) y2=(fixed(bottom, 1)) {}
-                    text.tick x=(fixed(x(t), 1)) y=(fixed(bottom + 12.0, 1)) text-anchor="middle" {
-                        (trimmed(t, 3)) " " (axis.unit())
-                    }
-                }
-                (key(LEFT, bottom + 28.0, largest, axis))
+                (scale.ticks(&numbers))
             }
+            (key(largest, axis))
         }
     }
 }

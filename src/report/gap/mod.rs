@@ -1,5 +1,5 @@
 //! `gap.html`: where a built system and its simulation part, what does it and how far adding it closes the gap, on one
-//! page that stands on its own: no script, no font, no network.
+//! page that opens offline.
 
 mod bars;
 mod map;
@@ -10,12 +10,13 @@ mod style;
 mod tests;
 mod words;
 
-use super::lap::lap_track::LapTrack;
+use super::lap_track::LapTrack;
+use super::plot::{Pictures, document, how};
+use super::rows;
 use crate::base::number::{decimal, trimmed};
 use crate::base::words::list;
 use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound, draws};
-use crate::report::style::document;
 use crate::signal::Channel;
 use maud::{Markup, html};
 use words::{amount, heading, percent, plain};
@@ -29,6 +30,8 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         track.filter(|_| diagnosis.axis == Axis::Track).map(LapTrack::without_motors).filter(|t| t.line.length > 0.0);
     let (named, gap) = (diagnosis.named(), diagnosis.has_gap());
     let changed = !named.is_empty();
+    let mut pictures = Pictures::new(title);
+    pictures.data.plan = track.as_ref().and_then(|track| map::plan_of(diagnosis, track));
     let body = html! {
         p.kicker { "The gap between simulation and reality · " (title) }
         h1 { (headline(diagnosis, &named)) }
@@ -37,7 +40,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         figure { figcaption { b { "Probability" } " that each is present" } (bars::probabilities(diagnosis)) }
         @if changed {
             (strengths(&claims(diagnosis, &named)))
-            (shape::shapes(&named))
+            (shape::shapes(&named, &mut pictures))
             @if gap {
                 (bars::closed(diagnosis, &named))
                 (closed_by_channel(diagnosis))
@@ -53,7 +56,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
             }
         }
         (places(diagnosis, track.as_ref()))
-        (overlays(diagnosis))
+        (overlays(diagnosis, &mut pictures))
         (groups(diagnosis))
         @if !diagnosis.next_experiment.is_empty() {
             h2 { "Next experiment" }
@@ -66,7 +69,7 @@ pub fn page(diagnosis: &Diagnosis, track: Option<&Track>, title: &str) -> String
         (repeatability(diagnosis))
         (outside(diagnosis))
     };
-    document(&format!("{title}: the gap"), style::STYLE, &body)
+    document(&format!("{title}: the gap"), &[style::STYLE, rows::RULES].concat(), &body, &pictures.data)
 }
 
 fn headline(diagnosis: &Diagnosis, named: &[&Finding]) -> String {
@@ -158,11 +161,15 @@ fn places(diagnosis: &Diagnosis, track: Option<&LapTrack>) -> Markup {
 }
 
 /// The channels with the largest shares of the gap, each measured against simulated and as a difference.
-fn overlays(diagnosis: &Diagnosis) -> Markup {
+fn overlays(diagnosis: &Diagnosis, pictures: &mut Pictures) -> Markup {
     let shares = diagnosis.channels();
     let share = |o: &Overlay| shares.iter().find(|(channel, _)| *channel == o.channel).map(|(_, share)| *share);
-    let charts: Vec<(bool, Markup)> =
-        diagnosis.overlays.iter().map(|o| (overlay::changed(o), overlay::chart(o, diagnosis.axis, share(o)))).collect();
+    let charts: Vec<(bool, Markup)> = diagnosis
+        .overlays
+        .iter()
+        .enumerate()
+        .map(|(k, o)| (overlay::changed(o), overlay::chart(o, diagnosis.axis, share(o), k, pictures)))
+        .collect();
     let drawn = charts.iter().any(|(_, chart)| !chart.0.is_empty());
     let changed = charts.iter().any(|(changed, _)| *changed);
     html! {
@@ -175,6 +182,7 @@ fn overlays(diagnosis: &Diagnosis) -> Markup {
                 }
             }
             (overlay::legend(changed))
+            (how())
             @for (_, chart) in &charts { (chart) }
         }
     }

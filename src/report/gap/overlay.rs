@@ -3,7 +3,7 @@
 
 use super::words::{band, percent, scale_of, stretch};
 use crate::gap::{Axis, Overlay};
-use crate::report::lap::chart::{HEIGHT, Scale, WIDTH, coordinates, frame};
+use crate::report::plot::{self, Curve, Pictures, Plot, Rounded};
 use maud::{Markup, html};
 
 /// Deviations of repeated measurements that the band is wide to either side.
@@ -28,19 +28,39 @@ pub fn legend(changed: bool) -> Markup {
 }
 
 /// Measured against simulated, and below it the difference of both with the band of repeatability; nothing where no
-/// number can be drawn. `share` is the channel's share of the gap.
-pub fn chart(overlay: &Overlay, axis: Axis, share: Option<f64>) -> Markup {
-    let (from, to) = bounds(overlay.at.iter().filter(|x| x.is_finite()).copied());
+/// number can be drawn. `share` is the channel's share of the gap, `number` that of the picture.
+pub fn chart(overlay: &Overlay, axis: Axis, share: Option<f64>, number: usize, pictures: &mut Pictures) -> Markup {
+    let (from, to) = bounds(&overlay.at);
     let less = |simulated: &[f64]| overlay.measured.iter().zip(simulated).map(|(m, s)| m - s).collect::<Vec<f64>>();
-    let (before, after) = (less(&overlay.before), less(&overlay.after));
     let zero = vec![0.0; overlay.at.len()];
-    let both = Panel { overlay, band: &overlay.measured, before: &overlay.before, after: &overlay.after };
-    let difference = Panel { overlay, band: &zero, before: &before, after: &after };
-    let placed = overlay.band == "track" || overlay.band == "fluctuation";
-    let unit = if placed { axis.unit() } else { "" };
-    let (Some(above), Some(below)) = (both.draw(from, to, unit, true), difference.draw(from, to, unit, false)) else {
+    let (low, _) = bounds(&[overlay.before.as_slice(), &overlay.after].concat());
+    if !(from < to && low.is_finite()) {
         return html! {};
+    }
+    let placed = overlay.band == "track" || overlay.band == "fluctuation";
+    let draw = |id: &str, measured: Option<&Vec<f64>>, middle: &[f64], before: Vec<f64>, after: Vec<f64>| {
+        let along = match axis {
+            Axis::Track if placed => plot::Axis::Track,
+            Axis::Time if placed => plot::Axis::Time,
+            _ => plot::Axis::Own,
+        };
+        let unit = if overlay.unit.is_empty() { String::new() } else { scale_of(&overlay.band, &overlay.unit) };
+        let mut drawn = Plot::new(format!("{id}-{number}"), along, unit, Rounded::new(overlay.at.clone()));
+        let edge = |sign: f64| -> Vec<f64> {
+            middle.iter().zip(&overlay.repeatability).map(|(m, f)| m + sign * BAND * f).collect()
+        };
+        drawn.curves.push(Curve::band("repeatability", "quiet", edge(-1.0), edge(1.0)));
+        drawn.curves.extend(measured.map(|m| Curve::line("measured", "ink", m.clone())));
+        let name = if changed(overlay) { "before" } else { "simulated" };
+        drawn.curves.push(Curve::line(name, "gap", before).dashed());
+        if changed(overlay) {
+            drawn.curves.push(Curve::line("with the effect", "trace", after));
+        }
+        drawn
     };
+    let both =
+        draw("overlay", Some(&overlay.measured), &overlay.measured, overlay.before.clone(), overlay.after.clone());
+    let difference = draw("difference", None, &zero, less(&overlay.before), less(&overlay.after));
     html! {
         figure {
             figcaption {
@@ -51,108 +71,21 @@ pub fn chart(overlay: &Overlay, axis: Axis, share: Option<f64>) -> Markup {
                 @let unit = scale_of(&overlay.band, &overlay.unit);
                 @if !unit.is_empty() { ", " (unit) }
             }
-            (above)
+            (pictures.add(both))
             p.note.difference { "measured less simulated" }
-            (below)
+            (pictures.add(difference))
         }
     }
 }
 
-/// Places and values that follow each other.
-type Stretch = Vec<(f64, f64)>;
-
-/// What is drawn in one system of axes.
-struct Panel<'a> {
-    overlay: &'a Overlay,
-    /// The middle of the band of repeatability.
-    band: &'a [f64],
-    before: &'a [f64],
-    after: &'a [f64],
-}
-
-impl Panel<'_> {
-    fn draw(&self, from: f64, to: f64, unit: &str, measured: bool) -> Option<Markup> {
-        let Panel { overlay, band, before, after } = *self;
-        let edge = |sign: f64| -> Vec<f64> {
-            band.iter().zip(&overlay.repeatability).map(|(m, f)| m + sign * BAND * f).collect()
-        };
-        let (lower, upper) = (edge(-1.0), edge(1.0));
-        let drawn = [before, after, &lower, &upper].into_iter().flatten().copied();
-        let own = overlay.measured.iter().filter(|_| measured).copied();
-        let (low, high) = bounds(drawn.chain(own));
-        if !(from < to && low <= high) {
-            return None;
-        }
-        let scale = Scale::new(from, to, low, high);
-        let changed = changed(overlay);
-        let line = |values: &[f64]| path(overlay, &scale, values);
-        Some(html! {
-            svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
-                (frame(&scale, unit))
-                path.repeatability d=(outline(overlay, &scale, &lower, &upper)) {}
-                @if measured { path.measured d=(line(&overlay.measured)) {} }
-                path.before d=(line(before)) {}
-                @if changed { path.after d=(line(after)) {} }
-            }
-        })
-    }
-}
-
-fn point(scale: &Scale, (s, y): &(f64, f64)) -> String {
-    coordinates(scale.at(*s, *y))
-}
-
-fn path(overlay: &Overlay, scale: &Scale, values: &[f64]) -> String {
-    let mut path = String::new();
-    for part in known(&overlay.at, values) {
-        path += &format!("M{}", part.iter().map(|p| point(scale, p)).collect::<Vec<_>>().join("L"));
-        if part.len() == 1 {
-            path += "h0.1";
-        }
-    }
-    path
-}
-
-fn outline(overlay: &Overlay, scale: &Scale, lower: &[f64], upper: &[f64]) -> String {
-    let parts = known(&overlay.at, lower).into_iter().zip(known(&overlay.at, upper));
-    let one = |(below, above): (Stretch, Stretch)| {
-        let around: Vec<String> = below.iter().chain(above.iter().rev()).map(|p| point(scale, p)).collect();
-        format!("M{}Z", around.join("L"))
-    };
-    parts.map(one).collect()
-}
-
-fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|x| x.is_finite());
-    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
-}
-
-/// Stretches of known values.
-fn known(at: &[f64], values: &[f64]) -> Vec<Stretch> {
-    let mut parts: Vec<Stretch> = vec![Vec::new()];
-    for (s, y) in at.iter().zip(values) {
-        if s.is_finite() && y.is_finite() {
-            if let Some(part) = parts.last_mut() {
-                part.push((*s, *y));
-            }
-        } else if parts.last().is_some_and(|part| !part.is_empty()) {
-            parts.push(Vec::new());
-        }
-    }
-    parts.retain(|part| !part.is_empty());
-    parts
+fn bounds(values: &[f64]) -> (f64, f64) {
+    let finite = values.iter().filter(|x| x.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lost_values_break_the_line() {
-        let at = [0.0, 1.0, 2.0, 3.0, 4.0];
-        let parts = known(&at, &[f64::NAN, 5.0, f64::NAN, f64::NAN, 6.0]);
-        assert_eq!(parts, [vec![(1.0, 5.0)], vec![(4.0, 6.0)]]);
-    }
 
     #[test]
     fn nothing_known_draws_nothing() {
@@ -167,6 +100,8 @@ mod tests {
             after: Vec::new(),
             repeatability: Vec::new(),
         };
-        assert_eq!(chart(&nothing, Axis::Track, None).into_string(), "");
+        let mut pictures = Pictures::default();
+        assert_eq!(chart(&nothing, Axis::Track, None, 0, &mut pictures).into_string(), "");
+        assert!(pictures.data.plots.is_empty());
     }
 }

@@ -2,19 +2,19 @@
 
 use super::words::heading;
 use crate::gap::{Finding, Shape};
-use crate::report::lap::chart::{HEIGHT, Scale, WIDTH, coordinates, frame};
+use crate::report::plot::{Axis, Curve, Pictures, Plot, Rounded};
 use maud::{Markup, html};
 
 /// Of each effect that has one.
-pub fn shapes(named: &[&Finding]) -> Markup {
+pub fn shapes(named: &[&Finding], pictures: &mut Pictures) -> Markup {
     html! {
-        @for (finding, shape) in named.iter().filter_map(|f| Some((f, f.shape.as_ref()?))) {
+        @for (k, (finding, shape)) in named.iter().filter_map(|f| Some((f, f.shape.as_ref()?))).enumerate() {
             figure {
                 figcaption {
                     b { (heading(&finding.name)) } ": the shape that was found — " (shape.of) ", " (scale(shape).1) "; the band is that of the \
                     strengths' 90 % intervals"
                 }
-                (chart(shape))
+                (chart(shape, k, pictures))
             }
         }
     }
@@ -27,7 +27,7 @@ fn scale(shape: &Shape) -> (f64, &'static str) {
 }
 
 /// Nothing where no number can be drawn.
-fn chart(shape: &Shape) -> Markup {
+fn chart(shape: &Shape, number: usize, pictures: &mut Pictures) -> Markup {
     let ends = |of: &[f64]| {
         of.iter().filter(|x| x.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)))
     };
@@ -39,16 +39,11 @@ fn chart(shape: &Shape) -> Markup {
         return html! {};
     }
     let a_metre = scale(shape).0;
-    let scale = Scale::new(factor * from, factor * to, a_metre * low.min(0.0), a_metre * high.max(0.0));
-    let points = |values: &[f64]| -> Vec<String> {
-        shape.at.iter().zip(values).map(|(x, y)| coordinates(scale.at(factor * x, a_metre * y))).collect()
-    };
-    let around: Vec<String> = points(&shape.low_m).into_iter().chain(points(&shape.high_m).into_iter().rev()).collect();
-    html! {
-        svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
-            (frame(&scale, unit))
-            path.repeatability d=(format!("M{}Z", around.join("L"))) {}
-            path.after d=(format!("M{}", points(&shape.value_m).join("L"))) {}
-        }
-    }
+    let x = shape.at.iter().map(|x| factor * x).collect();
+    let of = |values: &[f64]| values.iter().map(|y| a_metre * y).collect::<Vec<f64>>();
+    let mut drawn = Plot::new(format!("shape-{number}"), Axis::Own, scale(shape).1, Rounded::new(x));
+    drawn.x_unit = unit.to_owned();
+    drawn.curves.push(Curve::band("90 % interval", "quiet", of(&shape.low_m), of(&shape.high_m)));
+    drawn.curves.push(Curve::line("found", "trace", of(&shape.value_m)));
+    pictures.add(drawn)
 }

@@ -3,6 +3,7 @@ use crate::base::trig;
 use crate::chain_input::CentreLinePiece;
 use crate::gap::random_reports::{hold, report};
 use crate::gap::{Amount, Extent, GapPlace, Group, Lost, Overlay, RunGap, Shape, Unexplained};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 fn oval() -> Track {
@@ -43,11 +44,15 @@ fn a_shape_is_drawn_with_its_band_and_one_of_nothing_is_not() {
     };
     let drawn = |size: f64| {
         let finding = Finding { shape: Some(shape(size)), ..finding("wheel_out_of_round", 0.9) };
-        shape::shapes(&[&finding]).into_string()
+        let mut pictures = Pictures::default();
+        (shape::shapes(&[&finding], &mut pictures).into_string(), pictures.data.plots)
     };
-    let page = drawn(1e-4);
-    assert!(page.contains("left steering wheel, radius, µm") && page.contains("class=\"after\""), "{page}");
-    assert!(!drawn(0.0).contains("<svg"));
+    let (page, plots) = drawn(1e-4);
+    assert!(page.contains("left steering wheel, radius, µm") && page.contains("id=\"shape-0\""), "{page}");
+    let plot = serde_json::to_value(&plots[0]).expect("JSON");
+    assert_eq!((&plot["unit"], &plot["x_unit"]), (&"µm".into(), &"°".into()));
+    assert_eq!(plot["curves"][1]["y"], serde_json::json!([0, -100, 0]));
+    assert!(drawn(0.0).1.is_empty());
 }
 
 fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> GapPlace {
@@ -223,9 +228,20 @@ fn all() -> [(&'static str, Diagnosis); 5] {
     ]
 }
 
+/// The page as far as words and pictures stand in it, without scripts.
+fn written(page: &str) -> &str {
+    page.split("<noscript").next().unwrap_or_default()
+}
+
+/// What its pictures show.
+fn data(page: &str) -> Value {
+    let block = page.split("id=\"page-data\">").nth(1).and_then(|rest| rest.split("</script>").next());
+    serde_json::from_str(block.expect("a block")).expect("JSON")
+}
+
 /// Text of the page, a line an element.
 fn text(page: &str) -> String {
-    let body = page.split("<body>").nth(1).unwrap_or_default();
+    let body = page.split("<body>").nth(1).and_then(|body| body.split("<noscript").next()).unwrap_or_default();
     let words = body.split('>').filter_map(|part| part.split('<').next()).map(str::trim).filter(|t| !t.is_empty());
     words.collect::<Vec<_>>().join("\n").replace("&amp;", "&")
 }
@@ -233,7 +249,6 @@ fn text(page: &str) -> String {
 #[test]
 fn a_page_reads_from_the_verdict_to_the_floor() {
     let page = page(&placed(), Some(&oval()), "hall 3");
-    assert!(!page.contains("<script") && !page.contains("http") && !page.contains("NaN"));
     insta::assert_snapshot!(text(&page));
 }
 
@@ -241,10 +256,10 @@ fn a_page_reads_from_the_verdict_to_the_floor() {
 fn nothing_is_promised_that_a_diagnosis_does_not_have() {
     for (name, diagnosis) in all() {
         let page = page(&diagnosis, Some(&oval()), name);
-        assert!(!page.contains("NaN") && !page.contains("inf"), "{name}");
+        assert!(!written(&page).contains("NaN") && !written(&page).contains("inf"), "{name}");
         assert_eq!(page.contains("Next experiment"), !diagnosis.next_experiment.is_empty(), "{name}");
         assert_eq!(
-            page.contains("class=\"track\""),
+            page.contains("id=\"plan\"") && data(&page)["plan"].is_object(),
             diagnosis.axis == Axis::Track && !diagnosis.places.is_empty(),
             "{name}"
         );
@@ -273,7 +288,7 @@ fn broken_numbers_break_no_page() {
     diagnosis.effects[0].probability = f64::NAN;
     diagnosis.effects.clear();
     let page = page(&diagnosis, None, "<b>");
-    assert!(page.contains("&lt;b&gt;") && !page.contains("NaN"));
+    assert!(page.contains("&lt;b&gt;") && !written(&page).contains("NaN"));
 }
 
 #[test]
@@ -288,8 +303,24 @@ fn every_sentence_of_the_page_agrees_with_its_numbers() {
 #[test]
 fn a_picture_shows_the_difference_beside_both() {
     let page = page(&placed(), Some(&oval()), "hall 3");
-    let bands = page.matches("class=\"repeatability\"").count();
+    let data = data(&page);
+    let plots = data["plots"].as_array().expect("plots");
+    let with = |name: &str| {
+        let has = |plot: &&Value| plot["curves"].as_array().is_some_and(|all| all.iter().any(|c| c["name"] == name));
+        plots.iter().filter(has).count()
+    };
     // Measured against simulated, and the difference, of each of two channels; one curve of what was measured in each.
-    assert_eq!((bands, page.matches("class=\"measured\"").count()), (4, 2));
+    assert_eq!((with("repeatability"), with("measured")), (4, 2));
+    // What was lost is lost in the picture; the difference is what the curves above it differ by.
+    let y = |plot: usize, name: &str| {
+        let curves = plots[plot]["curves"].as_array().expect("curves");
+        curves.iter().find(|c| c["name"] == name).expect(name)["y"].clone()
+    };
+    assert_eq!(y(0, "measured")[30], Value::Null);
+    let number = |values: &Value, k: usize| values[k].as_f64().expect("a number");
+    for k in [3, 20, 39] {
+        let less = number(&y(0, "measured"), k) - number(&y(0, "before"), k);
+        assert!((number(&y(1, "before"), k) - less).abs() < 0.02, "{k}: {less}");
+    }
     assert!(text(&page).contains("63 % of the gap"), "the share of the table stands at the picture");
 }

@@ -1,26 +1,39 @@
-//! `identification.html`: what measured laps say of the model, in every law, on one page that stands on its own.
+//! `identification.html`: what measured laps say of the model, in every law, on one page that opens offline.
 
 mod along;
 mod intervals;
 mod laws;
 
 use crate::base::number::{fixed, trimmed};
-use crate::chain_input::ContactLaw;
+use crate::chain_input::{ContactLaw, Track};
 use crate::identify::Parameter;
 use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::{Warning, warning};
 use crate::identify::study::{Estimate, RunFit};
-use crate::report::style::document;
+use crate::report::lap_track::LapTrack;
+use crate::report::plot::{PageData, Pictures, document, how, plan, plan_place};
+use crate::report::rows;
 use clap::ValueEnum;
 use intervals::{Band, IntervalRow, intervals};
 use maud::{Markup, html};
+use std::collections::BTreeSet;
 
 /// Runs up to this many have their pictures open; of more, those that the model does not fit.
 const OPEN: usize = 3;
 
 /// The page of a study: laws in the order they were fitted, each with its runs; `groups` are the runs by set point.
-pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[RunGroup]) -> String {
-    let Some((law, fits)) = laws.first() else { return document("Identification", "", &html! {}) };
+/// `track` is that of all runs, where they have one.
+pub fn page(
+    laws: &[(ContactLaw, &[RunFit])],
+    shared: &[Parameter],
+    groups: &[RunGroup],
+    track: Option<&Track>,
+) -> String {
+    let Some((law, fits)) = laws.first() else {
+        return document("Identification", "", &html! {}, &PageData::default());
+    };
+    let mut pictures = Pictures::new("Identification");
+    pictures.data.plan = track.map(|track| plan(&LapTrack::without_motors(track)));
     let of = |group: &RunGroup| fits.iter().filter(|fit| group.has(&fit.run)).collect::<Vec<&RunFit>>();
     let bands: Vec<(&RunGroup, Vec<&RunFit>)> =
         groups.iter().map(|group| (group, of(group))).filter(|(_, fits)| !fits.is_empty()).collect();
@@ -29,13 +42,13 @@ pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Ru
     let body = html! {
         h1 { "Identification" }
         p.lead { (lead(*law, fits)) }
-        @for warning in fits.iter().filter_map(warning) { (told(&warning)) }
-        @if laws.len() > 1 { (laws::comparison(laws, groups)) }
         h2 { "Objective" }
         p { "Root mean square of the residuals, each over the deviation of replicate laps: 1 is as near as two laps \
              are to each other. Dotted: 1, and the "
             (if limits.len() > 1 { "least" } else { "" }) " limit that repeatability allows." }
         (intervals(&objectives(&bands), &[1.0, limit]))
+        @for warning in fits.iter().filter_map(warning) { (told(&warning)) }
+        @if laws.len() > 1 { (laws::comparison(laws, groups)) }
         h2 { "Parameters, " (name(*law)) }
         p { "A dot and a bar a run: the estimate and its 90 % interval. Hollow: not fitted by this run. Shaded, where \
              a set point has three "
@@ -53,11 +66,20 @@ pub fn page(laws: &[(ContactLaw, &[RunFit])], shared: &[Parameter], groups: &[Ru
         h2 { "Measured against simulated" }
         p { "Means of each force over cells of two carts' length along the track." }
         (along::legend())
-        @for fit in *fits { (pictures(fit, fits.len())) }
+        (how())
+        @if track.is_some() { (plan_place()) }
+        @let pictured = pictured(fits);
+        @for (k, fit) in fits.iter().enumerate().filter(|(k, _)| pictured.contains(k)) {
+            (means(k, fit, fits.len(), &mut pictures))
+        }
+        @if pictured.len() < fits.len() {
+            p.note { (fits.len() - pictured.len()) " runs have no pictures here, so that the page stays small: those that fit best. \
+                      The means of all runs are in the law's JSON." }
+        }
         h2 { "Runs" }
         @for fit in *fits { (run(fit)) }
     };
-    document("Identification", &format!("{}{}", intervals::RULES, along::RULES), &body)
+    document("Identification", &[rows::RULES, intervals::RULES, along::RULES].concat(), &body, &pictures.data)
 }
 
 fn name(law: ContactLaw) -> String {
@@ -154,12 +176,32 @@ fn told(warning: &Warning) -> Markup {
     }
 }
 
+/// Numbers that the curves along the track may have together.
+const NUMBERS: usize = 120_000;
+
+/// The runs that have pictures: those that the model fits worst, as far as the page has room, but one at least.
+fn pictured(fits: &[RunFit]) -> BTreeSet<usize> {
+    let off = |k: &usize| fits[*k].objective / fits[*k].goodness.limit.objective;
+    let mut order: Vec<usize> = (0..fits.len()).collect();
+    order.sort_by(|a, b| off(b).total_cmp(&off(a)).then(a.cmp(b)));
+    let mut left = NUMBERS;
+    let room = |k: &usize| {
+        let own: usize = fits[*k].goodness.profiles.values().map(|p| 4 * p.simulated.len()).sum();
+        let some = left >= own || left == NUMBERS;
+        left = left.saturating_sub(own);
+        some
+    };
+    order.into_iter().take_while(room).collect()
+}
+
 /// Means along the track of all channels.
-fn pictures(fit: &RunFit, runs: usize) -> Markup {
+fn means(number: usize, fit: &RunFit, runs: usize, pictures: &mut Pictures) -> Markup {
     html! {
         details open[runs <= OPEN || !fit.fits()] {
             summary { b { (fit.run) } ", objective " (fixed(fit.objective, 2)) }
-            @for (channel, profile) in &fit.goodness.profiles { (along::along(channel, profile, &fit.goodness)) }
+            @for (channel, profile) in &fit.goodness.profiles {
+                (along::along(number, channel, profile, &fit.goodness, pictures))
+            }
         }
     }
 }

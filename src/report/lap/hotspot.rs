@@ -1,8 +1,8 @@
 //! The places where forces peak, in words.
 
-use super::lap_track::LapTrack;
 use crate::base::number::fixed;
 use crate::chain_input::Simulation;
+use crate::report::lap_track::LapTrack;
 use crate::signal::{Channel, Run, position};
 use std::fmt;
 

@@ -1,29 +1,26 @@
-//! `lap.html`: a simulated lap on one page, for judging it by eye. It stands on its own: no script, no font, no
-//! network.
+//! `lap.html`: a simulated lap on one page, for judging it: the answer in words with the chain on the plan, then curves
+//! that can be asked, then tables. It opens offline.
 
-pub(super) mod chart;
+pub(super) mod curves;
 mod hotspot;
-pub(super) mod lap_track;
-mod map;
 
 pub use hotspot::{Hotspot, hotspots};
 
+use super::lap_track::{LapTrack, PartKind, TrackPart};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
-use crate::report::style::document;
+use crate::report::plot::{Pictures, Spot, document, how, plan, plan_place};
 use crate::signal::measures::{Statistics, TrackSection, by_section, statistics};
-use crate::signal::order::order_spectrum;
-use crate::signal::spectrum::welch;
-use crate::signal::{Channel, Run, SupportLoad, position, rainflow};
-use lap_track::LapTrack;
+use crate::signal::position::{self, Position};
+use crate::signal::{Channel, Run, SupportLoad, rainflow};
 use maud::{Markup, html};
 
 /// Slope of the S-N curve and number of cycles of the damage-equivalent loads.
 const SLOPE: f64 = 3.0;
 const CYCLES: f64 = 1e6;
 
-/// Samples a spectrum's segment: 0.24 Hz a line at 500 Hz.
-const SEGMENT: usize = 2048;
+/// Channels with their samples.
+type Drawn<'a> = Vec<(Channel, &'a Vec<f64>)>;
 
 /// The page of a run on the track of its simulation input.
 pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> String {
@@ -31,84 +28,132 @@ pub fn page(simulation: &Simulation, run: &Run, supports: &[SupportLoad]) -> Str
     let lap = track.line.length;
     let place = position::position(run, lap);
     let stations: Vec<f64> = place.as_ref().map_or_else(Vec::new, |p| p.s.iter().map(|s| s.rem_euclid(lap)).collect());
-    let drawn: Vec<(Channel, &Vec<f64>)> = run
-        .channels
-        .iter()
-        .filter(|(channel, samples)| {
-            let varies = statistics(samples).is_some_and(|s| s.max > s.min);
-            **channel != Channel::Trigger && varies
-        })
-        .map(|(channel, samples)| (*channel, samples))
-        .collect();
-    let forces: Vec<(Channel, &Vec<f64>)> = drawn.iter().filter(|(c, _)| c.is_force()).copied().collect();
+    let varies = |(channel, samples): &(Channel, &Vec<f64>)| {
+        *channel != Channel::Trigger && statistics(samples).is_some_and(|s| s.max > s.min)
+    };
+    let drawn: Drawn = run.channels.iter().map(|(channel, samples)| (*channel, samples)).filter(varies).collect();
+    let forces: Drawn = drawn.iter().filter(|(c, _)| c.is_force()).copied().collect();
     let spots = hotspots(simulation, run);
+    let mut pictures = Pictures::new(&simulation.name);
+    if let Some(place) = &place {
+        let mut plan = plan(&track);
+        plan.layers = forces.iter().map(|(c, _)| curves::layer(*c)).collect();
+        plan.shown = forces.iter().position(|(c, _)| *c == Channel::JointXi).unwrap_or(0);
+        plan.spots = spots.iter().map(|spot| Spot { s: spot.s, name: spot.to_string() }).collect();
+        pictures.data.plan = Some(plan);
+        pictures.data.replay = Some(curves::replay(simulation, run, place));
+    }
     let body = html! {
         h1 { (simulation.name) }
         p.lead { (summary(simulation, run, &spots)) }
         @if stations.is_empty() {
-            p.note { "The trigger never rises in this run, so that places on the track cannot be told: only statistics \
-                      and spectra follow." }
-        }
-        @if !spots.is_empty() {
-            h2 { "Hotspots" }
-            ul { @for spot in &spots { li { (spot.to_string()) } } }
-        }
-        h2 { "Channels" }
-        (table(run))
-        @if !stations.is_empty() {
-            h2 { "Top view" }
-            (map::views(&track, &stations, &forces))
-            h2 { "Along the track" }
-            (chart::legend())
+            p.note { "The trigger never rises in this run, so that places on the track cannot be told: only spectra and \
+                      statistics follow." }
+        } @else {
+            (plan_place())
+            ol.places { @for (k, spot) in spots.iter().enumerate() {
+                li { b { (k + 1) } a data-s=(fixed(spot.s, 2)) { (spot.to_string()) } }
+            } }
+            h2 #along { "Along the track" }
+            (how())
+            (other())
+            (switches(&drawn))
+            (legend())
             @for (channel, samples) in &drawn {
-                figure {
-                    figcaption { b { (channel.name()) } ", " (channel.unit()) " — " (channel.label()) }
-                    (chart::along(&track, &stations, samples))
+                figure id=(format!("channel-{}", channel.name())) {
+                    figcaption { b { (channel.name()) } ", " (channel.unit()) " over m: " (channel.label()) }
+                    (pictures.add(curves::along(&track, &stations, *channel, samples)))
                 }
             }
         }
         h2 { "Spectra" }
         p { "Amplitude spectral density by Welch's method (1967), Hann windows \
-             of " (SEGMENT) " samples with half overlap. Dashed: cart passing "
+             of " (curves::SEGMENT) " samples with half overlap. Dashed: cart passing "
             "v/L and its double; dotted: the turn of a running wheel v/(2πr), and the first ring mode of the chain \
              L√(K/m)/S." }
         @for (channel, samples) in &forces {
             figure {
                 figcaption { b { (channel.name()) } ", N/√Hz over Hz" }
-                (chart::spectrum(&welch(samples, run.rate(), SEGMENT), &marks(simulation)))
+                (pictures.add(curves::spectrum(simulation, run, *channel, samples)))
             }
         }
-        @if let Some(place) = &place {
-            h2 { "Orders" }
-            p { "Amplitude over cycles a cart pitch: what cart passing makes stands at whole orders. Cycles a wheel \
-                 turn are these times 2πr/L, "
-                (trimmed(std::f64::consts::TAU * simulation.running_wheel.radius_m / pitch(simulation), 4))
-                " for a running wheel." }
-            @let shown = |c: &Channel| matches!(c, Channel::SteerLeft | Channel::JointXi);
-            @for (channel, samples) in forces.iter().filter(|(c, _)| shown(c)) {
-                figure {
-                    figcaption { b { (channel.name()) } ", N over cycles a cart pitch" }
-                    (chart::orders(&order_spectrum(&place.s, samples, pitch(simulation)), ORDERS))
-                }
-            }
+        @if let Some(place) = &place { (orders(simulation, place, &forces, &mut pictures)) }
+        @if !supports.is_empty() { (reactions(supports, &mut pictures)) }
+        h2 { "Channels" }
+        (table(run))
+        @if !stations.is_empty() {
             h2 { "Section by section" }
             (sections(&track, &stations, run))
         }
-        @if !supports.is_empty() {
-            h2 { "Reactions of the supports" }
-            p { "Least and largest load of each support over the lap, the track taken as simply supported spans. \
-                 Downwards and to the left are positive." }
-            figure { figcaption { b { "vertical" } ", N over m" } (chart::supports(&track, supports, |s| s.vertical)) }
-            figure { figcaption { b { "lateral" } ", N over m" } (chart::supports(&track, supports, |s| s.lateral)) }
-            figure {
-                figcaption { b { "longitudinal" } ", N over m" } (chart::supports(&track, supports, |s| s.longitudinal))
-            }
-            (worst(supports))
-        } @else if simulation.supports_every_m.is_some() {
+        @if supports.is_empty() && simulation.supports_every_m.is_some() {
             p { "What the supports carry is added by " code { "lss simulate --supports" } "." }
         }
     };
-    document(&format!("{}: a lap", simulation.name), "", &body)
+    document(&format!("{}: a lap", simulation.name), "", &body, &pictures.data)
+}
+
+/// What the shades mean.
+fn legend() -> Markup {
+    html! {
+        p.legend.note {
+            span { i style="background: var(--curve)" {} "curve" }
+            span { i style="background: var(--climb)" {} "ramp" }
+            span { i style="background: var(--spiral)" {} "spiral" }
+            span { i style="background: var(--motor)" {} "motor" }
+            "Values are of cells of a thousandth of the lap, so that a peak stays."
+        }
+    }
+}
+
+/// Channels on and off.
+fn switches(drawn: &Drawn) -> Markup {
+    html! {
+        div.channels role="group" aria-label="channels" { @for (channel, _) in drawn {
+            button type="button" aria-pressed="true" data-shows=(format!("channel-{}", channel.name())) { (channel.name()) }
+        } }
+    }
+}
+
+/// Another lap over this one.
+fn other() -> Markup {
+    html! {
+        p.note.how {
+            label { "Lay another lap over this one, as B: its lap.html " input #other-page type="file" accept=".html"; }
+            " " span #other-said {}
+        }
+    }
+}
+
+fn orders(simulation: &Simulation, place: &Position, forces: &Drawn, pictures: &mut Pictures) -> Markup {
+    let shown = |c: &Channel| matches!(c, Channel::SteerLeft | Channel::JointXi);
+    html! {
+        h2 { "Orders" }
+        p { "Amplitude over cycles a cart pitch: what cart passing makes stands at whole orders. Cycles a wheel \
+             turn are these times 2πr/L, "
+            (trimmed(std::f64::consts::TAU * simulation.running_wheel.radius_m / pitch(simulation), 4))
+            " for a running wheel." }
+        @for (channel, samples) in forces.iter().filter(|(c, _)| shown(c)) {
+            figure {
+                figcaption { b { (channel.name()) } ", N over cycles a cart pitch" }
+                (pictures.add(curves::orders(simulation, place, *channel, samples)))
+            }
+        }
+    }
+}
+
+fn reactions(supports: &[SupportLoad], pictures: &mut Pictures) -> Markup {
+    html! {
+        h2 { "Reactions of the supports" }
+        p { "Least and largest load of each support over the lap, the track taken as simply supported spans. \
+             Downwards and to the left are positive." }
+        figure { figcaption { b { "vertical" } ", N over m" }
+            (pictures.add(curves::supports("vertical", supports, |s| s.vertical))) }
+        figure { figcaption { b { "lateral" } ", N over m" }
+            (pictures.add(curves::supports("lateral", supports, |s| s.lateral))) }
+        figure { figcaption { b { "longitudinal" } ", N over m" }
+            (pictures.add(curves::supports("longitudinal", supports, |s| s.longitudinal))) }
+        (worst(supports))
+    }
 }
 
 /// What the lap is like, in two sentences.
@@ -167,9 +212,6 @@ fn damage(samples: &[f64]) -> String {
     load.map_or_else(String::new, |load| fixed(load, 2))
 }
 
-/// Orders shown.
-const ORDERS: f64 = 10.0;
-
 /// Length of the centre line a cart, m.
 fn pitch(simulation: &Simulation) -> f64 {
     simulation.chain.track_length_m / simulation.chain.carts.max(1) as f64
@@ -177,8 +219,7 @@ fn pitch(simulation: &Simulation) -> f64 {
 
 /// Curves, climbs and spirals with the forces on them.
 fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
-    let parts: Vec<&lap_track::TrackPart> =
-        track.parts.iter().filter(|part| part.kind != lap_track::PartKind::Straight).collect();
+    let parts: Vec<&TrackPart> = track.parts.iter().filter(|part| part.kind != PartKind::Straight).collect();
     let bounds: Vec<TrackSection> =
         parts.iter().map(|p| TrackSection { name: p.name.clone(), from: p.from, to: p.to }).collect();
     let columns: Vec<(Channel, Vec<Option<Statistics>>)> =
@@ -209,20 +250,6 @@ fn sections(track: &LapTrack, stations: &[f64], run: &Run) -> Markup {
 /// The largest by absolute value, with its sign.
 fn peak(s: &Statistics) -> f64 {
     if -s.min > s.max { s.min } else { s.max }
-}
-
-/// Frequencies worth a line in a spectrum: name, Hz, and whether it is of cart passing.
-fn marks(simulation: &Simulation) -> Vec<(&'static str, f64, bool)> {
-    let chain = &simulation.chain;
-    let pitch = pitch(simulation);
-    let passing = chain.speed_m_s / pitch;
-    let wheel = chain.speed_m_s / (std::f64::consts::TAU * simulation.running_wheel.radius_m);
-    let wave = pitch * (simulation.joint.axial.stiffness_n_per_m_n / simulation.cart.mass_kg).sqrt();
-    let mut marks = vec![("cart", passing, true), ("2×", 2.0 * passing, true), ("wheel", wheel, false)];
-    if simulation.joint.axial.exponent == 1.0 {
-        marks.push(("ring", wave / chain.track_length_m, false));
-    }
-    marks
 }
 
 fn worst(supports: &[SupportLoad]) -> Markup {

@@ -2,9 +2,13 @@
 
 use super::verify::{CHANNELS, Verification, spectrum};
 use crate::base::number::{fixed, trimmed};
-use crate::base::trig;
-use crate::report::lap::chart::{BELOW, HEIGHT, LEFT, Scale, TOP, WIDTH, coordinates, frame};
-use crate::report::style::document;
+use crate::chain_input::Simulation;
+use crate::report::lap;
+use crate::report::lap_track::LapTrack;
+use crate::report::plot::{
+    Axis, Curve, Mark, Pictures, Plot, Rounded, document, extremes, how, middles, plan, plan_place, relative,
+};
+use crate::signal::position::position;
 use crate::signal::{Channel, Run};
 use maud::{Markup, html};
 
@@ -13,36 +17,81 @@ const SHOWN: f64 = 30.0;
 /// Highest frequency shown, in cart passings.
 const PASSINGS: f64 = 4.5;
 
-/// Rules beyond the house style sheet: the trace before, in grey.
-const STYLE: &str = ".before { fill: none; stroke: var(--soft); stroke-width: 1; stroke-opacity: .75; } \
-    .after { fill: none; stroke: var(--trace); stroke-width: 1.1; } \
-    .legend i.b { background: var(--soft); } .legend i.a { background: var(--trace); }";
+/// Columns of the time that is shown, each with its least and largest value.
+const COLUMNS: usize = 1000;
 
-/// The page: `runs` are the laps of the cases, in their order.
-pub fn page(v: &Verification, runs: &[&Run]) -> String {
+/// Colours of the cases in the style sheet: before, then the objectives.
+const COLOURS: [&str; 4] = ["soft", "trace", "gap", "motor"];
+
+/// The page: `laps` are the inputs and runs of the cases, in their order.
+pub fn page(v: &Verification, laps: &[(&Simulation, &Run)]) -> String {
+    let mut pictures = Pictures::new(&v.layout);
+    let runs: Vec<&Run> = laps.iter().map(|lap| lap.1).collect();
+    let best = v.cases.iter().position(|case| case.name == v.best).and_then(|k| laps.get(k));
+    let along = best.map_or_else(|| html! {}, |(simulation, run)| on_track(v, simulation, run, &mut pictures));
     let body = html! {
         h1 { (v.layout) ": polygon action and forces" }
         p.lead { (v.summary) }
-        (kinematic(v))
-        (forces(v))
-        @for (case, run) in v.cases.iter().zip(runs).skip(1) {
-            h2 { "Before, and optimised for " code { (case.name) } }
-            p.legend.note { span { i.b {} "before" } span { i.a {} (case.name) } }
-            @if let Some(before) = runs.first() {
-                @for channel in CHANNELS {
-                    figure {
-                        figcaption { b { (channel.name()) } ", N: " (trimmed(SHOWN, 0)) " s of the lap" }
-                        (traces(before, run, channel))
-                    }
-                    figure {
-                        figcaption { b { (channel.name()) } ", N/√Hz; dashed: cart passing and its double" }
-                        (spectra(before, run, channel, case.passing_hz))
-                    }
-                }
+        @if pictures.data.plan.is_some() {
+            p.note { "The plan shows the layout optimised for " code { (v.best) } ":" }
+            (plan_place())
+        }
+        (how())
+        @for (k, channel) in CHANNELS.into_iter().enumerate() {
+            @if k == 0 { h2 { "Spectra" } }
+            figure {
+                figcaption { b { (channel.name()) } ", N/√Hz; dashed: cart passing and its double" }
+                (pictures.add(spectra(v, &runs, channel)))
             }
         }
+        h2 { "The lap's first " (trimmed(SHOWN, 0)) " s" }
+        p.note { "Least and largest of every " (trimmed(1e3 * SHOWN / COLUMNS as f64, 1)) " ms, so that peaks stay." }
+        @for channel in CHANNELS {
+            figure {
+                figcaption { b { (channel.name()) } ", N" }
+                (pictures.add(traces(v, &runs, channel)))
+            }
+        }
+        (along)
+        (kinematic(v))
+        (forces(v))
     };
-    document(&format!("{}: polygon action and forces", v.layout), STYLE, &body)
+    document(&format!("{}: polygon action and forces", v.layout), "", &body, &pictures.data)
+}
+
+/// The best layout's lap: its chain on the plan, and its forces along the track.
+fn on_track(v: &Verification, simulation: &Simulation, run: &Run, pictures: &mut Pictures) -> Markup {
+    let track = LapTrack::new(simulation);
+    let lap = track.line.length;
+    let Some(place) = position(run, lap) else { return html! {} };
+    let stations: Vec<f64> = place.s.iter().map(|s| s.rem_euclid(lap)).collect();
+    let drawn: Vec<(Channel, &Vec<f64>)> =
+        CHANNELS.into_iter().filter_map(|channel| Some((channel, run.channels.get(&channel)?))).collect();
+    let mut plan = plan(&track);
+    plan.layers = drawn.iter().map(|(channel, _)| lap::curves::layer(*channel)).collect();
+    pictures.data.plan = Some(plan);
+    pictures.data.replay = Some(lap::curves::replay(simulation, run, &place));
+    html! {
+        h2 { "Along the track of " code { (v.best) } }
+        @for (channel, samples) in drawn {
+            figure {
+                figcaption { b { (channel.name()) } ", N over m" }
+                (pictures.add(lap::curves::along(&track, &stations, channel, samples)))
+            }
+        }
+    }
+}
+
+/// Of each case a curve; only those of before and of the best are shown first.
+fn curves<'a>(
+    v: &'a Verification,
+    runs: &'a [&Run],
+    of: impl Fn(&Run) -> Vec<f64> + 'a,
+) -> impl Iterator<Item = Curve> + 'a {
+    v.cases.iter().zip(runs).enumerate().map(move |(k, (case, run))| {
+        let curve = Curve::line(case.name.clone(), COLOURS[k % COLOURS.len()], of(run));
+        curve.hidden(k > 0 && case.name != v.best)
+    })
 }
 
 fn kinematic(v: &Verification) -> Markup {
@@ -78,92 +127,36 @@ fn forces(v: &Verification) -> Markup {
     }
 }
 
-/// What both runs show of a channel: samples of the first seconds.
-fn shown(run: &Run, channel: Channel) -> Vec<(f64, f64)> {
-    let Some(samples) = run.channels.get(&channel) else { return Vec::new() };
-    run.time.iter().zip(samples).take_while(|(t, _)| **t <= SHOWN).map(|(t, x)| (*t, *x)).collect()
+/// The first seconds of a channel.
+fn traces(v: &Verification, runs: &[&Run], channel: Channel) -> Plot {
+    let last = runs.iter().filter_map(|run| run.time.last()).fold(0.0, |a: f64, t| a.max(*t)).min(SHOWN);
+    let x = middles(last, 2 * COLUMNS);
+    let mut plot = Plot::new(format!("trace-{}", channel.name()), Axis::Time, "N", Rounded::to(x, 4));
+    plot.curves.extend(curves(v, runs, move |run| {
+        run.channels.get(&channel).map_or_else(Vec::new, |samples| extremes(&run.time, samples, last, COLUMNS))
+    }));
+    plot
 }
 
-fn traces(before: &Run, after: &Run, channel: Channel) -> Markup {
-    let both = [shown(before, channel), shown(after, channel)];
-    let values = || both.iter().flatten().map(|p| p.1).filter(|x| x.is_finite());
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-    let last = both.iter().flatten().map(|p| p.0).fold(0.0, f64::max);
-    if !(low.is_finite() && high.is_finite() && last > 0.0) {
-        return html! {};
-    }
-    let scale = Scale::new(0.0, last, low, high);
-    let both = both.map(|points| thinned(&points, last));
-    html! {
-        svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
-            (frame(&scale, "s"))
-            @for (points, class) in both.iter().zip(["before", "after"]) {
-                path class=(class) d=(line(points, &scale)) {}
-            }
-        }
-    }
-}
-
-/// Least and largest of each of a thousand columns, in the order of time.
-fn thinned(points: &[(f64, f64)], last: f64) -> Vec<(f64, f64)> {
-    const COLUMNS: f64 = 1000.0;
-    let column = |p: &(f64, f64)| (p.0 / last * COLUMNS) as usize;
-    let mut out = Vec::new();
-    for group in points.chunk_by(|a, b| column(a) == column(b)) {
-        let least = group.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied();
-        let most = group.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
-        let mut both: Vec<(f64, f64)> = least.into_iter().chain(most).collect();
-        both.sort_by(|a, b| a.0.total_cmp(&b.0));
-        both.dedup();
-        out.extend(both);
-    }
-    out
-}
-
-fn spectra(before: &Run, after: &Run, channel: Channel, passing: f64) -> Markup {
-    let density = |run: &Run| -> Vec<(f64, f64)> {
+fn spectra(v: &Verification, runs: &[&Run], channel: Channel) -> Plot {
+    let passing = v.cases.iter().map(|case| case.passing_hz).fold(0.0, f64::max);
+    let density = move |run: &Run| -> Vec<(f64, f64)> {
         let samples = run.channels.get(&channel).map_or(&[][..], Vec::as_slice);
         let found = spectrum(samples, run.rate());
-        found
-            .points()
-            .filter(|(f, _)| *f >= 0.2 && *f <= PASSINGS * passing)
-            .map(|(f, p)| (f, p.max(1e-12).sqrt()))
-            .collect()
+        let shown = |(f, _): &(f64, f64)| *f >= 0.2 && *f <= PASSINGS * passing;
+        found.points().filter(shown).map(|(f, p)| (f, p.sqrt())).collect()
     };
-    let both = [density(before), density(after)];
-    let high = both.iter().flatten().map(|p| p.1).fold(0.0, f64::max);
-    if !(high.is_finite() && high > 0.0) {
-        return html! {};
-    }
-    // Three decades below the largest.
-    let decades = |p: &(f64, f64)| (p.0, trig::log10(p.1.max(1e-3 * high)));
-    let both = both.map(|points| points.iter().map(decades).collect::<Vec<_>>());
-    let scale = Scale::new(0.0, PASSINGS * passing, trig::log10(1e-3 * high), trig::log10(high));
-    let (first, last) = ((trig::log10(1e-3 * high)).ceil() as i32, trig::log10(high).floor() as i32);
-    html! {
-        svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" {
-            @for k in first..=last {
-                @let y = fixed(scale.y(f64::from(k)), 1);
-                line.axis x1=(LEFT) x2=(WIDTH - 8.0) y1=(y) y2=(y) {}
-                text.tick x=(LEFT - 6.0) y=(fixed(scale.y(f64::from(k)) + 4.0, 1)) text-anchor="end" {
-                    (trimmed(trig::pow(10.0, f64::from(k)), 4))
-                }
-            }
-            @for f in 0..=(PASSINGS * passing) as i32 {
-                text.tick x=(fixed(scale.x(f64::from(f)), 1)) y=(HEIGHT - 6.0) text-anchor="middle" { (f) " Hz" }
-            }
-            @for k in 1..=2 {
-                @let x = fixed(scale.x(f64::from(k) * passing), 1);
-                line.mark x1=(x) x2=(x) y1=(TOP) y2=(HEIGHT - BELOW) {}
-            }
-            @for (points, class) in both.iter().zip(["before", "after"]) {
-                path class=(class) d=(line(points, &scale)) {}
-            }
-        }
-    }
-}
-
-fn line(points: &[(f64, f64)], scale: &Scale) -> String {
-    let at = |p: &(f64, f64)| coordinates(scale.at(p.0, p.1));
-    format!("M{}", points.iter().filter(|p| p.1.is_finite()).map(at).collect::<Vec<_>>().join("L"))
+    // All laps are recorded by the same sensors: their lines are the same.
+    let x = runs.first().map_or_else(Vec::new, |run| density(run).into_iter().map(|p| p.0).collect());
+    let count = x.len();
+    let mut plot = Plot::new(format!("spectrum-{}", channel.name()), Axis::LinearFrequency, "N/√Hz", Rounded::to(x, 3));
+    plot.logarithmic = true;
+    plot.curves.extend(curves(v, runs, |_| Vec::new()).zip(runs).map(|(curve, run)| {
+        let mut y: Vec<f64> = density(run).into_iter().map(|p| p.1).collect();
+        y.resize(count, f64::NAN);
+        Curve { values: relative(y), ..curve }
+    }));
+    let mark = |k: f64, name: &str| Mark { x: (1e4 * k * passing).round() / 1e4, name: name.to_owned(), dotted: false };
+    plot.marks = vec![mark(1.0, "cart"), mark(2.0, "2×")];
+    plot
 }

@@ -2,8 +2,7 @@
 
 use crate::base::number::trimmed;
 use crate::chain_input::{CentreLinePiece, Simulation, Track};
-use crate::emit::paper::PaperPoint;
-use crate::geometry::{CentreLine, Point, bounds};
+use crate::geometry::CentreLine;
 
 /// Kinds of stretches that are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,19 +49,6 @@ impl LapTrack {
     pub fn new(simulation: &Simulation) -> Self {
         let motors = simulation.motors.s_m.iter().map(|s| (*s, s + simulation.motors.length_m)).collect();
         LapTrack { motors, ..LapTrack::without_motors(&simulation.track) }
-    }
-
-    /// Where an arc length (m) is in the hall, seen from above.
-    pub fn at(&self, s: f64) -> Point {
-        let p = self.line.at(s).position;
-        Point::new(p.x, p.y)
-    }
-
-    /// Smallest and largest coordinates (m), and the px a metre with which they fit into so much room (px).
-    pub fn fit(&self, room: PaperPoint) -> (Point, Point, f64) {
-        let (low, high) = bounds((0..=400).map(|k| self.at(self.line.length * f64::from(k) / 400.0)));
-        let span = high - low;
-        (low, high, (room.x / span.x.max(1e-3)).min(room.y / span.y.max(1e-3)))
     }
 
     /// Of a track whose motors are not shown.
