@@ -2,7 +2,9 @@
 
 use crate::base::json;
 use crate::base::number::{fixed, normal};
+use crate::chain_input::Track;
 use crate::compiled::Compiled;
+use crate::geometry::Point;
 use crate::model::Layout;
 use crate::solve::{Counted, Trade, objective};
 use schemars::JsonSchema;
@@ -16,6 +18,9 @@ pub struct Pareto {
     /// Whether one layout is both the shortest and the cheapest that was found.
     pub same_optimum: bool,
     pub layouts: Vec<Traded>,
+    /// Outlines of the building, or of nothing, and of the obstacles, m: for the picture.
+    #[serde(skip)]
+    pub hall: Vec<Vec<Point>>,
 }
 
 /// One of them.
@@ -39,6 +44,9 @@ pub struct Traded {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_bound_eur: Option<f64>,
     pub vertices: Vec<TradedVertex>,
+    /// Points of the centre line, m: for the picture.
+    #[serde(skip)]
+    pub outline: Vec<Point>,
 }
 
 /// Where a vertex is.
@@ -48,6 +56,14 @@ pub struct TradedVertex {
     pub x_m: f64,
     pub y_m: f64,
     pub radius_m: f64,
+}
+
+/// The centre line as points that its curves are seen by.
+fn outline(compiled: &Compiled) -> Vec<Point> {
+    const POINTS: usize = 600;
+    let line = Track::new(compiled).centre_line();
+    let at = |k: usize| line.at(line.length * k as f64 / POINTS as f64).position;
+    (0..POINTS).map(at).map(|p| Point::new(p.x, p.y)).collect()
 }
 
 impl Pareto {
@@ -76,10 +92,14 @@ impl Pareto {
                 gap: certificate.map_or(1.0, |c| normal(c.gap)),
                 lower_bound_m: bound(true),
                 lower_bound_eur: bound(false),
+                outline: outline(&compiled),
                 vertices: compiled.track.corners.iter().zip(&layout.vertices).map(vertex).collect(),
             }
         };
+        let building = layout.building.iter().map(|b| b.polygon.points().to_vec()).next().unwrap_or_default();
+        let obstacles = layout.obstacles.iter().map(|o| o.polygon.points().to_vec());
         Pareto {
+            hall: std::iter::once(building).chain(obstacles).collect(),
             layout: layout.name.clone(),
             same_optimum: trades.len() == 1,
             layouts: trades.iter().map(traded).collect(),

@@ -86,7 +86,7 @@ enum Emit {
     Problem,
     /// What the layout is still free to do, and what each row at its limit costs; with -o freedom.txt and freedom.json.
     Freedom,
-    /// Length against cost: layouts that are best for one price of a metre or another; with -o pareto.json.
+    /// Length against cost: layouts that are best for one price of a metre or another; with -o pareto.json and pareto.html.
     Pareto,
     /// The continuous stages for other solvers, with the build: stage1.nl, stage2.nl, names in .row and .col.
     Nl,
@@ -196,7 +196,10 @@ impl Build {
         });
         if let Some(folder) = output {
             let files = self.more.files(&compiled, self.emit, freedom.as_ref(), own).map(|mut files| {
-                files.extend(pareto.iter().map(Pareto::file));
+                if let Some(pareto) = &pareto {
+                    files.extend([pareto.file()]);
+                    files.push("pareto.html", crate::report::pareto::page(pareto));
+                }
                 if let Some(text) = routed.as_ref().and_then(|r| r.text.clone()) {
                     files.push("layout.lss", text);
                 }

@@ -3,7 +3,9 @@
 mod scale;
 mod table;
 
-use super::{Outcome, OutputFormat, build, report};
+use super::{Outcome, OutputFormat, build, could_not, report};
+use crate::emit::Files;
+use crate::report::comparison::{self, Compared};
 use crate::signal::compare::{Deviation, compare};
 use crate::signal::measures::Statistics;
 use crate::signal::{Channel, Run};
@@ -33,6 +35,9 @@ pub struct Compare {
     /// Slope m of the S-N curve for the damage-equivalent load: 3 for welds, 5 for aluminium, 10 for polymers.
     #[arg(long, value_name = "M", default_value_t = 3.0, value_parser = slope)]
     slope: f64,
+    /// Folder for compare.html: both runs along the track, their spectra and how far they are apart; created if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
     /// How the measures are written to standard output.
     #[arg(long, value_enum, default_value_t)]
     format: OutputFormat,
@@ -109,8 +114,23 @@ impl Compare {
         }
         let names = [self.run_a.to_string_lossy(), self.run_b.to_string_lossy()];
         let report = Report::new([(&names[0], &a), (&names[1], &b)], &known, self.slope, &channels);
+        if let Some(folder) = &self.output {
+            let compared = Compared {
+                names: [&names[0], &names[1]],
+                runs: [&a, &b],
+                channels: &channels,
+                lap: known.lap(),
+                pitch: known.pitch.as_ref().map(|p| p.0),
+                simulation: known.simulation.as_ref(),
+            };
+            let mut files = Files::default();
+            files.push("compare.html", comparison::page(&compared));
+            if let Err(error) = files.write_set(folder, "compare") {
+                return could_not("write", &error.path, &error.reason);
+            }
+        }
         report::print(&match self.format {
-            OutputFormat::Text => table::text(&report),
+            OutputFormat::Text => table::text(&report) + &report::written_to(self.output.as_deref()),
             OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
         });
         Outcome::Clean

@@ -12,6 +12,8 @@ use std::path::Path;
 pub struct Known {
     pub lap: Option<(f64, String)>,
     pub pitch: Option<(f64, String)>,
+    /// The layout that they come from, where it is one.
+    pub simulation: Option<Simulation>,
     pub warnings: Vec<String>,
 }
 
@@ -25,7 +27,7 @@ impl Known {
             if path.extension().is_some_and(|e| e == "json") {
                 let name = shown(&path);
                 match read(data, &path) {
-                    Ok(layout) => layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, name)),
+                    Ok(layout) => layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, name, layout)),
                     Err(why) => {
                         let warning = format!("{name} is not taken into account: {why}");
                         if !warnings.contains(&warning) {
@@ -48,7 +50,10 @@ impl Known {
             Some((lap, "the trigger's lap time and the nominal speed".to_owned()))
         };
         let found = layouts.first();
+        // Another lap than that of the layout is another track.
+        let as_built = |l: &&(f64, f64, String, Simulation)| lap.is_none_or(|lap| (lap - l.0).abs() < 1e-3 * l.0);
         Known {
+            simulation: found.filter(as_built).map(|l| l.3.clone()),
             lap: told(lap, "--lap")
                 .or_else(|| found.map(|l| (l.0, l.2.clone())))
                 .or_else(|| sides.iter().find_map(lap_of)),

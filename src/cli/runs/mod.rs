@@ -3,11 +3,14 @@
 mod table;
 
 use super::cases::named_layout;
-use super::{MessageFormat, Outcome, OutputFormat, read, report};
+use super::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
+use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
+use crate::emit::Files;
+use crate::report::campaign as pages;
 use crate::signal::health::{Health, health};
 use crate::signal::measures::Statistics;
-use crate::signal::{Campaign, Entry, RunError};
+use crate::signal::{Campaign, Entry, Run, RunError};
 use crate::source::shown;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -25,6 +28,9 @@ pub struct Runs {
     /// Layout of all runs, .lss or simulation.json, instead of those that campaign and sidecars name.
     #[arg(long, value_name = "FILE")]
     layout: Option<PathBuf>,
+    /// Folder for runs.html: levels of every run, and all runs along the track; created if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
     /// How the runs are written to standard output.
     #[arg(long, value_enum, default_value_t)]
     format: OutputFormat,
@@ -83,7 +89,7 @@ impl Runs {
             }
         };
         let mut refused: Vec<Refused> = refused.iter().map(|r| Refused::new(&r.name, &r.file, &r.error)).collect();
-        let mut runs = Vec::new();
+        let (mut runs, mut pictured) = (Vec::new(), Vec::new());
         let mut layouts = Layouts::default();
         for entry in &campaign.runs {
             match entry.run() {
@@ -92,6 +98,9 @@ impl Runs {
                     let (layout, trouble) = layouts.get(path, self.layout.is_none().then_some(entry));
                     let mut health = health(&run, layout);
                     health.warnings.extend(trouble);
+                    if self.output.is_some() {
+                        pictured.push(picture(entry, &run, layout, &health, campaign.runs.len()));
+                    }
                     runs.push(Glance::new(entry, path, health));
                 }
                 Err(error) => refused.push(Refused::new(&entry.name, &entry.file, &error)),
@@ -101,12 +110,36 @@ impl Runs {
             report::error(&refused.error);
         }
         let outcome = if refused.is_empty() && !layouts.broken { Outcome::Clean } else { Outcome::Problems };
+        if let Some(folder) = &self.output {
+            let refused: Vec<(String, String)> = refused.iter().map(|r| (r.name.clone(), r.error.clone())).collect();
+            let title = self.folder.file_name().map_or_else(|| "runs".into(), |n| n.to_string_lossy().into_owned());
+            let mut files = Files::default();
+            files.push("runs.html", pages::page(&title, &pictured, &refused));
+            if let Err(error) = files.write_set(folder, "runs") {
+                return could_not("write", &error.path, &error.reason);
+            }
+        }
         let report = Report { runs, refused };
         report::print(&match self.format {
-            OutputFormat::Text => table::text(&report),
+            OutputFormat::Text => table::text(&report) + &report::written_to(self.output.as_deref()),
             OutputFormat::Json => serde_json::to_string(&report).unwrap_or_default() + "\n",
         });
         outcome
+    }
+}
+
+/// What the page shows of a run.
+fn picture(entry: &Entry, run: &Run, layout: Option<&Simulation>, health: &Health, runs: usize) -> pages::Glance {
+    let lap = layout.map_or(0.0, |layout| layout.chain.track_length_m);
+    let laps = health.laps.map_or_else(String::new, |laps| format!(", {} laps", fixed(laps, 2)));
+    let speed = health.speed_trigger.map_or_else(String::new, |v| format!(", {} m/s", fixed(v, 3)));
+    pages::Glance {
+        name: entry.name.clone(),
+        about: format!("{} s at {} Hz{laps}{speed}", fixed(health.duration, 1), trimmed(health.rate, 2)),
+        channels: health.channels.clone(),
+        along: pages::along(run, lap, runs),
+        lap,
+        warnings: health.warnings.clone(),
     }
 }
 
