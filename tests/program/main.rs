@@ -15,6 +15,7 @@ mod fits;
 mod limits;
 mod links;
 mod messages;
+mod pages;
 mod polygon;
 mod preview;
 mod route;

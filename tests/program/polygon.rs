@@ -165,7 +165,10 @@ fn verification_runs_before_and_after() {
     let all = |k: usize| cases[k]["polygon_action"]["all"].as_f64().expect("a value");
     assert!(all(1) <= all(0), "{} {}", all(1), all(0));
     let page = fs::read_to_string(out.join("verify.html")).expect("a page");
-    assert!(page.starts_with("<!DOCTYPE html>") && !page.contains("NaN") && !page.contains("http"));
+    let written = page.split("<noscript").next().unwrap_or_default();
+    assert!(page.starts_with("<!DOCTYPE html>") && !written.contains("NaN") && !written.contains("http:"));
+    // Of each of three channels a spectrum and a trace, with a curve of each case.
+    assert_eq!(page.matches("\"name\":\"first_three\"").count(), 6);
     for file in ["verify.json", "verify.svg", "verify.png"] {
         assert!(out.join(file).is_file(), "{file}");
     }
