@@ -136,7 +136,8 @@ fn levels(channel: Channel, runs: &[Glance]) -> Markup {
         runs.iter().filter_map(|run| Some((run.name.as_str(), run.channels.get(&channel)?))).collect();
     let low = own.iter().map(|run| run.1.min).fold(f64::INFINITY, f64::min);
     let high = own.iter().map(|run| run.1.max).fold(f64::NEG_INFINITY, f64::max);
-    let room = (0.03 * (high - low)).max(1e-6 * high.abs().max(1e-6));
+    // A force that is the same all the time has some width, too.
+    let room = (0.03 * (high - low)).max(1e-3 * high.abs().max(1.0));
     let scale = RowScale { low: low - room, high: high + room };
     let at = ticks(scale.low, scale.high, 7.0);
     let numbers: Vec<(f64, String)> = at.iter().copied().zip(tick_labels(&at)).collect();

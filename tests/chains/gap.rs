@@ -3,8 +3,10 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use crate::browser::Browser;
 use lss::base::random::normal;
 use lss::base::trig;
+use lss::chain_input::{CentreLinePiece, Track};
 use lss::effects::RandomEffect;
 use lss::gap::{
     Applied, Band, Bound, Candidate, CandidateId, Candidates, Diagnosis, Frame, Id, Label, Laps, PerRun, Request,
@@ -511,4 +513,35 @@ fn what_is_drawn_is_what_ranks_first() {
         assert_eq!(drawn, ranked.iter().take(4).collect::<Vec<_>>());
         assert_eq!(ranked.first().map(String::as_str), Some(first), "{:?}", found.places);
     }
+}
+
+/// The page of a diagnosis in a browser; skipped where there is none.
+#[test]
+fn its_page_has_one_cursor_for_curves_rows_and_plan() {
+    let Some(mut browser) = Browser::start() else { return };
+    let found = found(&[(4, 6.0)], 0.0, 15);
+    let length = found.places.iter().map(|p| p.extent.ends().1).fold(0.0, f64::max);
+    let straight = || CentreLinePiece::Straight { length: 0.4 * length, slope: 0.0 };
+    let arc = || CentreLinePiece::Arc { radius: 0.1 * length / trig::PI, turn_deg: 180.0 };
+    let elements = vec![straight(), arc(), straight(), arc()];
+    let track = Track { name: "oval".into(), start: [0.0; 4], elements };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("gap.html");
+    std::fs::write(&page, lss::report::gap::page(&found, Some(&track), "made")).unwrap();
+    browser.hold(&page);
+    browser.open(&page, (1400, 900), false);
+    let plots = browser.number("page.curves.size") as usize;
+    assert_eq!(plots, 2 * found.overlays.len());
+    assert!(plots > 0);
+    // Over the rows, a fifth of the way.
+    let (x, y) = browser.middle(".strip .row-of:nth-child(2) .row-scale");
+    let width = browser.number("document.querySelector('.strip .row-of:nth-child(2) .row-scale').clientWidth");
+    browser.mouse("mouseMoved", x - 0.3 * width, y);
+    let place = browser.number("page.links.get('track').value");
+    assert!((place - 0.2 * length).abs() < 0.01 * length, "{place} of {length}");
+    browser.ask("page.stage.view.draw()");
+    let dot = browser.ask("page.stage.view.shownAt");
+    let there = browser.ask("page.stage.view.at(page.stage.line.at(page.links.get('track').value))");
+    assert_eq!(dot, there);
+    assert_eq!(browser.errors, Vec::<String>::new());
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+use crate::browser::Browser;
 use assert_cmd::Command;
 use lss::base::random::normal;
 use lss::chain_input::Simulation;
@@ -185,8 +186,16 @@ fn truths_are_found_again_in_every_law_and_work_is_kept() {
     for p in Parameter::ALL {
         assert!((p.get(&a) - p.get(&b)).abs() < 1e-9 * p.get(&b).abs().max(1.0), "{p}: {} {}", p.get(&a), p.get(&b));
     }
-    let page = fs::read_to_string(out.path().join("identification.html")).expect("a page");
+    let at = out.path().join("identification.html");
+    let page = fs::read_to_string(&at).expect("a page");
     assert!(page.contains("one law in other coordinates") && !written(&page).contains("NaN"));
+    if let Some(mut browser) = Browser::start() {
+        browser.hold(&at);
+        // Curves of all seven forces, and a plan that has their cursor.
+        assert_eq!(browser.number("page.curves.size"), 7.0);
+        browser.ask("page.links.get('track').set(3)");
+        assert!(browser.ask("page.stage.where.textContent").as_str().expect("text").starts_with("s = 3.00 m"));
+    }
 }
 
 #[test]

@@ -4,6 +4,8 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+#[path = "../support/browser.rs"]
+mod browser;
 mod chain;
 mod compare;
 mod gap;

@@ -107,7 +107,10 @@ impl Browser {
         match event["method"].as_str() {
             Some("Runtime.exceptionThrown") => self.errors.push(of["exceptionDetails"].to_string()),
             Some("Runtime.consoleAPICalled") => self.errors.push(of["args"].to_string()),
-            Some("Log.entryAdded") => self.errors.push(of["entry"]["text"].to_string()),
+            // Hints for who reads pixels, as tests do, are no errors of a page.
+            Some("Log.entryAdded") if of["entry"]["level"] == "error" => {
+                self.errors.push(of["entry"]["text"].to_string())
+            }
             Some("Network.requestWillBeSent") => {
                 self.requests.push(of["request"]["url"].as_str().unwrap_or_default().to_owned());
             }
