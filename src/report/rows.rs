@@ -15,6 +15,7 @@ pub const RULES: &str = "
 .row-scale i.span { height: 2px; top: 10px; bottom: auto; }
 .row-ticks { height: 16px; border: 0; color: var(--soft); font-size: 11px; }
 .row-ticks span { position: absolute; transform: translateX(-50%); white-space: nowrap; }
+.row-ticks span.first { transform: none; } .row-ticks span.last { transform: translateX(-100%); }
 .row-scale i.bar { background: var(--trace); border-radius: 2px; } .row-scale i.replicate { background: var(--quiet); opacity: 0.4; }
 .row-head { font-weight: 600; margin-top: 6px; }
 @media (max-width: 700px) {
@@ -53,13 +54,22 @@ impl RowScale {
         html! { @for tick in ticks { i.grid style=(format!("left:{}%", self.at(*tick))) {} } }
     }
 
+    /// Which way the number of a tick goes, so that it does not stand out of the scale: class in the style sheet.
+    fn side(self, value: f64) -> &'static str {
+        match (value - self.low) / (self.high - self.low) {
+            share if share < 0.06 => "first",
+            share if share > 0.94 => "last",
+            _ => "inner",
+        }
+    }
+
     /// Numbers below the rows.
     pub fn ticks(self, ticks: &[(f64, String)]) -> Markup {
         html! {
             div.row-of {
                 span.row-name {}
                 span."row-scale row-ticks" { @for (value, label) in ticks {
-                    span style=(format!("left:{}%", self.at(*value))) { (label) }
+                    span class=(self.side(*value)) style=(format!("left:{}%", self.at(*value))) { (label) }
                 } }
                 span.row-value {}
             }
@@ -86,6 +96,7 @@ mod tests {
     fn marks_stand_at_their_share_of_the_width_and_never_beyond() {
         let scale = RowScale { low: 1.0, high: 3.0 };
         assert_eq!([scale.at(1.5), scale.at(-4.0), scale.at(9.0)], ["25.00", "0.00", "100.00"]);
+        assert_eq!([1.0, 2.0, 2.95].map(|x| scale.side(x)), ["first", "inner", "last"]);
         assert!(scale.span("bar", 2.5, 2.0).into_string().contains("left:50.00%;width:max(25.00%,1px)"));
     }
 }

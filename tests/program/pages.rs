@@ -51,8 +51,8 @@ fn hover_shows_the_data_and_moves_the_dot(browser: &mut Browser) {
             "(() => { const c = page.curves.get('along-joint_xi'), s = page.links.get('track').value;
               const at = c.spec.x.reduce((best, x, k) => Math.abs(x - s) < Math.abs(c.spec.x[best] - s) ? k : best, 0);
               return [s, c.spec.curves[1].y[at], c.host.querySelector('[data-curve=mean] .curve-value').textContent,
-                page.curves.get('along-run_left').spec.curves[1].y[at],
-                document.querySelector('#along-run_left [data-curve=mean] .curve-value').textContent]; })()",
+                page.curves.get('along-run_right').spec.curves[1].y[at],
+                document.querySelector('#along-run_right [data-curve=mean] .curve-value').textContent]; })()",
         )
     };
     let (first, second) = (spot(browser, x), spot(browser, x + 150.0));
