@@ -1,4 +1,6 @@
-//! The style sheet that all pages share.
+//! The style sheet that all pages share, and the document of one without pictures to be asked.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 pub const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #1c2330; --soft: #5b6675; --line: #d6dbe2; --paper: #ffffff; --band: #e8edf4;
@@ -29,3 +31,20 @@ th { font-weight: 600; color: var(--soft); } td.number { text-align: right; }
 .views > .view { display: none; } .number-label { fill: var(--soft); }
 @media print { main { max-width: none; padding: 0; } figure { break-inside: avoid; } }
 ";
+
+/// An HTML document in the house style with `rules` of its own behind it.
+pub fn document(title: &str, rules: &str, body: &Markup) -> String {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) (PreEscaped(rules)) }
+            }
+            body { main { (body) } }
+        }
+    }
+    .into_string()
+}
