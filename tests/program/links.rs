@@ -103,7 +103,8 @@ fn straight(path: &Path) -> PathBuf {
 fn every_link_leads_somewhere() {
     let documents = documents();
     let mut wrong = Vec::new();
-    for (file, text) in &documents {
+    // The book's summary counts from the root, where `.ci/book` puts it.
+    for (file, text) in documents.iter().filter(|(file, _)| !file.starts_with("docs/book")) {
         for link in links(text) {
             if link.contains("://") || link.starts_with("mailto:") {
                 continue;
@@ -204,8 +205,8 @@ fn every_command_is_one_that_the_program_takes() {
             continue;
         }
         for call in commands(&text).iter().flat_map(|command| calls(command)) {
-            // A synopsis, and words that stand for others.
-            if call.iter().any(|word| word.contains('[') || word == "...") {
+            // The program as another one's argument, a synopsis, and words that stand for others.
+            if call.len() == 1 || call.iter().any(|word| word.contains('[') || word == "...") {
                 continue;
             }
             count += 1;

@@ -46,7 +46,12 @@ fn a_lap_page_answers_the_hand() {
 fn hover_shows_the_data_and_moves_the_dot(browser: &mut Browser) {
     let (x, y) = browser.middle("#along-joint_xi .u-over");
     let spot = |browser: &mut Browser, x: f64| {
+        browser.ask("window.before = String(page.links.get('track')?.value)");
         browser.mouse("mouseMoved", x, y);
+        browser.wait(
+            "['#along-joint_xi', '#along-run_right'].every(id => document.querySelector(`${id} [data-curve=mean] .curve-value`).textContent)
+              && String(page.links.get('track')?.value) !== window.before",
+        );
         browser.ask(
             "(() => { const c = page.curves.get('along-joint_xi'), s = page.links.get('track').value;
               const at = c.spec.x.reduce((best, x, k) => Math.abs(x - s) < Math.abs(c.spec.x[best] - s) ? k : best, 0);
