@@ -18,6 +18,7 @@
 //! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
 //! - [`route`]: the vertices of a loop from the sections that it has to pass: orders, ways around obstacles, bounds,
 //! - [`compiled`]: a solved layout with everything that its readers need worked out once,
+//! - [`capacity`]: how many items an hour a sorter takes: closed forms and a simulation of carriers and items,
 //! - [`review`]: what changed between two solved layouts, as text, Markdown and JSON,
 //! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have
 //!   from it,
@@ -36,6 +37,7 @@
 
 pub mod base;
 pub mod benchmark;
+pub mod capacity;
 pub mod chain_input;
 pub mod cli;
 pub mod compiled;

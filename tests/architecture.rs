@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ImplItem, Item, ItemImpl, ItemUse, Macro, Type, UseTree, Visibility};
 
 /// From the top: a room may use those before it.
-const ROOMS: [&str; 28] = [
+const ROOMS: [&str; 29] = [
     "base",
     "source",
     "diagnostic",
@@ -25,6 +25,7 @@ const ROOMS: [&str; 28] = [
     "solve",
     "route",
     "compiled",
+    "capacity",
     "review",
     "chain_input",
     "signal",

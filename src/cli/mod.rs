@@ -3,6 +3,7 @@
 //! Exit codes: 0 clean (warnings allowed), 1 problems in the input, 2 could not run.
 
 mod build;
+mod capacity;
 mod cases;
 mod check;
 mod compare;
@@ -56,6 +57,7 @@ enum Verb {
     Build(build::Build),
     Check(check::Check),
     Diff(diff::Diff),
+    Capacity(capacity::Capacity),
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Runs(runs::Runs),
@@ -128,6 +130,7 @@ pub fn main() -> ExitCode {
         Verb::Build(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
         Verb::Diff(verb) => verb.run(),
+        Verb::Capacity(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Compare(verb) => verb.run(),
         Verb::Runs(verb) => verb.run(),

@@ -62,6 +62,7 @@ codes! {
     E0215 "missing-field",
     E0216 "recursive-definition",
     E0217 "no-such-layout",
+    E0218 "unknown-station",
 
     E0301 "dimension-mismatch",
     E0302 "missing-unit",
@@ -97,6 +98,7 @@ codes! {
     E0601 "no-feasible-layout",
     E0602 "not-met-as-written",
     E0603 "chain-does-not-close",
+    E0604 "capacity-not-reached",
     E0650 "not-built-yet",
 
     W0701 "unused-import",

@@ -57,6 +57,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         obstacles: Vec::new(),
         constraints: Vec::new(),
         equipment: equipment(),
+        capacity: Capacity::default(),
         levels: Vec::new(),
         ramps: Vec::new(),
         chain: ChainDeclaration { tension: 500.0, closes_within: None },

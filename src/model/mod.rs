@@ -1,6 +1,7 @@
 //! The checked layout: immutable, in SI units (metres, radians, kilograms, seconds, newtons), every item with the
 //! span it came from. Every stage after `semantics` reads only this.
 
+mod capacity;
 mod components;
 mod constraint;
 pub mod effect_definitions;
@@ -15,6 +16,7 @@ mod print;
 mod route;
 mod sheet;
 
+pub use capacity::*;
 pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
@@ -68,6 +70,7 @@ pub struct Layout {
     pub obstacles: Vec<Obstacle>,
     pub constraints: Vec<Constraint>,
     pub equipment: Equipment,
+    pub capacity: Capacity,
     pub levels: Vec<Level>,
     pub ramps: Vec<Ramp>,
     pub chain: ChainDeclaration,

@@ -294,6 +294,7 @@ impl Printer {
             Motors::Evenly { count } => self.line(format!("motors {count} evenly")),
             Motors::Rows(rows) => rows.iter().for_each(|r| self.line(format!("motors {}", row(r)))),
         }
+        self.capacity(layout);
         if let Some(supports) = &equipment.supports {
             self.line(format!("supports every {}", metres(supports.value)));
         }
@@ -310,6 +311,42 @@ impl Printer {
             };
             let strengths: Vec<String> = effect.strengths.iter().map(strength).collect();
             self.line(format!("effect {}({})", effect.name, strengths.join(", ")));
+        }
+    }
+}
+
+impl Printer {
+    fn capacity(&mut self, layout: &Layout) {
+        let names = |section: usize| layout.section_name(section);
+        let Capacity { scanners, feeds, storages, items, stops, required } = &layout.capacity;
+        for place in scanners {
+            self.line(format!("scanner on {} at {}", names(place.section), metres(place.at)));
+        }
+        for feed in feeds {
+            let mut text = format!("feed {}", layout.equipment.inductions[feed.induction].name);
+            if let Some(rate) = feed.rate {
+                let _ = write!(text, " {} per hour", number(rate));
+            }
+            if let Some(most) = feed.most {
+                let _ = write!(text, " up to {} per hour", number(most));
+            }
+            let _ = write!(text, " efficiency {}", number(feed.efficiency));
+            self.line(text);
+        }
+        for storage in storages {
+            let name = &layout.equipment.chutes[storage.chutes].name;
+            self.line(format!("storage {name} {} every {}", storage.count, unit(storage.every, "s")));
+        }
+        if *items != Items::default() {
+            let laps = items.laps.map_or_else(String::new, |laps| format!(" laps {laps}"));
+            self.line(format!("items{laps} double {} unread {}", number(items.double), number(items.unread)));
+        }
+        if let Some(stops) = stops {
+            self.line(format!("stops every {} for {}", unit(stops.every, "s"), unit(stops.duration, "s")));
+        }
+        if let Some(required) = required {
+            let reason = required.reason.as_ref().map_or_else(String::new, |why| format!(" {}", quoted(why)));
+            self.line(format!("require capacity >= {} per hour{reason}", number(required.least.value)));
         }
     }
 }

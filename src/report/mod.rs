@@ -1,7 +1,8 @@
 //! Pages that a person reads in a browser, each one file that opens offline: a lap, an identification, a diagnosis,
-//! polygon action, two runs, a campaign, length against cost, a study. What a page shows stands beside it as JSON.
+//! polygon action, two runs, a campaign, length against cost, a study, a capacity. What a page shows stands beside it as JSON.
 
 pub mod campaign;
+pub mod capacity;
 pub mod comparison;
 pub mod gap;
 pub mod identification;

@@ -246,7 +246,7 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 35] = [
+pub const STATEMENT_WORDS: [&str; 40] = [
     "axis",
     "building",
     "cart",
@@ -257,8 +257,10 @@ pub const STATEMENT_WORDS: [&str; 35] = [
     "drawing",
     "effect",
     "equal",
+    "feed",
     "fix",
     "induction",
+    "items",
     "let",
     "level",
     "mirror",
@@ -273,11 +275,14 @@ pub const STATEMENT_WORDS: [&str; 35] = [
     "ramp",
     "require",
     "route",
+    "scanner",
     "section",
     "sensor",
     "sensor_cart",
     "speed",
     "start",
+    "stops",
+    "storage",
     "supports",
     "turns",
     "vertex",
@@ -399,6 +404,10 @@ pub fn value_example(begun: &str) -> &'static str {
 fn value_phrase(text: &str, at: usize) -> &'static str {
     let before = text[..at].trim_end();
     match (first_word(text), last_word(before)) {
+        ("stops", _) | ("storage", "every") => "a time such as `40 s`",
+        ("storage", _) | ("items", "laps") => "a count such as `12`",
+        ("items", _) | ("feed", "efficiency") => "a share such as `90 %`",
+        ("feed", _) | (_, "capacity") => "a number such as `3000`",
         ("turns", _) => "an angle such as `5 deg`",
         (_, "radius" | "clearance" | "width" | "at" | "from" | "every" | "radii" | "within") => {
             "a length such as `4 m`"

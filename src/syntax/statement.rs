@@ -63,6 +63,28 @@ impl Builder<'_> {
             Rule::photocell => Statement::Photocell(self.place(parts)?),
             Rule::induction => Statement::Induction { name: self.next_name(parts)?, place: self.place(parts)? },
             Rule::chutes => Statement::Chutes { name: self.next_name(parts)?, row: self.row(take(parts, Rule::row)?)? },
+            Rule::scanner => Statement::Scanner(self.place(parts)?),
+            Rule::feed => {
+                let induction = self.next_name(parts)?;
+                let [rate, most, efficiency] =
+                    self.clauses(parts, [Rule::feed_rate, Rule::feed_most, Rule::feed_efficiency])?;
+                Statement::Feed { induction, rate, most, efficiency }
+            }
+            Rule::storage => Statement::Storage {
+                chutes: self.next_name(parts)?,
+                count: self.value(parts)?,
+                every: self.value(parts)?,
+            },
+            Rule::items => {
+                let [laps, double, unread] =
+                    self.clauses(parts, [Rule::items_laps, Rule::items_double, Rule::items_unread])?;
+                Statement::Items { laps, double, unread }
+            }
+            Rule::stops => Statement::Stops { every: self.value(parts)?, duration: self.value(parts)? },
+            Rule::require_capacity => Statement::RequireCapacity {
+                least: self.value(parts)?,
+                reason: take(parts, Rule::text).map(|text| self.unescape(&text)),
+            },
             Rule::motors => match parts.find(|part| matches!(part.as_rule(), Rule::row | Rule::value))? {
                 row if row.as_rule() == Rule::row => Statement::MotorsRow(self.row(row)?),
                 count => Statement::MotorsEvenly { count: self.expression(count)? },
@@ -227,17 +249,19 @@ impl Builder<'_> {
 
     fn ramp(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {
         let section = self.section(parts)?;
-        let (mut from, mut slope, mut radius) = (None, None, None);
-        for part in parts {
-            let to = match part.as_rule() {
-                Rule::ramp_from => &mut from,
-                Rule::ramp_slope => &mut slope,
-                Rule::ramp_radius => &mut radius,
-                _ => continue,
-            };
-            *to = Some(self.value(&mut part.into_inner())?);
-        }
+        let [from, slope, radius] = self.clauses(parts, [Rule::ramp_from, Rule::ramp_slope, Rule::ramp_radius])?;
         Some(Statement::Ramp { section, from, slope, radius })
+    }
+
+    /// The values of clauses that may be left out, each of which has one.
+    fn clauses<const N: usize>(&mut self, parts: &mut Pairs<Rule>, rules: [Rule; N]) -> Option<[Option<Expr>; N]> {
+        let mut values = [const { None }; N];
+        for part in parts {
+            if let Some(k) = rules.iter().position(|rule| *rule == part.as_rule()) {
+                values[k] = Some(self.value(&mut part.into_inner())?);
+            }
+        }
+        Some(values)
     }
 
     fn require(&mut self, parts: &mut Pairs<Rule>) -> Option<Statement> {

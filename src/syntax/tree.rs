@@ -267,6 +267,37 @@ pub enum Statement {
         name: Name,
         row: RowExpr,
     },
+    /// `scanner on P1..P2 at 8 m`
+    Scanner(PlaceExpr),
+    /// `feed west 3000 per hour up to 4500 per hour efficiency 90 %`
+    Feed {
+        induction: Name,
+        rate: Option<Expr>,
+        most: Option<Expr>,
+        efficiency: Option<Expr>,
+    },
+    /// `storage row_a 12 every 6 s`
+    Storage {
+        chutes: Name,
+        count: Expr,
+        every: Expr,
+    },
+    /// `items laps 5 double 8 % unread 1 %`
+    Items {
+        laps: Option<Expr>,
+        double: Option<Expr>,
+        unread: Option<Expr>,
+    },
+    /// `stops every 40 min for 2 min`
+    Stops {
+        every: Expr,
+        duration: Expr,
+    },
+    /// `require capacity >= 11000 per hour "the evening's peak"`
+    RequireCapacity {
+        least: Expr,
+        reason: Option<String>,
+    },
     /// `motors 13 evenly`
     MotorsEvenly {
         count: Expr,

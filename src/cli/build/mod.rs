@@ -16,7 +16,7 @@ use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::given::GivenLet;
 use crate::solve::{self, Effort, Options, Solver, unsupported};
-use crate::{elements, emit};
+use crate::{capacity, elements, emit};
 use clap::ValueEnum;
 use routed::Routed;
 use std::path::{Path, PathBuf};
@@ -172,6 +172,9 @@ impl Build {
         if !compiled.failed() {
             let unclosed = solve::unclosed(layout, &compiled.track, &compiled.space.line);
             said.extend(unclosed.or_else(|| loose(&compiled)));
+        }
+        if !compiled.failed() {
+            said.extend(capacity::reached(&compiled));
         }
         said.extend(compiled.heights.iter().cloned());
         if compiled.heights.iter().any(Diagnostic::is_error) {

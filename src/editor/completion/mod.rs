@@ -220,6 +220,8 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
     match word {
         "effect" if bare => known.effects(out),
         "pass" if bare => known.parts(out, &[NameKind::Obstacle]),
+        "feed" if bare => known.parts(out, &[NameKind::Induction]),
+        "storage" if bare => known.parts(out, &[NameKind::Chutes]),
         "route" if bare || begun.trim_end().ends_with(',') => known.parts(out, &[NameKind::Section]),
         _ if component.is_some() && bare => component.iter().for_each(|k| known.named(out, &NameKind::Component(*k))),
         // A new name is the writer's own.

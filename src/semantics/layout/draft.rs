@@ -29,6 +29,8 @@ pub(super) enum Key<'t> {
     Obstacle(&'t str),
     Induction(&'t str),
     Chutes(&'t str),
+    Feed(&'t str),
+    Storage(&'t str),
     Pass(&'t str),
     /// The first of a row.
     GridAxis(&'t str),
@@ -92,6 +94,11 @@ fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
         Statement::Radii { .. } => once("radii"),
         Statement::Start(_) => once("start"),
         Statement::Photocell(_) => once("photocell"),
+        Statement::Items { .. } => once("items"),
+        Statement::Stops { .. } => once("stops"),
+        Statement::RequireCapacity { .. } => once("require capacity"),
+        Statement::Feed { induction, .. } => Some((Key::Feed(&induction.text), Some(induction))),
+        Statement::Storage { chutes, .. } => Some((Key::Storage(&chutes.text), Some(chutes))),
         Statement::MotorsEvenly { .. } => once("motors"),
         Statement::Supports { .. } => once("supports"),
         Statement::SensorCart { .. } => once("sensor_cart"),
@@ -243,6 +250,8 @@ impl<'t> Context<'t> {
                     Key::Obstacle(_) => "obstacle",
                     Key::Induction(_) => "induction",
                     Key::Section(_) => "section",
+                    Key::Feed(_) => "feed of",
+                    Key::Storage(_) => "storage of",
                     _ => "row of chutes",
                 };
                 let first = self::key(first.statement).and_then(|(_, n)| n).map_or(first.span, |n| n.span);

@@ -85,7 +85,12 @@ impl<'t> Context<'t> {
         Some(())
     }
 
-    fn along(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, place: &'t tree::PlaceExpr) -> Option<StraightPlace> {
+    pub(super) fn along(
+        &self,
+        placed: &Placed<'t>,
+        geometry: &Geometry<'t>,
+        place: &'t tree::PlaceExpr,
+    ) -> Option<StraightPlace> {
         let section = self.section(&geometry.named, &place.section);
         let at =
             self.bounded_constant(&placed.env, &place.at, Dimension::LENGTH, "the distance along the straight", ALONG);

@@ -1,5 +1,6 @@
 //! A layout's statements to the model.
 
+mod capacity;
 mod checks;
 mod constraints;
 mod draft;
@@ -54,6 +55,7 @@ impl<'t> Context<'t> {
             all
         });
         let equipment = self.equipment(&draft, &geometry);
+        let capacity = equipment.as_ref().and_then(|equipment| self.capacity(&draft, &geometry, equipment));
         let levels = self.levels(&draft, &geometry);
         let ramps = self.ramps(&draft, &geometry);
         let effects = self.effects(&draft);
@@ -74,7 +76,7 @@ impl<'t> Context<'t> {
                 }
             }
             if let (Some(equipment), Some(track)) = (&equipment, &geometry.track) {
-                self.check_equipment(equipment, &ramps, track, &geometry.named);
+                self.check_equipment(equipment, capacity.as_ref(), &ramps, track, &geometry.named);
             }
         }
         if let (Some(objective), Some(catalog)) = (&objective, &catalog) {
@@ -99,6 +101,7 @@ impl<'t> Context<'t> {
             obstacles: geometry.obstacles,
             constraints: constraints?,
             equipment: equipment?,
+            capacity: capacity?,
             levels: levels?,
             ramps,
             chain: chain?,

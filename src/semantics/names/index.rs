@@ -251,7 +251,23 @@ impl Index<'_> {
                 self.section(scope, section);
                 self.all(scope, [from, slope, radius].into_iter().flatten());
             }
-            Statement::Start(place) | Statement::Photocell(place) | Statement::Induction { place, .. } => {
+            Statement::Feed { induction, rate, most, efficiency } => {
+                self.part(scope, Part::Induction, induction);
+                self.all(scope, [rate, most, efficiency].into_iter().flatten());
+            }
+            Statement::Storage { chutes, count, every } => {
+                self.part(scope, Part::Chutes, chutes);
+                self.all(scope, [count, every]);
+            }
+            Statement::Items { laps, double, unread } => {
+                self.all(scope, [laps, double, unread].into_iter().flatten());
+            }
+            Statement::Stops { every, duration } => self.all(scope, [every, duration]),
+            Statement::RequireCapacity { least, .. } => self.expression(scope, least),
+            Statement::Start(place)
+            | Statement::Photocell(place)
+            | Statement::Scanner(place)
+            | Statement::Induction { place, .. } => {
                 self.section(scope, &place.section);
                 self.expression(scope, &place.at);
             }

@@ -97,6 +97,39 @@ impl Writer<'_> {
                 self.words(&["chutes ", &name.text]);
                 self.row(row);
             }
+            Statement::Scanner(place) => {
+                self.push("scanner");
+                self.place(place);
+            }
+            Statement::Feed { induction, rate, most, efficiency } => {
+                self.words(&["feed ", &induction.text]);
+                self.per_hour(" ", rate);
+                self.per_hour(" up to ", most);
+                self.clause(" efficiency ", efficiency);
+            }
+            Statement::Storage { chutes, count, every } => {
+                self.words(&["storage ", &chutes.text]);
+                self.word_value(" ", count);
+                self.word_value(" every ", every);
+            }
+            Statement::Items { laps, double, unread } => {
+                self.push("items");
+                self.clause(" laps ", laps);
+                self.clause(" double ", double);
+                self.clause(" unread ", unread);
+            }
+            Statement::Stops { every, duration } => {
+                self.word_value("stops every ", every);
+                self.word_value(" for ", duration);
+            }
+            Statement::RequireCapacity { least, reason } => {
+                self.word_value("require capacity >= ", least);
+                self.push(" per hour");
+                if let Some(reason) = reason {
+                    self.push(" ");
+                    self.text(reason);
+                }
+            }
             Statement::MotorsEvenly { count } => {
                 self.word_value("motors ", count);
                 self.push(" evenly");
@@ -172,6 +205,13 @@ impl Writer<'_> {
     fn clause(&mut self, word: &str, value: &Option<Expr>) {
         if let Some(value) = value {
             self.word_value(word, value);
+        }
+    }
+
+    fn per_hour(&mut self, word: &str, value: &Option<Expr>) {
+        if let Some(value) = value {
+            self.word_value(word, value);
+            self.push(" per hour");
         }
     }
 

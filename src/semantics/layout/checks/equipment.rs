@@ -2,13 +2,21 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Track;
-use crate::model::{Equipment, Motors, PlaceRow, Ramp, StraightPlace, TOLERANCE};
+use crate::model::{Capacity, Equipment, Motors, PlaceRow, Ramp, StraightPlace, TOLERANCE};
 use crate::semantics::scope::{Context, Named};
 use crate::semantics::value::metres;
 
 impl Context<'_> {
-    pub fn check_equipment(&self, equipment: &Equipment, ramps: &[Ramp], track: &Track, named: &Named) {
-        for place in equipment.start.iter().chain(&equipment.photocell) {
+    pub fn check_equipment(
+        &self,
+        equipment: &Equipment,
+        capacity: Option<&Capacity>,
+        ramps: &[Ramp],
+        track: &Track,
+        named: &Named,
+    ) {
+        let scanners = capacity.iter().flat_map(|capacity| &capacity.scanners);
+        for place in equipment.start.iter().chain(&equipment.photocell).chain(scanners) {
             self.check_reach(place, place.at, track, named);
         }
         for induction in &equipment.inductions {

@@ -1,0 +1,23 @@
+//! How many items an hour a sorter takes: closed forms, and carriers and items simulated.
+//!
+//! - [`sorter`]: what both know of a sorter, from a compiled layout,
+//! - [`flow`]: what is used up first, in closed form,
+//! - [`simulate`]: carriers and items, carrier by carrier,
+//! - [`warm_up`], [`replicate`]: where a simulation's beginning ends, and how sure its mean is,
+//! - [`explore`]: where carriers are in use, other speeds and fewer inductions,
+//! - [`reached`]: whether a layout takes what it is asked to.
+
+pub mod explore;
+pub mod flow;
+mod reached;
+pub mod replicate;
+pub mod simulate;
+pub mod sorter;
+#[cfg(test)]
+mod tests;
+pub mod warm_up;
+
+pub use flow::{Bound, Limit, bound};
+pub use reached::{limit_words, reached};
+pub use replicate::{Mean, Measured, Settings, measure};
+pub use sorter::Sorter;

@@ -1,0 +1,64 @@
+//! Whether a layout takes as many items an hour as it is asked to.
+
+use super::flow::{Limit, bound};
+use super::sorter::Sorter;
+use crate::base::number::fixed;
+use crate::compiled::Compiled;
+use crate::diagnostic::{Code, Diagnostic};
+
+/// What limits a sorter, in words.
+pub fn limit_words(sorter: &Sorter, limit: Limit) -> String {
+    match limit {
+        Limit::Stretch(i) => format!(
+            "carriers behind induction {}, of which {} pass an hour",
+            sorter.inductions[i].name,
+            fixed(sorter.carriers_per_hour(), 0)
+        ),
+        Limit::Induction(i) => {
+            format!(
+                "induction {}, which takes {} an hour",
+                sorter.inductions[i].name,
+                fixed(sorter.inductions[i].most, 0)
+            )
+        }
+        Limit::Chute(i) => {
+            let hourly = sorter.chutes[i].storage.map_or(f64::INFINITY, |(_, seconds)| 3600.0 / seconds);
+            format!("chute {}, from which {} an hour are taken away", sorter.chutes[i].name, fixed(hourly, 0))
+        }
+    }
+}
+
+/// The error where no way of feeding reaches the capacity that the layout requires.
+pub fn reached(compiled: &Compiled) -> Option<Diagnostic> {
+    let required = compiled.layout.capacity.required.as_ref()?;
+    let (least, span) = (required.least.value, required.least.span);
+    let asked = format!("at least {} items an hour", fixed(least, 0));
+    let why = required.reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
+    let message = format!("the sorter does not reach the capacity that it has to have{why}");
+    let Some(sorter) = Sorter::new(compiled) else {
+        return Some(
+            Diagnostic::new(Code::E0604, message, span, "no items can come and go")
+                .expected(asked, "no carts, no induction, or no chutes")
+                .help("place an `induction` and `chutes`, and carts that close the loop"),
+        );
+    };
+    let found = bound(&sorter, &sorter.proportions())?;
+    if found.throughput >= least {
+        return None;
+    }
+    let most = fixed(found.throughput, 0);
+    let diagnostic = Diagnostic::new(Code::E0604, message, span, format!("no more than {most} an hour"))
+        .expected(asked, format!("at most {most}, limited by {}", limit_words(&sorter, found.limit)));
+    Some(match found.limit {
+        Limit::Stretch(_) => {
+            let speed = sorter.speed * least / found.throughput;
+            diagnostic.help(format!(
+                "at {} m/s carriers are enough; or take shorter carts, or place an induction behind chutes, so that \
+                 carriers are used more than once in a lap",
+                fixed((speed * 100.0).ceil() / 100.0, 2)
+            ))
+        }
+        Limit::Induction(_) => diagnostic.help("let it take more with `feed ... up to`, or place another induction"),
+        Limit::Chute(_) => diagnostic.help("take items away faster with `storage ... every`, or place more chutes"),
+    })
+}

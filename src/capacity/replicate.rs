@@ -1,0 +1,125 @@
+//! Means of several simulations with their intervals, after a warm-up that is found and not guessed.
+
+use super::simulate::{Plan, Seen, simulate};
+use super::sorter::Sorter;
+use super::warm_up;
+use crate::base::{parallel, student};
+
+/// How much is simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Simulated time of each replication, h.
+    pub hours: f64,
+    pub replications: usize,
+    /// The same seed gives two sorters the same items (common random numbers).
+    pub seed: u64,
+    pub threads: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings { hours: 8.0, replications: 10, seed: 1, threads: 1 }
+    }
+}
+
+/// A mean over replications, and half the width of its interval of 95 % (Student).
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Mean {
+    pub value: f64,
+    pub half_width: f64,
+}
+
+impl Mean {
+    /// Of independent values; one alone says nothing of its scatter.
+    pub fn of(values: &[f64]) -> Mean {
+        let n = values.len() as f64;
+        let value = values.iter().sum::<f64>() / n;
+        if values.len() < 2 {
+            return Mean { value, half_width: f64::INFINITY };
+        }
+        let variance = values.iter().map(|x| (x - value) * (x - value)).sum::<f64>() / (n - 1.0);
+        Mean { value, half_width: student::two_sided(0.95, values.len() - 1) * (variance / n).sqrt() }
+    }
+}
+
+/// What replications say together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Items given out an hour, after the warm-up.
+    pub throughput: Mean,
+    /// What is left out at the begin of each replication, s.
+    pub warm_up: f64,
+    /// From coming to being given out, s.
+    pub time: Mean,
+    /// Carriers that pass a place in an hour, stops counted.
+    pub passing: f64,
+    /// Carriers that are in use before and behind each induction, as a share of those that pass.
+    pub used: Vec<(f64, f64)>,
+    /// Items an hour of each induction, and how long they wait, s.
+    pub inductions: Vec<(f64, f64)>,
+    /// Items that wait at the end, in the mean.
+    pub queues: Vec<f64>,
+    /// Items an hour of each chute, and the share of those that came which it refused.
+    pub chutes: Vec<(f64, f64)>,
+    /// Laps in vain an item: readings that failed, and chutes that were full.
+    pub unread: f64,
+    pub refused: f64,
+    /// Items at another chute than theirs, as a share of all.
+    pub misplaced: f64,
+    /// Item events that were simulated.
+    pub events: u64,
+}
+
+/// Length of an interval of the series, s.
+const INTERVAL: f64 = 60.0;
+
+/// Simulates replications of a sorter that begins empty.
+pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
+    let numbers: Vec<u64> = (0..settings.replications.max(1) as u64).collect();
+    let plan = |k: u64| Plan {
+        duration: 3600.0 * settings.hours,
+        seed: settings.seed.wrapping_mul(1_000_003).wrapping_add(k),
+        interval: INTERVAL,
+    };
+    let seen: Vec<Seen> = parallel::map(&numbers, settings.threads, |k| simulate(sorter, &plan(*k)));
+    let count = seen.len() as f64;
+    let length = seen.iter().map(|s| s.series.len()).min().unwrap_or(0);
+    // The mean over replications shows the begin more clearly than each of them (Welch 1983).
+    let series: Vec<f64> =
+        (0..length).map(|t| seen.iter().map(|s| f64::from(s.series[t])).sum::<f64>() / count).collect();
+    let skip = warm_up::truncation(&series);
+    let per_hour = |s: &Seen| {
+        let kept = &s.series[skip.min(s.series.len())..];
+        kept.iter().map(|n| f64::from(*n)).sum::<f64>() / kept.len().max(1) as f64 * 3600.0 / INTERVAL
+    };
+    let throughput = Mean::of(&seen.iter().map(per_hour).collect::<Vec<_>>());
+    let time = Mean::of(&seen.iter().map(|s| s.time / s.items.max(1) as f64).collect::<Vec<_>>());
+    let mean = |of: &dyn Fn(&Seen) -> f64| seen.iter().map(of).sum::<f64>() / count;
+    let share = |part: u64, all: u64| if all == 0 { 0.0 } else { part as f64 / all as f64 };
+    let of_inductions = |of: &dyn Fn(&super::simulate::InductionSeen) -> f64| -> Vec<f64> {
+        (0..sorter.inductions.len()).map(|i| mean(&|s| of(&s.inductions[i]))).collect()
+    };
+    let carriers = 1.0 + sorter.items.double;
+    let before = of_inductions(&|i| 1.0 - share(i.free, i.passed));
+    let added = of_inductions(&|i| share(i.items, i.passed) * carriers);
+    let rates = of_inductions(&|i| i.items as f64 / settings.hours);
+    let waits = of_inductions(&|i| i.waited / i.items.max(1) as f64);
+    let chutes = (0..sorter.chutes.len()).map(|c| {
+        let rate = mean(&|s| s.chutes[c].items as f64) / settings.hours;
+        (rate, mean(&|s| share(s.chutes[c].refused, s.chutes[c].items + s.chutes[c].refused)))
+    });
+    Measured {
+        throughput,
+        warm_up: skip as f64 * INTERVAL,
+        time,
+        passing: of_inductions(&|i| i.passed as f64 / settings.hours).first().copied().unwrap_or(0.0),
+        used: before.iter().zip(&added).map(|(b, a)| (*b, (b + a).min(1.0))).collect(),
+        inductions: rates.into_iter().zip(waits).collect(),
+        queues: of_inductions(&|i| i.queue as f64),
+        chutes: chutes.collect(),
+        unread: mean(&|s| share(s.unread, s.items)),
+        refused: mean(&|s| share(s.refused, s.items)),
+        misplaced: mean(&|s| share(s.misplaced, s.items)),
+        events: seen.iter().map(|s| s.events).sum(),
+    }
+}

@@ -1,0 +1,332 @@
+//! Carriers and items, carrier by carrier.
+//!
+//! A chain of equal carriers at one speed is a ring of slots: a place on the track sees the next carrier one pitch later,
+//! always at the same phase of a step. So no queue of events is needed: in each step every place looks at the carrier that
+//! passes, in the order of their phases. Stops of the chain move the clock on, not the carriers.
+
+use super::sorter::Sorter;
+use crate::base::random::{Random, mix};
+use crate::base::trig;
+use std::collections::VecDeque;
+
+/// How long and from which random numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Simulated time, s.
+    pub duration: f64,
+    /// The same seed gives the same arrivals, destinations and stops, whatever else of the sorter differs.
+    pub seed: u64,
+    /// Length of an interval of the series, s.
+    pub interval: f64,
+}
+
+/// What was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// Items given out in each interval.
+    pub series: Vec<u32>,
+    pub inductions: Vec<InductionSeen>,
+    pub chutes: Vec<ChuteSeen>,
+    /// Items given out, and those of them at another chute than theirs.
+    pub items: u64,
+    pub misplaced: u64,
+    /// Laps that items made in vain: a reading failed, or a chute was full.
+    pub unread: u64,
+    pub refused: u64,
+    /// Sum of the times from coming to being given out, s.
+    pub time: f64,
+    /// Items that came, were put on carriers, read and given out, or tried to be.
+    pub events: u64,
+}
+
+/// What an induction saw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InductionSeen {
+    pub items: u64,
+    /// Carriers that passed, and those of them that were free before it.
+    pub passed: u64,
+    pub free: u64,
+    /// Sum of the times that items waited, s.
+    pub waited: f64,
+    /// Items that waited at the end.
+    pub queue: usize,
+}
+
+/// What a chute saw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChuteSeen {
+    pub items: u64,
+    pub refused: u64,
+}
+
+/// A carrier's load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Load {
+    Free,
+    /// The index of a chute, whether it is known yet, laps in vain, and the time at which the item came.
+    Item {
+        chute: u32,
+        known: bool,
+        laps: u32,
+        came: f64,
+        double: bool,
+    },
+    /// The second carrier of the item before it.
+    Second,
+    /// The same, when that item has been given out at this chute.
+    Left {
+        chute: u32,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Induction(usize),
+    Chute(usize),
+    Scanner,
+}
+
+/// A place on the track.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    kind: Kind,
+    /// Of the carrier that passes in step 0.
+    carrier: usize,
+    /// Of a step, from 0 to 1.
+    phase: f64,
+}
+
+/// Streams of random numbers, one for each cause, so that sorters can be compared by the same items.
+fn stream(seed: u64, cause: u64, index: usize) -> Random {
+    let mut state =
+        seed ^ cause.wrapping_mul(0xA24B_AED4_963E_E407) ^ (index as u64).wrapping_mul(0x9FB2_1C65_1E98_DF25);
+    Random::new(mix(&mut state))
+}
+
+/// Exponential with a mean.
+fn exponential(random: &mut Random, mean: f64) -> f64 {
+    -mean * trig::ln(1.0 - random.uniform())
+}
+
+/// An induction's queue.
+struct Feed {
+    random: Random,
+    kinds: Random,
+    used: Random,
+    /// When the next item comes, s; items that wait.
+    next: f64,
+    waiting: VecDeque<f64>,
+    /// When it can put the next one on a carrier, s.
+    ready: f64,
+    /// The head of the queue: whether it needs two carriers.
+    double: bool,
+}
+
+impl Feed {
+    fn new(sorter: &Sorter, seed: u64, index: usize) -> Feed {
+        let mut random = stream(seed, 1, index);
+        let next = sorter.inductions[index].demand.map_or(0.0, |rate| exponential(&mut random, 3600.0 / rate));
+        let mut kinds = stream(seed, 2, index);
+        let double = kinds.uniform() < sorter.items.double;
+        let used = stream(seed, 3, index);
+        Feed { random, kinds, used, next, waiting: VecDeque::new(), ready: 0.0, double }
+    }
+}
+
+/// Simulates from an empty sorter.
+pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
+    let mut places: Vec<Place> = Vec::new();
+    let mut place = |kind: Kind, s: f64| {
+        let at = s.rem_euclid(sorter.length()) / sorter.pitch;
+        let carrier = at.floor();
+        places.push(Place { kind, carrier: carrier as usize % sorter.carriers, phase: at - carrier });
+    };
+    (0..sorter.inductions.len()).for_each(|i| place(Kind::Induction(i), sorter.inductions[i].s));
+    (0..sorter.chutes.len()).for_each(|i| place(Kind::Chute(i), sorter.chutes[i].s));
+    sorter.scanners.iter().for_each(|s| place(Kind::Scanner, *s));
+    places.sort_by(|a, b| a.phase.total_cmp(&b.phase));
+    let mut shares: Vec<f64> = Vec::new();
+    for chute in &sorter.chutes {
+        shares.push(shares.last().copied().unwrap_or(0.0) + chute.share);
+    }
+    let steps_per_second = sorter.speed / sorter.pitch;
+    let mut run = Run {
+        sorter,
+        reads: stream(plan.seed, 4, 0),
+        destinations: (0..sorter.inductions.len()).map(|i| stream(plan.seed, 5, i)).collect(),
+        feeds: (0..sorter.inductions.len()).map(|i| Feed::new(sorter, plan.seed, i)).collect(),
+        loads: vec![Load::Free; sorter.carriers],
+        contents: vec![VecDeque::new(); sorter.chutes.len()],
+        shares,
+        interval: plan.interval,
+        seen: Seen {
+            series: vec![0; (plan.duration / plan.interval).ceil() as usize],
+            inductions: vec![InductionSeen::default(); sorter.inductions.len()],
+            chutes: vec![ChuteSeen::default(); sorter.chutes.len()],
+            items: 0,
+            misplaced: 0,
+            unread: 0,
+            refused: 0,
+            time: 0.0,
+            events: 0,
+        },
+    };
+    let mut stops = stream(plan.seed, 6, 0);
+    let mut stopped = 0.0;
+    let mut fails = sorter.stops.map_or(f64::INFINITY, |s| exponential(&mut stops, s.between));
+    let step = 1.0 / steps_per_second;
+    // Carriers move on by one place a step; counted so that no division is needed.
+    let mut shift = 0usize;
+    let mut m = 0u64;
+    loop {
+        let running = m as f64 * step;
+        if let Some(s) = sorter.stops {
+            while running >= fails {
+                stopped += exponential(&mut stops, s.duration);
+                fails += exponential(&mut stops, s.between);
+            }
+        }
+        let now = running + stopped;
+        if now >= plan.duration {
+            break;
+        }
+        for place in &places {
+            let k = place.carrier + sorter.carriers - shift;
+            let k = if k >= sorter.carriers { k - sorter.carriers } else { k };
+            let time = now + place.phase * step;
+            match place.kind {
+                Kind::Induction(i) => run.induce(i, k, time),
+                Kind::Chute(c) => run.give_out(c, k, time),
+                Kind::Scanner => run.read(k),
+            }
+        }
+        shift = if shift + 1 == sorter.carriers { 0 } else { shift + 1 };
+        m += 1;
+    }
+    for (feed, seen) in run.feeds.iter().zip(&mut run.seen.inductions) {
+        seen.queue = feed.waiting.len();
+    }
+    run.seen
+}
+
+struct Run<'a> {
+    sorter: &'a Sorter,
+    reads: Random,
+    destinations: Vec<Random>,
+    feeds: Vec<Feed>,
+    loads: Vec<Load>,
+    /// When the items of each chute are taken away, s.
+    contents: Vec<VecDeque<f64>>,
+    /// Running sums of the chutes' shares.
+    shares: Vec<f64>,
+    interval: f64,
+    seen: Seen,
+}
+
+impl Run<'_> {
+    fn induce(&mut self, i: usize, k: usize, now: f64) {
+        let induction = &self.sorter.inductions[i];
+        let feed = &mut self.feeds[i];
+        let seen = &mut self.seen.inductions[i];
+        if let Some(rate) = induction.demand {
+            while feed.next <= now {
+                feed.waiting.push_back(feed.next);
+                feed.next += exponential(&mut feed.random, 3600.0 / rate);
+                self.seen.events += 1;
+            }
+        }
+        seen.passed += 1;
+        if self.loads[k] != Load::Free {
+            return;
+        }
+        seen.free += 1;
+        let came = match induction.demand {
+            Some(_) => feed.waiting.front().copied(),
+            None => Some(now),
+        };
+        let Some(came) = came else { return };
+        if now < feed.ready || (induction.efficiency < 1.0 && feed.used.uniform() >= induction.efficiency) {
+            return;
+        }
+        // The carrier behind passes one step later.
+        let behind = if k == 0 { self.loads.len() - 1 } else { k - 1 };
+        if feed.double && self.loads[behind] != Load::Free {
+            return;
+        }
+        let chute = pick(&self.shares, self.destinations[i].uniform());
+        self.loads[k] =
+            Load::Item { chute, known: self.sorter.scanners.is_empty(), laps: 0, came, double: feed.double };
+        if feed.double {
+            self.loads[behind] = Load::Second;
+        }
+        feed.double = feed.kinds.uniform() < self.sorter.items.double;
+        feed.waiting.pop_front();
+        // One item stands ready: what a carrier was late for the last is made up with the next.
+        let each = if induction.most.is_finite() { 3600.0 / induction.most } else { 0.0 };
+        feed.ready = feed.ready.max(now - each) + each;
+        seen.items += 1;
+        seen.waited += now - came;
+        self.seen.events += 1;
+    }
+
+    fn read(&mut self, k: usize) {
+        if let Load::Item { known, laps, .. } = &mut self.loads[k] {
+            if !*known {
+                self.seen.events += 1;
+                if self.sorter.items.no_read > 0.0 && self.reads.uniform() < self.sorter.items.no_read {
+                    *laps += 1;
+                    self.seen.unread += 1;
+                } else {
+                    *known = true;
+                }
+            }
+        }
+    }
+
+    fn give_out(&mut self, c: usize, k: usize, now: f64) {
+        match &mut self.loads[k] {
+            Load::Item { chute, known, laps, came, double } => {
+                let given_up = *laps as usize >= self.sorter.items.most_laps;
+                if !(*known && *chute as usize == c || given_up) {
+                    return;
+                }
+                self.seen.events += 1;
+                let (own, came, double) = (*chute as usize == c && *known, *came, *double);
+                if let Some((most, seconds)) = self.sorter.chutes[c].storage {
+                    let content = &mut self.contents[c];
+                    while content.front().is_some_and(|leaves| *leaves <= now) {
+                        content.pop_front();
+                    }
+                    if content.len() >= most {
+                        *laps += 1;
+                        self.seen.chutes[c].refused += 1;
+                        self.seen.refused += 1;
+                        return;
+                    }
+                    let begins = content.back().copied().unwrap_or(now).max(now);
+                    content.push_back(begins + seconds);
+                }
+                self.loads[k] = Load::Free;
+                if double {
+                    let behind = if k == 0 { self.loads.len() - 1 } else { k - 1 };
+                    self.loads[behind] = Load::Left { chute: c as u32 };
+                }
+                self.seen.chutes[c].items += 1;
+                self.seen.items += 1;
+                self.seen.misplaced += u64::from(!own);
+                self.seen.time += now - came;
+                if let Some(count) = self.seen.series.get_mut((now / self.interval) as usize) {
+                    *count += 1;
+                }
+            }
+            Load::Left { chute } if *chute as usize == c => self.loads[k] = Load::Free,
+            _ => {}
+        }
+    }
+}
+
+/// The first whose running sum is above a share of all.
+fn pick(sums: &[f64], share: f64) -> u32 {
+    let at = share * sums.last().copied().unwrap_or(0.0);
+    sums.partition_point(|sum| *sum <= at).min(sums.len().saturating_sub(1)) as u32
+}

@@ -1,0 +1,84 @@
+//! What a layout says of its items: where they come from, how chutes hold them, what goes wrong, and how many an hour the
+//! sorter has to take.
+
+use super::StraightPlace;
+use crate::source::{Span, Spanned};
+use serde::Serialize;
+
+/// Everything that a layout says of its capacity.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Capacity {
+    pub scanners: Vec<StraightPlace>,
+    pub feeds: Vec<Feed>,
+    pub storages: Vec<Storage>,
+    pub items: Items,
+    pub stops: Option<Stops>,
+    pub required: Option<RequiredCapacity>,
+}
+
+impl Capacity {
+    /// Whether the layout says nothing of it.
+    pub fn is_silent(&self) -> bool {
+        let Capacity { scanners, feeds, storages, items, stops, required } = self;
+        let nothing = scanners.is_empty() && feeds.is_empty() && storages.is_empty();
+        nothing && *items == Items::default() && stops.is_none() && required.is_none()
+    }
+}
+
+/// What comes to an induction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Feed {
+    /// Index into the layout's inductions.
+    pub induction: usize,
+    /// Items an hour, at random; `None` where there always is one.
+    pub rate: Option<f64>,
+    /// Most items an hour that the induction can put on carriers; `None` where only carriers limit it.
+    pub most: Option<f64>,
+    /// Share of free carriers that it uses while there are items.
+    pub efficiency: f64,
+    pub span: Span,
+}
+
+/// How many items each chute of a row holds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Storage {
+    /// Index into the layout's rows of chutes.
+    pub chutes: usize,
+    pub count: usize,
+    /// Time in which one of them is taken away, s.
+    pub every: f64,
+    pub span: Span,
+}
+
+/// What items are like.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Items {
+    /// After so many laps in vain an item is given out at the next chute; `None` if never.
+    pub laps: Option<usize>,
+    /// Share of items that need two carriers.
+    pub double: f64,
+    /// Share of readings that fail.
+    pub unread: f64,
+}
+
+impl Default for Items {
+    fn default() -> Self {
+        Items { laps: None, double: 0.0, unread: 0.0 }
+    }
+}
+
+/// Stops of the sorter; both times are means, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stops {
+    /// Of running between two stops.
+    pub every: f64,
+    pub duration: f64,
+}
+
+/// What the sorter has to take.
+#[derive(Clone, Debug, Serialize)]
+pub struct RequiredCapacity {
+    /// Items an hour.
+    pub least: Spanned<f64>,
+    pub reason: Option<String>,
+}
