@@ -11,4 +11,4 @@ pub mod trig;
 pub mod unique;
 pub mod words;
 
-pub use program::program;
+pub use program::{Host, installed, loaded_by, program, running};

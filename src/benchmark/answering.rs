@@ -3,6 +3,7 @@
 use super::key::{Answer, Facts, Key};
 use super::score::{Score, score};
 use super::{CHALLENGE, KEY, seal};
+use crate::base;
 use crate::base::digest::sha256;
 use crate::signal::read::DATA_LIMIT;
 use crate::source::disk::{Scratch, replace};
@@ -277,7 +278,7 @@ pub fn score_folder(folder: &Path) -> Result<Score, Trouble> {
 
 /// Diagnoses with this program as a child process.
 pub fn child(case: &Path, out: &Path) -> Result<(), String> {
-    let program = std::env::current_exe().map_err(|why| format!("this program cannot be found: {why}"))?;
+    let program = base::installed().map_err(|why| format!("this program cannot be found: {why}"))?;
     let outcome = Command::new(program)
         .args(["gap", "diagnose"])
         .arg(case)

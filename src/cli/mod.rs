@@ -2,10 +2,10 @@
 //!
 //! Exit codes: 0 clean (warnings allowed), 1 problems in the input, 2 could not run.
 
-mod build;
+pub mod build;
 mod capacity;
 mod cases;
-mod check;
+pub mod check;
 mod compare;
 mod diff;
 mod explain;
@@ -21,16 +21,17 @@ mod lsp;
 mod new;
 mod polygon;
 mod preview;
-mod progress;
+pub mod progress;
 mod read;
 mod report;
 mod runs;
-mod simulate;
+pub mod simulate;
 mod study;
 
 use crate::dynamics::{NoWidth, Width};
 use crate::source::{Root, one_line, shown, steers};
 use clap::{Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -85,11 +86,18 @@ pub enum Outcome {
 
 impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> Self {
-        ExitCode::from(match outcome {
+        ExitCode::from(outcome.code())
+    }
+}
+
+impl Outcome {
+    /// The exit code.
+    pub fn code(self) -> u8 {
+        match self {
             Outcome::Clean => 0,
             Outcome::Problems => 1,
             Outcome::CouldNotRun => 2,
-        })
+        }
     }
 }
 
@@ -113,20 +121,25 @@ pub enum OutputFormat {
 
 /// Runs the command line.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    run(std::env::args_os().collect()).into()
+}
+
+/// Runs a command line, whose first word is the program's name.
+pub fn run(words: Vec<OsString>) -> Outcome {
+    let cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
-        Err(why) => return misused(&why),
+        Err(why) => return misused(&why, &words),
     };
     limits::set_threads(cli.threads);
     if let Err(none) = Width::asked() {
-        return no_width(&none).into();
+        return no_width(&none);
     }
     if let Some(folder) = &cli.root
         && let Err(why) = Root::give(folder)
     {
-        return could_not("take as the root", folder, why).into();
+        return could_not("take as the root", folder, why);
     }
-    let outcome = match cli.verb {
+    match cli.verb {
         Verb::Build(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
         Verb::Diff(verb) => verb.run(),
@@ -146,22 +159,23 @@ pub fn main() -> ExitCode {
         Verb::Lsp(verb) => verb.run(),
         Verb::Completions(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),
-    };
-    outcome.into()
+    }
 }
 
 /// Says what is wrong with the command line, or helps. What is quoted of it may be the name of a file that somebody
 /// else made.
-fn misused(why: &clap::Error) -> ExitCode {
-    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+fn misused(why: &clap::Error, words: &[OsString]) -> Outcome {
+    let words = words.iter().map(|word| word.to_string_lossy().into_owned());
     let hostile: Vec<String> = words.filter(|word| word.contains(steers)).collect();
     if hostile.is_empty() {
-        why.exit();
+        // A reader that went away is no error of ours.
+        let _ = why.print();
+        return if why.use_stderr() { Outcome::CouldNotRun } else { Outcome::Clean };
     }
     // A line break in a word does not begin a message.
     let quoted = hostile.iter().fold(why.to_string(), |text, word| text.replace(word.as_str(), &one_line(word)));
     report::note(quoted.trim_end());
-    ExitCode::from(2)
+    Outcome::CouldNotRun
 }
 
 /// Says which vector widths there are instead.

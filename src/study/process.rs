@@ -1,8 +1,9 @@
 //! A step as a process of its own: this program, started anew.
 
+use crate::base;
 use std::fs::File;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 
 /// What is started.
@@ -36,7 +37,7 @@ pub type Start<'a> = &'a (dyn Fn(Call) -> io::Result<Ended> + Sync);
 ///
 /// The system's, where it cannot be started.
 pub fn start(call: Call) -> io::Result<Ended> {
-    let mut command = Command::new(own()?);
+    let mut command = Command::new(base::running()?);
     // Lists of processes have its name.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::arg0(&mut command, "lss");
@@ -54,12 +55,6 @@ pub fn start(call: Call) -> io::Result<Ended> {
         out: String::from_utf8_lossy(&output.stdout).into_owned(),
         said: String::from_utf8_lossy(&output.stderr).into_owned(),
     })
-}
-
-/// The running program, also after another one took its name.
-fn own() -> io::Result<PathBuf> {
-    let running = Path::new("/proc/self/exe");
-    if cfg!(target_os = "linux") && running.exists() { Ok(running.to_owned()) } else { std::env::current_exe() }
 }
 
 #[cfg(unix)]

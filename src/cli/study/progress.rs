@@ -2,6 +2,7 @@
 
 use super::list::Known;
 use super::{Builds, tasks};
+use crate::base;
 use crate::cli::{Outcome, limits, report};
 use crate::source::one_line;
 use crate::study::run::Did;
@@ -116,7 +117,7 @@ impl Status {
 
 fn line(plan: &Plan, place: &Place, known: &Known) -> String {
     let mut line = format!("{}: {}, {}", one_line(&plan.name), tasks(plan.unique().len()), known.counts());
-    let program = std::env::current_exe().unwrap_or_default();
+    let program = base::installed().unwrap_or_default();
     let queue = Arrays { place, program: &program }.queued();
     let cores = match &queue {
         Some(queue) => {

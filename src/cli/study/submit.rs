@@ -2,6 +2,7 @@
 
 use super::list::Known;
 use super::{Studied, always, lasting, tasks};
+use crate::base;
 use crate::cli::{Outcome, could_not, limits, report};
 use crate::source::{one_line, shown};
 use crate::study::run::{Did, LookedAt, Runner};
@@ -74,7 +75,7 @@ impl Submit {
         if self.each.is_none() {
             self.try_some(&plan, &place);
         }
-        let program = match std::env::current_exe() {
+        let program = match base::installed() {
             Ok(program) => program,
             Err(why) => return could_not("find", "this program".as_ref(), why),
         };
