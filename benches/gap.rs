@@ -13,11 +13,12 @@ use lss::base::random::normal;
 use lss::chain_input::{DeclaredEffect, Simulation};
 use lss::dynamics::{End, Plan, Width};
 use lss::effects::simulate;
-use lss::gap::chain::Chains;
+use lss::gap::chain::{Chains, Work};
 use lss::gap::{Costs, Settings, Simulator, diagnose};
 use lss::identify::Parameter;
 use lss::identify::study::Subject;
 use lss::signal::Run;
+use lss::solve::Stop;
 use track::track;
 
 /// Speed and tension of the runs over the planned ones.
@@ -34,8 +35,8 @@ fn main() {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
 
     let mut costs = Costs::new("nominal_fits");
-    let chains = Chains::new(&subjects, &Settings::default(), 1, threads, Width::widest(), &|_| {})
-        .expect("runs that can be fitted");
+    let work = Work { seed: 1, threads, width: Width::widest(), stop: Stop::NEVER };
+    let chains = Chains::new(&subjects, &Settings::default(), work, &|_| {}).expect("runs that can be fitted");
     let mut found = diagnose(&chains, &Settings::default(), &mut |stage| costs.enter(stage.name(), chains.effort()));
     let candidates = chains.candidates().len();
     costs.enter("nominal_fits", chains.effort());

@@ -10,6 +10,7 @@ use lss::chain_input::Simulation;
 use lss::dynamics::{Ensemble, EnsemblePlan, Method, Width};
 use lss::effects::run_ensemble;
 use lss::signal::{Channel, FORCES};
+use lss::solve::Stop;
 use realfft::RealFftPlanner;
 use std::path::Path;
 use std::time::Instant;
@@ -40,7 +41,14 @@ struct Numbers {
 }
 
 fn numbers(simulation: &Simulation, step: f64, settle: f64) -> Numbers {
-    let plan = EnsemblePlan { settle, duration: 30.0, step: Some(step), method: Method::Verlet, front: 0.0 };
+    let plan = EnsemblePlan {
+        settle,
+        duration: 30.0,
+        step: Some(step),
+        method: Method::Verlet,
+        front: 0.0,
+        stop: Stop::NEVER,
+    };
     let clock = Instant::now();
     let ensemble = run_ensemble(simulation, &plan, None, Width::widest()).expect("fit");
     let speed = (plan.settle + plan.duration) / clock.elapsed().as_secs_f64();

@@ -12,6 +12,7 @@ use super::width::Width;
 use crate::chain_input::{Deviations, Simulation, Unfit};
 use crate::signal::FORCES;
 use crate::signal::filter::Lowpass;
+use crate::solve::Stop;
 use pulp::{Simd, WithSimd};
 use std::sync::Arc;
 
@@ -28,6 +29,8 @@ pub struct EnsemblePlan {
     pub method: Method,
     /// Arc length of the first cart's front joint at the start, m.
     pub front: f64,
+    /// When to end with what was recorded so far.
+    pub stop: Stop,
 }
 
 /// What one cart measured: forces behind the low-pass, sampled.
@@ -100,6 +103,9 @@ pub fn run_ensemble(
     let mut trouble = None;
     let mut tick: u64 = 0;
     while log.samples < samples {
+        if tick.is_multiple_of(clock.a_look) && ensemble.stop.now() {
+            break;
+        }
         if clock.controls(tick) {
             chain.sample_control();
         }

@@ -3,6 +3,7 @@ use crate::base::trig;
 use crate::compiled::fixture::compile;
 use crate::dynamics::{Ensemble, EnsemblePlan, Method, Width};
 use crate::model::fixture;
+use crate::solve::Stop;
 
 /// A short track with two motors.
 fn nominal() -> Simulation {
@@ -19,7 +20,8 @@ fn with(name: &str, strengths: &[(&str, f64)]) -> Simulation {
 }
 
 fn ensemble_of(simulation: &Simulation) -> Ensemble {
-    let plan = EnsemblePlan { settle: 6.0, duration: 3.0, step: None, method: Method::Verlet, front: 0.0 };
+    let plan =
+        EnsemblePlan { settle: 6.0, duration: 3.0, step: None, method: Method::Verlet, front: 0.0, stop: Stop::NEVER };
     let ensemble = run_ensemble(simulation, &plan, None, Width::widest()).expect("a chain");
     assert!(ensemble.trouble.is_none());
     ensemble
@@ -46,7 +48,14 @@ fn sensed(simulation: &Simulation) -> [Vec<f64>; FORCES] {
 fn a_settled_chain_goes_on_on_another_track() {
     let settled = ensemble_of(&nominal()).settled;
     let first = |simulation: &Simulation| -> Vec<f32> {
-        let plan = EnsemblePlan { settle: 0.0, duration: 0.004, step: None, method: Method::Verlet, front: 0.0 };
+        let plan = EnsemblePlan {
+            settle: 0.0,
+            duration: 0.004,
+            step: None,
+            method: Method::Verlet,
+            front: 0.0,
+            stop: Stop::NEVER,
+        };
         let ensemble = run_ensemble(simulation, &plan, Some(&settled), Width::widest()).expect("a chain");
         ensemble.carts.iter().map(|cart| cart.forces[4][0]).collect()
     };

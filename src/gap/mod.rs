@@ -10,6 +10,7 @@ mod checked;
 mod comparison;
 mod cost;
 mod diagnose;
+mod diagnosed;
 mod diagnosis;
 mod hypothesis;
 mod ids;
@@ -40,6 +41,7 @@ mod words;
 
 pub use cost::{Cost, Costs};
 pub use diagnose::{Stage, diagnose, diagnose_and_explain};
+pub use diagnosed::{Answer, diagnose_runs};
 pub use diagnosis::{
     Amount, Bound, ByAccuracy, CheckedRun, Diagnosis, Extent, Finding, GapPlace, Group, Lost, OutsideModel, Overlay,
     PredictiveCheck, RunGap, SampleError, Shape, Unexplained, Verdict,

@@ -9,6 +9,7 @@
 //! (`posterior`).
 
 pub mod accumulator;
+pub mod cases;
 pub mod coverage;
 mod design;
 mod effort;
@@ -18,6 +19,7 @@ pub mod goodness;
 pub mod groups;
 pub mod hum;
 pub mod lack_of_fit;
+pub mod law_fits;
 pub mod local;
 mod measured;
 pub mod model;
@@ -26,6 +28,7 @@ mod parameter;
 pub mod places;
 mod posterior;
 pub mod repeatability;
+pub mod reports;
 pub mod scales;
 pub mod share;
 pub mod static_test;

@@ -10,6 +10,7 @@ use crate::dynamics::{CartRecord, Ensemble, EnsemblePlan, Method, Settled, Width
 use crate::effects;
 use crate::identify::accumulator::{FeatureAccumulator, FeatureSpec, NoiseDraw, Samples};
 use crate::signal::FORCES;
+use crate::solve::Stop;
 use std::sync::Arc;
 
 /// A point of the parameters' space, in coordinates.
@@ -30,6 +31,8 @@ pub struct Model {
     pub width: Width,
     /// What was simulated with this model and its clones.
     pub counter: Counter,
+    /// When nothing more can be simulated.
+    pub stop: Stop,
 }
 
 /// How a point is simulated.
@@ -77,6 +80,7 @@ impl Model {
             law,
             width,
             counter: Counter::default(),
+            stop: Stop::NEVER,
         }
     }
 
@@ -104,8 +108,11 @@ impl Model {
         simulation
     }
 
-    /// Simulates a point.
+    /// Simulates a point. `None` where its chain cannot be simulated, or the work is stopped.
     pub fn run_ensemble(&self, at: &Coordinates, plan: &Plan) -> Option<Ensemble> {
+        if self.stop.now() {
+            return None;
+        }
         let mut simulation = self.input(at);
         simulation.joint.approach_floor_m_s *= trig::exp(plan.approach_floor);
         let pitch = self.spec.places.lap / simulation.chain.carts as f64;
@@ -115,11 +122,12 @@ impl Model {
             step: plan.step,
             method: Method::Verlet,
             front: 0.0,
+            stop: self.stop,
         };
         self.counter.add(ensemble.settle + ensemble.duration);
         effects::run_ensemble(&simulation, &ensemble, plan.from, self.width)
             .ok()
-            .filter(|ensemble| ensemble.trouble.is_none())
+            .filter(|ensemble| ensemble.trouble.is_none() && !self.stop.now())
     }
 
     /// The usual largest step at a point, s.

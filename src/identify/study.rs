@@ -21,6 +21,7 @@ use crate::identify::accumulator::Block;
 use crate::identify::noise::{CorrelatedNoise, channel_noise};
 use crate::signal::compare::{Scale, compare_from};
 use crate::signal::{Channel, Run};
+use crate::solve::Stop;
 use crate::{base, effects};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -168,8 +169,8 @@ impl Subject {
 /// What everything a fit depends on hashes to (SHA-256): this program, the run and its chain, the law, the options, and
 /// what the fit started from.
 pub fn key(subject: &Subject, law: ContactLaw, settings: &FitSettings, held: &str) -> String {
-    // The answer does not depend on threads.
-    let settings = FitSettings { threads: 1, ..*settings };
+    // The answer depends on neither.
+    let settings = FitSettings { threads: 1, stop: Stop::NEVER, ..*settings };
     sha256(format!("{} {} {law:?} {settings:?} {held}", base::program(), subject.content()).as_bytes())
 }
 

@@ -14,7 +14,7 @@ pub enum Cut {
 }
 
 /// When to stop, asked at the beginning of iterations and nodes. Copies share whether something was ended.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stop(Option<Limit>);
 
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +25,16 @@ struct Limit {
     ended: Option<&'static AtomicBool>,
 }
 
+/// A time that no work takes: a hundred years.
+const LONG: Duration = Duration::from_secs(3_155_760_000);
+
+/// Copies of one limit are equal.
+impl PartialEq for Limit {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.cut, other.cut)
+    }
+}
+
 impl Stop {
     /// Never.
     pub const NEVER: Stop = Stop(None);
@@ -33,6 +43,11 @@ impl Stop {
     pub fn after(limit: Duration) -> Stop {
         let at = Instant::now().checked_add(limit);
         Stop(at.map(|at| Limit { at, cut: Box::leak(Box::new(AtomicBool::new(false))), ended: None }))
+    }
+
+    /// As soon as `ended` is set.
+    pub fn when(ended: &'static AtomicBool) -> Stop {
+        Stop::after_or(LONG, ended)
     }
 
     /// So long from now on, or as soon as `ended` is set.
@@ -71,6 +86,13 @@ mod tests {
         assert!(!either.now());
         ENDED.store(true, Ordering::Relaxed);
         assert!(either.now());
+        static SET: AtomicBool = AtomicBool::new(false);
+        let (when, copy) = (Stop::when(&SET), Stop::when(&SET));
+        assert!(!when.now() && when != copy);
+        let same = when;
+        assert_eq!(same, when);
+        SET.store(true, Ordering::Relaxed);
+        assert!(when.now() && copy.now());
         // Too long to be reckoned is no limit.
         assert!(!Stop::after(Duration::MAX).now());
     }

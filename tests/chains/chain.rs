@@ -8,6 +8,7 @@ use lss::dynamics::integrate::{CashKarp, Integrator, Verlet};
 use lss::dynamics::{Chain, End, EnsemblePlan, Method, PACK, Plan, TroubleKind, Width, parameters};
 use lss::effects::{self, run_ensemble, simulate, simulate_all};
 use lss::signal::Channel;
+use lss::solve::Stop;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -429,7 +430,8 @@ fn numbers_that_no_chain_can_have_are_refused() {
 #[test]
 fn every_cart_of_a_survey_is_a_sensor_cart() {
     let simulation = with(&input("levels"), &[("controller.integral_n_per_m", 0.0)]);
-    let plan = EnsemblePlan { settle: 0.2, duration: 0.8, step: None, method: Method::Verlet, front: 0.4 };
+    let plan =
+        EnsemblePlan { settle: 0.2, duration: 0.8, step: None, method: Method::Verlet, front: 0.4, stop: Stop::NEVER };
     let ensemble = run_ensemble(&simulation, &plan, None, Width::widest()).expect("fit");
     assert_eq!((ensemble.carts.len(), ensemble.trouble), (120, None));
     for cart in [1, 2, 77] {

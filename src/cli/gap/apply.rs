@@ -2,11 +2,11 @@
 
 use crate::base::json;
 use crate::base::number::shortest;
-use crate::cli::cases::Case;
 use crate::cli::identify::fitted::import;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
 use crate::gap::chain::Chains;
 use crate::gap::{Diagnosis, Finding, Id, RunId};
+use crate::identify::cases::Case;
 use crate::model::effect_definitions::{named, spelled};
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -5,19 +5,21 @@ use super::{apply, text};
 use crate::base::json;
 use crate::base::number::duration;
 use crate::chain_input::Track;
-use crate::cli::cases::{Case, cases};
+use crate::cli::cases::cases;
 use crate::cli::progress::Line;
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, report};
 use crate::dynamics::Width;
 use crate::effects::is_of_machine;
 use crate::emit::Files;
-use crate::gap::chain::Chains;
+use crate::gap::chain::{Chains, Work};
 use crate::gap::outside::{self, Outside};
 use crate::gap::{
-    ByAccuracy, Cost, Costs, Diagnosis, Explanation, Left, Lost, Remembered, Settings, Simulator, Stage,
-    diagnose_and_explain,
+    Answer, ByAccuracy, Cost, Costs, Diagnosis, Left, Remembered, Settings, Simulator, Stage, diagnose_and_explain,
+    diagnose_runs,
 };
+use crate::identify::cases::Case;
 use crate::identify::study::Subject;
+use crate::solve::Stop;
 use crate::source::shown;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -99,34 +101,29 @@ impl Diagnose {
         bar.say("fitting the nominal model to each run");
         let line = bar.line.clone();
         let tell = |run: &str| line.say(|| format!("fitted {run}"));
-        let mut chains = match Chains::new(&subjects, &Settings::default(), self.seed, threads(), Width::used(), &tell)
-        {
-            Ok(chains) => chains,
+        let (settings, origin) = (Settings::default(), self.origin(&subjects));
+        let work = Work { seed: self.seed, threads: threads(), width: Width::used(), stop: Stop::NEVER };
+        let mut books = Vec::new();
+        let mut diagnose = |chains: &Chains, round: usize| {
+            let name = if round == 1 { PARTIAL.to_owned() } else { format!("{PARTIAL}.{round}") };
+            let answer = bar.diagnose(&self.remembered(chains, &origin, &name), &settings);
+            books.push(self.output.join(name));
+            if round == 1 {
+                bar.say("fitting the runs with what was found");
+                bar.costs.enter("nominal_fits", chains.effort());
+            }
+            answer
+        };
+        let (chains, mut answer) = match diagnose_runs(&subjects, &settings, work, &tell, &mut diagnose) {
+            Ok(found) => found,
             Err((run, why)) => {
                 bar.clear();
                 report::error(&format!("{run}: {why}\n  help: leave the run out of campaign.toml"));
                 return Outcome::Problems;
             }
         };
-        let origin = self.origin(&subjects);
-        let mut books = vec![self.output.join(PARTIAL)];
-        let mut answer = bar.diagnose(&self.remembered(&chains, &origin, PARTIAL), &Settings::default());
-        bar.say("fitting the runs with what was found");
-        bar.costs.enter("nominal_fits", chains.effort());
-        if let Some(next) = chains.anew(&subjects, &answer.found, &Settings::default(), &tell) {
-            let name = format!("{PARTIAL}.2");
-            let again = bar.diagnose(&self.remembered(&next, &origin, &name), &Settings::default());
-            books.push(self.output.join(name));
-            let better = again.found.left() < answer.found.left() && !again.found.named().is_empty();
-            let cost = again.cost.clone();
-            if better {
-                (chains, answer) = (next, again);
-            }
-            answer.cost = cost;
-        }
         bar.clear();
         let found = &mut answer.found;
-        found.lost.extend(chains.lost().into_iter().map(Lost::data));
         let mut files = Files::default();
         if self.apply {
             match apply::files(&cases, &chains, found, &self.output) {
@@ -288,13 +285,6 @@ fn with_cost(found: &Diagnosis, cost: &Cost) -> String {
 
 fn threads() -> usize {
     crate::cli::limits::threads()
-}
-
-/// What a diagnosis found, how it came to it, and what it cost.
-struct Answer {
-    found: Diagnosis,
-    explained: Vec<Explanation>,
-    cost: Cost,
 }
 
 /// How far a diagnosis is, and what it costs.

@@ -1,23 +1,24 @@
 //! `lss identify CAMPAIGN`: every run, every law.
 
-use super::reports::{LawReport, Study};
 use super::{fitted, table};
 use crate::base::{json, parallel};
-use crate::chain_input::{ContactLaw, Track};
-use crate::cli::cases::{Case, cases};
-use crate::cli::identify::reports::law_name;
+use crate::chain_input::ContactLaw;
+use crate::cli::cases::cases;
 use crate::cli::progress::Line;
 use crate::cli::{Outcome, OutputFormat, could_not, limits, report};
 use crate::dynamics::Width;
 use crate::emit::Files;
+use crate::identify::cases::{Case, common_track};
 use crate::identify::groups::{RunGroup, SetPoint};
-use crate::identify::share::{Shared, combine};
-use crate::identify::study::{self, RunFit, carry, fit_run};
-use crate::identify::{FitSettings, Measured, Model, Parameter};
+use crate::identify::law_fits::LawFits;
+use crate::identify::reports::{LawReport, Study, law_name};
+use crate::identify::share::Shared;
+use crate::identify::study::{RunFit, fit_run};
+use crate::identify::{FitSettings, Parameter};
 use crate::report::identification;
-use crate::source::{SIZE_LIMIT, root, shown};
+use crate::source::shown;
 use clap::ValueEnum;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub struct Campaign {
@@ -88,8 +89,15 @@ impl Campaign {
         if self.identifiability {
             return self.tell(&cases, &settings, threads, broken);
         }
-        let trusted =
-            Work { output, law: self.law.0[0], settings, first: None, line: None, trusted: true }.confirmed(&cases);
+        let begin = LawFits {
+            law: self.law.0[0],
+            settings,
+            width: Width::used(),
+            first: None,
+            kept_in: Some(output),
+            trusted: true,
+        };
+        let trusted = begin.confirmed(&cases);
         if !trusted {
             report::warning("a fit that was kept here comes out otherwise now: all fits are made anew");
         }
@@ -98,8 +106,12 @@ impl Campaign {
         let mut failed = broken;
         for &law in &self.law.0 {
             let first = done.first().map(|(_, fits, _)| fits.clone());
-            let work = Work { output, law, settings, first: first.as_deref(), line: Some(&line), trusted };
-            let results = parallel::map(&cases, threads, |case| work.fit(case));
+            let work = LawFits { law, first: first.as_deref(), trusted, ..begin };
+            let results = parallel::map(&cases, threads, |case| {
+                let fit = work.fit(case);
+                line.step(|| format!("{}, {}", case.subject.name, law_name(law)));
+                fit
+            });
             let mut fits = Vec::new();
             for (case, result) in cases.iter().zip(results) {
                 match result {
@@ -132,7 +144,7 @@ impl Campaign {
         }
         files.push("identification.json", json::to_json(&study));
         let pages: Vec<(ContactLaw, &[RunFit])> = done.iter().map(|(law, fits, _)| (*law, fits.as_slice())).collect();
-        files.push("identification.html", identification::page(&pages, &self.share, &groups, common(&cases)));
+        files.push("identification.html", identification::page(&pages, &self.share, &groups, common_track(&cases)));
         if let Some((_, fits, _)) = done.first() {
             match fitted::files(&cases, &groups, fits, output) {
                 Ok(more) => files.extend(more),
@@ -174,140 +186,4 @@ impl Campaign {
         report::print(&text);
         if failed { Outcome::Problems } else { Outcome::Clean }
     }
-}
-
-/// The fits of one law.
-struct Work<'a> {
-    output: &'a Path,
-    law: ContactLaw,
-    settings: FitSettings,
-    /// Those of the first law.
-    first: Option<&'a [RunFit]>,
-    line: Option<&'a Line>,
-    /// Whether fits that were kept may be used.
-    trusted: bool,
-}
-
-/// How many kept fits are looked at again.
-const ASKED_AGAIN: usize = 2;
-
-impl Work<'_> {
-    /// A run's fit: from the disk when it is there and nothing has changed, else made and kept.
-    fn fit(&self, case: &Case) -> Result<RunFit, String> {
-        let subject = &case.subject;
-        let start = self.first.and_then(|fits| fits.iter().find(|f| f.run == subject.name));
-        let carried = start.and_then(|from| carry(subject, from, self.law, &self.settings, Width::used()));
-        let fit = match carried {
-            Some(carried) => Ok(carried),
-            None => {
-                let held = start.map_or_else(String::new, |s| s.key.clone());
-                let key = study::key(subject, self.law, &self.settings, &held);
-                self.kept(&subject.name, &key, || {
-                    // Within another law's bounds the run says what it said before: nothing is left to search.
-                    let within = start.and_then(|s| study::within(subject, s, self.law, &self.settings, Width::used()));
-                    if let Some(at) = within {
-                        let settings = FitSettings { steps: 0, ..self.settings };
-                        return fit_run(
-                            subject,
-                            self.law,
-                            Some((self.law, &at)),
-                            &settings,
-                            Width::used(),
-                            key.clone(),
-                        );
-                    }
-                    let from = start.map(|s| (s.law, s.at()));
-                    let from = from.as_ref().map(|(law, at)| (*law, at));
-                    fit_run(subject, self.law, from, &self.settings, Width::used(), key.clone())
-                })
-            }
-        };
-        if let Some(line) = self.line {
-            line.step(|| format!("{}, {}", subject.name, law_name(self.law)));
-        }
-        fit
-    }
-
-    fn folder(&self) -> PathBuf {
-        self.output.join("fits").join(law_name(self.law))
-    }
-
-    /// A fit on the disk, if it came from the same.
-    fn known(&self, name: &str, key: &str) -> Option<RunFit> {
-        let bytes = root::read_given(&self.folder().join(format!("{name}.json")), SIZE_LIMIT).ok()?;
-        let known: RunFit = serde_json::from_slice(&bytes).ok()?;
-        (known.key == key && known.is_whole()).then_some(known)
-    }
-
-    /// Whether a few of the kept fits of the first law still are what this program would say.
-    fn confirmed(&self, cases: &[Case]) -> bool {
-        let known = cases.iter().filter_map(|case| {
-            let key = study::key(&case.subject, self.law, &self.settings, "");
-            Some((case, self.known(&case.subject.name, &key)?))
-        });
-        known.take(ASKED_AGAIN).all(|(case, fit)| study::is_confirmed(&case.subject, &fit, Width::used()))
-    }
-
-    fn kept(&self, name: &str, key: &str, make: impl FnOnce() -> Result<RunFit, String>) -> Result<RunFit, String> {
-        let folder = self.folder();
-        root::below(self.output, &folder).map_err(|why| format!("{}: {why}", shown(&folder)))?;
-        if let Some(known) = self.known(name, key).filter(|_| self.trusted) {
-            return Ok(known);
-        }
-        let made = make()?;
-        let bytes = json::to_json(&made);
-        let mut files = Files::default();
-        files.push(format!("{name}.json"), bytes.as_slice());
-        files.write(&folder).map_err(|error| error.to_string())?;
-        // What was kept and what was made read the same.
-        serde_json::from_slice(&bytes).map_err(|why| why.to_string())
-    }
-
-    /// Fits what is shared over all runs, and the rest of each run anew with it.
-    fn share(
-        &self,
-        cases: &[Case],
-        fits: &mut Vec<RunFit>,
-        names: &[Parameter],
-        threads: usize,
-    ) -> Result<Option<Shared>, String> {
-        if names.is_empty() || fits.is_empty() {
-            return Ok(None);
-        }
-        let case_of = |fit: &RunFit| cases.iter().find(|c| c.subject.name == fit.run);
-        let mut models = Vec::new();
-        for fit in fits.iter() {
-            let Some(case) = case_of(fit) else { continue };
-            let lap = case.subject.simulation.chain.track_length_m;
-            let measured = Measured::new(&case.subject.run, &case.subject.simulation, lap)?;
-            models.push((Model::new(&case.subject.simulation, self.law, &measured, Width::used()), fit.fit()));
-        }
-        let pairs: Vec<_> = models.iter().map(|(model, fit)| (model, fit)).collect();
-        let shared = combine(names, &pairs).ok_or("what the runs say of shared parameters cannot be combined")?;
-        let settings = FitSettings {
-            free: std::array::from_fn(|k| self.settings.free[k] && !names.contains(&Parameter::ALL[k])),
-            ..self.settings
-        };
-        let again = parallel::map(fits, threads, |fit| {
-            let case = case_of(fit).ok_or("the run is gone")?;
-            let mut at = fit.at();
-            for (p, x) in shared.parameters.iter().zip(&shared.at) {
-                at[p.index()] = *x;
-            }
-            let key = study::key(&case.subject, self.law, &settings, &format!("{at:?}"));
-            let name = format!("{}-shared", fit.run);
-            self.kept(&name, &key, || {
-                fit_run(&case.subject, self.law, Some((self.law, &at)), &settings, Width::used(), key.clone())
-            })
-        });
-        *fits = again.into_iter().collect::<Result<_, String>>()?;
-        Ok(Some(shared))
-    }
-}
-
-/// The track of all runs, where they have one.
-fn common(cases: &[Case]) -> Option<&Track> {
-    let (first, rest) = cases.split_first()?;
-    let track = &first.subject.simulation.track;
-    rest.iter().all(|case| case.subject.simulation.track == *track).then_some(track)
 }

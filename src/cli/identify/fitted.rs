@@ -3,8 +3,8 @@
 use crate::base::json;
 use crate::base::number::{fixed, shortest};
 use crate::chain_input::{ContactLaw, ContactParameters, Simulation, Wheel};
-use crate::cli::cases::Case;
 use crate::cli::{MessageFormat, Outcome, layouts, read};
+use crate::identify::cases::Case;
 use crate::identify::groups::{RunGroup, quartiles};
 use crate::identify::lack_of_fit::at_bounds;
 use crate::identify::study::RunFit;

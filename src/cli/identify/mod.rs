@@ -2,7 +2,6 @@
 
 mod campaign;
 pub mod fitted;
-mod reports;
 mod stiffness;
 mod table;
 

@@ -1,9 +1,9 @@
 //! Fits as a terminal shows them.
 
-use super::reports::LawReport;
 use crate::base::number::fixed;
 use crate::identify::Parameter;
 use crate::identify::groups::{RunGroup, quartiles};
+use crate::identify::reports::LawReport;
 use crate::identify::study::RunFit;
 use crate::report::identification::digits;
 use std::fmt::Write;

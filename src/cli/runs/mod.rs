@@ -2,11 +2,11 @@
 
 mod table;
 
-use super::cases::named_layout;
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read, report};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::emit::Files;
+use crate::identify::cases::named_layout;
 use crate::report::campaign as pages;
 use crate::signal::health::{Health, health};
 use crate::signal::measures::Statistics;

@@ -31,6 +31,7 @@ use crate::identify::study::Subject;
 use crate::identify::{Counter, Effort, FitSettings, Model, Parameter};
 use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
+use crate::solve::Stop;
 use force_slope::{Impact, Profile};
 use impacts::Suspect;
 use laps::observed;
@@ -40,6 +41,18 @@ use std::collections::BTreeMap;
 /// How many runs are fitted at a time: more than threads, so that none is left to a single one in the end.
 fn at_a_time(threads: usize) -> usize {
     if threads > 1 { 2 * threads } else { 1 }
+}
+
+/// How a campaign's runs are worked on.
+#[derive(Clone, Copy)]
+pub struct Work {
+    /// Which noise simulations get.
+    pub seed: u64,
+    /// No answer depends on them.
+    pub threads: usize,
+    pub width: Width,
+    /// When nothing more is simulated.
+    pub stop: Stop,
 }
 
 /// A campaign's runs on chains.
@@ -91,28 +104,27 @@ struct Fitting<'a> {
 }
 
 impl Chains {
-    /// Fits the nominal model to each run, over `threads`. `tell` is told which are done.
+    /// Fits the nominal model to each run. `tell` is told which are done.
     ///
     /// # Errors
     ///
-    /// The run and why it cannot be used.
+    /// The run and why it cannot be used, or that the work was stopped.
     pub fn new(
         subjects: &[Subject],
         settings: &Settings,
-        seed: u64,
-        threads: usize,
-        width: Width,
+        work: Work,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Result<Chains, (String, String)> {
+        let Work { seed, threads, width, stop } = work;
         let settings = &settings.chain;
         let steps = settings.ensembles.nominal_steps;
         // A campaign's runs have the same sensors.
         let counter = Counter::default();
         let repeated: Vec<Option<Excess>> =
-            parallel::map(subjects, threads, |subject| repeated(subject, width, &counter));
+            parallel::map(subjects, threads, |subject| repeated(subject, width, stop, &counter));
         let repeated: Vec<Excess> = repeated.into_iter().flatten().collect();
         let correlated = Some(Excess::noise(&repeated));
-        let fit = FitSettings { seed, steps, threads: 1, correlated, ..FitSettings::default() };
+        let fit = FitSettings { seed, steps, threads: 1, correlated, stop, ..FitSettings::default() };
         let fitting = Fitting { fit, settings, threads, width, known: None, offered: &|_| true, counter };
         Chains::fitted(subjects, fitting, tell)
     }

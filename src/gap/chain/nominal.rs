@@ -16,14 +16,15 @@ use crate::identify::repeatability::Repeatability;
 use crate::identify::study::Subject;
 use crate::identify::{Counter, FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
+use crate::solve::Stop;
 
 /// What a run's passes of the same places differ by beyond simulated ones, where it has some.
-pub fn repeated(subject: &Subject, width: Width, counter: &Counter) -> Option<Excess> {
+pub fn repeated(subject: &Subject, width: Width, stop: Stop, counter: &Counter) -> Option<Excess> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap).ok().filter(|run| run.laps > 1.0)?;
     let simulation = without_sensors_effects(&subject.simulation);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
-    model.counter = counter.clone();
+    (model.counter, model.stop) = (counter.clone(), stop);
     let at = Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()]));
     let ensemble = Repeatability::run_ensemble(&model, &at, None)?;
     Some(excess(&model, &measured, &at, &ensemble))

@@ -18,6 +18,7 @@ use crate::identify::accumulator::{Block, FeatureAccumulator, NoiseDraw};
 use crate::identify::fit::residuals::Residuals;
 use crate::identify::noise::Noise;
 use crate::signal::FORCES;
+use crate::solve::Stop;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
@@ -36,6 +37,8 @@ pub struct FitSettings {
     pub noise: Option<[Noise; FORCES]>,
     /// Whether the shares of the integration's step and of the start are found though no step is made.
     pub numerics: bool,
+    /// When to give up: what was not simulated by then is missing, and the fit is an error.
+    pub stop: Stop,
 }
 
 impl Default for FitSettings {
@@ -48,6 +51,7 @@ impl Default for FitSettings {
             correlated: None,
             noise: None,
             numerics: false,
+            stop: Stop::NEVER,
         }
     }
 }
@@ -132,6 +136,7 @@ pub fn land(
     start: Option<Coordinates>,
     settings: &FitSettings,
 ) -> Result<(Fit, Landing), String> {
+    model.stop = settings.stop;
     let mut fitter = Fitter { measured, settings, simulations: 0, blocks: FeatureAccumulator::blocks(&model.spec) };
     let Begin { mut at, mut repeatability, mut centre } = fitter.begin(model, start).ok_or(LOST)?;
     let mut numerics = Numerics::none(repeatability.deviation.len());

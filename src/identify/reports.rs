@@ -1,12 +1,12 @@
 //! What fits amount to: a law's runs one by one, and the study in summary, by set point.
 
+use super::groups::{RunGroup, quartiles};
+use super::lack_of_fit::{Warning, at_bounds, warning};
+use super::share::Shared;
+use super::study::{CONFIDENCE, Estimate, RunFit};
+use super::{Parameter, interval};
 use crate::base::number::tidy;
 use crate::chain_input::ContactLaw;
-use crate::identify::groups::{RunGroup, quartiles};
-use crate::identify::lack_of_fit::{Warning, at_bounds, warning};
-use crate::identify::share::Shared;
-use crate::identify::study::{CONFIDENCE, Estimate, RunFit};
-use crate::identify::{Parameter, interval};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -1,0 +1,133 @@
+//! The runs of a campaign with the layouts they name.
+
+use super::Measured;
+use super::groups::SetPoint;
+use super::study::Subject;
+use crate::base::number::fixed;
+use crate::chain_input::{Simulation, Track};
+use crate::signal::{self, Entry, Run, RunError};
+use crate::source::{InputError, shown};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Laps from which a run is taken to go once around: its ends are not known to the sample.
+const WHOLE_LAP: f64 = 0.98;
+
+/// A run and the layout it names.
+pub struct Case {
+    pub subject: Subject,
+    /// The layout's file.
+    pub layout: PathBuf,
+    /// As the campaign has it, else the sidecar and the layout.
+    pub set_point: SetPoint,
+}
+
+/// What there is to say of a campaign's runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Said {
+    /// A run is left out.
+    Error(String),
+    Warning(String),
+}
+
+/// Why there are no cases.
+pub enum NoCases<E> {
+    /// The campaign cannot be read.
+    Campaign(RunError),
+    /// A layout cannot be.
+    Layout(E),
+}
+
+impl Case {
+    /// A run on a chain, and what there is to warn of. `layout` is what the layout is called; `speed` is the campaign's,
+    /// m/s.
+    pub fn new(name: &str, run: Run, simulation: Simulation, layout: &Path, speed: Option<f64>) -> (Case, Vec<String>) {
+        let mut warnings = run.warnings(None);
+        // The wheels may know the speed where the sidecar's is off.
+        match Measured::new(&run, &simulation, simulation.chain.track_length_m) {
+            Ok(measured) if measured.laps < WHOLE_LAP => warnings.push(format!(
+                "it covers {} of a lap: of the rest of the track nothing can be told",
+                fixed(measured.laps, 2)
+            )),
+            _ => {}
+        }
+        let set_point = SetPoint {
+            run: name.to_owned(),
+            layout: layout.display().to_string(),
+            speed: speed.unwrap_or(run.sidecar.speed_setpoint),
+            tension: simulation.chain.tension_n,
+        };
+        let subject = Subject { name: name.to_owned(), run, simulation };
+        (Case { subject, layout: layout.to_owned(), set_point }, warnings)
+    }
+}
+
+/// The runs of a campaign that can be read, and whether some cannot. `layout` is that of all runs instead of those that
+/// they name; `simulation` reads a layout.
+///
+/// # Errors
+///
+/// [`NoCases`]; the first layout that cannot be read ends it.
+pub fn cases<E>(
+    folder: &Path,
+    layout: Option<&Path>,
+    simulation: &mut dyn FnMut(&Path) -> Result<Simulation, E>,
+    tell: &mut dyn FnMut(Said),
+) -> Result<(Vec<Case>, bool), NoCases<E>> {
+    let (campaign, refused) = signal::Campaign::read_each(folder).map_err(NoCases::Campaign)?;
+    let mut broken = !refused.is_empty();
+    refused.iter().for_each(|r| tell(Said::Error(r.error.to_string())));
+    let mut layouts: BTreeMap<PathBuf, Simulation> = BTreeMap::new();
+    let mut cases = Vec::new();
+    for entry in &campaign.runs {
+        let path = match layout.map_or_else(|| named_layout(entry), |given| Ok(given.to_owned())) {
+            Ok(path) => path,
+            Err(why) => {
+                tell(Said::Error(format!("{}: {why}\n  help: give it with --layout", entry.name)));
+                broken = true;
+                continue;
+            }
+        };
+        let run = match entry.run() {
+            Ok(run) => run,
+            Err(error) => {
+                tell(Said::Error(error.to_string()));
+                broken = true;
+                continue;
+            }
+        };
+        if !layouts.contains_key(&path) {
+            layouts.insert(path.clone(), simulation(&path).map_err(NoCases::Layout)?);
+        }
+        let Some(known) = layouts.get(&path) else { continue };
+        let mut simulation = known.clone();
+        if let Some(tension) = entry.tension {
+            simulation.chain.tension_n = tension;
+        }
+        let (case, warnings) = Case::new(&entry.name, run, simulation, &path, entry.speed);
+        warnings.into_iter().for_each(|warning| tell(Said::Warning(format!("{}: {warning}", entry.name))));
+        cases.push(case);
+    }
+    Ok((cases, broken))
+}
+
+/// The track of all runs, where they have one.
+pub fn common_track(cases: &[Case]) -> Option<&Track> {
+    let (first, rest) = cases.split_first()?;
+    let track = &first.subject.simulation.track;
+    rest.iter().all(|case| case.subject.simulation.track == *track).then_some(track)
+}
+
+/// The file of the layout that a run's campaign or sidecar names, or why there is none to read.
+///
+/// # Errors
+///
+/// In words.
+pub fn named_layout(entry: &Entry) -> Result<PathBuf, String> {
+    let name = shown(&entry.layout);
+    match entry.layout() {
+        Ok(path) if path.is_file() => Ok(path.to_owned()),
+        Ok(_) | Err(InputError::Missing(_)) => Err(format!("the layout {name} is not there")),
+        Err(why) => Err(format!("the layout {name} is not read: {why}")),
+    }
+}
