@@ -163,7 +163,7 @@ impl Solving {
 }
 
 /// What a solve is at.
-fn words(progress: Progress) -> String {
+pub fn words(progress: Progress) -> String {
     match progress {
         Progress::Iteration { stage, iteration, length, max_violation } => {
             let stage =

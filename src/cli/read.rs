@@ -178,7 +178,7 @@ pub fn solved(read: Read, format: MessageFormat) -> Result<(Compiled, Outcome), 
     // The bill does not matter here.
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
     if !compiled.failed() {
-        said.extend(loose(&compiled));
+        said.extend(compiled.loose());
     }
     said.retain(|d| !mute || d.is_error());
     let outcome = tell(&sources, &said, format);
@@ -189,11 +189,6 @@ pub fn solved(read: Read, format: MessageFormat) -> Result<(Compiled, Outcome), 
 pub fn tell(sources: &SourceMap, said: &[Diagnostic], format: MessageFormat) -> Outcome {
     report::diagnostics(&mut std::io::stderr(), sources, said, format);
     if said.iter().any(Diagnostic::is_error) { Outcome::Problems } else { Outcome::Clean }
-}
-
-/// The warning where the chain leaves more over than the take-up compensates.
-pub(super) fn loose(compiled: &Compiled) -> Option<Diagnostic> {
-    solve::left_over(&compiled.layout, &compiled.track, &compiled.space.line, compiled.chain)
 }
 
 /// Solves with the default options, without a word.

@@ -1,5 +1,6 @@
 //! A solved layout with everything that its readers need worked out once.
 
+mod findings;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod order;

@@ -1,22 +1,22 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
-mod routed;
-mod summary;
+pub mod routed;
+pub mod summary;
 mod written;
 
 use super::progress::Solving;
 use super::read::{Read, given_let, read_any, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, report};
-use crate::cli::read::loose;
+use crate::capacity;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
+use crate::emit;
 use crate::emit::OwnNumbers;
 use crate::emit::pareto::Pareto;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::given::GivenLet;
 use crate::solve::{self, Effort, Options, Solver, unsupported};
-use crate::{capacity, elements, emit};
 use clap::ValueEnum;
 use routed::Routed;
 use std::path::{Path, PathBuf};
@@ -168,24 +168,13 @@ impl Build {
             },
         };
         let layout = &compiled.layout;
-        said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
-        if !compiled.failed() {
-            let unclosed = solve::unclosed(layout, &compiled.track, &compiled.space.line);
-            said.extend(unclosed.or_else(|| loose(&compiled)));
-        }
+        compiled.tell(&mut said);
         if !compiled.failed() {
             said.extend(capacity::reached(&compiled));
         }
-        said.extend(compiled.heights.iter().cloned());
         if compiled.heights.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);
         }
-        // What checking said about a written value need not be said again about its element, and nobody orders a
-        // layout that is not feasible.
-        let lacking = if compiled.failed() { Vec::new() } else { elements::lacking(&compiled.sequence, layout) };
-        let new = |d: &Diagnostic| !said.iter().any(|s| s.label.span == d.label.span && !s.is_error());
-        let lacking: Vec<Diagnostic> = lacking.into_iter().filter(new).collect();
-        said.extend(lacking);
         if output.is_some() && !compiled.failed() {
             said.extend(solve::implied(&compiled.layout, &compiled.stages));
         }

@@ -51,10 +51,15 @@ impl Routed {
         let line = Solving::new(format);
         let found = route::find(layout, options, &|progress| line.show(progress));
         line.finish();
-        let route::Found { layout: with_vertices, stages, summary } = found?;
+        Ok(Routed::new(sources, layout, found?))
+    }
+
+    /// What was found for a layout.
+    pub fn new(sources: &SourceMap, layout: &Layout, found: route::Found) -> Routed {
+        let route::Found { layout: with_vertices, stages, summary } = found;
         let compiled = Compiled::new(with_vertices, stages);
         let text = route::text(sources, layout, &compiled.layout, &compiled.track.corners);
-        Ok(Routed { compiled, text, summary })
+        Routed { compiled, text, summary }
     }
 
     pub fn summary(&self) -> RouteSummary<'_> {

@@ -2,7 +2,7 @@
 
 mod length;
 mod progress;
-mod report;
+pub mod report;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
 use crate::base::json;

@@ -1,0 +1,31 @@
+//! What there is to say of a solved layout, beyond what checking said of the written one.
+
+use super::Compiled;
+use crate::diagnostic::Diagnostic;
+use crate::{elements, solve};
+
+impl Compiled {
+    /// Adds to what was said before. Where heights cannot be built, they are the last that is said.
+    pub fn tell(&self, said: &mut Vec<Diagnostic>) {
+        said.extend(solve::diagnose(&self.layout, &self.stages));
+        if !self.failed() {
+            let unclosed = solve::unclosed(&self.layout, &self.track, &self.space.line);
+            said.extend(unclosed.or_else(|| self.loose()));
+        }
+        said.extend(self.heights.iter().cloned());
+        // Nobody orders a layout that is not feasible.
+        if self.failed() || self.heights.iter().any(Diagnostic::is_error) {
+            return;
+        }
+        // What checking said about a written value need not be said again about its element.
+        let new = |d: &Diagnostic| !said.iter().any(|s| s.label.span == d.label.span && !s.is_error());
+        let lacking: Vec<Diagnostic> =
+            elements::lacking(&self.sequence, &self.layout).into_iter().filter(new).collect();
+        said.extend(lacking);
+    }
+
+    /// The warning where the chain leaves more over than the take-up compensates.
+    pub fn loose(&self) -> Option<Diagnostic> {
+        solve::left_over(&self.layout, &self.track, &self.space.line, self.chain)
+    }
+}
