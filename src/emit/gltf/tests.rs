@@ -1,5 +1,6 @@
 use super::mesh::{Mesh, Section};
 use super::*;
+use crate::base::trig;
 use crate::compiled::fixture::compile;
 use crate::emit::plan::samples;
 use crate::geometry::{CentreLine, Form};
@@ -16,12 +17,12 @@ fn boxes_along_the_centre_line_enclose_what_they_should() {
         (Form::Arc { radius: 4.0, turn: 1.2 }, area * 4.8),
         (Form::Arc { radius: 4.0, turn: -1.2 }, area * 4.8),
         // The middle of the section runs 0.2 m below the line: on the inside of a crest, on the outside of a sag.
-        (Form::Vertical { radius: 10.0, slope_from: 0.0, slope_to: 0.15 }, area * (0.15f64).atan() * 10.2),
-        (Form::Vertical { radius: 10.0, slope_from: 0.15, slope_to: 0.0 }, area * (0.15f64).atan() * 9.8),
+        (Form::Vertical { radius: 10.0, slope_from: 0.0, slope_to: 0.15 }, area * trig::atan(0.15) * 10.2),
+        (Form::Vertical { radius: 10.0, slope_from: 0.15, slope_to: 0.0 }, area * trig::atan(0.15) * 9.8),
     ];
     for (form, volume) in cases {
         // What follows keeps the line's end from being its begin, as in a loop.
-        let after = Form::Straight { length: 5.0, slope: form.inclination().1.tan() };
+        let after = Form::Straight { length: 5.0, slope: trig::tan(form.inclination().1) };
         let line = CentreLine::new([3.0, -2.0, 1.0, 0.7], &[form, after]);
         let mesh = Mesh::along(&line, 0.0, form.length(), SECTION);
         let found = mesh.volume();
@@ -75,7 +76,7 @@ fn another_reader_finds_every_piece() {
         highest = highest.max(bounds.max[1]);
         // The piece begins beside its place in the plan: z is against y. A slope moves what lies below the line.
         let begin = piece.place.position;
-        let near = points.iter().map(|p| (f64::from(p[0]) - begin.x).hypot(f64::from(p[2]) + begin.y));
+        let near = points.iter().map(|p| trig::hypot(f64::from(p[0]) - begin.x, f64::from(p[2]) + begin.y));
         let near = near.fold(f64::INFINITY, f64::min);
         assert!((near - half_width(&compiled)).abs() < 0.06, "{} {near}", piece.article);
         let lengths = reader.read_normals().unwrap().map(|n| n.iter().map(|c| c * c).sum::<f32>());
