@@ -270,16 +270,16 @@ impl Run<'_> {
     }
 
     fn read(&mut self, k: usize) {
-        if let Load::Item { known, laps, .. } = &mut self.loads[k] {
-            if !*known {
-                self.seen.events += 1;
-                if self.sorter.items.no_read > 0.0 && self.reads.uniform() < self.sorter.items.no_read {
-                    *laps += 1;
-                    self.seen.unread += 1;
-                } else {
-                    *known = true;
-                }
-            }
+        let Load::Item { known, laps, .. } = &mut self.loads[k] else { return };
+        if *known {
+            return;
+        }
+        self.seen.events += 1;
+        if self.sorter.items.no_read > 0.0 && self.reads.uniform() < self.sorter.items.no_read {
+            *laps += 1;
+            self.seen.unread += 1;
+        } else {
+            *known = true;
         }
     }
 
