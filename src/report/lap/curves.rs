@@ -8,6 +8,7 @@ use crate::signal::order::order_spectrum;
 use crate::signal::position::Position;
 use crate::signal::spectrum::{Spectrum, welch};
 use crate::signal::{Channel, Run, SupportLoad};
+use std::collections::BTreeSet;
 
 /// Cells along the track in which samples are gathered.
 const CELLS: usize = 1000;
@@ -104,10 +105,14 @@ pub fn supports(name: &str, loads: &[SupportLoad], of: impl Fn(&SupportLoad) -> 
 /// The chain over the time of the run.
 pub fn replay(simulation: &Simulation, run: &Run, place: &Position) -> Replay {
     let step = (run.time.len() / KNOTS).max(1);
-    let ends = |t: f64| place.edges.iter().any(|edge| (t - edge).abs() <= 1.0 / run.rate());
     let last = run.time.len().saturating_sub(1);
-    let knots = (0..run.time.len()).filter(|k| k % step == 0 || *k == last || ends(run.time[*k]));
-    let (time, s) = knots.map(|k| (run.time[k], place.s[k])).unzip();
+    let beside = 1.0 / run.rate();
+    let at_edges = place.edges.iter().flat_map(|edge| {
+        let from = run.time.partition_point(|t| *t < edge - beside);
+        (from..run.time.len()).take_while(move |k| run.time[*k] <= edge + beside)
+    });
+    let knots: BTreeSet<usize> = (0..run.time.len()).step_by(step).chain([last]).chain(at_edges).collect();
+    let (time, s) = knots.iter().filter_map(|k| Some((*run.time.get(*k)?, *place.s.get(*k)?))).unzip();
     Replay {
         carts: simulation.chain.carts,
         sensor_cart: run.sidecar.sensor_cart,
