@@ -99,14 +99,82 @@ function gapColour() {
 
 const css = ([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a})`;
 
-class PlanView {
-  constructor(line, link) {
+/**
+ * What a view of the track does by hand: hovering and clicking move the cursor, dragging and Ctrl with the wheel the view, a
+ * double click brings the whole back. A view has `nearest`, `dragged`, `zoom`, `whole` and `draw`.
+ */
+class HandView {
+  constructor(line, link, label) {
     this.line = line;
     this.link = link;
-    this.spec = line.plan;
     this.carts = null;
+    this.canvas = element("canvas", { class: "plan-canvas", tabindex: "0", role: "img", "aria-label": label });
+  }
+
+  byHand() {
+    const canvas = this.canvas;
+    canvas.style.touchAction = "pan-y";
+    let held = null;
+    canvas.addEventListener("pointerdown", event => {
+      held = { x: event.clientX, y: event.clientY, far: false };
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", event => {
+      if (!held) {
+        const s = this.nearest(event.offsetX, event.offsetY, 18);
+        canvas.style.cursor = s === null ? "grab" : "crosshair";
+        if (s !== null && !this.playing()) this.link.set(s);
+        return;
+      }
+      const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
+      if (!held.far && Math.hypot(dx, dy) < 4) return;
+      held = { x: event.clientX, y: event.clientY, far: true };
+      this.dragged(dx, dy, event.shiftKey);
+      this.redraw();
+    });
+    canvas.addEventListener("pointerup", event => {
+      if (held && !held.far) {
+        const s = this.nearest(event.offsetX, event.offsetY);
+        if (s !== null) this.picked(s);
+      }
+      held = null;
+    });
+    canvas.addEventListener("dblclick", () => {
+      this.whole();
+      this.redraw();
+    });
+    canvas.addEventListener("wheel", event => {
+      if (!event.ctrlKey && !event.metaKey) return;
+      event.preventDefault();
+      this.zoom(Math.exp(-0.002 * event.deltaY), event.offsetX, event.offsetY);
+    }, { passive: false });
+  }
+
+  playing() {
+    return false;
+  }
+
+  /** A place was clicked. */
+  picked(s) {
+    this.link.set(s);
+  }
+
+  /** Draws anew with the next picture. */
+  redraw() {
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      this.draw();
+    });
+  }
+}
+
+class PlanView extends HandView {
+  constructor(line, link) {
+    super(line, link, "the track from above");
+    this.spec = line.plan;
     this.view = null;
-    this.canvas = element("canvas", { class: "plan-canvas", tabindex: "0", role: "img", "aria-label": "the track from above" });
     this.byHand();
   }
 
@@ -149,11 +217,10 @@ class PlanView {
     this.redraw();
   }
 
-  pan(dx, dy) {
+  dragged(dx, dy) {
     this.view.left += dx;
     this.view.top += dy;
     this.moved = true;
-    this.redraw();
   }
 
   /** Brings an arc length to the middle. */
@@ -174,63 +241,6 @@ class PlanView {
       if (far < best) [best, found] = [far, k * this.line.step];
     }
     return found;
-  }
-
-  byHand() {
-    const canvas = this.canvas;
-    canvas.style.touchAction = "pan-y";
-    let held = null;
-    canvas.addEventListener("pointerdown", event => {
-      held = { x: event.clientX, y: event.clientY, far: false };
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", event => {
-      if (!held) {
-        const s = this.nearest(event.offsetX, event.offsetY, 18);
-        canvas.style.cursor = s === null ? "grab" : "crosshair";
-        if (s !== null && !this.playing()) this.link.set(s);
-        return;
-      }
-      const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
-      if (!held.far && Math.hypot(dx, dy) < 4) return;
-      held = { x: event.clientX, y: event.clientY, far: true };
-      this.pan(dx, dy);
-    });
-    canvas.addEventListener("pointerup", event => {
-      if (held && !held.far) {
-        const s = this.nearest(event.offsetX, event.offsetY);
-        if (s !== null) this.picked(s);
-      }
-      held = null;
-    });
-    canvas.addEventListener("dblclick", () => {
-      this.whole();
-      this.redraw();
-    });
-    canvas.addEventListener("wheel", event => {
-      if (!event.ctrlKey && !event.metaKey) return;
-      event.preventDefault();
-      this.zoom(Math.exp(-0.002 * event.deltaY), event.offsetX, event.offsetY);
-    }, { passive: false });
-  }
-
-  playing() {
-    return false;
-  }
-
-  /** A place was clicked. */
-  picked(s) {
-    this.link.set(s);
-  }
-
-  /** Draws anew with the next picture. */
-  redraw() {
-    if (this.asked) return;
-    this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.draw();
-    });
   }
 
   path(ctx, from, to) {

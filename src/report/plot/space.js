@@ -31,11 +31,9 @@ function parts(name, opacity = 1) {
   return [...[1, 3, 5].map(k => parseInt(text.slice(k, k + 2), 16) / 255), opacity];
 }
 
-class SpaceView {
+class SpaceView extends HandView {
   constructor(line, link) {
-    this.line = line;
-    this.link = link;
-    this.canvas = element("canvas", { class: "plan-canvas", tabindex: "0", role: "img", "aria-label": "the track in space" });
+    super(line, link, "the track in space");
     this.gl = this.canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
     this.turn = -0.9;
     this.lift = 0.6;
@@ -139,67 +137,15 @@ class SpaceView {
 
   centre() {}
 
-  byHand() {
-    const canvas = this.canvas;
-    canvas.style.touchAction = "pan-y";
-    let held = null;
-    canvas.addEventListener("pointerdown", event => {
-      held = { x: event.clientX, y: event.clientY, far: false };
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", event => {
-      if (!held) {
-        const s = this.nearest(event.offsetX, event.offsetY, 18);
-        canvas.style.cursor = s === null ? "grab" : "crosshair";
-        if (s !== null && !this.playing()) this.link.set(s);
-        return;
-      }
-      const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
-      if (!held.far && Math.hypot(dx, dy) < 4) return;
-      held = { x: event.clientX, y: event.clientY, far: true };
-      if (event.shiftKey) {
-        const { low, high } = this.line;
-        const metre = (0.7 * Math.hypot(high[0] - low[0], high[1] - low[1])) / this.near / this.height;
-        this.shift = [this.shift[0] + dx * metre, this.shift[1] - dy * metre];
-      } else {
-        this.turn += 0.008 * dx;
-        this.lift = Math.min(Math.max(this.lift + 0.008 * dy, 0.03), 1.57);
-      }
-      this.redraw();
-    });
-    canvas.addEventListener("pointerup", event => {
-      if (held && !held.far) {
-        const s = this.nearest(event.offsetX, event.offsetY);
-        if (s !== null) this.picked(s);
-      }
-      held = null;
-    });
-    canvas.addEventListener("dblclick", () => {
-      this.whole();
-      this.redraw();
-    });
-    canvas.addEventListener("wheel", event => {
-      if (!event.ctrlKey && !event.metaKey) return;
-      event.preventDefault();
-      this.zoom(Math.exp(-0.002 * event.deltaY));
-    }, { passive: false });
-  }
-
-  playing() {
-    return false;
-  }
-
-  picked(s) {
-    this.link.set(s);
-  }
-
-  redraw() {
-    if (this.asked) return;
-    this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.draw();
-    });
+  dragged(dx, dy, shift) {
+    if (shift) {
+      const { low, high } = this.line;
+      const metre = (0.7 * Math.hypot(high[0] - low[0], high[1] - low[1])) / this.near / this.height;
+      this.shift = [this.shift[0] + dx * metre, this.shift[1] - dy * metre];
+    } else {
+      this.turn += 0.008 * dx;
+      this.lift = Math.min(Math.max(this.lift + 0.008 * dy, 0.03), 1.57);
+    }
   }
 
   draw() {
