@@ -100,12 +100,13 @@ pub fn tick_labels(ticks: &[f64]) -> Vec<String> {
     ticks.iter().map(|t| fixed(*t, decimals)).collect()
 }
 
-/// Seconds in words.
+/// A time as a person says it: `0.4 s`, `40 s`, `3 min`, `2.5 h`.
 pub fn duration(seconds: f64) -> String {
     match seconds {
-        s if s < 90.0 => format!("{} s", fixed(s.max(1.0), 0)),
+        s if s < 9.95 => format!("{} s", trimmed(s, 1)),
+        s if s < 90.0 => format!("{} s", fixed(s, 0)),
         s if s < 5400.0 => format!("{} min", fixed(s / 60.0, 0)),
-        s => format!("{} h", fixed(s / 3600.0, 1)),
+        s => format!("{} h", trimmed(s / 3600.0, 1)),
     }
 }
 

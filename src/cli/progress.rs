@@ -28,6 +28,8 @@ struct Log {
     begin: Instant,
     last: Instant,
     done: u64,
+    /// Of them, those that were done before.
+    known: u64,
 }
 
 impl Line {
@@ -35,6 +37,20 @@ impl Line {
     pub fn steps(whole: u64, name: &str) -> Self {
         let template = format!("{{spinner}} [{{bar:24}}] {{pos}} of {{len}} {name}, {{msg}}, {{eta}} left");
         Line::new(&template, Some(whole), MessageFormat::Text)
+    }
+
+    /// The same, of which so many were done before.
+    pub fn resumed(whole: u64, done: u64, name: &str) -> Self {
+        let line = Line::steps(whole, name);
+        if let Some(bar) = &line.bar {
+            bar.set_position(done);
+            bar.reset_eta();
+        }
+        if let Some(log) = &line.log {
+            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
+            (log.done, log.known) = (done, done);
+        }
+        line
     }
 
     /// A line of work that is done in shares, without a count of steps.
@@ -50,7 +66,8 @@ impl Line {
     fn new(template: &str, whole: Option<u64>, format: MessageFormat) -> Self {
         if !std::io::stderr().is_terminal() {
             let now = Instant::now();
-            let log = (format == MessageFormat::Text).then(|| Mutex::new(Log { begin: now, last: now, done: 0 }));
+            let log =
+                (format == MessageFormat::Text).then(|| Mutex::new(Log { begin: now, last: now, done: 0, known: 0 }));
             return Line { bar: None, log, whole };
         }
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
@@ -105,15 +122,15 @@ impl Line {
         if now.duration_since(log.last) >= EVERY {
             log.last = now;
             let worked = now.duration_since(log.begin).as_secs_f64();
-            report::note(&format!("{}{}", one_line(&message()), so_far(worked, log.done, self.whole)));
+            report::note(&format!("{}{}", one_line(&message()), so_far(worked, (log.known, log.done), self.whole)));
         }
     }
 
-    /// A warning beside the line.
-    pub fn warning(&self, message: &str) {
+    /// Does what writes beside the line, such as a warning.
+    pub fn beside(&self, write: impl FnOnce()) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| report::warning(message)),
-            None => report::warning(message),
+            Some(bar) => bar.suspend(write),
+            None => write(),
         }
     }
 
@@ -132,12 +149,12 @@ impl Line {
 /// Steps of a line of shares.
 const WHOLE: u64 = 1000;
 
-/// The time so far, and how much is left if steps go on as they did.
-fn so_far(worked: f64, done: u64, whole: Option<u64>) -> String {
+/// The time so far, and how much is left if steps go on as they did since those that were known.
+fn so_far(worked: f64, (known, done): (u64, u64), whole: Option<u64>) -> String {
     let after = format!(", after {}", duration(worked));
     match whole {
-        Some(whole) if done > 0 && done < whole => {
-            let left = worked / done as f64 * (whole - done) as f64;
+        Some(whole) if done > known && done < whole => {
+            let left = worked / (done - known) as f64 * (whole - done) as f64;
             let share = 100.0 * done as f64 / whole as f64;
             format!(", {} % done{after}, about {} left", fixed(share, 0), duration(left))
         }
@@ -184,10 +201,12 @@ mod tests {
 
     #[test]
     fn a_log_says_how_far_it_is() {
-        assert_eq!(so_far(60.0, 0, Some(12)), ", after 60 s");
-        assert_eq!(so_far(120.0, 3, Some(12)), ", 25 % done, after 2 min, about 6 min left");
-        assert_eq!(so_far(120.0, 12, Some(12)), ", after 2 min");
-        assert_eq!(so_far(240.0, 7, None), ", after 4 min");
+        assert_eq!(so_far(60.0, (0, 0), Some(12)), ", after 60 s");
+        assert_eq!(so_far(120.0, (0, 3), Some(12)), ", 25 % done, after 2 min, about 6 min left");
+        assert_eq!(so_far(120.0, (0, 12), Some(12)), ", after 2 min");
+        // What was done before took no time of this run.
+        assert_eq!(so_far(120.0, (6, 9), Some(12)), ", 75 % done, after 2 min, about 2 min left");
+        assert_eq!(so_far(240.0, (0, 7), None), ", after 4 min");
     }
 
     #[test]

@@ -126,7 +126,7 @@ impl Score {
             } else if step.before != Before::Kept {
                 report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
             }
-            let say = |why: &str| line.warning(&format!("{}: {why}", step.case));
+            let say = |why: &str| line.beside(|| report::warning(&format!("{}: {why}", step.case)));
             match step.before {
                 Before::Nothing | Before::Kept => {}
                 Before::OfOthers => say("its answer is of another version of lss or other files, and is asked anew"),

@@ -1,6 +1,7 @@
 //! `lss study plan`: what there is to do.
 
-use super::{Builds, lasting, planned, tasks};
+use super::{Builds, planned, tasks};
+use crate::base::number::duration;
 use crate::cli::{MessageFormat, Outcome, OutputFormat, could_not, limits, report};
 use crate::study::{Place, Plan, State, Task};
 use serde::Serialize;
@@ -141,7 +142,7 @@ impl Known {
             return None;
         }
         let on = if cores == 1 { "one core".to_owned() } else { format!("{cores} cores") };
-        Some(format!("about {} left on {on}", lasting(known.iter().sum::<f64>() / cores.min(known.len()) as f64)))
+        Some(format!("about {} left on {on}", duration(known.iter().sum::<f64>() / cores.min(known.len()) as f64)))
     }
 
     fn text(&self, plan: &Plan, cores: usize) -> String {

@@ -80,6 +80,19 @@ impl Studied {
 }
 
 impl Builds {
+    /// A study's folder and the plan in it; `help` says what makes one.
+    fn kept(&self, output: &Path, help: &str) -> Result<(Plan, Place), Outcome> {
+        let place = self.place(output)?;
+        match place.plan() {
+            Ok(plan) => Ok((plan, place)),
+            Err(why) => {
+                report::error(&why);
+                report::note(&format!("  help: {help}"));
+                Err(Outcome::CouldNotRun)
+            }
+        }
+    }
+
     fn place(&self, output: &Path) -> Result<Place, Outcome> {
         Place::new(output, self.any_build).map_err(|why| could_not("write to", output, why))
     }
@@ -116,15 +129,4 @@ fn always() -> Vec<String> {
 /// `3 tasks`
 fn tasks(count: usize) -> String {
     if count == 1 { "1 task".to_owned() } else { format!("{count} tasks") }
-}
-
-/// A time as a person says it: `40 s`, `3 min`, `2.5 h`.
-fn lasting(seconds: f64) -> String {
-    use crate::base::number::{fixed, trimmed};
-    match seconds {
-        s if s < 9.95 => format!("{} s", trimmed(s, 1)),
-        s if s < 90.0 => format!("{} s", fixed(s, 0)),
-        s if s < 5400.0 => format!("{} min", fixed(s / 60.0, 0)),
-        s => format!("{} h", trimmed(s / 3600.0, 1)),
-    }
 }

@@ -1,59 +1,15 @@
-//! How far a study is: a bar while it runs here, and `lss study status` for what runs anywhere.
+//! `lss study status`: how far a study is, wherever it runs.
 
 use super::list::Known;
 use super::{Builds, tasks};
 use crate::base;
 use crate::cli::{Outcome, limits, report};
 use crate::source::one_line;
-use crate::study::run::Did;
 use crate::study::slurm::Arrays;
-use crate::study::{Place, Plan, State, Task};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::study::{Place, Plan, State};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::time::Duration;
-
-/// A bar where somebody looks; lines of failures elsewhere, too.
-pub struct Bar(Option<ProgressBar>);
-
-impl Bar {
-    pub fn new(tasks: usize, done: usize) -> Bar {
-        Bar(std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("[{bar:24}] {pos} of {len} tasks, {elapsed}, {eta} left {msg}")
-                .unwrap_or_else(|_| ProgressStyle::default_bar())
-                .progress_chars("=> ");
-            let bar = ProgressBar::new(tasks as u64).with_style(style).with_position(done as u64);
-            bar.reset_eta();
-            bar.enable_steady_tick(Duration::from_millis(500));
-            bar
-        }))
-    }
-
-    pub fn told(&self, task: &Task, did: &Did) {
-        let say = |what: &str, why: &str| {
-            let line = format!("{} {what}: {}\n  {}", task.hash, one_line(why), one_line(&task.words()));
-            match &self.0 {
-                Some(bar) => bar.suspend(|| report::error(&line)),
-                None => report::error(&line),
-            }
-        };
-        match did {
-            Did::Failed(why) => say("failed", why),
-            Did::Open(why) => say("is open", why),
-            _ => {}
-        }
-        // What was done before is where the bar began.
-        if let (Some(bar), false) = (&self.0, *did == Did::Known) {
-            bar.inc(1);
-        }
-    }
-
-    pub fn clear(&self) {
-        if let Some(bar) = &self.0 {
-            bar.finish_and_clear();
-        }
-    }
-}
 
 /// Say how far a study is, wherever its tasks are done.
 ///
@@ -76,17 +32,9 @@ const EVERY: Duration = Duration::from_secs(2);
 
 impl Status {
     pub fn run(&self) -> Outcome {
-        let place = match self.builds.place(&self.output) {
-            Ok(place) => place,
+        let (plan, place) = match self.builds.kept(&self.output, "`lss study run` or `submit` makes it") {
+            Ok(kept) => kept,
             Err(outcome) => return outcome,
-        };
-        let plan = match place.plan() {
-            Ok(plan) => plan,
-            Err(why) => {
-                report::error(&why);
-                report::note("  help: `lss study run` or `submit` makes it");
-                return Outcome::CouldNotRun;
-            }
         };
         let terminal = std::io::stdout().is_terminal();
         let mut before = String::new();

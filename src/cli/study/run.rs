@@ -1,8 +1,8 @@
 //! `lss study run`, with all cores of this machine, and `lss study task`, which others call.
 
 use super::list::Known;
-use super::progress::Bar;
 use super::{Builds, Studied, always, tasks};
+use crate::cli::progress::Line;
 use crate::cli::{Outcome, limits, report};
 use crate::source::{one_line, shown};
 use crate::study::run::{Did, LookedAt, Runner};
@@ -66,10 +66,26 @@ impl Run {
             start: &process::start,
             looked_at: LookedAt::default(),
         };
-        let bar = Bar::new(plan.unique().len(), known.count(State::Done));
-        let all = runner.all(jobs, &|task, did| bar.told(task, did));
-        bar.clear();
+        let line = Line::resumed(plan.unique().len() as u64, known.count(State::Done) as u64, "tasks");
+        let all = runner.all(jobs, &|task, did| told(&line, task, did));
+        line.finish();
         summary(&plan, &place, &all)
+    }
+}
+
+/// What came of a task; what was done before is where the line began.
+fn told(line: &Line, task: &Task, did: &Did) {
+    let say = |what: &str, why: &str| {
+        let words = format!("{} {what}: {}\n  {}", task.hash, one_line(why), one_line(&task.words()));
+        line.beside(|| report::error(&words));
+    };
+    match did {
+        Did::Failed(why) => say("failed", why),
+        Did::Open(why) => say("is open", why),
+        _ => {}
+    }
+    if *did != Did::Known {
+        line.step(|| task.hash.clone());
     }
 }
 
@@ -98,17 +114,10 @@ fn summary(plan: &Plan, place: &Place, all: &BTreeMap<String, Did>) -> Outcome {
 
 impl Chosen {
     pub fn run(&self) -> Outcome {
-        let place = match self.builds.place(&self.output) {
-            Ok(place) => place,
+        let help = "`lss study plan STUDY -o DIR` makes it, where the folder is there";
+        let (plan, place) = match self.builds.kept(&self.output, help) {
+            Ok(kept) => kept,
             Err(outcome) => return outcome,
-        };
-        let plan = match place.plan() {
-            Ok(plan) => plan,
-            Err(why) => {
-                report::error(&why);
-                report::note("  help: `lss study plan STUDY -o DIR` makes it, where the folder is there");
-                return Outcome::CouldNotRun;
-            }
         };
         let mut wanted: Vec<&Task> = Vec::new();
         for hash in &self.tasks {

@@ -1,8 +1,9 @@
 //! `lss study submit`: a cluster does it.
 
 use super::list::Known;
-use super::{Studied, always, lasting, tasks};
+use super::{Studied, always, tasks};
 use crate::base;
+use crate::base::number::duration;
 use crate::cli::{Outcome, could_not, limits, report};
 use crate::source::{one_line, shown};
 use crate::study::run::{Did, LookedAt, Runner};
@@ -116,9 +117,9 @@ impl Submit {
             "{}: {} of {} each in {} of about {}\n",
             plan.name,
             tasks(open.len()),
-            lasting(mean),
+            duration(mean),
             if jobs.len() == 1 { "1 job".to_owned() } else { format!("{} jobs", jobs.len()) },
-            lasting(open.iter().map(|(_, seconds)| seconds).sum::<f64>() / jobs.len() as f64),
+            duration(open.iter().map(|(_, seconds)| seconds).sum::<f64>() / jobs.len() as f64),
         ));
         written
             .iter()
