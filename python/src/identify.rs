@@ -11,7 +11,7 @@ use lss::dynamics::Width;
 use lss::identify::cases::{Case, NoCases, Said, cases, common_track};
 use lss::identify::groups::{RunGroup, SetPoint};
 use lss::identify::law_fits::LawFits;
-use lss::identify::reports::{LawReport, Study};
+use lss::identify::reports::{LawReport, Study, laws_named};
 use lss::identify::share::Shared;
 use lss::identify::study::RunFit;
 use lss::identify::{FitSettings, Parameter};
@@ -95,26 +95,6 @@ impl Runs {
     }
 }
 
-fn laws(name: &str) -> Result<Vec<ContactLaw>, Failure> {
-    let known = |name: &str| serde_json::from_value::<ContactLaw>(Value::from(name)).ok();
-    let all = [
-        "herbert_mcwhannell",
-        "hunt_crossley",
-        "lankarani_nikravesh",
-        "lee_wang",
-        "gonthier",
-        "flores",
-        "hu_guo",
-        "kelvin_voigt",
-    ];
-    if name == "all" {
-        return Ok(all.iter().filter_map(|name| known(name)).collect());
-    }
-    known(name)
-        .map(|law| vec![law])
-        .ok_or_else(|| Failure::Value(format!("there is no law {name:?}; take \"all\" or one of {}", all.join(", "))))
-}
-
 fn parameters(names: &[String]) -> Result<Vec<Parameter>, Failure> {
     let one = |name: &String| {
         Parameter::from_name(name).ok_or_else(|| {
@@ -161,7 +141,7 @@ pub fn identify(
 ) -> PyResult<(String, String, Vec<(String, Simulation)>)> {
     let raised = |why: Failure| why.raised(py, None);
     let wanted = Wanted {
-        laws: laws(law).map_err(raised)?,
+        laws: laws_named(law).map_err(|why| raised(Failure::Value(why)))?,
         free: parameters(&free).map_err(raised)?,
         share: parameters(&share).map_err(raised)?,
         seed,

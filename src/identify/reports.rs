@@ -152,3 +152,24 @@ impl Study {
 pub fn law_name(law: ContactLaw) -> String {
     law.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
 }
+
+/// The law of a name, or of `all` each of them, the default one first.
+///
+/// # Errors
+/// In words with the names that there are.
+pub fn laws_named(text: &str) -> Result<Vec<ContactLaw>, String> {
+    let every = || {
+        let others = ContactLaw::value_variants().iter().copied().filter(|law| *law != ContactLaw::default());
+        std::iter::once(ContactLaw::default()).chain(others)
+    };
+    if text == "all" {
+        return Ok(every().collect());
+    }
+    match every().find(|law| law_name(*law) == text) {
+        Some(law) => Ok(vec![law]),
+        None => {
+            let names: Vec<String> = ContactLaw::value_variants().iter().map(|law| law_name(*law)).collect();
+            Err(format!("there is no law {text}; take `all` or one of {}", names.join(", ")))
+        }
+    }
+}

@@ -11,13 +11,12 @@ use crate::emit::Files;
 use crate::identify::cases::{Case, common_track};
 use crate::identify::groups::{RunGroup, SetPoint};
 use crate::identify::law_fits::LawFits;
-use crate::identify::reports::{LawReport, Study, law_name};
+use crate::identify::reports::{LawReport, Study, law_name, laws_named};
 use crate::identify::share::Shared;
 use crate::identify::study::{RunFit, fit_run};
 use crate::identify::{FitSettings, Parameter};
 use crate::report::identification;
 use crate::source::shown;
-use clap::ValueEnum;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -56,15 +55,7 @@ pub struct Campaign {
 struct Laws(Vec<ContactLaw>);
 
 fn laws(text: &str) -> Result<Laws, String> {
-    if text == "all" {
-        let mut all = vec![ContactLaw::default()];
-        all.extend(ContactLaw::value_variants().iter().filter(|l| **l != ContactLaw::default()));
-        return Ok(Laws(all));
-    }
-    ContactLaw::from_str(text, false).map(|law| Laws(vec![law])).map_err(|_| {
-        let names: Vec<String> = ContactLaw::value_variants().iter().map(|l| law_name(*l)).collect();
-        format!("there is no law {text}; take `all` or one of {}", names.join(", "))
-    })
+    laws_named(text).map(Laws)
 }
 
 impl Campaign {
