@@ -3,7 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use crate::browser::Browser;
+use crate::result_page::ResultPage;
 use lss::base::random::normal;
 use lss::base::trig;
 use lss::chain_input::{CentreLinePiece, Track};
@@ -518,7 +518,7 @@ fn what_is_drawn_is_what_ranks_first() {
 /// The page of a diagnosis in a browser; skipped where there is none.
 #[test]
 fn its_page_has_one_cursor_for_curves_rows_and_plan() {
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(browser) = ResultPage::start() else { return };
     let found = found(&[(4, 6.0)], 0.0, 15);
     let length = found.places.iter().map(|p| p.extent.ends().1).fold(0.0, f64::max);
     let straight = || CentreLinePiece::Straight { length: 0.4 * length, slope: 0.0 };
@@ -543,5 +543,5 @@ fn its_page_has_one_cursor_for_curves_rows_and_plan() {
     let dot = browser.ask("page.stage.view.shownAt");
     let there = browser.ask("page.stage.view.at(page.stage.line.at(page.links.get('track').value))");
     assert_eq!(dot, there);
-    assert_eq!(browser.errors, Vec::<String>::new());
+    assert_eq!(browser.errors(), Vec::<String>::new());
 }

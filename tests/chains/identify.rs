@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use crate::browser::Browser;
+use crate::result_page::ResultPage;
 use assert_cmd::Command;
 use lss::base::random::normal;
 use lss::chain_input::Simulation;
@@ -189,7 +189,7 @@ fn truths_are_found_again_in_every_law_and_work_is_kept() {
     let at = out.path().join("identification.html");
     let page = fs::read_to_string(&at).expect("a page");
     assert!(page.contains("one law in other coordinates") && !written(&page).contains("NaN"));
-    if let Some(mut browser) = Browser::start() {
+    if let Some(browser) = ResultPage::start() {
         browser.hold(&at);
         // Curves of all seven forces, and a plan that has their cursor.
         assert_eq!(browser.number("page.curves.size"), 7.0);

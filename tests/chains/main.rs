@@ -17,6 +17,8 @@ mod outside_failures;
 mod outside_models;
 #[path = "../../benches/common/record.rs"]
 mod record;
+#[path = "../support/result_page.rs"]
+mod result_page;
 mod runs;
 mod simulate;
 mod single_effect;

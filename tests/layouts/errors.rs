@@ -15,7 +15,7 @@ use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
 use lss::study::Plan;
 use lss::study::plan::NoPlan;
-use lss::{capacity, elements, import, route, solve};
+use lss::{elements, import, route, solve};
 
 fn folder(code: Code) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())
@@ -93,7 +93,7 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         }
         (Code::E0604, Ok(Some(layout))) => {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
-            diagnostics.extend(capacity::reached(&compiled));
+            diagnostics.extend(compiled.short_of_capacity());
         }
         (Code::W0712, Ok(Some(layout))) => {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));

@@ -4,6 +4,8 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
+#[path = "../support/browser.rs"]
+mod browser;
 mod build;
 mod cli;
 mod crash;
@@ -18,6 +20,8 @@ mod messages;
 mod pages;
 mod polygon;
 mod preview;
+#[path = "../support/result_page.rs"]
+mod result_page;
 mod route;
 mod stiffness;
 mod study;

@@ -2,11 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-#[path = "../support/browser.rs"]
-mod browser;
-
+use crate::result_page::ResultPage;
 use assert_cmd::Command;
-use browser::Browser;
 use lss::signal::{Channel, Run};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -28,24 +25,24 @@ fn near(a: f64, b: f64, by: f64) {
 
 #[test]
 fn a_lap_page_answers_the_hand() {
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(browser) = ResultPage::start() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let page = lap("examples/smallest.lss", folder.path(), &[]);
     browser.hold(&page);
     browser.open(&page, (1400, 900), false);
-    hover_shows_the_data_and_moves_the_dot(&mut browser);
-    a_stretch_is_seen_larger_in_all_pictures_and_the_whole_again(&mut browser);
-    names_turn_curves_and_channels_off(&mut browser);
-    the_plan_moves_the_cursor(&mut browser);
+    hover_shows_the_data_and_moves_the_dot(&browser);
+    a_stretch_is_seen_larger_in_all_pictures_and_the_whole_again(&browser);
+    names_turn_curves_and_channels_off(&browser);
+    the_plan_moves_the_cursor(&browser);
     let input = std::fs::read(folder.path().join("simulation.json")).expect("an input");
     let input: Value = serde_json::from_slice(&input).expect("JSON");
-    the_chain_runs(&mut browser, input["chain"]["speed_m_s"].as_f64().expect("a speed"));
-    assert_eq!(browser.errors, Vec::<String>::new());
+    the_chain_runs(&browser, input["chain"]["speed_m_s"].as_f64().expect("a speed"));
+    assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-fn hover_shows_the_data_and_moves_the_dot(browser: &mut Browser) {
+fn hover_shows_the_data_and_moves_the_dot(browser: &ResultPage) {
     let (x, y) = browser.middle("#along-joint_xi .u-over");
-    let spot = |browser: &mut Browser, x: f64| {
+    let spot = |browser: &ResultPage, x: f64| {
         browser.ask("window.before = String(page.links.get('track')?.value)");
         browser.mouse("mouseMoved", x, y);
         browser.wait(
@@ -87,7 +84,7 @@ fn hover_shows_the_data_and_moves_the_dot(browser: &mut Browser) {
     assert_ne!(browser.ask("page.stage.view.shownAt"), before);
 }
 
-fn a_stretch_is_seen_larger_in_all_pictures_and_the_whole_again(browser: &mut Browser) {
+fn a_stretch_is_seen_larger_in_all_pictures_and_the_whole_again(browser: &ResultPage) {
     let (x, y) = browser.middle("#along-steer_left .u-over");
     browser.mouse("mouseMoved", x - 100.0, y);
     browser.mouse("mousePressed", x - 100.0, y);
@@ -111,7 +108,7 @@ fn a_stretch_is_seen_larger_in_all_pictures_and_the_whole_again(browser: &mut Br
     );
 }
 
-fn names_turn_curves_and_channels_off(browser: &mut Browser) {
+fn names_turn_curves_and_channels_off(browser: &ResultPage) {
     let inked = "(() => { const c = page.curves.get('along-joint_xi').plot.ctx.canvas;
         const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;
         for (let k = 0; k < d.length; k += 4) if (d[k + 3] > 200 && d[k + 2] > d[k] + 60) n++; return n; })()";
@@ -129,7 +126,7 @@ fn names_turn_curves_and_channels_off(browser: &mut Browser) {
     assert_eq!(browser.ask("document.getElementById('channel-run_left').checkVisibility()"), json!(true));
 }
 
-fn the_plan_moves_the_cursor(browser: &mut Browser) {
+fn the_plan_moves_the_cursor(browser: &ResultPage) {
     browser.middle("#plan canvas");
     let place = browser.ask(
         "(() => { const v = page.stage.view, b = v.canvas.getBoundingClientRect(), p = v.at(v.line.at(10));
@@ -147,7 +144,7 @@ fn the_plan_moves_the_cursor(browser: &mut Browser) {
     assert!(other.as_str().expect("text").starts_with("steer_left"), "{other}");
 }
 
-fn the_chain_runs(browser: &mut Browser, speed: f64) {
+fn the_chain_runs(browser: &ResultPage, speed: f64) {
     browser.ask("page.stage.go(0, false)");
     let first = browser.ask("[...page.stage.carts.places]");
     browser.click(".play");
@@ -173,7 +170,7 @@ fn the_chain_runs(browser: &mut Browser, speed: f64) {
 
 #[test]
 fn a_raised_track_is_seen_in_space() {
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(browser) = ResultPage::start() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let page = lap("examples/levels.lss", folder.path(), &[]);
     browser.hold(&page);
@@ -195,12 +192,12 @@ fn a_raised_track_is_seen_in_space() {
     // A place's pixel leads back to the place.
     let back = "(() => { const v = page.stage.view, p = v.pixel(v.camera(), v.place(40)); return v.nearest(...p); })()";
     near(browser.number(back), 40.0, 0.5);
-    assert_eq!(browser.errors, Vec::<String>::new());
+    assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
 #[test]
 fn two_laps_are_laid_over_each_other() {
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(browser) = ResultPage::start() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let (a, b) = (folder.path().join("a"), folder.path().join("b"));
     let page = lap("examples/smallest.lss", &a, &[]);
@@ -254,7 +251,7 @@ fn two_laps_are_laid_over_each_other() {
 
 #[test]
 fn what_a_shorter_track_costs_is_a_picture() {
-    let Some(mut browser) = Browser::start() else { return };
+    let Some(browser) = ResultPage::start() else { return };
     let folder = tempfile::tempdir().expect("a folder");
     lss(&["build", "examples/written.lss", "--emit", "pareto"], folder.path());
     let page = folder.path().join("pareto.html");

@@ -1,209 +1,256 @@
-//! A page in headless Chromium, spoken to over the DevTools protocol: by the browser's own pipe, so that no port and no
-//! client is needed. Messages are JSON that end with a zero byte.
+//! A headless Chromium, driven over the DevTools protocol: through two pipes, so that it takes no client of WebSockets.
+//! Messages are JSON that end with a zero byte.
 
 #![allow(dead_code)]
 
 use serde_json::{Value, json};
+use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 
-/// How long an answer may take: a slow machine is no mistake of a page.
+/// How long anything may take: a slow machine is no mistake of a page.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// A browser of its own, with nothing remembered.
 pub struct Browser {
-    child: Child,
-    to: ChildStdin,
+    process: Child,
+    folder: TempDir,
+    wire: Arc<Mutex<Wire>>,
+}
+
+struct Wire {
+    to: File,
     from: Receiver<Value>,
+    next: u64,
+    /// Messages of the console, and mistakes of pages.
+    complaints: Vec<String>,
+    /// What pages asked for.
+    requests: Vec<String>,
+}
+
+/// A page in a tab.
+pub struct Tab {
+    wire: Arc<Mutex<Wire>>,
+    target: Value,
     session: String,
-    asked: u64,
-    /// What the page threw, logged or was refused.
-    pub errors: Vec<String>,
-    /// What it asked for.
-    pub requests: Vec<String>,
-    _profile: tempfile::TempDir,
 }
 
 impl Browser {
-    /// `None`, and a word of it, where there is no Chromium.
+    /// `None` where there is no browser; the test then says that it was skipped.
     pub fn start() -> Option<Browser> {
-        let known = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-        let there = |name: &&str| {
-            let version = Command::new(name).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
-            version.is_ok_and(|status| status.success())
-        };
-        let Some(name) = known.iter().find(|name| there(name)) else {
-            eprintln!("skipped: there is no Chromium to open pages with");
+        let Some(program) = find(&NAMES).filter(|_| find(&["mkfifo"]).is_some()) else {
+            eprintln!("SKIPPED: there is no chromium here");
             return None;
         };
-        let profile = tempfile::tempdir().expect("a folder");
-        // The browser reads messages from its third channel and writes to its fourth.
-        let script = "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1";
-        let mut child = Command::new("sh")
-            .args(["-c", script, name, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run"])
-            .args([
-                "--disable-dev-shm-usage",
-                "--use-gl=angle",
-                "--use-angle=swiftshader",
-                "--enable-unsafe-swiftshader",
-            ])
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg("about:blank")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
+        let folder = tempfile::tempdir().unwrap();
+        let [to, from] = ["to", "from"].map(|name| folder.path().join(name));
+        assert!(Command::new("mkfifo").args([&to, &from]).status().unwrap().success());
+        // It reads at descriptor 3 and writes at 4. As root it runs only without its sandbox.
+        let process = Command::new("sh")
+            .args(["-c", "exec \"$0\" \"$@\" 3<to 4>from"])
+            .arg(program)
+            .args(["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run"])
+            .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args(["--remote-debugging-pipe", "--user-data-dir=profile", "about:blank"])
+            .current_dir(folder.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
-            .expect("a shell");
-        let to = child.stdin.take().expect("a pipe");
-        let mut out = BufReader::new(child.stdout.take().expect("a pipe"));
-        let (send, from) = channel();
+            .unwrap();
+        // In the order in which the shell opens them.
+        let to = File::options().write(true).open(&to).unwrap();
+        let from = BufReader::new(File::open(&from).unwrap());
+        let (send, messages) = channel();
         std::thread::spawn(move || {
-            let mut message = Vec::new();
-            while out.read_until(0, &mut message).is_ok_and(|n| n > 0) {
-                message.pop();
-                if let Ok(value) = serde_json::from_slice(&message)
-                    && send.send(value).is_err()
-                {
-                    return;
+            for message in from.split(0).map_while(Result::ok) {
+                let Ok(message) = serde_json::from_slice(&message) else { continue };
+                if send.send(message).is_err() {
+                    break;
                 }
-                message.clear();
             }
         });
-        let (errors, requests) = (Vec::new(), Vec::new());
-        let mut browser =
-            Browser { child, to, from, session: String::new(), asked: 0, errors, requests, _profile: profile };
-        let target = browser.call("Target.createTarget", &json!({"url": "about:blank"}))["targetId"].clone();
-        let attached = browser.call("Target.attachToTarget", &json!({"targetId": target, "flatten": true}));
-        browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
+        let wire = Wire { to, from: messages, next: 0, complaints: Vec::new(), requests: Vec::new() };
+        Some(Browser { process, folder, wire: Arc::new(Mutex::new(wire)) })
+    }
+
+    /// A tab of this size (px) with a page, in a window of its own.
+    pub fn open(&self, address: &str, size: (u32, u32)) -> Tab {
+        self.tab(address, size, true)
+    }
+
+    /// A tab over the one that was opened last, which is hidden then.
+    pub fn open_over(&self, address: &str, size: (u32, u32)) -> Tab {
+        self.tab(address, size, false)
+    }
+
+    fn tab(&self, address: &str, (width, height): (u32, u32), own_window: bool) -> Tab {
+        let mut wire = self.wire.lock().unwrap();
+        let asked = json!({ "url": "about:blank", "newWindow": own_window });
+        let target = wire.call("Target.createTarget", asked, None)["targetId"].take();
+        let asked = json!({ "targetId": target, "flatten": true });
+        let session = wire.call("Target.attachToTarget", asked, None)["sessionId"].as_str().unwrap().to_owned();
+        drop(wire);
+        let tab = Tab { wire: self.wire.clone(), target, session };
         for domain in ["Page", "Runtime", "Log", "Network"] {
-            browser.call(&format!("{domain}.enable"), &json!({}));
+            tab.call(&format!("{domain}.enable"), json!({}));
         }
-        Some(browser)
+        tab.resize(width, height);
+        tab.visit(address);
+        tab
     }
 
-    fn call(&mut self, method: &str, parameters: &Value) -> Value {
-        self.asked += 1;
-        let mut message = json!({"id": self.asked, "method": method, "params": parameters});
-        if !self.session.is_empty() {
-            message["sessionId"] = json!(self.session);
-        }
-        self.to.write_all(format!("{message}\0").as_bytes()).expect("the browser listens");
-        let end = Instant::now() + PATIENCE;
-        loop {
-            let left = end.saturating_duration_since(Instant::now());
-            let answer = self.from.recv_timeout(left).unwrap_or_else(|_| panic!("no answer to {method}"));
-            if answer["id"] == self.asked {
-                assert!(answer.get("error").is_none(), "{method}: {answer}");
-                return answer["result"].clone();
-            }
-            self.event(&answer);
-        }
+    /// What pages complained of: mistakes of their script, and what their policy did not allow.
+    pub fn complaints(&self) -> Vec<String> {
+        self.wire.lock().unwrap().complaints.clone()
     }
 
-    fn event(&mut self, event: &Value) {
-        let of = &event["params"];
-        match event["method"].as_str() {
-            Some("Runtime.exceptionThrown") => self.errors.push(of["exceptionDetails"].to_string()),
-            Some("Runtime.consoleAPICalled") => self.errors.push(of["args"].to_string()),
-            // Hints for who reads pixels, as tests do, are no errors of a page.
-            Some("Log.entryAdded") if of["entry"]["level"] == "error" => {
-                self.errors.push(of["entry"]["text"].to_string())
-            }
-            Some("Network.requestWillBeSent") => {
-                self.requests.push(of["request"]["url"].as_str().unwrap_or_default().to_owned());
-            }
-            _ => {}
-        }
+    /// What pages asked for.
+    pub fn requests(&self) -> Vec<String> {
+        self.wire.lock().unwrap().requests.clone()
     }
+}
 
-    /// Opens a page in a window of a size, light or dark, and waits until its pictures stand.
-    pub fn open(&mut self, page: &Path, (width, height): (u32, u32), dark: bool) {
-        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
-        self.call("Emulation.setDeviceMetricsOverride", &size);
-        let scheme = if dark { "dark" } else { "light" };
-        let features = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
-        self.call("Emulation.setEmulatedMedia", &features);
-        let page = page.canonicalize().expect("a page");
-        let loaded = self.call("Page.navigate", &json!({"url": format!("file://{}", page.display())}));
-        assert!(loaded.get("errorText").is_none(), "{loaded}");
-        self.wait("document.readyState === 'complete' && Boolean(window.page) && location.protocol === 'file:'");
-    }
-
-    /// The value of an expression.
-    pub fn ask(&mut self, expression: &str) -> Value {
-        let how = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        let answer = self.call("Runtime.evaluate", &how);
-        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {}", answer["exceptionDetails"]);
-        answer["result"]["value"].clone()
-    }
-
-    /// A number.
-    pub fn number(&mut self, expression: &str) -> f64 {
-        let value = self.ask(expression);
-        value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
-    }
-
-    /// Until something holds.
-    pub fn wait(&mut self, expression: &str) {
-        let end = Instant::now() + PATIENCE;
-        while self.ask(expression) != json!(true) {
-            assert!(Instant::now() < end, "never: {expression}");
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    /// The mouse: `mouseMoved`, `mousePressed`, `mouseReleased` at a pixel of the window.
-    pub fn mouse(&mut self, kind: &str, x: f64, y: f64) {
-        let down = kind != "mouseMoved";
-        let button = if down { "left" } else { "none" };
-        self.call(
-            "Input.dispatchMouseEvent",
-            &json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": u8::from(down)}),
-        );
-    }
-
-    /// Middle of an element in the window, which is scrolled there.
-    pub fn middle(&mut self, selector: &str) -> (f64, f64) {
-        let found = self.ask(&format!(
-            "(() => {{ const e = document.querySelector({}); e.scrollIntoView({{block: 'center'}});
-               const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})()",
-            json!(selector)
-        ));
-        (found[0].as_f64().expect("x"), found[1].as_f64().expect("y"))
-    }
-
-    /// Presses and lets go in the middle of an element.
-    pub fn click(&mut self, selector: &str) {
-        let (x, y) = self.middle(selector);
-        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
-            self.mouse(kind, x, y);
-        }
-    }
-
-    /// What every page holds to: no errors, nothing asked for but the page itself, no weight, no width beyond the window.
-    pub fn hold(&mut self, page: &Path) {
-        let size = std::fs::metadata(page).expect("a page").len();
-        assert!(size < 1_500_000, "{} has {size} bytes", page.display());
-        for (width, dark) in [(1400, false), (1400, true), (600, false), (600, true)] {
-            self.open(page, (width, 900), dark);
-            let beyond = self.number("document.documentElement.scrollWidth - document.documentElement.clientWidth");
-            assert!(beyond <= 0.0, "{} is {beyond} px wider than {width} px", page.display());
-            let drawn = "[...page.curves.values()].every(c => c.plot || !c.canvas.checkVisibility())";
-            assert_eq!(self.ask(drawn), json!(true), "{} has curves that are not drawn", page.display());
-            let ground = self.ask("getComputedStyle(document.body).backgroundColor");
-            assert_eq!(ground == json!("rgb(255, 255, 255)"), !dark, "{ground}");
-        }
-        assert_eq!(self.errors, Vec::<String>::new());
-        let own = |url: &String| url.starts_with("file://") || url.starts_with("about:");
-        assert!(self.requests.iter().all(own), "{:?}", self.requests);
-    }
+/// The first of some programs that is there.
+fn find(names: &[&str]) -> Option<PathBuf> {
+    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
 }
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        // Its children end with it, after a moment in which they still write into the profile.
+        for _ in 0..50 {
+            if std::fs::remove_dir_all(self.folder.path().join("profile")).is_ok() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+impl Wire {
+    fn call(&mut self, method: &str, params: Value, session: Option<&str>) -> Value {
+        self.next += 1;
+        let id = self.next;
+        let mut message = json!({ "id": id, "method": method, "params": params });
+        if let Some(session) = session {
+            message["sessionId"] = json!(session);
+        }
+        self.to.write_all(format!("{message}\0").as_bytes()).unwrap();
+        loop {
+            let mut got = self.from.recv_timeout(PATIENCE).unwrap_or_else(|why| panic!("{method}: {why}"));
+            if got["id"] == id {
+                assert!(got["error"].is_null(), "{method}: {got}");
+                return got["result"].take();
+            }
+            match got["method"].as_str() {
+                Some("Runtime.exceptionThrown") => self.complaints.push(got["params"]["exceptionDetails"].to_string()),
+                Some("Runtime.consoleAPICalled") => self.complaints.push(got["params"]["args"].to_string()),
+                // Hints for who reads pixels, as tests do, are no mistakes of a page.
+                Some("Log.entryAdded") if got["params"]["entry"]["level"] == "error" => {
+                    self.complaints.push(got["params"]["entry"].to_string());
+                }
+                Some("Network.requestWillBeSent") => {
+                    self.requests.push(got["params"]["request"]["url"].as_str().unwrap_or_default().to_owned());
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Tab {
+    fn call(&self, method: &str, params: Value) -> Value {
+        self.wire.lock().unwrap().call(method, params, Some(&self.session))
+    }
+
+    /// Goes to an address.
+    pub fn visit(&self, address: &str) {
+        let loaded = self.call("Page.navigate", json!({ "url": address }));
+        assert!(loaded["errorText"].is_null(), "{loaded}");
+    }
+
+    pub fn resize(&self, width: u32, height: u32) {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    pub fn prefers_dark(&self, dark: bool) {
+        let value = if dark { "dark" } else { "light" };
+        let feature = json!({ "name": "prefers-color-scheme", "value": value });
+        self.call("Emulation.setEmulatedMedia", json!({ "features": [feature] }));
+    }
+
+    /// Brings it before the others of its window.
+    pub fn show(&self) {
+        self.call("Target.activateTarget", json!({ "targetId": self.target }));
+    }
+
+    pub fn reload(&self) {
+        self.call("Page.reload", json!({}));
+    }
+
+    /// The value of an expression.
+    pub fn value(&self, expression: &str) -> Value {
+        let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let mut answer = self.call("Runtime.evaluate", asked);
+        assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
+        answer["result"]["value"].take()
+    }
+
+    /// Waits until an expression is true. While a page is loaded there may be nothing to ask.
+    pub fn until(&self, expression: &str) {
+        let begun = Instant::now();
+        let asked = json!({ "expression": format!("!!({expression})"), "returnByValue": true });
+        while self.call("Runtime.evaluate", asked.clone())["result"]["value"] != true {
+            assert!(begun.elapsed() < PATIENCE, "never: {expression}\n{}", self.value("document.body.innerText"));
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    pub fn text(&self, selector: &str) -> String {
+        self.value(&format!("document.querySelector('{selector}').textContent")).as_str().unwrap_or_default().to_owned()
+    }
+
+    /// The middle of an element, px.
+    pub fn middle(&self, selector: &str) -> (f64, f64) {
+        let box_ = format!(
+            "(() => {{ const r = document.querySelector({}).getBoundingClientRect(); return [r.x + r.width / 2, r.y + \
+             r.height / 2]; }})()",
+            json!(selector)
+        );
+        let at = self.value(&box_);
+        (at[0].as_f64().unwrap(), at[1].as_f64().unwrap())
+    }
+
+    pub fn mouse(&self, what: &str, (x, y): (f64, f64), pressed: bool) {
+        let button = if what == "mouseMoved" && !pressed { "none" } else { "left" };
+        let event = json!({
+            "type": what, "x": x, "y": y, "button": button, "buttons": u8::from(pressed), "clickCount": 1,
+        });
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    pub fn click(&self, at: (f64, f64)) {
+        self.mouse("mouseMoved", at, false);
+        self.mouse("mousePressed", at, true);
+        self.mouse("mouseReleased", at, false);
+    }
+
+    /// A key, with Ctrl held (2) or nothing (0).
+    pub fn key(&self, key: &str, modifiers: u8) {
+        for what in ["keyDown", "keyUp"] {
+            self.call("Input.dispatchKeyEvent", json!({ "type": what, "key": key, "modifiers": modifiers }));
+        }
     }
 }

@@ -197,10 +197,3 @@ impl Drop for Preview {
 fn sha256_begin(text: &str) -> String {
     lss::base::digest::sha256(text.as_bytes())[..16].to_owned()
 }
-
-/// Whether a program is there.
-pub fn find(names: &[&str]) -> Option<PathBuf> {
-    let path = std::env::var_os("PATH")?;
-    let folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
-    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|file| file.is_file())
-}

@@ -299,7 +299,7 @@ fn facts_say_what_a_build_says() {
     assert!(facts.contains(&length) && facts.contains(proof), "{length}, {proof}\n{facts}");
     assert_eq!(
         (&parts["plan"]["length"], &parts["status"]["words"]),
-        (&json!(length), &json!("proven best on the catalogue's grid"),)
+        (&json!(length), &json!("proven to be the best on the catalogue's grid"),)
     );
     let bill = fs::read_to_string(preview.folder.path().join("out/bom.csv")).unwrap();
     let articles: Vec<&str> = bill.lines().skip(1).filter_map(|line| line.split(',').next()).collect();

@@ -1,6 +1,5 @@
 //! `lss preview`: what it serves, to whom, and what it writes; and the page in a browser.
 
-mod browser;
 mod client;
 mod http;
 mod pages;

@@ -1,7 +1,7 @@
 //! The page in a browser: what a person sees and does.
 
-use super::browser::{Browser, Tab};
 use super::client::{HALL, Preview, optimised};
+use crate::browser::{Browser, Tab};
 use std::fs;
 
 const WIDE: (u32, u32) = (1400, 900);
