@@ -15,10 +15,10 @@
 //! - [`elements`]: standard track elements: sequence, closure, space, bill,
 //! - [`problem`]: the optimisation problem without a solver: variables, rows, objective; files for other solvers,
 //! - [`kinematics`]: the chain on the centre line, polygon action,
+//! - [`capacity`]: how many items an hour a sorter takes: closed forms and a simulation of carriers and items,
 //! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
 //! - [`route`]: the vertices of a loop from the sections that it has to pass: orders, ways around obstacles, bounds,
 //! - [`compiled`]: a solved layout with everything that its readers need worked out once,
-//! - [`capacity`]: how many items an hour a sorter takes: closed forms and a simulation of carriers and items,
 //! - [`review`]: what changed between two solved layouts, as text, Markdown and JSON,
 //! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have
 //!   from it,

@@ -1,6 +1,6 @@
 //! How many items an hour a sorter takes: closed forms, and carriers and items simulated.
 //!
-//! - [`sorter`]: what both know of a sorter, from a compiled layout,
+//! - [`sorter`]: what both know of a sorter,
 //! - [`flow`]: what is used up first, in closed form,
 //! - [`simulate`]: carriers and items, carrier by carrier,
 //! - [`warm_up`], [`replicate`]: where a simulation's beginning ends, and how sure its mean is,

@@ -3,8 +3,8 @@
 use super::flow::{Limit, bound};
 use super::sorter::Sorter;
 use crate::base::number::fixed;
-use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::model::RequiredCapacity;
 
 /// What limits a sorter, in words.
 pub fn limit_words(sorter: &Sorter, limit: Limit) -> String {
@@ -28,27 +28,26 @@ pub fn limit_words(sorter: &Sorter, limit: Limit) -> String {
     }
 }
 
-/// The error where no way of feeding reaches the capacity that the layout requires.
-pub fn reached(compiled: &Compiled) -> Option<Diagnostic> {
-    let required = compiled.layout.capacity.required.as_ref()?;
+/// The error where no way of feeding a layout's sorter, if it is one, reaches what is required.
+pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<Diagnostic> {
     let (least, span) = (required.least.value, required.least.span);
     let asked = format!("at least {} items an hour", fixed(least, 0));
     let why = required.reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
     let message = format!("the sorter does not reach the capacity that it has to have{why}");
-    let Some(sorter) = Sorter::new(compiled) else {
+    let Some(sorter) = sorter else {
         return Some(
             Diagnostic::new(Code::E0604, message, span, "no items can come and go")
                 .expected(asked, "no carts, no induction, or no chutes")
                 .help("place an `induction` and `chutes`, and carts that close the loop"),
         );
     };
-    let found = bound(&sorter, &sorter.proportions())?;
+    let found = bound(sorter, &sorter.proportions())?;
     if found.throughput >= least {
         return None;
     }
     let most = fixed(found.throughput, 0);
     let diagnostic = Diagnostic::new(Code::E0604, message, span, format!("no more than {most} an hour"))
-        .expected(asked, format!("at most {most}, limited by {}", limit_words(&sorter, found.limit)));
+        .expected(asked, format!("at most {most}, limited by {}", limit_words(sorter, found.limit)));
     Some(match found.limit {
         Limit::Stretch(_) => {
             let speed = sorter.speed * least / found.throughput;

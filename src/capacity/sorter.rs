@@ -1,8 +1,5 @@
 //! What a simulation of capacity knows of a sorter: carriers, where items come and go, and what goes wrong.
 
-use crate::compiled::Compiled;
-use crate::model::Capacity;
-
 /// A sorter with its items.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sorter {
@@ -29,47 +26,6 @@ impl Sorter {
     /// Length of the chain, m.
     pub fn length(&self) -> f64 {
         self.pitch * self.carriers as f64
-    }
-
-    /// The sorter of a layout: a carrier a cart, inductions, scanners and chutes where they stand along the track, and what
-    /// the layout says of its items. `None` without carts, inductions or chutes.
-    pub fn new(compiled: &Compiled) -> Option<Sorter> {
-        let layout = &compiled.layout;
-        let Capacity { scanners, feeds, storages, items, stops, .. } = &layout.capacity;
-        let carriers = compiled.chain?.carts;
-        let equipment = &layout.equipment;
-        let induction = |(i, induction): (usize, &crate::model::Induction)| {
-            let feed = feeds.iter().find(|feed| feed.induction == i);
-            Induction {
-                name: induction.name.clone(),
-                s: compiled.station(induction.place).s,
-                demand: feed.and_then(|feed| feed.rate),
-                most: feed.and_then(|feed| feed.most).unwrap_or(f64::INFINITY),
-                efficiency: feed.map_or(1.0, |feed| feed.efficiency),
-            }
-        };
-        let row = |(i, chutes): (usize, &crate::model::Chutes)| {
-            let storage = storages.iter().find(|storage| storage.chutes == i).map(|s| (s.count, s.every));
-            let one = |(k, station): (usize, crate::compiled::Station)| Chute {
-                name: format!("{} {}", chutes.name, k + 1),
-                s: station.s,
-                share: 1.0,
-                storage,
-            };
-            compiled.stations(&chutes.row).into_iter().enumerate().map(one).collect::<Vec<_>>()
-        };
-        let sorter = Sorter {
-            carriers,
-            // Carts that close the loop stand a little nearer or farther than their length.
-            pitch: compiled.length() / carriers.max(1) as f64,
-            speed: layout.speed.value,
-            inductions: equipment.inductions.iter().enumerate().map(induction).collect(),
-            chutes: equipment.chutes.iter().enumerate().flat_map(row).collect(),
-            scanners: scanners.iter().map(|place| compiled.station(*place).s).collect(),
-            items: Items { double: items.double, no_read: items.unread, most_laps: items.laps.unwrap_or(usize::MAX) },
-            stops: stops.map(|s| Stops { between: s.every, duration: s.duration }),
-        };
-        (carriers > 0 && !sorter.inductions.is_empty() && !sorter.chutes.is_empty()).then_some(sorter)
     }
 
     /// How the items are spread over the inductions: as they come, and alike where they always do.

@@ -4,7 +4,7 @@ use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, repor
 use crate::base::json::to_json;
 use crate::base::number::{duration, fixed};
 use crate::capacity::explore::{by_inductions, by_speed};
-use crate::capacity::{self, Bound, Mean, Measured, Settings, Sorter, bound, limit_words, measure};
+use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, bound, limit_words, measure};
 use crate::chain_input::Simulation;
 use crate::emit::Files;
 use crate::report::capacity::{self as page, CapacityPage};
@@ -60,7 +60,7 @@ impl Capacity {
             Ok(compiled) => compiled,
             Err(outcome) => return outcome,
         };
-        let Some(sorter) = Sorter::new(&compiled) else {
+        let Some(sorter) = compiled.sorter() else {
             report::error("a capacity needs carts that close the loop, an induction and chutes in the layout");
             return Outcome::Problems;
         };
@@ -77,8 +77,8 @@ impl Capacity {
         let fed = sorter.inductions.iter().any(|i| i.demand.is_some()).then(|| measure(&sorter, &settings));
         let always = measure(&sorter.always_fed(), &settings);
         let required = compiled.layout.capacity.required.as_ref().map(|required| required.least.value);
-        let mut found = Found::new(&compiled.layout.name, &sorter, &bound, fed.as_ref(), &always, &settings);
-        found.required_per_hour = required;
+        let measured = (fed.as_ref(), &always);
+        let found = Found::new(&compiled.layout.name, &sorter, &bound, required, measured, &settings);
         if let Some(folder) = &self.output {
             let mut files = Files::default();
             files.push("capacity.json", to_json(&found));
@@ -108,7 +108,7 @@ impl Capacity {
         if short {
             report::warning("the simulation does not reach the capacity that the layout requires");
         }
-        if capacity::reached(&compiled).is_some() || short { Outcome::Problems } else { Outcome::Clean }
+        if compiled.short_of_capacity().is_some() || short { Outcome::Problems } else { Outcome::Clean }
     }
 }
 
@@ -260,8 +260,8 @@ impl<'a> Found<'a> {
         layout: &'a str,
         sorter: &'a Sorter,
         bound: &Bound,
-        fed: Option<&Measured>,
-        always: &Measured,
+        required: Option<f64>,
+        (fed, always): (Option<&Measured>, &Measured),
         settings: &Settings,
     ) -> Self {
         let mut always_fed = Simulated::new(sorter, always);
@@ -275,7 +275,7 @@ impl<'a> Found<'a> {
             carriers_per_hour: sorter.carriers_per_hour(),
             bound_per_hour: bound.throughput,
             limited_by: limit_words(sorter, bound.limit),
-            required_per_hour: None,
+            required_per_hour: required,
             hours: settings.hours,
             replications: settings.replications,
             seed: settings.seed,

@@ -2,15 +2,22 @@
 
 use super::Compiled;
 use crate::diagnostic::Diagnostic;
-use crate::{elements, solve};
+use crate::{capacity, elements, solve};
 
 impl Compiled {
-    /// Adds to what was said before. Where heights cannot be built, they are the last that is said.
+    /// Adds to what was said before: why no layout meets the constraints, and [what is built](Self::tell_of_result).
     pub fn tell(&self, said: &mut Vec<Diagnostic>) {
         said.extend(solve::diagnose(&self.layout, &self.stages));
+        self.tell_of_result(said);
+    }
+
+    /// Adds what there is to say of chain, capacity, heights and elements. Where heights cannot be built, they are the last
+    /// that is said.
+    pub fn tell_of_result(&self, said: &mut Vec<Diagnostic>) {
         if !self.failed() {
             let unclosed = solve::unclosed(&self.layout, &self.track, &self.space.line);
             said.extend(unclosed.or_else(|| self.loose()));
+            said.extend(self.short_of_capacity());
         }
         said.extend(self.heights.iter().cloned());
         // Nobody orders a layout that is not feasible.
@@ -27,5 +34,11 @@ impl Compiled {
     /// The warning where the chain leaves more over than the take-up compensates.
     pub fn loose(&self) -> Option<Diagnostic> {
         solve::left_over(&self.layout, &self.track, &self.space.line, self.chain)
+    }
+
+    /// The error where the sorter does not reach the capacity that the layout requires.
+    pub fn short_of_capacity(&self) -> Option<Diagnostic> {
+        let required = self.layout.capacity.required.as_ref()?;
+        capacity::reached(self.sorter().as_ref(), required)
     }
 }

@@ -5,6 +5,7 @@ mod findings;
 pub(crate) mod fixture;
 pub mod order;
 mod solved;
+mod sorter;
 mod station;
 
 pub use solved::solved;
@@ -94,6 +95,20 @@ impl Compiled {
     /// Whether a whole number of carts closes within the catalogue's take-up.
     pub fn chain_fits(&self) -> bool {
         self.chain.is_some_and(|fit| fit.is_within(self.layout.catalog.take_up))
+    }
+
+    /// How the solve ended, in words that go on with how long it took.
+    pub fn state(&self) -> &'static str {
+        let last = self.stages.last();
+        match last.map(|stage| stage.status) {
+            None | Some(Status::AsWritten) => "as written, which nothing optimises",
+            Some(Status::Infeasible) => "NOT FEASIBLE, this is the best layout found",
+            Some(Status::Proven) => "proven to be the best on the catalogue's grid",
+            Some(_) if last.is_some_and(|stage| stage.cut.is_some()) => "the best found in the time that it had",
+            Some(Status::Local) => "a local optimum",
+            Some(Status::BestFound) => "the best found",
+            Some(Status::Feasible) => "feasible",
+        }
     }
 
     /// Whether the last stage failed: drawings then carry a watermark and the rows that are violated.

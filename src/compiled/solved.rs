@@ -7,7 +7,7 @@ use crate::route;
 use crate::solve::{self, Options, unsupported};
 
 /// A layout, solved; where it asks for its vertices, with those that were found. `Err` says in a sentence why there is
-/// none. The diagnostics are what a build says, without those of a search that `options.stop` ended.
+/// none. The diagnostics are what a build says, but why nothing was found only where `options.stop` did not end the search.
 pub fn solved(layout: &Layout, options: &Options) -> (Result<Compiled, String>, Vec<Diagnostic>) {
     let refused = unsupported(layout);
     if let Some(first) = refused.first() {
@@ -24,9 +24,9 @@ pub fn solved(layout: &Layout, options: &Options) -> (Result<Compiled, String>, 
         },
     };
     let mut said = Vec::new();
-    if options.stop.cut().is_none() {
-        said.extend(solve::diagnose(&compiled.layout, &compiled.stages));
-        said.extend(compiled.heights.iter().cloned());
+    match options.stop.cut() {
+        None => compiled.tell(&mut said),
+        Some(_) => compiled.tell_of_result(&mut said),
     }
     (Ok(compiled), said)
 }

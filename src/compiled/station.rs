@@ -48,6 +48,12 @@ impl Compiled {
         (0..row.count).map(|i| self.station(place(i))).collect()
     }
 
+    /// Arc length from the layout's start of what lies so far along the plan from vertex 0's outgoing tangent point, m.
+    pub fn past_start(&self, plan: f64) -> f64 {
+        let along = if self.raised() { self.space.from_plan(plan) } else { plan };
+        self.round_trip(along - self.start())
+    }
+
     /// Where the track's supports stand: at the start and every so many metres on.
     pub fn supports(&self) -> Vec<Station> {
         let Some(every) = self.layout.equipment.supports.map(|every| every.value).filter(|every| *every > 0.0) else {

@@ -5,7 +5,7 @@ use crate::compiled::{Compiled, solved};
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Layout};
 use crate::semantics::Checked;
-use crate::solve::{Options, Status, Stop};
+use crate::solve::{Options, Stop};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -45,18 +45,7 @@ pub struct Solved {
 impl Solved {
     /// `proven, 0.31 s`
     pub fn state(&self) -> String {
-        let cut = self.compiled.stages.last().is_some_and(|s| s.cut.is_some());
-        let how = match self.compiled.stages.last().map(|s| s.status) {
-            None => "as written, which nothing optimises",
-            Some(Status::Infeasible) => "NOT FEASIBLE, this is the best layout found",
-            Some(Status::Proven) => "proven to be the best on the catalogue's grid",
-            Some(_) if cut => "the best found in the time that it had",
-            Some(Status::Local) => "a local optimum",
-            Some(Status::BestFound) => "the best found",
-            Some(Status::Feasible) => "feasible",
-            Some(Status::AsWritten) => "as written, which nothing optimises",
-        };
-        format!("{how} ({} s)", trimmed(self.seconds, 2))
+        format!("{} ({} s)", self.compiled.state(), trimmed(self.seconds, 2))
     }
 }
 

@@ -4,6 +4,7 @@ use crate::base::json;
 use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 
+mod bill_row;
 pub mod bom;
 mod draw_error;
 mod drawing;

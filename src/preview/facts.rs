@@ -14,20 +14,6 @@ use maud::{Markup, html};
 /// Rows that are shown with their price at once.
 const DEAREST: usize = 8;
 
-/// How a layout ended up, in a few words.
-pub fn state(compiled: &Compiled) -> &'static str {
-    let cut = compiled.stages.last().is_some_and(|stage| stage.cut.is_some());
-    match compiled.stages.last().map(|stage| stage.status) {
-        Some(Status::Infeasible) => "not feasible: this is the best that was found",
-        Some(Status::Proven) => "proven best on the catalogue's grid",
-        Some(_) if cut => "the best found in the time given",
-        Some(Status::Local) => "a local optimum",
-        Some(Status::BestFound) => "the best found",
-        Some(Status::Feasible) => "feasible",
-        Some(Status::AsWritten) | None => "as written",
-    }
-}
-
 /// The facts as HTML.
 pub fn html(known: &Known, compiled: &Compiled) -> String {
     let body = html! {

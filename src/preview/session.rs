@@ -348,7 +348,7 @@ impl Worker {
             Ok((sheet, plan)) => {
                 self.sheet = Some(sheet);
                 let (facts, status) =
-                    (json!(facts::html(known, &compiled)), self.status(facts::state(&compiled), false, false));
+                    (json!(facts::html(known, &compiled)), self.status(compiled.state(), false, false));
                 self.show([("errors", errors), ("plan", plan), ("facts", facts), ("moving", Value::Null), status]);
             }
             Err(why) => {

@@ -2,7 +2,6 @@
 
 use crate::compiled::{Compiled, solved};
 use crate::diagnostic::Diagnostic;
-use crate::elements;
 use crate::model::{Goal, Layout, Objective};
 use crate::solve::{self, Discretise, Options, Stage, Stop, unsupported};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,27 +37,17 @@ pub fn whole(
     ended: &'static AtomicBool,
 ) -> Option<(Result<Compiled, String>, Vec<Diagnostic>)> {
     let stop = Stop::after_or(limit, ended);
-    let (result, mut said) = solved(layout, &Options { threads, stop, ..Options::default() });
+    let (result, said) = solved(layout, &Options { threads, stop, ..Options::default() });
     if stop.cut().is_some() && ended.load(Ordering::Relaxed) {
         return None;
     }
-    said.extend(result.iter().flat_map(of_result));
     Some((result, said))
 }
 
 /// A layout whose text changed but not what it says, with the stages that are known.
 pub fn again(layout: &Layout, stages: Vec<Stage>) -> (Result<Compiled, String>, Vec<Diagnostic>) {
     let compiled = Compiled::new(layout.clone(), stages);
-    let said = compiled.heights.iter().cloned().chain(of_result(&compiled)).collect();
+    let mut said = Vec::new();
+    compiled.tell(&mut said);
     (Ok(compiled), said)
-}
-
-/// What there is to say of the chain and the elements of a layout that can be built.
-fn of_result(compiled: &Compiled) -> Vec<Diagnostic> {
-    if compiled.failed() {
-        return Vec::new();
-    }
-    let (layout, track, line) = (&compiled.layout, &compiled.track, &compiled.space.line);
-    let chain = solve::unclosed(layout, track, line).or_else(|| solve::left_over(layout, track, line, compiled.chain));
-    chain.into_iter().chain(elements::lacking(&compiled.sequence, layout)).collect()
 }

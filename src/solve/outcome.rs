@@ -23,6 +23,21 @@ pub enum Status {
     AsWritten,
 }
 
+impl Status {
+    /// For people; `cut` where a limit of time ended the solve.
+    pub fn words(self, cut: bool) -> &'static str {
+        match self {
+            Status::Local => "local optimum",
+            Status::BestFound => "best found",
+            Status::Proven => "proven",
+            Status::Feasible if cut => "feasible, not optimal",
+            Status::Feasible => "feasible, but out of iterations before it was a local optimum",
+            Status::Infeasible => "NOT FEASIBLE",
+            Status::AsWritten => "as written",
+        }
+    }
+}
+
 /// A row that the layout does not meet.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {

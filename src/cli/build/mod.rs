@@ -7,7 +7,6 @@ mod written;
 use super::progress::Solving;
 use super::read::{Read, given_let, read_any, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, report};
-use crate::capacity;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::emit;
@@ -169,9 +168,6 @@ impl Build {
         };
         let layout = &compiled.layout;
         compiled.tell(&mut said);
-        if !compiled.failed() {
-            said.extend(capacity::reached(&compiled));
-        }
         if compiled.heights.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);
         }

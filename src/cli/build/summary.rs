@@ -117,15 +117,7 @@ impl<'a> Summary<'a> {
     pub fn text(&self, raised: bool, output: Option<&Path>) -> String {
         let mut out = format!("{}\n", self.layout);
         for stage in &self.stages {
-            let state = match stage.status {
-                solve::Status::Local => "local optimum",
-                solve::Status::BestFound => "best found",
-                solve::Status::Proven => "proven",
-                solve::Status::Feasible if self.cut.is_some() => "feasible, not optimal",
-                solve::Status::Feasible => "feasible, but out of iterations before it was a local optimum",
-                solve::Status::Infeasible => "NOT FEASIBLE",
-                solve::Status::AsWritten => "as written",
-            };
+            let state = stage.status.words(self.cut.is_some());
             let starts = if stage.starts > 1 { format!(" from {} starts", stage.starts) } else { String::new() };
             out += &format!(
                 "  {:<8} {:>12.5} m  {state}{starts}, violation {:.1e}, {} iterations, {:.3} s\n",

@@ -82,16 +82,11 @@ fn track(compiled: &Compiled) -> Vec<Thing> {
     let piece = |(i, piece): (usize, &crate::elements::OrderedPiece)| {
         let (begin, length) = (compiled.space.from_plan(piece.place.s), piece.part.length());
         let mesh = Mesh::along(&compiled.space.line, begin, length, section);
-        let s = compiled.round_trip(begin - if compiled.raised() { compiled.start() } else { flat_start(compiled) });
+        let s = compiled.past_start(piece.place.s);
         let extras = json!({ "article": piece.article, "s_m": s, "length_m": tidy(length) });
         Thing { extras, ..Thing::new(format!("{} {}", i + 1, piece.article), "track", mesh) }
     };
     compiled.pieces.iter().enumerate().map(piece).collect()
-}
-
-/// Arc length of the layout's start along the line in space of a flat layout, m.
-fn flat_start(compiled: &Compiled) -> f64 {
-    compiled.space.from_plan(compiled.start())
 }
 
 fn at(station: &Station) -> Vector3<f64> {
@@ -118,9 +113,8 @@ fn motors(compiled: &Compiled) -> Vec<Thing> {
     let half = compiled.layout.cart.running.half_spacing / 2.0;
     let height = -compiled.layout.cart.motor_height;
     let section = Section { half_width: half, low: height - DEPTH / 2.0, high: height };
-    let start = if compiled.raised() { compiled.start() } else { flat_start(compiled) };
     let one = |(j, station): (usize, Station)| {
-        let mesh = Mesh::along(&compiled.space.line, station.s + start, motor.length, section);
+        let mesh = Mesh::along(&compiled.space.line, station.s + compiled.start(), motor.length, section);
         let extras = json!({ "s_m": station.s, "length_m": motor.length, "force_N": motor.force });
         Thing { extras, ..Thing::new(format!("M{}", j + 1), "motor", mesh) }
     };

@@ -142,7 +142,6 @@ fn line(compiled: &Compiled, piece: &geometry::Piece) -> CentreLinePiece {
 
 fn part(compiled: &Compiled, element: &elements::Element) -> Element {
     let length_m = tidy(element.length);
-    let begin = if compiled.raised() { compiled.space.from_plan(element.s) } else { element.s };
     Element {
         article: element.article.clone(),
         shape: match element.shape {
@@ -151,7 +150,7 @@ fn part(compiled: &Compiled, element: &elements::Element) -> Element {
                 ElementShape::Curve { length_m, radius_m: tidy(radius), turn_deg: tidy(turn.to_degrees()) }
             }
         },
-        s_m: compiled.round_trip(begin - compiled.start()),
+        s_m: compiled.past_start(element.s),
         begin_m: pair(element.position),
         heading_deg: tidy(element.heading.to_degrees()),
         in_catalog: element.in_catalog,

@@ -3,12 +3,13 @@
 
 mod pages;
 
+use super::bill_row::BillRow;
 use super::layout::LayoutFile;
 use super::{DrawError, OwnNumbers, pdf, svg};
 use crate::base::number::{fixed, trimmed};
-use crate::compiled::{Compiled, order};
+use crate::compiled::Compiled;
 use crate::model::TOLERANCE;
-use crate::solve::{Stage, Status};
+use crate::solve::Stage;
 use pages::{Pages, narrow, number, words};
 
 /// The report. It holds no dates but those of the layout's title block: the same layout gives the same bytes.
@@ -77,11 +78,12 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
         ("catalogue", layout.catalog.name.clone()),
     ]);
     pages.heading("How it was found");
+    let cut = compiled.stages.last().is_some_and(|s| s.cut.is_some());
     let stage = |s: &Stage| {
         vec![
             s.name.replace("stage", "stage "),
             fixed(s.length, 5),
-            status(s.status).to_owned(),
+            s.status.words(cut).to_owned(),
             format!("{:.1e}", s.max_violation),
         ]
     };
@@ -98,17 +100,6 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
     for violation in compiled.stages.last().iter().flat_map(|s| &s.violations) {
         let words = format!("{} is missed by {} {}", violation.row, trimmed(violation.amount, 4), violation.unit);
         pages.words(&words, "warn");
-    }
-}
-
-fn status(status: Status) -> &'static str {
-    match status {
-        Status::Local => "local optimum",
-        Status::BestFound => "best found",
-        Status::Proven => "proven: none on the catalogue's grid is better",
-        Status::Feasible => "feasible, not optimal",
-        Status::Infeasible => "NOT FEASIBLE",
-        Status::AsWritten => "as written",
     }
 }
 
@@ -209,33 +200,13 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
     let numbers = |article: &str| own.of(article).unwrap_or_default().to_owned();
     let euros = |value: Option<f64>| value.map_or_else(String::new, |value| fixed(value, 2));
     let kilograms = |value: Option<f64>| value.map_or_else(String::new, |value| fixed(value, 1));
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    for line in &compiled.bill.lines {
-        let (price, mass) = (euros(Some(line.price)), kilograms(Some(line.mass)));
-        rows.push(vec![
-            line.article.clone(),
-            numbers(&line.article),
-            line.description.clone(),
-            line.count.to_string(),
-            price,
-            mass,
-        ]);
-    }
-    let (mut price, mut mass) = (compiled.bill.price, compiled.bill.mass);
-    for line in order::lines(compiled) {
-        let article = line.article.clone().unwrap_or_default();
-        let own = numbers(&article);
-        price += line.price().unwrap_or(0.0);
-        mass += line.mass().unwrap_or(0.0);
-        rows.push(vec![
-            article,
-            own,
-            line.description.clone(),
-            line.count.to_string(),
-            euros(line.price()),
-            kilograms(line.mass()),
-        ]);
-    }
+    let lines = BillRow::all(compiled);
+    let row = |line: &BillRow| {
+        let (own, count) = (numbers(&line.article), line.count.to_string());
+        vec![line.article.clone(), own, line.description.clone(), count, euros(line.price), kilograms(line.mass)]
+    };
+    let mut rows: Vec<Vec<String>> = lines.iter().map(row).collect();
+    let (price, mass) = BillRow::sums(&lines);
     rows.push(vec![text(""), text(""), text("sum of what has a price"), text(""), fixed(price, 2), fixed(mass, 1)]);
     let mut columns = vec![
         narrow("article"),

@@ -3,55 +3,12 @@
 
 mod workbook;
 
+use super::bill_row::BillRow;
 use super::{DrawError, OwnNumbers};
 use crate::base::trig;
 use crate::compiled::Compiled;
-use crate::compiled::order::{self, OrderLine};
-use crate::elements::{BillLine, Part};
+use crate::elements::Part;
 use workbook::{Look, Sheet};
-
-/// A row of the bill.
-struct Row<'a> {
-    group: &'static str,
-    article: &'a str,
-    description: &'a str,
-    count: usize,
-    unit_price: Option<f64>,
-    price: Option<f64>,
-    unit_mass: Option<f64>,
-    mass: Option<f64>,
-    note: &'static str,
-}
-
-impl<'a> Row<'a> {
-    fn track(line: &'a BillLine) -> Self {
-        Row {
-            group: "track",
-            article: &line.article,
-            description: &line.description,
-            count: line.count,
-            unit_price: Some(line.unit_price),
-            price: Some(line.price),
-            unit_mass: Some(line.unit_mass),
-            mass: Some(line.mass),
-            note: if line.in_catalog { "" } else { "not in the catalogue: an estimate" },
-        }
-    }
-
-    fn order(line: &'a OrderLine) -> Self {
-        Row {
-            group: line.group.name(),
-            article: line.article.as_deref().unwrap_or_default(),
-            description: &line.description,
-            count: line.count,
-            unit_price: line.unit_price,
-            price: line.price(),
-            unit_mass: line.unit_mass,
-            mass: line.mass(),
-            note: if line.unit_price.is_none() { "no price in the layout" } else { "" },
-        }
-    }
-}
 
 /// Headings of the bill, with the columns' widths in characters.
 const BILL: [(&str, f64); 10] = [
@@ -110,11 +67,10 @@ fn bill_sheet(compiled: &Compiled, own: &OwnNumbers) -> Sheet {
     if compiled.failed() {
         sheet.text(2, 0, "NOT FEASIBLE: this layout must not be ordered", Look::Title);
     }
-    let lines = order::lines(compiled);
-    let rows: Vec<Row> = compiled.bill.lines.iter().map(Row::track).chain(lines.iter().map(Row::order)).collect();
+    let rows = BillRow::all(compiled);
     for (at, row) in (HEAD + 1..).zip(&rows) {
-        let number = own.of(row.article).unwrap_or_default();
-        for (column, text) in [(0, row.group), (1, row.article), (2, number), (3, row.description), (9, row.note)] {
+        let number = own.of(&row.article).unwrap_or_default();
+        for (column, text) in [(0, row.group), (1, &row.article), (2, number), (3, &row.description), (9, row.note)] {
             sheet.text(at, column, text, Look::Plain);
         }
         sheet.number(at, 4, row.count as f64, Look::Plain);
@@ -132,13 +88,9 @@ fn bill_sheet(compiled: &Compiled, own: &OwnNumbers) -> Sheet {
     let last = HEAD + rows.len();
     sheet.filter_to(last);
     sheet.text(last + 1, 3, "Sum of what has a price", Look::Total);
-    let sums = [
-        (6, 'G', rows.iter().filter_map(|r| r.price).sum::<f64>(), 100.0, Look::TotalMoney),
-        (8, 'I', rows.iter().filter_map(|r| r.mass).sum::<f64>(), 1000.0, Look::TotalMass),
-    ];
-    for (column, letter, sum, units, look) in sums {
-        let formula = format!("SUM({letter}{}:{letter}{})", HEAD + 2, last + 1);
-        sheet.formula(last + 1, column, formula, (sum * units).round() / units, look);
+    let (price, mass) = BillRow::sums(&rows);
+    for (column, letter, sum, look) in [(6, 'G', price, Look::TotalMoney), (8, 'I', mass, Look::TotalMass)] {
+        sheet.formula(last + 1, column, format!("SUM({letter}{}:{letter}{})", HEAD + 2, last + 1), sum, look);
     }
     sheet
 }
@@ -148,7 +100,6 @@ fn pieces_sheet(compiled: &Compiled, own: &OwnNumbers) -> Sheet {
     let origin = compiled.layout.drawing.origin;
     for (at, piece) in (1..).zip(&compiled.pieces) {
         let place = &piece.place;
-        let begin = if compiled.raised() { compiled.space.from_plan(place.s) } else { place.s };
         let straight = matches!(piece.part, Part::Straight { .. } | Part::Vertical { .. });
         let name = if straight {
             compiled.layout.section_name(place.vertex)
@@ -161,7 +112,7 @@ fn pieces_sheet(compiled: &Compiled, own: &OwnNumbers) -> Sheet {
             sheet.text(at, column, text, Look::Plain);
         }
         for (column, metres) in [
-            (2, compiled.round_trip(begin - compiled.start())),
+            (2, compiled.past_start(place.s)),
             (3, piece.part.length()),
             (6, place.position.x - origin.x),
             (7, place.position.y - origin.y),
@@ -179,6 +130,7 @@ fn pieces_sheet(compiled: &Compiled, own: &OwnNumbers) -> Sheet {
 mod tests {
     use super::*;
     use crate::compiled::fixture::compile;
+    use crate::compiled::order;
     use crate::emit::own_numbers;
     use crate::emit::plan::samples;
     use crate::model::{Article, fixture};
