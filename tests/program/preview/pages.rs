@@ -211,6 +211,8 @@ fn a_section_says_what_it_is_and_where_it_is_written() {
     let tab = opened(&browser, &preview, WIDE);
     let parts = preview.until_solved();
     tab.until("!document.getElementById('length').textContent.startsWith('≈')");
+    // What is told beside the drawing may still change its size, at which a tip goes away.
+    tab.value("new Promise((laid_out) => requestAnimationFrame(() => requestAnimationFrame(laid_out)))");
     // On the straight P3..P4, a third of its way along: not where a label or an arrow stands.
     let on = |selector: &str, share: f64| {
         let at = tab.value(&format!(
