@@ -219,10 +219,14 @@ impl Problem {
 /// The objective in words.
 fn minimises(layout: &Layout) -> &'static str {
     let wants = |goal: Goal| layout.objective.terms.iter().any(|(_, g)| *g == goal);
-    if wants(Goal::Cost) {
+    if wants(Goal::Cost) && !wants(Goal::PolygonAction) {
         return "price of the pieces, EUR, in stage 3; track length, m, in the stages before it";
     }
     match (wants(Goal::PolygonAction), wants(Goal::Length), layout.objective.within) {
+        (true, ..) if wants(Goal::Cost) => {
+            "a sum of polygon action, mm², price of the pieces, EUR, and track length, m"
+        }
+        (true, false, Some((Goal::Cost, _))) => "polygon action, mm², within a budget of cost",
         (true, true, _) => "a sum of track length, m, and polygon action, mm²",
         (true, false, Some(_)) => "polygon action, mm², within a budget of track length",
         (true, false, None) => "polygon action, mm²",

@@ -17,10 +17,15 @@ pub fn solve_with(layout: &Layout, options: &Options, discretise: Discretise, wa
     if layout.vertices.is_empty() {
         return Vec::new();
     }
-    let mut stages = match (Budget::of(&layout.objective), polygon::Smooth::of(&layout.objective)) {
-        (Some(budget), _) => budget.solve(layout, options, discretise, watch),
-        (None, Some(goal)) => polygon::solve(layout, goal, options, discretise, watch),
-        (None, None) => return stages::solve_in_stages(layout, options, discretise, watch),
+    let objective = &layout.objective;
+    let mut stages = if let Some(budget) = Budget::of(objective) {
+        budget.solve(layout, options, discretise, watch)
+    } else if let Some(traded) = polygon::Traded::of(objective) {
+        traded.solve(layout, options, discretise, watch)
+    } else if let Some(goal) = polygon::Smooth::of(objective) {
+        polygon::solve(layout, goal, options, discretise, watch)
+    } else {
+        return stages::solve_in_stages(layout, options, discretise, watch);
     };
     if let Some(last) = stages.last_mut() {
         last.cut = options.stop.cut();

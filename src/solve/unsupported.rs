@@ -2,10 +2,10 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Track, self_crossings};
-use crate::model::{Goal, Layout, Side};
+use crate::model::{Layout, Side};
 use crate::solve::MOST_OPEN;
 use crate::solve::budget::Budget;
-use crate::solve::polygon::Smooth;
+use crate::solve::polygon::{Smooth, Traded};
 use crate::source::Span;
 
 /// One diagnostic for each part of a checked layout that cannot be built yet.
@@ -20,23 +20,17 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
     };
     let objective = &layout.objective;
     let written = objective.span.unwrap_or(layout.span);
-    let smooth = Smooth::is_known(objective);
-    let wants = |goal: Goal| objective.terms.iter().any(|(_, g)| *g == goal);
-    if smooth || Budget::of(objective).is_some() {
-        // Polygon action, alone, within a budget of length or summed with it; length and cost within each other's.
-    } else if objective.within.is_some() {
-        let instead = "write `optimise polygon_action within length`, or limit `length` and `cost` by each other";
-        say(written, "this goal within a budget", instead);
-    } else if wants(Goal::Cost) && wants(Goal::PolygonAction) {
-        say(written, "this weighted sum of goals", "sum `length` with either of the others");
+    let smooth = Smooth::is_known(objective) || Traded::of(objective).is_some();
+    if objective.within.is_some() && !smooth && Budget::of(objective).is_none() {
+        say(
+            written,
+            "a goal within a budget of itself",
+            "limit another goal, as `optimise polygon_action within length`",
+        );
     }
-    // Every combination of sides is solved, but for polygon action.
-    let open = if smooth { 0 } else { MOST_OPEN };
-    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either).skip(open) {
-        let what = match smooth {
-            true => format!("`pass {} either` under `polygon_action`", obstacle.name),
-            false => format!("`pass {} either` beside {MOST_OPEN} others", obstacle.name),
-        };
+    // Every combination of sides is solved.
+    for obstacle in layout.obstacles.iter().filter(|o| o.side == Side::Either).skip(MOST_OPEN) {
+        let what = format!("`pass {} either` beside {MOST_OPEN} others", obstacle.name);
         say(obstacle.pass.unwrap_or(obstacle.span), &what, "choose `left` or `right`");
     }
     if smooth && !layout.is_flat() {

@@ -2,14 +2,15 @@
 
 use super::Smooth;
 use crate::base::trig;
-use crate::geometry::Track;
-use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Objective, Target, Unit};
+use crate::geometry::{Track, self_crossings};
+use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Obstacle, Side, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
+use crate::semantics::settle_sides;
 use crate::solve::sqp::{self, SqpSettings};
 use crate::solve::stages::solve_in_stages;
 use crate::solve::violations::{as_written, off_grid, stage};
-use crate::solve::{Discretise, Options, Stage, Status, Tell, discrete};
+use crate::solve::{Discretise, Options, Stage, Status, Tell, discrete, worth};
 use crate::source::Span;
 use std::time::Instant;
 
@@ -21,6 +22,8 @@ pub struct Base {
     /// The layout with its radii held, and the budget and the closing of the chain among its constraints.
     pub layout: Layout,
     pub variables: Vec<f64>,
+    /// The budget of cost, EUR.
+    pub limit: Option<f64>,
     /// No coordinate goes farther from the base than this, m: the period of the landscape.
     pub reach: f64,
 }
@@ -34,13 +37,12 @@ pub fn base(
     watch: Tell,
 ) -> (Vec<Stage>, Option<Base>) {
     let mut held = hold_radii(layout);
-    let find = |layout: &Layout| {
-        if goal.weighs_length() {
-            let shortest = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: layout.objective.span };
-            solve_in_stages(&Layout { objective: shortest, ..layout.clone() }, options, discretise, watch)
-        } else {
-            nearest(layout)
-        }
+    if goal.base(&layout.objective).is_none() {
+        settle(&mut held, &Track::new(&layout.corners()));
+    }
+    let find = |layout: &Layout| match goal.base(&layout.objective) {
+        Some(objective) => solve_in_stages(&Layout { objective, ..layout.clone() }, options, discretise, watch),
+        None => nearest(layout),
     };
     let mut stages = find(&held);
     let failed = |stages: &[Stage]| stages.last().is_none_or(|s| s.status == Status::Infeasible);
@@ -49,6 +51,7 @@ pub fn base(
     }
     let last = |stages: &[Stage]| stages.last().map_or_else(Vec::new, |s| to_variables(&s.corners));
     let mut variables = last(&stages);
+    settle(&mut held, &Track::new(&to_corners(&variables)));
     // A whole number of carts.
     let pitch = layout.cart.length;
     let lacks = |variables: &[f64]| {
@@ -58,8 +61,8 @@ pub fn base(
     let (left, path) = lacks(&variables);
     let stated = layout.chain.closes_within.as_ref().map(|c| (c.value, c.span));
     let (slack, span) = stated.unwrap_or((left.abs().max(layout.catalog.take_up), layout.span));
-    // The shortest layout can only become longer.
-    let carts = match left.abs() > slack && goal.weighs_length() {
+    // The shortest layout can only become longer, and a cheaper one is mostly shorter.
+    let carts = match left.abs() > slack && goal.base(&layout.objective).is_some() {
         true => ((path - slack) / pitch).ceil(),
         false => (path / pitch).round(),
     };
@@ -72,8 +75,16 @@ pub fn base(
         }
         variables = last(&stages);
     }
-    let length = Track::new(&to_corners(&variables)).length;
-    let growth = if goal.length > 0.0 { None } else { Some(goal.budget.unwrap_or(GROWTH)) };
+    let track = Track::new(&to_corners(&variables));
+    let length = track.length;
+    let growth = match goal.budget {
+        Some((limited, ratio)) => (limited == Goal::Length).then_some(ratio),
+        None => (goal.base(&layout.objective).is_none()).then_some(GROWTH),
+    };
+    let limit = goal
+        .budget
+        .filter(|(limited, _)| *limited == Goal::Cost)
+        .map(|(_, ratio)| (1.0 + ratio) * worth(&held, &track, 0.0));
     if let Some(growth) = growth {
         let limit = length * (1.0 + growth);
         let span = layout.objective.span.unwrap_or(layout.span);
@@ -84,7 +95,17 @@ pub fn base(
             "the budget of length".to_owned(),
         ));
     }
-    (stages, Some(Base { layout: held, variables, reach: pitch }))
+    (stages, Some(Base { layout: held, variables, limit, reach: pitch }))
+}
+
+/// Obstacles whose side is open lie where this track passes them.
+fn settle(layout: &mut Layout, track: &Track) {
+    let simple = self_crossings(track).is_empty();
+    for obstacle in layout.obstacles.iter_mut().filter(|o| o.side == Side::Either) {
+        let mut free = [Obstacle { pass: None, ..obstacle.clone() }];
+        settle_sides(track, simple, &mut free);
+        obstacle.side = free[0].side;
+    }
 }
 
 /// Radii stay as written; where a vertex has none, the base chooses it.

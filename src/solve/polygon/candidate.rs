@@ -2,18 +2,24 @@
 
 use super::base::Base;
 use super::polytope::Polytope;
-use super::search::search;
+use super::price::Price;
+use super::search::{Merit, search};
 use super::{Effort, Smooth};
 use crate::geometry::Track;
 use crate::kinematics::polygon::{Course, CurvePhasor, action, curve_phasor};
 use crate::problem::measures::to_corners;
 use crate::problem::{Aim, Problem, Wave, Waves};
 use crate::solve::sqp::{self, Solution, SqpSettings};
+use crate::solve::worth;
 
 /// Places of a search that are solved exactly.
 pub const POLISHED: usize = 4;
 /// Iterations of each.
 const ITERATIONS: usize = 60;
+/// Cheaper lengths of a straight that are tried.
+const NEAREST: usize = 2;
+/// A budget may be exceeded by this share: rounding of sums.
+const ROUNDING: f64 = 1e-9;
 
 /// A solved layout.
 #[derive(Clone, Debug)]
@@ -26,17 +32,20 @@ pub struct Candidate {
 
 impl Candidate {
     /// The layout at these variables as it is.
-    pub fn at(problem: &Problem, goal: Smooth, pitch: f64, solution: Solution) -> Self {
-        Candidate::judged(problem, goal, pitch, solution, SqpSettings::default().feasibility)
+    pub fn at(base: &Base, problem: &Problem, goal: Smooth, solution: Solution) -> Self {
+        Candidate::judged(base, problem, goal, solution, SqpSettings::default().feasibility)
     }
 
     /// The same with another tolerance of rows, m or rad.
-    pub fn judged(problem: &Problem, goal: Smooth, pitch: f64, solution: Solution, tolerance: f64) -> Self {
+    pub fn judged(base: &Base, problem: &Problem, goal: Smooth, solution: Solution, tolerance: f64) -> Self {
+        let pitch = base.layout.cart.length;
         let track = Track::new(&to_corners(&solution.variables));
-        let feasible = solution.max_violation <= tolerance;
+        let price = if goal.weighs_cost() { worth(&base.layout, &track, 0.0) } else { 0.0 };
+        let within = base.limit.is_none_or(|limit| price <= limit * (1.0 + ROUNDING));
+        let feasible = solution.max_violation <= tolerance && within && price.is_finite();
         let value = Course::of_track(&track).and_then(|course| action(&course, pitch)).map(|a| a.value(goal.counted));
         let merit = match value {
-            Ok(value) if feasible => goal.action * 1e6 * value + goal.length * track.length,
+            Ok(value) if feasible => goal.action * 1e6 * value + goal.length * track.length + goal.cost * price,
             _ => f64::INFINITY,
         };
         let length = problem.evaluate(&solution.variables, 0.0).length;
@@ -79,18 +88,28 @@ pub fn best(
 ) -> Option<Candidate> {
     let pitch = base.layout.cart.length;
     let waves = waves(from, goal, pitch)?;
+    let price = Price::new(base, goal, &waves, &Track::new(&to_corners(from)));
     let polytope = Polytope::new(held, from, base.reach);
     effort.choices += 1;
-    let (found, phases) = search(&polytope, &waves, effort.choices as u64);
+    let (found, phases) = search(&polytope, Merit { waves: &waves, price: price.as_ref() }, effort.choices as u64);
     effort.phases += phases;
-    let mut problem = held.clone();
-    problem.aim = Aim::Waves(waves.clone());
+    let aim = Waves { length: waves.length + price.as_ref().map_or(0.0, Price::slope), ..waves };
     let settings = SqpSettings {
         radius: 0.1,
         largest_radius: 0.3,
         iterations: ITERATIONS,
         dearest: 2e3,
         ..SqpSettings::default()
+    };
+    let mut polish = |start: &[f64], straights: &[f64]| {
+        let mut problem = held.clone();
+        problem.aim = Aim::Waves(aim.clone());
+        if let Some(price) = &price {
+            price.hold(&mut problem, straights);
+        }
+        let solution = sqp::minimise(&problem, start, &settings, &|_, _, _| {});
+        effort.iterations += solution.iterations;
+        Candidate::at(base, held, goal, Solution::at(held, &solution.variables))
     };
     let mut seen: Vec<Vec<f64>> = Vec::new();
     let mut best: Option<Candidate> = None;
@@ -103,13 +122,40 @@ pub fn best(
         if seen.iter().any(near) {
             continue;
         }
+        let mut candidate = polish(&polytope.variables(&place.z), &straights);
+        if let Some(price) = price.as_ref().filter(|_| goal.cost > 0.0) {
+            candidate = cheaper(candidate, price, base.reach, &mut polish);
+        }
         seen.push(straights);
-        let solution = sqp::minimise(&problem, &polytope.variables(&place.z), &settings, &|_, _, _| {});
-        effort.iterations += solution.iterations;
-        let candidate = Candidate::at(held, goal, pitch, solution);
         if best.as_ref().is_none_or(|b| candidate.merit < b.merit) {
             best = Some(candidate);
         }
     }
     best
+}
+
+/// One straight after another is given the nearest length whose pieces are cheaper, where that is better in all.
+fn cheaper(
+    mut candidate: Candidate,
+    price: &Price,
+    reach: f64,
+    polish: &mut impl FnMut(&[f64], &[f64]) -> Candidate,
+) -> Candidate {
+    let straights = |candidate: &Candidate| -> Vec<f64> {
+        let track = Track::new(&to_corners(&candidate.solution.variables));
+        (0..track.fillets.len()).map(|k| track.straight(k).length).collect()
+    };
+    for k in 0..straights(&candidate).len() {
+        let now = straights(&candidate);
+        for length in price.cheaper(now[k], reach).into_iter().take(NEAREST) {
+            let mut wanted = now.clone();
+            wanted[k] = length;
+            let other = polish(&candidate.solution.variables, &wanted);
+            if other.merit < candidate.merit {
+                candidate = other;
+                break;
+            }
+        }
+    }
+    candidate
 }

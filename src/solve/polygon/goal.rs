@@ -3,17 +3,19 @@
 use crate::kinematics::polygon::PolygonObjective as Counted;
 use crate::model::{Goal, Objective};
 
-/// `optimise polygon_action`, alone, within a budget of length, or summed with length.
+/// `optimise polygon_action`, alone, within a budget of length or cost, or summed with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smooth {
     /// Which values of ΔP count.
     pub counted: Counted,
     /// Weight of polygon action, a mm².
     pub action: f64,
-    /// Weight of length, a m; 0 when only polygon action counts.
+    /// Weight of length, a m; 0 when it does not count.
     pub length: f64,
-    /// How much longer than the shortest layout the track may be.
-    pub budget: Option<f64>,
+    /// Weight of the price of the pieces, a EUR; 0 when it does not count.
+    pub cost: f64,
+    /// Length or cost, and by how much it may exceed that of the shortest or cheapest layout, as a ratio.
+    pub budget: Option<(Goal, f64)>,
 }
 
 impl Smooth {
@@ -21,20 +23,30 @@ impl Smooth {
     pub fn of(objective: &Objective) -> Option<Self> {
         let weight = |goal: Goal| objective.terms.iter().find(|(_, g)| *g == goal).map(|(w, _)| *w);
         let action = weight(Goal::PolygonAction)?;
-        let budget = objective.within.and_then(|(goal, ratio)| (goal == Goal::Length).then_some(ratio));
-        Some(Smooth { counted: Counted::All, action, length: weight(Goal::Length).unwrap_or(0.0), budget })
+        let of = |goal: Goal| weight(goal).unwrap_or(0.0);
+        let (length, cost) = (of(Goal::Length), of(Goal::Cost));
+        Some(Smooth { counted: Counted::All, action, length, cost, budget: objective.within })
     }
 
-    /// Whether the solver knows the objective: no price among its goals, and no budget but of length.
+    /// Whether the solver knows the objective: a goal is no budget of itself.
     pub fn is_known(objective: &Objective) -> bool {
-        let known = |goal: Goal| matches!(goal, Goal::Length | Goal::PolygonAction);
-        Smooth::of(objective).is_some()
-            && objective.terms.iter().all(|(_, goal)| known(*goal))
-            && objective.within.is_none_or(|(goal, _)| goal == Goal::Length)
+        Smooth::of(objective).is_some_and(|goal| goal.budget.is_none_or(|(limited, _)| limited != Goal::PolygonAction))
     }
 
-    /// Whether the shortest layout is the base to start from.
-    pub fn weighs_length(self) -> bool {
-        self.length > 0.0 || self.budget.is_some()
+    /// The goal whose best layout is the base to start from; `None` where polygon action alone counts, which stays near
+    /// what is written.
+    pub fn base(self, written: &Objective) -> Option<Objective> {
+        let sum =
+            [(self.cost, Goal::Cost), (self.length, Goal::Length)].into_iter().filter(|(weight, _)| *weight > 0.0);
+        let terms: Vec<(f64, Goal)> = match self.budget {
+            Some((limited, _)) => vec![(1.0, limited)],
+            None => sum.collect(),
+        };
+        (!terms.is_empty()).then_some(Objective { terms, within: None, span: written.span })
+    }
+
+    /// Whether prices matter.
+    pub fn weighs_cost(self) -> bool {
+        self.cost > 0.0 || self.budget.is_some_and(|(limited, _)| limited == Goal::Cost)
     }
 }

@@ -4,8 +4,8 @@
 //! Radii stay as written; those of vertices without one are the base's. What is left is to choose the turns on their
 //! grid, and then, with turns and radii held, the lengths of the straights:
 //!
-//! 1. A *base* that meets every constraint: the shortest layout where a budget or a sum weighs length, else the one
-//!    nearest to what is written, on the grid ([`base`]). It sets how long the track may become and how many carts it
+//! 1. A *base* that meets every constraint: the shortest or cheapest layout where a budget or a sum weighs length or
+//!    cost, else the one nearest to what is written, on the grid ([`base`]). It sets how long the track may become and how many carts it
 //!    takes.
 //! 2. With turns and radii held, each curve is a constant phasor, and straights turn them against each other. Their
 //!    landscape has the cart's length as period and a great many minima: it is searched globally in the curves' phases,
@@ -22,15 +22,18 @@ mod bound;
 mod candidate;
 mod goal;
 mod polytope;
+mod price;
 mod rival;
 mod search;
 #[cfg(test)]
 mod tests;
+mod traded;
 mod turns;
 
 pub use bound::least_action;
 pub use goal::Smooth;
 pub use rival::{Rival, rival};
+pub use traded::Traded;
 
 use super::sqp::SqpSettings;
 use super::violations::stage;

@@ -60,6 +60,6 @@ pub fn rival(layout: &Layout, goal: Smooth, options: &Options, discretise: Discr
     );
     let (evaluations, max_violation) = (found.iterations, found.max_violation);
     // Judged as ours is, but for the looser tolerance.
-    let judged = Candidate::judged(&problem, goal, pitch, found, TOLERANCE);
+    let judged = Candidate::judged(&base, &problem, goal, found, TOLERANCE);
     Some(Rival { value: judged.merit / goal.action, evaluations, max_violation, length: judged.solution.length })
 }

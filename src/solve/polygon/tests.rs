@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::base::random::uniform;
-use crate::geometry::{CentreLine, Corner, Form, Track};
+use crate::geometry::{CentreLine, Corner, Form, Point, Polygon, Track};
 use crate::kinematics::polygon::{Course, PolygonObjective, action, curve_phasor};
 use crate::model::instances::thesis10;
-use crate::model::{Goal, fixture};
+use crate::model::{Constraint, ConstraintKind, Formula, Goal, Objective, Obstacle, Side, Target, Unit, fixture};
 use crate::problem::measures::to_variables;
 use crate::solve::solve;
 use crate::source::{FileId, Span};
@@ -92,7 +92,7 @@ fn the_search_finds_the_best_of_a_fine_grid() {
         base.problem(&Problem::new(&base.layout, Scope::Obstacles), &base.turns(&base.variables), &base.variables);
     let waves = candidate::waves(&base.variables, goal, 1.25).expect("waves");
     let polytope = polytope::Polytope::new(&held, &base.variables, base.reach);
-    let found = &search::search(&polytope, &waves, 1).0[0];
+    let found = &search::search(&polytope, search::Merit { waves: &waves, price: None }, 1).0[0];
     let straights = waves_at(&waves, polytope.straights(&found.z).as_slice());
     let track = Track::new(&crate::problem::measures::to_corners(&problem.start));
     let limit = track.length * 1.01;
@@ -106,6 +106,112 @@ fn the_search_finds_the_best_of_a_fine_grid() {
         }
     }
     assert!(straights <= best * 1.001, "{straights} {best}");
+}
+
+/// How much a whole number of carts may leave over, m.
+const CLOSES: f64 = 0.6;
+
+/// A rectangle whose straights are at least 22.6 m and 12.3 m long, with terms and a budget.
+fn boxed(terms: Vec<(f64, Goal)>, within: Option<(Goal, f64)>) -> Layout {
+    let mut layout = written(fixture::rectangle(30.9, 20.5, 4.0));
+    layout.objective.terms = terms;
+    layout.objective.within = within;
+    layout.chain.closes_within = Some(crate::source::Spanned::new(CLOSES, fixture::span()));
+    for section in 0..4 {
+        let formula = Formula::Length(Target { from: section, straight: true });
+        let low = if section % 2 == 0 { 22.6 } else { 12.3 };
+        let kind = ConstraintKind::Require { formula, low, high: f64::INFINITY, unit: Unit::Metre };
+        layout.constraints.push(Constraint { kind, span: fixture::span(), reason: None });
+    }
+    layout
+}
+
+/// What a rectangle with straights a and b measures: length, m, price, EUR, and polygon action, mm².
+fn measured(layout: &Layout, corners: &[Corner]) -> [f64; 3] {
+    let mut priced = layout.clone();
+    priced.objective = Objective { terms: vec![(1.0, Goal::Cost)], within: None, span: None };
+    let track = Track::new(corners);
+    [track.length, crate::solve::worth(&priced, &track, 0.0), value(corners, 1.25)]
+}
+
+/// All rectangles whose straights are up to 1.2 m longer than they have to be, each by multiples of 25 mm, and that as
+/// many carts fit as a track of this length, m.
+fn rectangles(layout: &Layout, length: f64) -> Vec<[f64; 3]> {
+    let excess = 4.0 * (crate::base::trig::FRAC_PI_2 * 1.5625 / 96.0 - 1.953125 / 1920.0);
+    let carts = ((length - excess) / 1.25).round();
+    let closes = |length: f64| (length - excess - carts * 1.25).abs() <= CLOSES;
+    let of = |i: u32, j: u32| {
+        let (a, b) = (30.6 + 0.025 * f64::from(i), 20.3 + 0.025 * f64::from(j));
+        measured(layout, &fixture::rectangle(a, b, 4.0).corners())
+    };
+    (0..=48)
+        .flat_map(|i| (0..=48).map(move |j| (i, j)))
+        .map(|(i, j)| of(i, j))
+        .filter(|[length, ..]| closes(*length))
+        .collect()
+}
+
+/// Prices have steps, which the search meets as well as a grid over all rectangles does, whose points lie on them.
+#[test]
+fn cost_beside_polygon_action_meets_a_fine_grid() {
+    for weight in [0.5, 5.0] {
+        let layout = boxed(vec![(1.0, Goal::Cost), (weight, Goal::PolygonAction)], None);
+        let stages = solve(&layout, &Options::default(), &quiet);
+        let [.., base, last] = stages.as_slice() else { panic!("{stages:?}") };
+        assert!(last.name == "polygon" && last.max_violation <= 1e-6, "{:?}", last.violations);
+        let merit = |[_, price, action]: [f64; 3]| price + weight * action;
+        let found = measured(&layout, &last.corners);
+        let best = rectangles(&layout, base.length).into_iter().map(merit).fold(f64::INFINITY, f64::min);
+        assert!(merit(found) <= best * 1.0005, "{weight}: {found:?} {best}");
+    }
+}
+
+#[test]
+fn a_budget_of_cost_is_kept_and_used() {
+    let layout = boxed(vec![(1.0, Goal::PolygonAction)], Some((Goal::Cost, 0.03)));
+    let stages = solve(&layout, &Options::default(), &quiet);
+    let [.., base, last] = stages.as_slice() else { panic!("{stages:?}") };
+    assert!(base.name == "stage3" && last.max_violation <= 1e-6, "{:?}", last.violations);
+    let limit = 1.03 * measured(&layout, &base.corners)[1];
+    let found = measured(&layout, &last.corners);
+    let best = rectangles(&layout, base.length).into_iter().filter(|[_, price, _]| *price <= limit);
+    let best = best.map(|[_, _, action]| action).fold(f64::INFINITY, f64::min);
+    assert!(found[1] <= limit * (1.0 + 1e-9) && found[2] <= best * 1.001, "{found:?} {limit} {best}");
+    let before = measured(&layout, &base.corners)[2];
+    assert!(found[2] < 0.97 * before, "the budget buys something: {before} {found:?}");
+}
+
+#[test]
+fn length_and_cost_keep_to_a_limit_of_polygon_action() {
+    let action = boxed(vec![(1.0, Goal::PolygonAction)], None);
+    let even = solve(&action, &Options::default(), &quiet);
+    let even = measured(&action, &even.last().expect("a stage").corners);
+    for (goal, index) in [(Goal::Length, 0), (Goal::Cost, 1)] {
+        let layout = boxed(vec![(1.0, goal)], Some((Goal::PolygonAction, 0.5)));
+        let stages = solve(&layout, &Options::default(), &quiet);
+        let last = stages.last().expect("a stage");
+        let found = measured(&layout, &last.corners);
+        assert!(last.max_violation <= 1e-6 && found[2] <= 1.5 * even[2] * (1.0 + 1e-6), "{goal:?}: {found:?} {even:?}");
+        assert!(found[index] <= even[index], "{goal:?}: {found:?} {even:?}");
+    }
+}
+
+/// Beside a goal of length the sides are those of the shortest layout.
+#[test]
+fn an_obstacle_may_be_passed_on_either_side() {
+    let mut layout = boxed(vec![(1.0, Goal::PolygonAction)], Some((Goal::Length, 0.05)));
+    let points = [(14.5, -1.4), (15.5, -1.4), (15.5, -0.4), (14.5, -0.4)];
+    layout.obstacles.push(Obstacle {
+        name: "pillar".to_owned(),
+        polygon: Polygon::new(points.map(|(x, y)| Point::new(x, y)).to_vec()).expect("a square"),
+        clearance: 0.0,
+        side: Side::Either,
+        pass: Some(fixture::span()),
+        span: fixture::span(),
+    });
+    let stages = solve(&layout, &Options::default(), &quiet);
+    let last = stages.last().expect("a stage");
+    assert!(last.name == "polygon" && last.max_violation <= 1e-6, "{:?}", last.violations);
 }
 
 fn waves_at(waves: &crate::problem::Waves, straights: &[f64]) -> f64 {

@@ -21,9 +21,8 @@ pub fn best(
     (effort, stop): (&mut Effort, Stop),
     tell: &dyn Fn(usize, &Candidate),
 ) -> Candidate {
-    let pitch = base.layout.cart.length;
     let mut turns = base.turns(&base.variables);
-    let mut best = Candidate::at(problem, goal, pitch, Solution::at(problem, &base.variables));
+    let mut best = Candidate::at(base, problem, goal, Solution::at(problem, &base.variables));
     let held = base.problem(problem, &turns, &base.variables);
     tell(0, &best);
     // The base is a layout already.
