@@ -195,7 +195,7 @@ impl Search<'_> {
             }
             dear *= 100.0;
         };
-        let before = node.open.count();
+        let (before, settled) = (node.open.count(), node.open.settled());
         let remains = node.open.drop_from(&relaxed.through, cutoff);
         if node.open.count() < before {
             // What was dropped costs at least the cutoff.
@@ -207,8 +207,11 @@ impl Search<'_> {
         let Some(mix) = relaxed.mix else {
             let widest = (0..=grid.len()).max_by_key(|&k| node.open.headings[k].len()).unwrap_or(0);
             let count = node.open.headings[widest].len();
-            if count < 2 {
+            if count < 2 && settled {
                 self.undecided(&node);
+            } else if count < 2 {
+                // What was dropped leaves one heading each: rows that are not met may cost more now.
+                self.push(&node, |_| ());
             } else {
                 let middle = node.open.headings[widest][count / 2];
                 self.halve(node, widest, middle);
