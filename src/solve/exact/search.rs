@@ -258,21 +258,19 @@ impl Search<'_> {
         let at = self.setting.problem.evaluate(&to_variables(&corners), 0.0);
         let mut close: Vec<(RowKey, f64)> =
             at.rows.iter().map(|r| (r.key, r.violation())).filter(|v| v.1 > EARLY).collect();
-        close.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        // What is closest first: far on the wrong side lies what some other strand is beside.
+        let far = |v: &(RowKey, f64)| v.1 > FAR;
+        close.sort_by(|a, b| far(a).cmp(&far(b)).then(b.1.total_cmp(&a.1)).then(a.0.cmp(&b.0)));
         let value =
             |row: &GridRow| places.iter().zip(mix).map(|(p, (c, w))| w / total * c.value(grid, row, p)).sum::<f64>();
         if let Some(alternatives) = self.enclose(node, &value) {
             self.branch(node, alternatives);
             return true;
         }
-        for (key, violation) in close {
+        for (key, _) in close {
             let Some(Remedy::Split(alternatives)) = self.setting.beside.early(key, &node.open, &at.track) else {
                 continue;
             };
-            // What is far on the wrong side some other strand may be beside, unless there is no other way.
-            if violation > FAR && alternatives.len() > 1 {
-                continue;
-            }
             if alternatives.iter().all(|a| a.rows.iter().any(|row| value(row) < row.low - EARLY)) {
                 self.branch(node, alternatives);
                 return true;
