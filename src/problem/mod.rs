@@ -24,6 +24,7 @@ mod print;
 pub use aim::{Aim, HARMONICS, Wave, Waves};
 pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
+pub use formula::nearest;
 pub use perturb::{moved, perturbed};
 pub use print::{print, relation};
 

@@ -18,7 +18,16 @@ pub enum StraightEnd {
     End(usize),
 }
 
-/// What was decided about a corner.
+/// What something was decided about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum About {
+    /// A corner of a region.
+    Corner { keepout: usize, corner: usize },
+    /// A listed row.
+    Row(usize),
+}
+
+/// What was decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum What {
     /// How the arc at a vertex stage passes it.
@@ -27,13 +36,14 @@ pub enum What {
     /// pieces, so a piece that it may be beside need not offer the other side again: that would let it slip between the
     /// two.
     Before(StraightEnd, bool),
+    /// In which directions a vertex is away from what it keeps a distance from: from one angle to another, rad.
+    Away(f64, f64),
 }
 
-/// A decision about a corner.
+/// A decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decided {
-    pub keepout: usize,
-    pub corner: usize,
+    pub about: About,
     pub what: What,
 }
 
@@ -43,9 +53,10 @@ impl Decided {
         let same = match (self.what, other.what) {
             (What::Arc(a, _), What::Arc(b, _)) => a == b,
             (What::Before(a, _), What::Before(b, _)) => a == b,
+            (What::Away(..), What::Away(..)) => true,
             _ => false,
         };
-        same && (self.keepout, self.corner) == (other.keepout, other.corner)
+        same && self.about == other.about
     }
 }
 

@@ -8,7 +8,8 @@
 //! w·(q − c) >= (R + D) cos δ. An arc that bulges towards an edge keeps n·(c − p) − R >= D, or its lowest point is not
 //! over the edge.
 
-use super::alternative::{Alternative, Decided, Remedy, StraightEnd, Way, What};
+use super::alternative::{About, Alternative, Decided, Remedy, StraightEnd, Way, What};
+use super::apart::apart;
 use super::enclosing::Enclosing;
 use super::grid::Grid;
 use super::row::{GridRow, Touch};
@@ -38,7 +39,13 @@ impl Beside<'_> {
         track: &Track,
         decided: &[Decided],
     ) -> Option<Remedy> {
-        let RowKey::Clearance(k, feature, part) = key else { return None };
+        let (k, feature, part) = match key {
+            RowKey::Clearance(k, feature, part) => (k, feature, part),
+            RowKey::Listed(row) => {
+                return apart(self.problem, self.grid, row, track, decided).map(Remedy::Split);
+            }
+            RowKey::Own(..) | RowKey::Gap(..) => return None,
+        };
         let n = self.grid.len();
         let keepout = &self.problem.keepouts[k];
         let settled = |stage: usize| open.headings[stage].len() == 1;
@@ -84,7 +91,10 @@ impl Beside<'_> {
     }
 
     /// What to do while headings are still open, about a corner that a mean of several layouts comes too close to.
-    pub fn early(&self, key: RowKey, open: &Open, track: &Track) -> Option<Remedy> {
+    pub fn early(&self, key: RowKey, open: &Open, track: &Track, decided: &[Decided]) -> Option<Remedy> {
+        if let RowKey::Listed(row) = key {
+            return apart(self.problem, self.grid, row, track, decided).map(Remedy::Split);
+        }
         let RowKey::Clearance(k, Feature::Corner(corner), part) = key else { return None };
         let (grid, keepout) = (self.grid, &self.problem.keepouts[k]);
         let (stages, direction) = match part {
@@ -206,7 +216,8 @@ impl Beside<'_> {
             return None;
         }
         let w = from * (1.0 / from.norm());
-        let decide = |way| Some(Decided { keepout, corner, what: What::Arc(stage, way) });
+        let about = About::Corner { keepout, corner };
+        let decide = |way| Some(Decided { about, what: What::Arc(stage, way) });
         let inner = || Alternative { decided: decide(Way::Inner), ..Alternative::row(arc.inner(w, q, rules.distance)) };
         let outer = |a: f64, b: f64| Alternative {
             rows: arc.outer(a, b, q, rules.distance),
@@ -214,7 +225,7 @@ impl Beside<'_> {
             decided: decide(Way::Outer(a, b)),
         };
         let way = |d: &Decided| match d.what {
-            What::Arc(at, way) if (d.keepout, d.corner, at) == (keepout, corner, stage) => Some(way),
+            What::Arc(at, way) if (d.about, at) == (about, stage) => Some(way),
             _ => None,
         };
         match decided.iter().find_map(way) {
@@ -259,7 +270,8 @@ fn past(
     rows: [GridRow; 2],
     known: &[Decided],
 ) -> impl Iterator<Item = Alternative> {
-    let decided = |joint: StraightEnd, before: bool| Decided { keepout, corner, what: What::Before(joint, before) };
+    let about = About::Corner { keepout, corner };
+    let decided = |joint: StraightEnd, before: bool| Decided { about, what: What::Before(joint, before) };
     let both =
         [(decided(joints[0], true), decided(joints[0], false)), (decided(joints[1], false), decided(joints[1], true))];
     both.into_iter()

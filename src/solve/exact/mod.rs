@@ -7,6 +7,7 @@
 //! Regions may be relaxed in a bound, never in a layout: that meets every row of its [`Problem`].
 
 mod alternative;
+mod apart;
 mod beside;
 mod choice;
 mod closes;

@@ -268,7 +268,9 @@ impl Search<'_> {
             return true;
         }
         for (key, _) in close {
-            let Some(Remedy::Split(alternatives)) = self.setting.beside.early(key, &node.open, &at.track) else {
+            let Some(Remedy::Split(alternatives)) =
+                self.setting.beside.early(key, &node.open, &at.track, &node.decided)
+            else {
                 continue;
             };
             if alternatives.iter().all(|a| a.rows.iter().any(|row| value(row) < row.low - EARLY)) {
