@@ -109,6 +109,8 @@ pub struct Outcome {
     pub cart_length: f64,
     /// Mean tension of all joints while recording, N.
     pub mean_tension: f64,
+    /// Mean thrust of all motors together while recording, N.
+    pub mean_thrust: f64,
 }
 
 /// Simulates a chain that deviates from its input as it is told. `watch` is told how far it is some times a simulated
@@ -150,6 +152,7 @@ pub fn simulate(
         channels: BTreeMap::new(),
         reactions: simulation.supports_every_m.filter(|_| plan.supports).map(|every| Reactions::new(every, lap)),
         tension: 0.0,
+        thrust: 0.0,
     };
     let settling = (plan.settle / clock.step).round() as u64;
     let (cart, nominal) = (sensor.cart - 1, plan.laps as f64 * lap / model.speed);
@@ -212,6 +215,7 @@ pub fn simulate(
         end,
         supports: recorder.reactions.as_ref().map_or_else(Vec::new, Reactions::envelopes),
         mean_tension: recorder.tension / samples,
+        mean_thrust: recorder.thrust / samples,
         run: Run { time: recorder.time, channels: recorder.channels, sidecar: sidecar(simulation, plan) },
         carts: model.carts,
         track: lap,
@@ -229,6 +233,7 @@ struct Recorder {
     channels: BTreeMap<Channel, Vec<f64>>,
     reactions: Option<Reactions>,
     tension: f64,
+    thrust: f64,
 }
 
 impl Recorder {
@@ -236,6 +241,7 @@ impl Recorder {
         self.time.push(time);
         measuring.sample(chain, &mut self.channels);
         self.tension += chain.forces.mean_tension(chain.model.carts);
+        self.thrust += chain.control.command * chain.forces.share.iter().take(chain.model.carts).sum::<f64>();
         if let Some(reactions) = &mut self.reactions {
             reactions.take(chain);
         }

@@ -4,7 +4,7 @@ use super::{Evaluation, Forces, Memory, arm, lever, load};
 use crate::dynamics::coverage::LEAST_SHARE;
 use crate::dynamics::lanes::{Axes, Lane, Lane3, Splat};
 use crate::dynamics::model::Model;
-use crate::dynamics::segments::{Handover, Home, Local, Segments, foot};
+use crate::dynamics::segments::{Handover, Home, Homes, Local, Segments, foot};
 use crate::dynamics::state::{Accelerations, PACK};
 use pulp::{Simd, WithSimd};
 
@@ -14,6 +14,7 @@ impl Evaluation<'_> {
     pub(super) fn motors<S: Simd>(&mut self, simd: S, pack: usize, part: usize) {
         let place = pack * PACK + part * S::F64_LANES;
         let forces = &mut *self.forces;
+        let before = Lane::load(simd, &forces.share[place..]);
         let (own, behind) =
             (Lane::load(simd, &forces.covered[place..]), Lane::load(simd, &forces.covered[place + 1..]));
         let share = own - behind;
@@ -22,9 +23,25 @@ impl Evaluation<'_> {
         let share = (share + share.constant(self.model.coverage.total)).select(share.less(-least), share);
         let driven = least.less(share);
         share.select(driven, share.constant(0.0)).store(&mut forces.share[place..]);
+        if driven.and(before.less(least)).any() {
+            let home = &mut self.memory.home[pack];
+            let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+            come_over(&self.model.segments, home, &forces.share[pack * PACK..], lanes);
+        }
         if !self.model.even && driven.any() {
             uneven(self.model, forces, place..place + S::F64_LANES);
         }
+    }
+}
+
+/// Where motors act is sought from where the cart's front joint is, once a cart comes over one: since the motor before, it
+/// may have passed segments that go on beside the one where it is.
+#[cold]
+#[inline(never)]
+fn come_over(segments: &Segments, home: &mut Homes, share: &[f64], lanes: std::ops::Range<usize>) {
+    for lane in lanes.filter(|lane| share[*lane] > 0.0) {
+        let segment = home.front.segment[lane] as usize;
+        home.motor.set(lane, segment, &segments.list[segment]);
     }
 }
 

@@ -68,7 +68,7 @@ pub struct Homes {
     pub front: Home,
     /// Running wheels: left, right.
     pub running: [Home; 2],
-    /// Where motors act; kept for carts over motors only.
+    /// Where motors act; kept for carts over motors only, and sought from the front joint's when they come over one.
     pub motor: Home,
 }
 
@@ -99,7 +99,7 @@ pub struct Home {
 
 impl Home {
     /// Sends a cart's point to a segment.
-    fn set(&mut self, lane: usize, index: usize, segment: &Segment) {
+    pub fn set(&mut self, lane: usize, index: usize, segment: &Segment) {
         for k in 0..3 {
             self.origin[k][lane] = segment.origin[k];
             self.along[k][lane] = segment.along[k];
