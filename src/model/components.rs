@@ -123,6 +123,34 @@ pub struct ContactParameters {
     pub restitution: f64,
 }
 
+/// What a wheel or a joint carries, as far as its declaration says.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
+pub struct Strength {
+    /// Largest force, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rated: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fatigue: Option<Fatigue>,
+}
+
+impl Strength {
+    /// Whether the declaration says nothing of it.
+    pub fn is_unsaid(&self) -> bool {
+        self.rated.is_none() && self.fatigue.is_none()
+    }
+}
+
+/// An S-N curve of constant slope: so many cycles of this range are carried, N = N₀ (S₀/S)^m.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Fatigue {
+    /// S₀, from valley to peak, N.
+    pub range: f64,
+    /// N₀
+    pub cycles: f64,
+    /// m
+    pub exponent: f64,
+}
+
 /// A cart with its wheels and joints (design: chain model).
 #[derive(Clone, Debug, Serialize)]
 pub struct Cart {
@@ -143,6 +171,9 @@ pub struct Cart {
     pub joint: Joint,
     /// Height of the motor force below the joint, h_m, m.
     pub motor_height: f64,
+    /// Air drag, c in c v², kg/m; `None` where the declaration does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drag: Option<f64>,
     /// Its mass is the cart's own.
     pub article: Article,
 }
@@ -161,6 +192,8 @@ pub struct Wheel {
     pub contact: ContactParameters,
     /// c_rr
     pub rolling_resistance: f64,
+    #[serde(skip_serializing_if = "Strength::is_unsaid")]
+    pub strength: Strength,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -170,6 +203,8 @@ pub struct Joint {
     pub radial: ContactParameters,
     /// v_min, m/s: floor of the approach speed in every contact law.
     pub approach_floor: f64,
+    #[serde(skip_serializing_if = "Strength::is_unsaid")]
+    pub strength: Strength,
     pub article: Article,
 }
 
@@ -187,6 +222,9 @@ pub struct Motor {
     pub length: f64,
     /// F_max, N
     pub force: f64,
+    /// Thrust times speed over electrical power; `None` where the declaration does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<f64>,
     pub article: Article,
 }
 

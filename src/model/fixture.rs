@@ -58,6 +58,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         constraints: Vec::new(),
         equipment: equipment(),
         capacity: Capacity::default(),
+        choice: Choice::default(),
         levels: Vec::new(),
         ramps: Vec::new(),
         chain: ChainDeclaration { tension: 500.0, closes_within: None },
@@ -122,6 +123,7 @@ fn cart() -> Cart {
         gap,
         contact: contact(stiffness, 1.5),
         rolling_resistance: 0.015,
+        strength: Strength::default(),
     };
     Cart {
         name: "tilt_tray".to_owned(),
@@ -138,16 +140,24 @@ fn cart() -> Cart {
             axial: contact(4.0e6, 1.0),
             radial: contact(2.0e6, 1.0),
             approach_floor: 0.05,
+            strength: Strength::default(),
             article: Article::default(),
         },
         motor_height: 0.10,
+        drag: None,
         article: Article::default(),
     }
 }
 
 fn drive() -> Drive {
     Drive {
-        motor: Motor { name: "linear".to_owned(), length: 1.0, force: 400.0, article: Article::default() },
+        motor: Motor {
+            name: "linear".to_owned(),
+            length: 1.0,
+            force: 400.0,
+            efficiency: None,
+            article: Article::default(),
+        },
         controller: Controller {
             name: "pi".to_owned(),
             proportional: 400.0,

@@ -2,6 +2,7 @@
 //! span it came from. Every stage after `semantics` reads only this.
 
 mod capacity;
+mod choice;
 mod components;
 mod constraint;
 pub mod effect_definitions;
@@ -17,6 +18,7 @@ mod route;
 mod sheet;
 
 pub use capacity::*;
+pub use choice::*;
 pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
@@ -71,6 +73,8 @@ pub struct Layout {
     pub constraints: Vec<Constraint>,
     pub equipment: Equipment,
     pub capacity: Capacity,
+    /// What of the components is free, and what they have to do.
+    pub choice: Choice,
     pub levels: Vec<Level>,
     pub ramps: Vec<Ramp>,
     pub chain: ChainDeclaration,

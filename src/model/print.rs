@@ -2,8 +2,10 @@
 //!
 //! The text is a layout again: checked, it gives the same model (but for the spans).
 
+mod choice;
 mod formula;
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::*;
@@ -15,8 +17,9 @@ use formula::{ANGLE, Dimension, LENGTH, NONE};
 pub fn print(layout: &Layout) -> String {
     let mut out = Printer::default();
     out.catalog(&layout.catalog);
-    out.cart(&layout.cart);
+    out.cart(&layout.cart, &layout.cart.name);
     out.drive(layout);
+    out.choices(&layout.choice);
     out.layout(layout);
     out.text
 }
@@ -25,6 +28,8 @@ pub fn print(layout: &Layout) -> String {
 struct Printer {
     text: String,
     depth: usize,
+    /// Declarations that were printed, by kind and name.
+    printed: BTreeSet<String>,
 }
 
 impl Printer {
@@ -117,7 +122,7 @@ impl Printer {
         self.field("metre_mass", unit(mass.per_metre, "kg/m"));
     }
 
-    fn cart(&mut self, cart: &Cart) {
+    fn cart(&mut self, cart: &Cart, name: &str) {
         self.wheel(&cart.steering, &cart.steering.name);
         // One declaration may serve both with different arguments.
         let running = if cart.running.name == cart.steering.name && !same_wheel(&cart.running, &cart.steering) {
@@ -128,15 +133,8 @@ impl Printer {
         if running != cart.steering.name {
             self.wheel(&cart.running, &running);
         }
-        let joint = &cart.joint;
-        self.block(format!("joint {}", joint.name), |out| {
-            out.field("approach_floor", unit(joint.approach_floor, "m/s"));
-            out.block("axial", |out| out.contact(&joint.axial));
-            out.block("radial", |out| out.contact(&joint.radial));
-            out.article(&joint.article);
-        });
-        self.text.push('\n');
-        self.block(format!("cart {}", cart.name), |out| {
+        self.joint(&cart.joint);
+        self.block(format!("cart {name}"), |out| {
             out.field("length", metres(cart.length));
             if !cart.lengths.is_empty() {
                 out.field("lengths", list(&cart.lengths));
@@ -146,14 +144,34 @@ impl Printer {
             out.field("centre_of_mass", format!("({})", cart.centre_of_mass.map(metres).join(", ")));
             out.field("steering", &cart.steering.name);
             out.field("running", &running);
-            out.field("joint", &joint.name);
+            out.field("joint", &cart.joint.name);
             out.field("motor_height", metres(cart.motor_height));
+            if let Some(drag) = cart.drag {
+                out.field("drag", unit(drag, "kg/m"));
+            }
             out.article(&cart.article);
         });
         self.text.push('\n');
     }
 
+    fn joint(&mut self, joint: &Joint) {
+        if !self.printed.insert(format!("joint {}", joint.name)) {
+            return;
+        }
+        self.block(format!("joint {}", joint.name), |out| {
+            out.field("approach_floor", unit(joint.approach_floor, "m/s"));
+            out.block("axial", |out| out.contact(&joint.axial));
+            out.block("radial", |out| out.contact(&joint.radial));
+            out.strength(&joint.strength);
+            out.article(&joint.article);
+        });
+        self.text.push('\n');
+    }
+
     fn wheel(&mut self, wheel: &Wheel, name: &str) {
+        if !self.printed.insert(format!("wheel {name}")) {
+            return;
+        }
         self.block(format!("wheel {name}"), |out| {
             out.field("radius", metres(wheel.radius));
             out.field("half_spacing", metres(wheel.half_spacing));
@@ -161,6 +179,7 @@ impl Printer {
             out.field("gap", metres(wheel.gap));
             out.contact(&wheel.contact);
             out.field("rolling_resistance", number(wheel.rolling_resistance));
+            out.strength(&wheel.strength);
         });
         self.text.push('\n');
     }
@@ -174,12 +193,7 @@ impl Printer {
 
     fn drive(&mut self, layout: &Layout) {
         let (motor, controller, sensor) = (&layout.drive.motor, &layout.drive.controller, &layout.sensor);
-        self.block(format!("motor {}", motor.name), |out| {
-            out.field("length", metres(motor.length));
-            out.field("force", unit(motor.force, "N"));
-            out.article(&motor.article);
-        });
-        self.text.push('\n');
+        self.motor(motor);
         self.block(format!("controller {}", controller.name), |out| {
             out.field("proportional", unit(controller.proportional, "N*s/m"));
             out.field("integral", unit(controller.integral, "N/m"));
@@ -295,6 +309,7 @@ impl Printer {
             Motors::Rows(rows) => rows.iter().for_each(|r| self.line(format!("motors {}", row(r)))),
         }
         self.capacity(layout);
+        self.choice(&layout.choice);
         if let Some(supports) = &equipment.supports {
             self.line(format!("supports every {}", metres(supports.value)));
         }

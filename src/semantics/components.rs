@@ -2,8 +2,8 @@
 //! been reported.
 
 use crate::model::{
-    Article, Cart, Catalog, ContactParameters, Controller, CurveStock, Joint, Motor, Rate, Sensor, SpiralStock,
-    StraightStock, VerticalStock, Wheel,
+    Article, Cart, Catalog, ContactParameters, Controller, CurveStock, Fatigue, Joint, Motor, Rate, Sensor,
+    SpiralStock, StraightStock, Strength, VerticalStock, Wheel,
 };
 use crate::semantics::component::Component;
 use crate::source::Span;
@@ -90,6 +90,7 @@ pub(super) fn cart(c: &Component, span: Span) -> Option<Cart> {
         running: wheel(c.component("running")?)?,
         joint: joint(c.component("joint")?)?,
         motor_height: c.number("motor_height")?,
+        drag: c.number("drag"),
         article: Article { mass: None, ..article(c, "") },
     })
 }
@@ -103,6 +104,7 @@ fn wheel(c: &Component) -> Option<Wheel> {
         gap: c.number("gap")?,
         contact: contact(c, "")?,
         rolling_resistance: c.number("rolling_resistance")?,
+        strength: strength(c),
     })
 }
 
@@ -112,8 +114,15 @@ fn joint(c: &Component) -> Option<Joint> {
         axial: contact(c, "axial.")?,
         radial: contact(c, "radial.")?,
         approach_floor: c.number("approach_floor")?,
+        strength: strength(c),
         article: article(c, ""),
     })
+}
+
+fn strength(c: &Component) -> Strength {
+    let number = |of: &str| c.number(&format!("fatigue.{of}"));
+    let fatigue = |range: f64| Some(Fatigue { range, cycles: number("cycles")?, exponent: number("exponent")? });
+    Strength { rated: c.number("rated"), fatigue: number("range").and_then(fatigue) }
 }
 
 fn contact(c: &Component, prefix: &str) -> Option<ContactParameters> {
@@ -126,7 +135,7 @@ fn contact(c: &Component, prefix: &str) -> Option<ContactParameters> {
 
 pub(super) fn motor(c: &Component) -> Option<Motor> {
     let (length, force) = (c.number("length")?, c.number("force")?);
-    Some(Motor { name: c.name.clone(), length, force, article: article(c, "") })
+    Some(Motor { name: c.name.clone(), length, force, efficiency: c.number("efficiency"), article: article(c, "") })
 }
 
 pub(super) fn controller(c: &Component) -> Option<Controller> {

@@ -22,6 +22,9 @@ impl Dimension {
     pub const TEMPERATURE: Dimension = Dimension { halves: [0, 0, 0, 0, 0, 2] };
     pub const SPEED: Dimension = Dimension { halves: [2, 0, -2, 0, 0, 0] };
     pub const FORCE: Dimension = Dimension { halves: [2, 2, -4, 0, 0, 0] };
+    pub const ENERGY: Dimension = Dimension { halves: [4, 2, -4, 0, 0, 0] };
+    pub const POWER: Dimension = Dimension { halves: [4, 2, -6, 0, 0, 0] };
+    pub const ENERGY_PRICE: Dimension = Dimension { halves: [-4, -2, 4, 0, 2, 0] };
 
     /// The product's dimension; `None` beyond exponents that mean anything.
     pub fn times(self, other: Dimension) -> Option<Dimension> {
@@ -70,7 +73,7 @@ impl Dimension {
             return "a number without unit".to_string();
         }
         match KNOWN.iter().find(|(_, _, d)| *d == self) {
-            Some((name @ ("angle" | "acceleration" | "area"), ..)) => format!("an {name}"),
+            Some((name @ ("angle" | "acceleration" | "area" | "energy"), ..)) => format!("an {name}"),
             Some((name, ..)) => format!("a {name}"),
             None => format!("a quantity in {}", self.spelled()),
         }
@@ -125,6 +128,9 @@ const KNOWN: &[(&str, &str, Dimension)] = &[
     ("contact stiffness", "N/m^2", Dimension { halves: [-2, 2, -4, 0, 0, 0] }),
     ("damping", "N*s/m", Dimension { halves: [0, 2, -2, 0, 0, 0] }),
     ("moment of inertia", "kg*m^2", Dimension { halves: [4, 2, 0, 0, 0, 0] }),
+    ("energy", "J", Dimension::ENERGY),
+    ("power", "W", Dimension::POWER),
+    ("price of energy", "EUR/J", Dimension::ENERGY_PRICE),
     ("price per length", "EUR/m", Dimension { halves: [-2, 0, 0, 0, 2, 0] }),
     ("mass per length", "kg/m", Dimension { halves: [-2, 2, 0, 0, 0, 0] }),
 ];
@@ -159,6 +165,10 @@ const UNITS: &[(&str, f64, Dimension)] = &[
     ("t", 1e3, Dimension::MASS),
     ("N", 1.0, Dimension::FORCE),
     ("kN", 1e3, Dimension::FORCE),
+    ("J", 1.0, Dimension::ENERGY),
+    ("kWh", 3.6e6, Dimension::ENERGY),
+    ("W", 1.0, Dimension::POWER),
+    ("kW", 1e3, Dimension::POWER),
     ("EUR", 1.0, Dimension::CURRENCY),
     ("%", 1e-2, Dimension::NONE),
     ("Hz", 1.0, Dimension { halves: [0, 0, -2, 0, 0, 0] }),
@@ -175,7 +185,7 @@ pub fn symbols() -> impl Iterator<Item = &'static str> {
 /// in.
 pub fn compounds() -> impl Iterator<Item = &'static str> {
     let usual = KNOWN.iter().map(|(_, unit, _)| *unit).filter(|unit| unit.contains(['/', '*', '^']));
-    usual.chain(["mm/s", "km/h"])
+    usual.chain(["mm/s", "km/h", "EUR/kWh"])
 }
 
 /// Other spellings that people use.
@@ -269,6 +279,9 @@ mod tests {
         ("g", 0.001, "kg"),
         ("t", 1000.0, "kg"),
         ("kN", 1000.0, "m*kg/s^2"),
+        ("kWh", 3.6e6, "m^2*kg/s^2"),
+        ("kW", 1000.0, "m^2*kg/s^3"),
+        ("EUR/kWh", 1.0 / 3.6e6, "s^2*EUR/m^2/kg"),
         ("m/s", 1.0, "m/s"),
         ("mm/s", 0.001, "m/s"),
         ("km/h", 1000.0 / 3600.0, "m/s"),

@@ -140,6 +140,7 @@ const CART: &[FieldSpec] = &[
     field("running", Reference(DeclarationKind::Wheel), Required, "the running wheels"),
     field("joint", Reference(DeclarationKind::Joint), Required, "the joint to the next cart"),
     field("motor_height", Number("m", Bounds::between(-5.0, 5.0)), Required, "of the motor force, below the joint"),
+    field("drag", Number("kg/m", NOT_NEGATIVE), Optional, "air drag, c in c v^2"),
     field("tension", Number("N", NOT_NEGATIVE), Optional, "chain tension unless the layout says otherwise"),
     field("article", Text, Optional, "article number; the length in mm is added"),
     field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a cart with its wheels, without the joint"),
@@ -154,6 +155,10 @@ const WHEEL: &[FieldSpec] = &[
     field("exponent", Number("", EXPONENT), Required, "of the contact law"),
     field("restitution", Number("", RESTITUTION), Required, "coefficient of restitution"),
     field("rolling_resistance", Number("", Bounds::between(0.0, 1.0)), Required, "coefficient of rolling resistance"),
+    field("rated", Number("N", POSITIVE), Optional, "largest force that it carries"),
+    field("fatigue.range", Number("N", POSITIVE), InGroup, "range of force of the S-N curve's point"),
+    field("fatigue.cycles", Number("", Bounds::above(0.0, 1e12)), InGroup, "cycles of that range that it carries"),
+    field("fatigue.exponent", Number("", Bounds::between(1.0, 30.0)), InGroup, "slope m of the S-N curve, N ~ S^-m"),
 ];
 
 const JOINT: &[FieldSpec] = &[
@@ -164,6 +169,10 @@ const JOINT: &[FieldSpec] = &[
     field("radial.stiffness", Stiffness, Required, "of the contact law across the chain"),
     field("radial.exponent", Number("", EXPONENT), Required, "of the contact law across the chain"),
     field("radial.restitution", Number("", RESTITUTION), Required, "coefficient of restitution across the chain"),
+    field("rated", Number("N", POSITIVE), Optional, "largest force that it carries"),
+    field("fatigue.range", Number("N", POSITIVE), InGroup, "range of force of the S-N curve's point"),
+    field("fatigue.cycles", Number("", Bounds::above(0.0, 1e12)), InGroup, "cycles of that range that it carries"),
+    field("fatigue.exponent", Number("", Bounds::between(1.0, 30.0)), InGroup, "slope m of the S-N curve, N ~ S^-m"),
     field("article", Text, Optional, "article number"),
     field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a joint"),
     field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a joint"),
@@ -172,6 +181,7 @@ const JOINT: &[FieldSpec] = &[
 const MOTOR: &[FieldSpec] = &[
     field("length", Number("m", Bounds::above(0.0, 100.0)), Required, "of the stretch that it covers"),
     field("force", Number("N", POSITIVE), Required, "largest thrust"),
+    field("efficiency", Number("", Bounds::above(0.0, 1.0)), Optional, "thrust times speed over electrical power"),
     field("article", Text, Optional, "article number"),
     field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a motor"),
     field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a motor"),

@@ -246,16 +246,19 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 40] = [
+pub const STATEMENT_WORDS: [&str; 43] = [
     "axis",
     "building",
     "cart",
     "catalog",
     "chain",
+    "choose",
     "chutes",
     "controller",
     "drawing",
+    "drive",
     "effect",
+    "energy",
     "equal",
     "feed",
     "fix",
@@ -326,6 +329,10 @@ pub(super) fn words_of(rule: Rule) -> Vec<String> {
         Rule::grid_row => vec!["every"],
         Rule::chain_tension => vec!["tension"],
         Rule::chain_closes => vec!["closes"],
+        Rule::choose_cart => vec!["cart"],
+        Rule::choose_motor => vec!["motor"],
+        Rule::choose_speed => vec!["speed"],
+        Rule::choose_radii => vec!["radii"],
         _ => {
             let name = format!("{rule:?}");
             return name.strip_prefix("kw_").map(str::to_string).into_iter().collect();
@@ -404,6 +411,10 @@ pub fn value_example(begun: &str) -> &'static str {
 fn value_phrase(text: &str, at: usize) -> &'static str {
     let before = text[..at].trim_end();
     match (first_word(text), last_word(before)) {
+        ("drive", "spare") | ("energy", "over") => "a count such as `1`",
+        ("drive", "load") => "a mass such as `15 kg`",
+        ("energy", "for") | ("drive", "within") => "a time such as `20 s`",
+        ("energy", _) => "a price such as `0.22 EUR/kWh`",
         ("stops", _) | ("storage", "every") => "a time such as `40 s`",
         ("storage", _) | ("items", "laps") => "a count such as `12`",
         ("items", _) | ("feed", "efficiency") => "a share such as `90 %`",

@@ -85,6 +85,21 @@ impl Builder<'_> {
                 least: self.value(parts)?,
                 reason: take(parts, Rule::text).map(|text| self.unescape(&text)),
             },
+            Rule::choose => {
+                let what = |part: &Pair<Rule>| {
+                    use Rule::{choose_cart, choose_motor, choose_radii, choose_speed};
+                    matches!(part.as_rule(), choose_cart | choose_motor | choose_speed | choose_radii)
+                };
+                self.choose(parts.find(what)?)?
+            }
+            Rule::drive => {
+                let rules = [Rule::drive_load, Rule::drive_starts, Rule::drive_stops, Rule::drive_spare];
+                let [load, starts, stops, spare] = self.clauses(parts, rules)?;
+                Statement::Drive { load, starts, stops, spare }
+            }
+            Rule::energy => {
+                Statement::Energy { price: self.value(parts)?, hours: self.value(parts)?, years: self.value(parts)? }
+            }
             Rule::motors => match parts.find(|part| matches!(part.as_rule(), Rule::row | Rule::value))? {
                 row if row.as_rule() == Rule::row => Statement::MotorsRow(self.row(row)?),
                 count => Statement::MotorsEvenly { count: self.expression(count)? },
@@ -126,6 +141,32 @@ impl Builder<'_> {
             }
             Rule::optimise => Statement::Optimise(self.objective(take(parts, Rule::objective)?)?),
             _ => return None,
+        })
+    }
+
+    fn choose(&mut self, pair: Pair<Rule>) -> Option<Statement> {
+        let rule = pair.as_rule();
+        let mut parts = pair.into_inner();
+        if matches!(rule, Rule::choose_speed | Rule::choose_radii) {
+            let values = self.expression(take(&mut parts, Rule::expr)?)?;
+            let of = if rule == Rule::choose_speed { Statement::ChooseSpeed } else { Statement::ChooseRadii };
+            return Some(of(values));
+        }
+        let (mut references, mut lengths, mut on_straights) = (Vec::new(), None, false);
+        for part in parts {
+            match part.as_rule() {
+                Rule::reference => references.push(self.reference(part)?),
+                Rule::choose_lengths => {
+                    let mut ends = part.into_inner();
+                    lengths = Some((self.value(&mut ends)?, self.value(&mut ends)?));
+                }
+                Rule::on_straights => on_straights = true,
+                _ => {}
+            }
+        }
+        Some(match rule {
+            Rule::choose_cart => Statement::ChooseCart { carts: references, lengths },
+            _ => Statement::ChooseMotor { motors: references, on_straights },
         })
     }
 

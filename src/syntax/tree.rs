@@ -298,6 +298,33 @@ pub enum Statement {
         least: Expr,
         reason: Option<String>,
     },
+    /// `choose cart tilt_tray, cross_belt lengths 600 mm .. 1000 mm`
+    ChooseCart {
+        carts: Vec<Reference>,
+        lengths: Option<(Expr, Expr)>,
+    },
+    /// `choose motor linear_motor, linear_motor_800 on straights`
+    ChooseMotor {
+        motors: Vec<Reference>,
+        on_straights: bool,
+    },
+    /// `choose speed 1.5 m/s .. 2.5 m/s step 0.1 m/s`
+    ChooseSpeed(Expr),
+    /// `choose radii [3 m, 4 m, 5 m]`
+    ChooseRadii(Expr),
+    /// `drive load 15 kg starts within 20 s stops within 4 s spare 1`
+    Drive {
+        load: Option<Expr>,
+        starts: Option<Expr>,
+        stops: Option<Expr>,
+        spare: Option<Expr>,
+    },
+    /// `energy 0.22 EUR/kWh for 6000 h per year over 10 years`
+    Energy {
+        price: Expr,
+        hours: Expr,
+        years: Expr,
+    },
     /// `motors 13 evenly`
     MotorsEvenly {
         count: Expr,

@@ -405,3 +405,84 @@ fn mistakes_in_axes_and_title_fields_are_told() {
         assert!(said.contains(words), "{statements}: {said}");
     }
 }
+
+const FREE: &str = "  choose cart tilt_tray lengths 1100 mm .. 1250 mm\n  choose speed 1.5 m/s .. 2 m/s step 0.25 m/s\n  \
+     choose motor linear_motor, strong on straights\n  choose radii [3 m, 4 m]\n  \
+     drive load 15 kg starts within 10 s stops within 3 s spare 1\n  \
+     energy 0.36 EUR/kWh for 1000 h per year over 8 years";
+
+/// The layout with its components left free, beside a motor of its own.
+fn free(statements: &str) -> String {
+    with(statements).replace(
+        HEAD,
+        &format!("{HEAD}use std.drives.linear_motor\nmotor strong from linear_motor {{\n  force = 900 N\n}}\n"),
+    )
+}
+
+#[test]
+fn a_choice_has_every_length_of_a_family() {
+    let layout = built(&free(FREE));
+    let choice = &layout.choice;
+    let carts: Vec<(f64, Option<f64>, &str)> =
+        choice.carts.iter().map(|c| (c.item.length, c.item.article.price, c.written.as_str())).collect();
+    // 420 EUR and 280 EUR a metre.
+    assert_eq!(
+        carts,
+        [
+            (1.1, Some(420.0 + 280.0 * 1.1), "tilt_tray(length: 1100 mm)"),
+            (1.15, Some(420.0 + 280.0 * 1.15), "tilt_tray(length: 1150 mm)"),
+            (1.2, Some(420.0 + 280.0 * 1.2), "tilt_tray(length: 1200 mm)"),
+            (1.25, Some(770.0), "tilt_tray(length: 1250 mm)"),
+        ]
+    );
+    assert_eq!(choice.speeds, [1.5, 1.75, 2.0]);
+    assert_eq!(choice.radii, [3.0, 4.0]);
+    assert!(choice.on_straights);
+    let forces: Vec<(f64, &str)> = choice.motors.iter().map(|m| (m.item.force, m.written.as_str())).collect();
+    assert_eq!(forces, [(400.0, "linear_motor"), (900.0, "strong")]);
+    let drive = &choice.drive;
+    let times = [&drive.starts, &drive.stops].map(|time| time.as_ref().map(|time| time.value));
+    assert_eq!((drive.load, times, drive.spare), (15.0, [Some(10.0), Some(3.0)], 1));
+    let energy = choice.energy.unwrap();
+    assert!((energy.price - 1e-7).abs() < 1e-20 && energy.running == 3.6e6 && energy.years == 8.0);
+    // A length that is given is one cart, and a variant replaces what it says again.
+    let text = free(FREE) + "layout other from test {\n  choose cart tilt_tray(length: 600 mm)\n}\n";
+    let (_, analysis) = check(&[("main.lss", &text)]);
+    let other = analysis.layouts.iter().find(|layout| layout.name == "other").unwrap();
+    let lengths: Vec<f64> = other.choice.carts.iter().map(|cart| cart.item.length).collect();
+    assert_eq!((lengths, other.choice.speeds.len()), (vec![0.6], 3));
+}
+
+#[test]
+fn a_printed_choice_reads_back() {
+    let printed = model::print(&built(&free(FREE)));
+    let again = built(&printed);
+    assert_eq!(model::print(&again), printed);
+    let (choice, other) = (&built(&free(FREE)).choice, &again.choice);
+    let carts = |c: &model::Choice| c.carts.iter().map(|c| (c.item.length, c.item.mass)).collect::<Vec<_>>();
+    assert_eq!(carts(other), carts(choice));
+    assert_eq!((other.energy, other.drive.spare, &other.speeds), (choice.energy, choice.drive.spare, &choice.speeds));
+}
+
+#[test]
+fn a_choice_is_checked() {
+    for (statements, code) in [
+        ("  choose cart nothing", "E0206"),
+        ("  choose cart tilt_tray lengths 100 mm .. 200 mm", "E0310"),
+        ("  choose cart tilt_tray lengths 2 m .. 1 m", "E0311"),
+        ("  choose cart tilt_tray lengths 1 kg .. 2 m", "E0301"),
+        ("  choose speed 2 m/s", "E0304"),
+        ("  choose speed []", "E0306"),
+        ("  choose speed [-1 m/s]", "E0306"),
+        ("  choose radii [3.5 m]", "E0306"),
+        ("  choose motor linear_motor\n  choose motor strong", "E0213"),
+        ("  drive spare 1.5", "E0306"),
+        ("  drive starts within 0 s", "E0306"),
+        ("  energy 0.22 EUR for 6000 h per year over 10 years", "E0301"),
+        ("  energy 0.22 EUR/kWh for 9000 h per year over 10 years", "E0306"),
+    ] {
+        let (sources, analysis) = check(&[("main.lss", &free(statements))]);
+        let errors: Vec<&str> = codes(&analysis).into_iter().filter(|code| code.starts_with('E')).collect();
+        assert_eq!(errors, [code], "{statements}: {}", report(&sources, &analysis));
+    }
+}

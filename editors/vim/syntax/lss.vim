@@ -12,7 +12,7 @@ syntax match lssNumber "\<\d[0-9_]*\%(\.\d[0-9_]*\)\=\%([eE][+-]\=\d\+\)\=\%(\s*
 syntax match lssNumber "\<\d[0-9_]*\%(\.\d[0-9_]*\)\=\%([eE][+-]\=\d\+\)\=\%(\s*\%([-+*/=<>,)\].]\|$\|\%(radius\|clearance\|evenly\|from\|slope\|every\|count\|step\|within\|at\|on\|about\)\>\)\)\@="
 syntax match lssWord "\<\%(from\|on\|at\|every\|count\|evenly\|radius\|clearance\|slope\|within\|about\|step\|tension\|closes\)\>\%(\s\+[^=:,) \t]\|\s*$\)\@="
 syntax match lssConstant "\<\%(left\|right\|either\)\>\%(\s*\%(//.*\)\=$\)\@="
-syntax match lssStatement "\%(^\|{\)\@<=\s*\%(use\|speed\|width\|vertex\|building\|obstacle\|turns\|radii\|fix\|require\|equal\|mirror\|pass\|level\|ramp\|start\|photocell\|scanner\|feed\|storage\|items\|stops\|induction\|chutes\|motors\|supports\|sensor_cart\|chain\|effect\|axis\|drawing\|optimi[sz]e\|section\|route\)\>\%(\s\+[^=:,) \t]\)\@="
+syntax match lssStatement "\%(^\|{\)\@<=\s*\%(use\|speed\|width\|vertex\|building\|obstacle\|turns\|radii\|fix\|require\|equal\|mirror\|pass\|level\|ramp\|start\|photocell\|scanner\|feed\|storage\|items\|stops\|choose\|drive\|energy\|induction\|chutes\|motors\|supports\|sensor_cart\|chain\|effect\|axis\|drawing\|optimi[sz]e\|section\|route\)\>\%(\s\+[^=:,) \t]\)\@="
 syntax match lssDeclaration "^\s*\%(layout\|catalog\|cart\|wheel\|joint\|motor\|controller\|sensor\|let\)\>\%(\s\+\h\)\@="
 syntax match lssEscape contained "\\[\"\\]"
 syntax region lssText start=+"+ skip=+\\.+ end=+"\|$+ contains=lssEscape

@@ -216,6 +216,9 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
             return;
         }
     }
+    if let Some(kind) = chosen(begun) {
+        return known.named(out, &NameKind::Component(kind));
+    }
     let bare = begun.trim_end() == word;
     match word {
         "effect" if bare => known.effects(out),
@@ -228,6 +231,15 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         "vertex" | "obstacle" | "induction" | "chutes" | "section" | "let" if bare => {}
         _ => rest(out, known, Context::Statement, cursor),
     }
+}
+
+/// The kind of component that is named next behind `choose cart` or a comma there.
+fn chosen(begun: &str) -> Option<DeclarationKind> {
+    let named = begun.strip_prefix("choose ")?.trim_start();
+    let kind =
+        [DeclarationKind::Cart, DeclarationKind::Motor].into_iter().find(|kind| first_word(named) == kind.word())?;
+    let behind = named[kind.word().len()..].trim();
+    (behind.is_empty() || behind.ends_with(',')).then_some(kind)
 }
 
 /// What the grammar takes next.

@@ -2,6 +2,7 @@
 
 mod capacity;
 mod checks;
+mod choice;
 mod constraints;
 mod draft;
 mod equipment;
@@ -56,6 +57,7 @@ impl<'t> Context<'t> {
         });
         let equipment = self.equipment(&draft, &geometry);
         let capacity = equipment.as_ref().and_then(|equipment| self.capacity(&draft, &geometry, equipment));
+        let choice = self.choice(&draft, catalog.as_ref());
         let levels = self.levels(&draft, &geometry);
         let ramps = self.ramps(&draft, &geometry);
         let effects = self.effects(&draft);
@@ -102,6 +104,7 @@ impl<'t> Context<'t> {
             constraints: constraints?,
             equipment: equipment?,
             capacity: capacity?,
+            choice: choice?,
             levels: levels?,
             ramps,
             chain: chain?,

@@ -211,7 +211,22 @@ impl Index<'_> {
                 self.expression(scope, &item.value);
             }
             Statement::Component { kind, reference } => self.reference(scope, Space::Component(*kind), Some(reference)),
-            Statement::Speed(expr)
+            Statement::ChooseCart { carts, lengths } => {
+                let cart = Space::Component(DeclarationKind::Cart);
+                carts.iter().for_each(|reference| self.reference(scope, cart, Some(reference)));
+                self.all(scope, lengths.iter().flat_map(|(low, high)| [low, high]));
+            }
+            Statement::ChooseMotor { motors, .. } => {
+                let motor = Space::Component(DeclarationKind::Motor);
+                motors.iter().for_each(|reference| self.reference(scope, motor, Some(reference)));
+            }
+            Statement::Drive { load, starts, stops, spare } => {
+                self.all(scope, [load, starts, stops, spare].into_iter().flatten());
+            }
+            Statement::Energy { price, hours, years } => self.all(scope, [price, hours, years]),
+            Statement::ChooseSpeed(expr)
+            | Statement::ChooseRadii(expr)
+            | Statement::Speed(expr)
             | Statement::Width(expr)
             | Statement::ChainTension(expr)
             | Statement::ChainCloses(expr)

@@ -130,6 +130,32 @@ impl Writer<'_> {
                     self.text(reason);
                 }
             }
+            Statement::ChooseCart { carts, lengths } => {
+                self.references("choose cart ", carts);
+                if let Some((low, high)) = lengths {
+                    self.word_value(" lengths ", low);
+                    self.word_value(" .. ", high);
+                }
+            }
+            Statement::ChooseMotor { motors, on_straights } => {
+                self.references("choose motor ", motors);
+                self.push(if *on_straights { " on straights" } else { "" });
+            }
+            Statement::ChooseSpeed(values) => self.word_value("choose speed ", values),
+            Statement::ChooseRadii(values) => self.word_value("choose radii ", values),
+            Statement::Drive { load, starts, stops, spare } => {
+                self.push("drive");
+                self.clause(" load ", load);
+                self.clause(" starts within ", starts);
+                self.clause(" stops within ", stops);
+                self.clause(" spare ", spare);
+            }
+            Statement::Energy { price, hours, years } => {
+                self.word_value("energy ", price);
+                self.word_value(" for ", hours);
+                self.word_value(" per year over ", years);
+                self.push(" years");
+            }
             Statement::MotorsEvenly { count } => {
                 self.word_value("motors ", count);
                 self.push(" evenly");
@@ -188,6 +214,13 @@ impl Writer<'_> {
                 self.push(if *any_order { " in any order" } else { "" });
             }
             Statement::Bad => self.verbatim(span),
+        }
+    }
+
+    fn references(&mut self, word: &str, references: &[Reference]) {
+        for (index, reference) in references.iter().enumerate() {
+            self.push(if index > 0 { ", " } else { word });
+            self.reference(reference);
         }
     }
 

@@ -1,0 +1,77 @@
+//! Which components are free to be chosen, what the drive has to do, and what energy costs.
+
+use super::{Cart, Motor};
+use crate::source::{Span, Spanned};
+use serde::Serialize;
+
+/// What a layout leaves open of its components. Where nothing is listed, what the layout states is kept.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Choice {
+    /// Each family in each of its lengths.
+    pub carts: Vec<Free<Cart>>,
+    pub motors: Vec<Free<Motor>>,
+    /// Whether motors may lie on straights only; else they stand evenly along the whole track.
+    pub on_straights: bool,
+    /// Speeds of the chain, m/s, ascending.
+    pub speeds: Vec<f64>,
+    /// Least radii of the track, m, ascending: each makes a track of its own.
+    pub radii: Vec<f64>,
+    pub drive: DriveDuty,
+    pub energy: Option<EnergyUse>,
+    #[serde(skip)]
+    pub statements: ChoiceStatements,
+}
+
+/// A component that may be chosen.
+#[derive(Clone, Debug, Serialize)]
+pub struct Free<T> {
+    #[serde(flatten)]
+    pub item: T,
+    /// As a layout names it: `tilt_tray(length: 600 mm)`.
+    #[serde(skip)]
+    pub written: String,
+}
+
+impl Choice {
+    /// Whether something is free.
+    pub fn is_open(&self) -> bool {
+        !(self.carts.is_empty() && self.motors.is_empty() && self.speeds.is_empty() && self.radii.is_empty())
+    }
+}
+
+/// What motors have to do.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct DriveDuty {
+    /// Mass on every carrier, kg.
+    pub load: f64,
+    /// Longest time from rest to speed, s.
+    pub starts: Option<Spanned<f64>>,
+    /// Longest time from speed to rest with the motors' thrust reversed, s.
+    pub stops: Option<Spanned<f64>>,
+    /// Motors that may be out of order at a time.
+    pub spare: usize,
+}
+
+/// What energy costs, and how long the sorter runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergyUse {
+    /// EUR/J
+    pub price: f64,
+    /// Of running in a year, s.
+    pub running: f64,
+    /// Years that price and energy are added up over.
+    pub years: f64,
+}
+
+/// Where statements stand that a choice replaces.
+#[derive(Clone, Debug, Default)]
+pub struct ChoiceStatements {
+    pub cart: Option<Span>,
+    pub speed: Option<Span>,
+    pub motor: Option<Span>,
+    /// `motors ...`
+    pub places: Vec<Span>,
+    pub radii: Option<Span>,
+    /// `choose ...`
+    pub free: Vec<Span>,
+}
