@@ -25,6 +25,7 @@
 //! - [`signal`]: runs and campaigns, filters, spectra, load cycles, deviations between runs,
 //! - [`dynamics`]: bodies, contacts, motors, control, integration, the sensor cart; deviations, but no effects,
 //! - [`effects`]: one file an effect: what it does to the chain or to its sensors, and how it is told from others,
+//! - [`choose`]: which components a layout is built with: every candidate, the cheapest checked, trades,
 //! - [`identify`]: parameters of the model from measurements,
 //! - [`gap`]: where a built system and its simulation part, and which effect does it; models outside,
 //! - [`benchmark`]: sealed challenges: campaigns whose effects are withheld, and what a diagnosis makes of them,
@@ -39,6 +40,7 @@ pub mod base;
 pub mod benchmark;
 pub mod capacity;
 pub mod chain_input;
+pub mod choose;
 pub mod cli;
 pub mod compiled;
 pub mod diagnostic;

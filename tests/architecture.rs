@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ImplItem, Item, ItemImpl, ItemUse, Macro, Type, UseTree, Visibility};
 
 /// From the top: a room may use those before it.
-const ROOMS: [&str; 29] = [
+const ROOMS: [&str; 30] = [
     "base",
     "source",
     "diagnostic",
@@ -31,6 +31,7 @@ const ROOMS: [&str; 29] = [
     "signal",
     "dynamics",
     "effects",
+    "choose",
     "identify",
     "gap",
     "benchmark",

@@ -99,6 +99,7 @@ codes! {
     E0602 "not-met-as-written",
     E0603 "chain-does-not-close",
     E0604 "capacity-not-reached",
+    E0605 "no-choice",
     E0650 "not-built-yet",
 
     W0701 "unused-import",

@@ -9,13 +9,14 @@ use std::sync::OnceLock;
 
 use lss::compiled::Compiled;
 use lss::diagnostic::{Code, Diagnostic, text};
+use lss::dynamics::Width;
 use lss::geometry::Track;
 use lss::semantics::analyse;
 use lss::solve::unsupported;
 use lss::source::{Loader, SourceMap};
 use lss::study::Plan;
 use lss::study::plan::NoPlan;
-use lss::{elements, import, route, solve};
+use lss::{choose, elements, import, route, solve};
 
 fn folder(code: Code) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(code.as_str())
@@ -94,6 +95,10 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
         (Code::E0604, Ok(Some(layout))) => {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
             diagnostics.extend(compiled.short_of_capacity());
+        }
+        (Code::E0605, Ok(Some(layout))) => {
+            let settings = choose::Settings { options: solve::Options::default(), width: Width::used(), checks: 0 };
+            diagnostics.extend(choose::refused(&choose::choose(layout, &settings, &|_| ()).unwrap()));
         }
         (Code::W0712, Ok(Some(layout))) => {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));

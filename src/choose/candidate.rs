@@ -1,0 +1,195 @@
+//! One choice of components: what it gives, and what of the requirements it falls short of.
+
+use super::drive::{self, Chain, Thrust};
+use super::places::{self, Stand};
+use super::tracks::Track;
+use crate::capacity::{Bound, Sorter, bound};
+use crate::compiled::{Compiled, order};
+use crate::kinematics::polygon::{Course, PolygonObjective, action};
+use crate::kinematics::{Fit, fit};
+use crate::model::{Cart, Layout, Motor, Motors};
+
+/// What a choice has to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Requirement {
+    /// `require capacity`
+    Capacity,
+    /// A whole number of carts on the track.
+    Closes,
+    /// `drive starts within`
+    Starts,
+    /// `drive stops within`
+    Stops,
+    /// `drive spare`
+    Spare,
+    /// `drive load`
+    Load,
+    /// Room for the motors.
+    Room,
+}
+
+/// How far a choice is from what is required.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shortfall {
+    pub requirement: Requirement,
+    /// What it gives: items an hour, m left over, or motors that there is room for.
+    pub found: f64,
+    /// What it would have to give.
+    pub wanted: f64,
+}
+
+impl Shortfall {
+    /// As a share of what is wanted; of what must be less, of itself.
+    pub fn share(&self) -> f64 {
+        (self.found - self.wanted).abs() / self.wanted.abs().max(f64::MIN_POSITIVE)
+    }
+}
+
+/// A cart on a track: what all speeds and motors have in common.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// Indices into tracks and carts.
+    pub track: usize,
+    pub cart: usize,
+    /// `None` where no chain closes at all.
+    pub fit: Option<Fit>,
+    /// At any speed.
+    pub sorter: Option<Sorter>,
+    /// Of all but motors, EUR.
+    pub price: f64,
+    /// Root mean square of ΔP over all straights and starts, m; `None` where the track has none.
+    pub polygon_action: Option<f64>,
+}
+
+impl Fitted {
+    pub fn new(index: (usize, usize), track: &Track, cart: &Cart, layout: &Layout) -> Self {
+        let mut compiled = track.compiled.clone();
+        compiled.layout.cart = cart.clone();
+        compiled.layout.equipment.motors = Motors::Evenly { count: 0 };
+        compiled.chain = fit(&compiled.space.line, cart.length);
+        compiled.layout.choice = layout.choice.clone();
+        let beside: f64 = order::lines(&compiled).iter().filter_map(order::OrderLine::price).sum();
+        let rough = || {
+            let course = Course::new(&compiled.space.line).ok()?;
+            let pitch = compiled.length() / compiled.chain?.carts.max(1) as f64;
+            let value = action(&course, pitch).ok()?.value(PolygonObjective::All);
+            Some((value / (course.len() * course.len()) as f64).sqrt())
+        };
+        Fitted {
+            track: index.0,
+            cart: index.1,
+            fit: compiled.chain,
+            sorter: compiled.sorter(),
+            price: compiled.bill.price + beside,
+            polygon_action: rough(),
+        }
+    }
+}
+
+/// Where motors may stand on a track, of each kind of motor.
+#[derive(Clone, Debug)]
+pub struct Room {
+    /// Empty where they stand evenly.
+    pub stands: Vec<Stand>,
+    /// Most motors.
+    pub most: usize,
+}
+
+impl Room {
+    pub fn new(compiled: &Compiled, motor: &Motor, on_straights: bool) -> Self {
+        match on_straights {
+            true => {
+                let stands = places::stands(compiled, motor.length);
+                Room { most: places::room(&stands, motor.length), stands }
+            }
+            false => Room { stands: Vec::new(), most: (compiled.length() / motor.length + 1e-9).floor() as usize },
+        }
+    }
+}
+
+/// A choice, worked out.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Indices into fitted carts and motors.
+    pub fitted: usize,
+    pub motor: usize,
+    /// m/s
+    pub speed: f64,
+    /// How many motors it needs.
+    pub motors: usize,
+    pub thrust: Thrust,
+    /// `None` where nothing comes or goes.
+    pub capacity: Option<Bound>,
+    /// EUR
+    pub price: f64,
+    /// Electrical, J a year; 0 where the layout does not say how long it runs.
+    pub energy: f64,
+    /// Price, and energy over the years that the layout says, EUR.
+    pub total: f64,
+    pub shortfalls: Vec<Shortfall>,
+}
+
+impl Candidate {
+    pub fn is_feasible(&self) -> bool {
+        self.shortfalls.is_empty()
+    }
+
+    /// Works out a choice, all requirements but `waived` held.
+    pub fn new(
+        (fitted, motor): (usize, usize),
+        speed: f64,
+        (on, track, cart, kind, room): (&Fitted, &Track, &Cart, &Motor, &Room),
+        layout: &Layout,
+        waived: Option<Requirement>,
+    ) -> Self {
+        let holds = |requirement: Requirement| waived != Some(requirement);
+        let mut duty = layout.choice.drive.clone();
+        duty.starts = duty.starts.filter(|_| holds(Requirement::Starts));
+        duty.stops = duty.stops.filter(|_| holds(Requirement::Stops));
+        duty.spare = if holds(Requirement::Spare) { duty.spare } else { 0 };
+        duty.load = if holds(Requirement::Load) { duty.load } else { 0.0 };
+        let carts = on.fit.map_or(0, |fit| fit.carts);
+        let chain = Chain { cart, carts, speed, load: duty.load, tension: layout.chain.tension };
+        let thrust = chain.thrust(&track.lap, &duty);
+        let motors = match layout.choice.motors.is_empty() {
+            // Those that the layout has.
+            true => track.compiled.motors().len(),
+            false => thrust.motors(kind.force, duty.spare),
+        };
+        let needed = thrust.motors(kind.force, duty.spare);
+        let capacity = on.sorter.as_ref().and_then(|sorter| {
+            let sorter = Sorter { speed, ..sorter.clone() };
+            bound(&sorter, &sorter.proportions())
+        });
+        let mut shortfalls = Vec::new();
+        let mut short = |requirement, found, wanted| shortfalls.push(Shortfall { requirement, found, wanted });
+        if let Some(required) = layout.capacity.required.as_ref().filter(|_| holds(Requirement::Capacity)) {
+            let found = capacity.as_ref().map_or(0.0, |bound| bound.throughput);
+            if found < required.least.value {
+                short(Requirement::Capacity, found, required.least.value);
+            }
+        }
+        if holds(Requirement::Closes) {
+            let take_up = layout.catalog.take_up;
+            let most = layout.chain.closes_within.as_ref().map_or(take_up, |within| within.value.min(take_up));
+            match on.fit {
+                Some(fit) if fit.is_within(most) => {}
+                Some(fit) => short(Requirement::Closes, fit.left_over.abs(), most),
+                None => short(Requirement::Closes, f64::INFINITY, most),
+            }
+        }
+        let most = if layout.choice.motors.is_empty() { motors } else { room.most };
+        if holds(Requirement::Room) && needed > most {
+            short(Requirement::Room, most as f64, needed as f64);
+        }
+        let cents = |price: f64| (price * 100.0).round() / 100.0;
+        let each = cents(kind.article.price.unwrap_or(0.0));
+        let price = cents(on.price + each * motors as f64);
+        let (mut energy, mut total) = (0.0, price);
+        if let Some(used) = &layout.choice.energy {
+            energy = drive::energy(&thrust.resistance, speed, used.running, kind.efficiency);
+            total += energy * used.price * used.years;
+        }
+        Candidate { fitted, motor, speed, motors, thrust, capacity, price, energy, total, shortfalls }
+    }
+}

@@ -1,0 +1,222 @@
+//! All candidates, the cheapest that does what is required, and what each requirement costs.
+
+use super::candidate::{Candidate, Fitted, Requirement, Room};
+use super::check::{self, Check};
+use super::places;
+use super::settings::{Settings, Tell, Told};
+use super::tracks::{self, NoTrack, Track};
+use crate::base::parallel;
+use crate::compiled::Compiled;
+use crate::model::{Cart, Layout, Motor, Motors};
+
+/// Candidates, at most.
+pub const MOST: usize = 400_000;
+
+/// There are more candidates than can be looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooMany(pub usize);
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    pub layout: Layout,
+    pub tracks: Vec<Track>,
+    pub untracked: Vec<NoTrack>,
+    pub fitted: Vec<Fitted>,
+    /// Those with the fewest motors that do in closed form, and behind them those with more that were checked.
+    pub candidates: Vec<Candidate>,
+    /// How many of them have the fewest motors.
+    pub worked_out: usize,
+    /// Candidates that do what is required in closed form and have not failed a check, the least total first.
+    pub order: Vec<usize>,
+    /// How many did in closed form.
+    pub feasible: usize,
+    /// Candidates that were checked, with what was found, in the order of `order`.
+    pub checked: Vec<(usize, Result<Check, String>)>,
+    /// The first of `order` that passed its check.
+    pub winner: Option<usize>,
+    /// What each requirement adds to the least total, EUR, before any check; `None` where there is none without it either.
+    pub costs: Vec<(Requirement, Option<f64>)>,
+}
+
+/// Works out all candidates.
+///
+/// # Errors
+/// [`TooMany`]
+pub fn choose(layout: &Layout, settings: &Settings, told: Tell) -> Result<Chosen, TooMany> {
+    let choice = &layout.choice;
+    let count = [choice.carts.len(), choice.motors.len(), choice.speeds.len(), choice.radii.len()].map(|n| n.max(1));
+    let count: usize = count.iter().product();
+    if count > MOST {
+        return Err(TooMany(count));
+    }
+    let (tracks, untracked) = tracks::tracks(layout, &settings.options, told);
+    let carts = tracks::carts(layout);
+    let pairs: Vec<(usize, usize)> = (0..tracks.len())
+        .flat_map(|track| (0..carts.len()).map(move |cart| (track, cart)))
+        .filter(|(track, cart)| tracks[*track].length.is_none_or(|length| carts[*cart].length == length))
+        .collect();
+    let threads = settings.options.threads;
+    let fitted = parallel::map(&pairs, threads, |pair| Fitted::new(*pair, &tracks[pair.0], carts[pair.1], layout));
+    let candidates = candidates(layout, &tracks, &fitted, None);
+    let order = ordered(&candidates);
+    let cheapest = order.first().map(|k| candidates[*k].total);
+    let mut chosen = Chosen {
+        layout: layout.clone(),
+        costs: costs(layout, &tracks, &fitted, cheapest),
+        tracks,
+        untracked,
+        fitted,
+        worked_out: candidates.len(),
+        candidates,
+        feasible: order.len(),
+        order,
+        checked: Vec::new(),
+        winner: None,
+    };
+    chosen.check(settings, told);
+    Ok(chosen)
+}
+
+/// Motors that may be chosen: the layout's own where it leaves none open.
+pub fn motors(layout: &Layout) -> Vec<&Motor> {
+    match layout.choice.motors.is_empty() {
+        true => vec![&layout.drive.motor],
+        false => layout.choice.motors.iter().map(|motor| &motor.item).collect(),
+    }
+}
+
+/// Every candidate, in the order of tracks, carts, motors and speeds.
+pub fn candidates(layout: &Layout, tracks: &[Track], fitted: &[Fitted], waived: Option<Requirement>) -> Vec<Candidate> {
+    let (carts, motors) = (tracks::carts(layout), motors(layout));
+    let own = [layout.speed.value];
+    let speeds = if layout.choice.speeds.is_empty() { &own[..] } else { &layout.choice.speeds };
+    let room = |track: &Track| {
+        let of = |motor: &&Motor| Room::new(&track.compiled, motor, layout.choice.on_straights);
+        motors.iter().map(of).collect::<Vec<_>>()
+    };
+    let rooms: Vec<Vec<Room>> = tracks.iter().map(room).collect();
+    let mut all = Vec::new();
+    for (f, on) in fitted.iter().enumerate() {
+        for (m, kind) in motors.iter().enumerate() {
+            let parts = (on, &tracks[on.track], carts[on.cart], *kind, &rooms[on.track][m]);
+            all.extend(speeds.iter().map(|speed| Candidate::new((f, m), *speed, parts, layout, waived)));
+        }
+    }
+    all
+}
+
+/// Those that do what is required, the least total first; of equal ones the first.
+fn ordered(candidates: &[Candidate]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..candidates.len()).filter(|k| candidates[*k].is_feasible()).collect();
+    order.sort_by(|a, b| candidates[*a].total.total_cmp(&candidates[*b].total).then(a.cmp(b)));
+    order
+}
+
+fn costs(
+    layout: &Layout,
+    tracks: &[Track],
+    fitted: &[Fitted],
+    cheapest: Option<f64>,
+) -> Vec<(Requirement, Option<f64>)> {
+    let drive = &layout.choice.drive;
+    let asked = [
+        (Requirement::Capacity, layout.capacity.required.is_some()),
+        (Requirement::Closes, true),
+        (Requirement::Starts, drive.starts.is_some()),
+        (Requirement::Stops, drive.stops.is_some()),
+        (Requirement::Spare, drive.spare > 0),
+        (Requirement::Load, drive.load > 0.0),
+        (Requirement::Room, true),
+    ];
+    let cost = |requirement: Requirement| {
+        let all = candidates(layout, tracks, fitted, Some(requirement));
+        let least = ordered(&all).first().map(|k| all[*k].total);
+        (requirement, least.map(|least| cheapest.map_or(f64::INFINITY, |cheapest| cheapest - least)))
+    };
+    asked.into_iter().filter(|(_, asked)| *asked).map(|(requirement, _)| cost(requirement)).collect()
+}
+
+impl Chosen {
+    pub fn cart(&self, candidate: &Candidate) -> &Cart {
+        tracks::carts(&self.layout)[self.fitted[candidate.fitted].cart]
+    }
+
+    pub fn motor(&self, candidate: &Candidate) -> &Motor {
+        motors(&self.layout)[candidate.motor]
+    }
+
+    pub fn track(&self, candidate: &Candidate) -> &Track {
+        &self.tracks[self.fitted[candidate.fitted].track]
+    }
+
+    /// The layout that a candidate is, with its motors in their places. `None` where they do not fit.
+    pub fn built(&self, candidate: &Candidate) -> Option<Compiled> {
+        let on = &self.fitted[candidate.fitted];
+        let track = &self.tracks[on.track];
+        let mut compiled = track.compiled.clone();
+        let layout = &mut compiled.layout;
+        layout.cart = self.cart(candidate).clone();
+        layout.drive.motor = self.motor(candidate).clone();
+        layout.speed.value = candidate.speed;
+        if !self.layout.choice.motors.is_empty() {
+            let length = layout.drive.motor.length;
+            layout.equipment.motors = match self.layout.choice.on_straights {
+                false => Motors::Evenly { count: candidate.motors },
+                true => {
+                    let stands = places::stands(&track.compiled, length);
+                    let placed = places::place(&stands, track.lap.length, candidate.motors, length)?;
+                    Motors::Rows(places::rows(&stands, &placed, length, self.layout.span))
+                }
+            };
+        }
+        compiled.chain = on.fit;
+        Some(compiled)
+    }
+
+    /// Checks candidates in their order until one passes. One that fails may pass with another motor, which is then a
+    /// candidate of its own.
+    fn check(&mut self, settings: &Settings, told: Tell) {
+        let years = self.layout.choice.energy.map(|energy| (energy.running, energy.years));
+        while let Some(k) = self.order.first().copied() {
+            if settings.checks == 0 {
+                self.winner = Some(k);
+                return;
+            }
+            if self.checked.len() == settings.checks {
+                return;
+            }
+            told(Told::Check);
+            let found = match self.built(&self.candidates[k]) {
+                Some(compiled) => check::check(&compiled, &self.layout.choice.drive, years, settings),
+                None => Err("its motors do not fit on the straights".to_owned()),
+            };
+            let passed = found.as_ref().is_ok_and(Check::passes);
+            self.checked.push((k, found));
+            if passed {
+                self.winner = Some(k);
+                return;
+            }
+            self.order.remove(0);
+            self.add(k);
+        }
+    }
+
+    /// Adds a candidate with one motor more than another, where there is room for it.
+    fn add(&mut self, than: usize) {
+        let mut more = self.candidates[than].clone();
+        let motor = self.motor(&more);
+        let room = Room::new(&self.track(&more).compiled, motor, self.layout.choice.on_straights);
+        if self.layout.choice.motors.is_empty() || more.motors >= room.most {
+            return;
+        }
+        let price = (motor.article.price.unwrap_or(0.0) * 100.0).round() / 100.0;
+        more.motors += 1;
+        more.price += price;
+        more.total += price;
+        let index = self.candidates.len();
+        let at = self.order.partition_point(|k| self.candidates[*k].total <= more.total);
+        self.order.insert(at, index);
+        self.candidates.push(more);
+    }
+}

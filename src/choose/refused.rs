@@ -1,0 +1,209 @@
+//! Why no choice of components does what is required: what none reaches and by how much, or what they fall short of.
+
+use super::candidate::{Candidate, Requirement, Shortfall};
+use super::find::Chosen;
+use crate::base::number::{fixed, trimmed};
+use crate::capacity::{Sorter, limit_words};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::solve;
+use crate::source::Span;
+
+/// What there is to say where nothing was chosen.
+pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
+    if chosen.winner.is_some() {
+        return Vec::new();
+    }
+    if chosen.tracks.is_empty() {
+        let of = |no: &super::tracks::NoTrack| solve::diagnose(&no.layout, &no.stages);
+        return chosen.untracked.first().map(of).unwrap_or_default();
+    }
+    if !chosen.checked.is_empty() {
+        return vec![failed_checks(chosen)];
+    }
+    let missed = |requirement: Requirement| {
+        let falls = |c: &&Candidate| c.shortfalls.iter().any(|s| s.requirement == requirement);
+        chosen.candidates.iter().filter(falls).count()
+    };
+    let kinds = [Requirement::Capacity, Requirement::Closes, Requirement::Room];
+    let never: Vec<Requirement> = kinds.into_iter().filter(|kind| missed(*kind) == chosen.candidates.len()).collect();
+    if never.is_empty() {
+        return vec![together(chosen)];
+    }
+    never.into_iter().filter_map(|requirement| none_reaches(chosen, requirement)).collect()
+}
+
+/// Where a choice can be widened.
+fn free(chosen: &Chosen) -> Span {
+    chosen.layout.choice.statements.free.first().copied().unwrap_or(chosen.layout.span)
+}
+
+/// `cart tilt_tray 600 mm at 2 m/s with 12 × linear_motor`
+pub fn words(chosen: &Chosen, candidate: &Candidate) -> String {
+    let (cart, motor) = (chosen.cart(candidate), chosen.motor(candidate));
+    let radius = chosen.track(candidate).radius;
+    format!(
+        "cart {} {} mm at {} m/s with {} × {}{}",
+        cart.name,
+        trimmed(cart.length * 1e3, 3),
+        trimmed(candidate.speed, 4),
+        candidate.motors,
+        motor.name,
+        radius.map_or_else(String::new, |radius| format!(", least radius {} m", trimmed(radius, 3)))
+    )
+}
+
+/// The candidate that comes nearest to a requirement.
+fn nearest(chosen: &Chosen, requirement: Requirement) -> Option<(&Candidate, Shortfall)> {
+    let of = |c: &Candidate| c.shortfalls.iter().copied().find(|s| s.requirement == requirement);
+    let all = chosen.candidates.iter().filter_map(|c| Some((c, of(c)?)));
+    all.min_by(|a, b| {
+        let others = |c: &Candidate| c.shortfalls.len();
+        a.1.share().total_cmp(&b.1.share()).then(others(a.0).cmp(&others(b.0))).then(a.0.total.total_cmp(&b.0.total))
+    })
+}
+
+fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic> {
+    let (candidate, short) = nearest(chosen, requirement)?;
+    let layout = &chosen.layout;
+    let (count, near) = (chosen.candidates.len(), words(chosen, candidate));
+    // What it does not do, of one choice and of several.
+    let none = |not: &str, does: &str, what: &str| match count {
+        1 => format!("the choice does not {not} {what}"),
+        _ => format!("none of {count} choices {does} {what}"),
+    };
+    let diagnostic = |message: String, span: Span, label: String| Diagnostic::new(Code::E0605, message, span, label);
+    Some(match requirement {
+        Requirement::Capacity => {
+            let required = layout.capacity.required.as_ref()?;
+            let why = required.reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
+            let message = none("reach", "reaches", &format!("the capacity that is required{why}"));
+            let percent = fixed(100.0 * short.share(), 1);
+            let label = format!("at most {} an hour, {percent} % less", fixed(short.found, 0));
+            let limit = limited(chosen, candidate).map_or_else(String::new, |limit| format!(", limited by {limit}"));
+            let said = diagnostic(message, required.least.span, label).expected(
+                format!("at least {} items an hour", fixed(short.wanted, 0)),
+                format!("at most {}, with {near}{limit}", fixed(short.found, 0)),
+            );
+            let said = chosen.layout.choice.statements.free.iter().fold(said, |d, s| d.related(*s, "chosen from here"));
+            let speed = candidate.speed * short.wanted / short.found.max(f64::MIN_POSITIVE);
+            said.help(match short.found > 0.0 {
+                true => format!(
+                    "leave faster speeds or shorter carts free: where carriers limit it, {} m/s would do with this cart",
+                    fixed((speed * 100.0).ceil() / 100.0, 2)
+                ),
+                false => "place an `induction` and `chutes`, and carts that close the loop".to_owned(),
+            })
+        }
+        Requirement::Closes => {
+            let span = layout.chain.closes_within.as_ref().map_or_else(|| free(chosen), |within| within.span);
+            let (found, wanted) = (fixed(short.found * 1e3, 1), fixed(short.wanted * 1e3, 1));
+            diagnostic(none("close", "closes", "the chain"), span, format!("{found} mm left over at the least"))
+                .expected(format!("at most {wanted} mm left over"), format!("{found} mm, with {near}"))
+                .help(
+                    "`chain closes within` lets the track adapt to each cart; or take a catalogue with more `take_up`",
+                )
+        }
+        _ => {
+            let statements = &layout.choice.statements;
+            let span = statements.free.iter().chain(&statements.places).next().copied().unwrap_or(layout.span);
+            let drive = &layout.choice.drive;
+            let related = [&drive.starts, &drive.stops];
+            let places = if layout.choice.on_straights { "the straights have" } else { "the track has" };
+            let label = format!("{places} room for {} at most", short.found);
+            let said = diagnostic(none("have", "has", "room for the motors that it needs"), span, label)
+                .expected(format!("{} motors", short.wanted), format!("{}, with {near}", short.found))
+                .help("leave stronger motors or lower speeds free, or give the drive more time");
+            related.into_iter().flatten().fold(said, |d, time| d.related(time.span, "asks for so much thrust"))
+        }
+    })
+}
+
+/// What limits a candidate's capacity, in words.
+pub fn limited(chosen: &Chosen, candidate: &Candidate) -> Option<String> {
+    let sorter = chosen.fitted[candidate.fitted].sorter.as_ref()?;
+    let sorter = Sorter { speed: candidate.speed, ..sorter.clone() };
+    Some(limit_words(&sorter, candidate.capacity.as_ref()?.limit))
+}
+
+/// Each requirement is met by some candidate, all of them by none.
+fn together(chosen: &Chosen) -> Diagnostic {
+    let count = |requirement: Requirement| {
+        chosen.candidates.iter().filter(|c| c.shortfalls.iter().any(|s| s.requirement == requirement)).count()
+    };
+    let kinds = [
+        (Requirement::Capacity, "do not reach the capacity"),
+        (Requirement::Closes, "do not close the chain"),
+        (Requirement::Room, "have no room for their motors"),
+    ];
+    let told: Vec<String> = kinds
+        .into_iter()
+        .map(|(kind, what)| (count(kind), what))
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| format!("{n} {what}"))
+        .collect();
+    let message = format!("none of {} choices does all that is required", chosen.candidates.len());
+    let farthest = |c: &Candidate| c.shortfalls.iter().map(Shortfall::share).fold(0.0, f64::max);
+    let near =
+        chosen.candidates.iter().min_by(|a, b| farthest(a).total_cmp(&farthest(b)).then(a.total.total_cmp(&b.total)));
+    let said = Diagnostic::new(Code::E0605, message, free(chosen), "too little to choose from")
+        .expected("a choice that does everything", told.join(", "));
+    let shown = |c: &Candidate| {
+        let each = c.shortfalls.iter().map(short_words);
+        format!("nearest is {}: {}", words(chosen, c), each.collect::<Vec<_>>().join("; "))
+    };
+    match near {
+        Some(near) => said.help(shown(near)),
+        None => said,
+    }
+}
+
+/// `7402 items an hour of 7500`
+pub fn short_words(short: &Shortfall) -> String {
+    match short.requirement {
+        Requirement::Capacity => format!("{} items an hour of {}", fixed(short.found, 0), fixed(short.wanted, 0)),
+        Requirement::Closes => {
+            format!("{} mm left over, at most {} mm", fixed(short.found * 1e3, 1), fixed(short.wanted * 1e3, 1))
+        }
+        _ => format!("room for {} motors of {}", short.found, short.wanted),
+    }
+}
+
+fn failed_checks(chosen: &Chosen) -> Diagnostic {
+    let message = match chosen.checked.len() {
+        1 => "the choice does not pass its check in the dynamic model".to_owned(),
+        n => format!("none of the {n} cheapest choices passes its check in the dynamic model"),
+    };
+    let said = Diagnostic::new(Code::E0605, message, free(chosen), "checked with forces and fatigue");
+    let of = |(k, found): &(usize, Result<super::Check, String>)| {
+        let why = match found {
+            Err(why) => why.clone(),
+            Ok(check) => failures(check).join("; "),
+        };
+        format!("{}: {why}", words(chosen, &chosen.candidates[*k]))
+    };
+    match chosen.checked.first() {
+        Some(first) => said
+            .expected("forces within what joints and wheels carry, and speed kept", of(first))
+            .help("take stronger joints or wheels, more motors or less speed; `--checks` looks at more choices"),
+        None => said,
+    }
+}
+
+/// What of a check failed, in words.
+pub fn failures(check: &super::Check) -> Vec<String> {
+    let mut told = Vec::new();
+    for part in &check.carried {
+        if let Some(rated) = part.rated.filter(|rated| part.peak > *rated) {
+            told.push(format!("{} carries {} N of {} N", part.part, fixed(part.peak, 0), fixed(rated, 0)));
+        }
+        if let Some((life, years)) = part.life.zip(check.years).filter(|(life, years)| life < years) {
+            told.push(format!("{} lives {} years of {}", part.part, trimmed(life, 2), trimmed(years, 2)));
+        }
+    }
+    let slow = |speed: f64| speed < 0.98 * check.wanted_speed;
+    if slow(check.speed) || check.spare_speed.is_some_and(slow) {
+        let speed = check.spare_speed.unwrap_or(check.speed).min(check.speed);
+        told.push(format!("it runs {} m/s of {}", fixed(speed, 2), fixed(check.wanted_speed, 2)));
+    }
+    told
+}

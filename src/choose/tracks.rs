@@ -1,0 +1,105 @@
+//! The tracks that a choice is made on: one for each least radius, and where the chain has to close one for each length of
+//! cart. Each is the best of the layout's own objective, with its own proof.
+
+use super::drive::Lap;
+use super::settings::{Tell, Told};
+use crate::base::parallel;
+use crate::compiled::Compiled;
+use crate::model::{Cart, Layout};
+use crate::solve::{self, Options, Stage};
+
+/// A track.
+#[derive(Clone, Debug)]
+pub struct Track {
+    /// Least radius that was chosen, m; `None` where the layout's own holds.
+    pub radius: Option<f64>,
+    /// Length of cart that it closes for, m; `None` where any may be tried on it.
+    pub length: Option<f64>,
+    pub compiled: Compiled,
+    pub lap: Lap,
+    /// Whether no track is better for the layout's objective.
+    pub proven: bool,
+}
+
+/// A track that there is not.
+#[derive(Clone, Debug)]
+pub struct NoTrack {
+    pub radius: Option<f64>,
+    pub length: Option<f64>,
+    /// The layout that was asked for, and how far its solve came.
+    pub layout: Box<Layout>,
+    pub stages: Vec<Stage>,
+}
+
+/// Carts that may be chosen: the layout's own where it leaves none open.
+pub fn carts(layout: &Layout) -> Vec<&Cart> {
+    match layout.choice.carts.is_empty() {
+        true => vec![&layout.cart],
+        false => layout.choice.carts.iter().map(|cart| &cart.item).collect(),
+    }
+}
+
+/// Solves all tracks, in the order of radii and lengths.
+pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Vec<NoTrack>) {
+    let radii: Vec<Option<f64>> = match layout.choice.radii.is_empty() {
+        true => vec![None],
+        false => layout.choice.radii.iter().copied().map(Some).collect(),
+    };
+    let mut lengths: Vec<Option<f64>> = vec![None];
+    if layout.chain.closes_within.is_some() && !layout.choice.carts.is_empty() {
+        lengths = carts(layout).iter().map(|cart| Some(cart.length)).collect();
+        lengths.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
+        lengths.dedup();
+    }
+    let asked: Vec<(Option<f64>, Option<f64>)> =
+        radii.iter().flat_map(|radius| lengths.iter().map(|length| (*radius, *length))).collect();
+    let alone = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
+    let solved = parallel::map(&asked, options.threads, |(radius, length)| {
+        let layout = variant(layout, *radius, *length);
+        let stages = solve::solve(&layout, &alone, &|_| ());
+        told(Told::Track);
+        let compiled = Compiled::new(layout, stages);
+        match compiled.failed() || compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error) {
+            true => Err(NoTrack {
+                radius: *radius,
+                length: *length,
+                layout: Box::new(compiled.layout),
+                stages: compiled.stages,
+            }),
+            false => Ok(Track {
+                radius: *radius,
+                length: *length,
+                lap: Lap::new(&compiled.space.line),
+                proven: compiled.stages.last().and_then(|s| s.certificate.as_ref()).is_some_and(|c| c.proven),
+                compiled,
+            }),
+        }
+    });
+    let (mut found, mut none) = (Vec::new(), Vec::new());
+    for track in solved {
+        match track {
+            Ok(track) => found.push(track),
+            Err(no) => none.push(no),
+        }
+    }
+    (found, none)
+}
+
+/// The layout with a least radius, and a cart of a length.
+fn variant(layout: &Layout, radius: Option<f64>, length: Option<f64>) -> Layout {
+    let mut variant = layout.clone();
+    if let Some(radius) = radius {
+        variant.radii.value.low = radius;
+    }
+    if let Some(length) = length {
+        let near = carts(layout).into_iter().find(|cart| cart.length == length);
+        if let Some(cart) = near {
+            variant.cart = cart.clone();
+        }
+    }
+    // Rows of motors are chosen anew: the old ones keep no room.
+    if !layout.choice.motors.is_empty() {
+        variant.equipment.motors = crate::model::Motors::Evenly { count: 0 };
+    }
+    variant
+}

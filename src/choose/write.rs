@@ -1,0 +1,145 @@
+//! A layout's text with what was chosen in the place of what it left free.
+
+use super::candidate::Candidate;
+use super::find::Chosen;
+use crate::base::number::trimmed;
+use crate::model::Motors;
+use crate::source::{SourceMap, Span};
+use crate::syntax;
+
+/// Decimals of coordinates, m, as a found route has them.
+const DECIMALS: usize = 10;
+
+/// The lines that say what was chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lines {
+    pub cart: String,
+    pub speed: String,
+    pub motor: Option<String>,
+    /// Where motors stand; empty where the layout's own stay.
+    pub places: Vec<String>,
+    pub radii: Option<String>,
+}
+
+impl Lines {
+    /// All of them, in the order of a layout.
+    pub fn all(&self) -> Vec<&str> {
+        let first = [Some(&self.cart), self.motor.as_ref(), Some(&self.speed), self.radii.as_ref()];
+        first.into_iter().flatten().chain(&self.places).map(String::as_str).collect()
+    }
+}
+
+/// The lines of a candidate. `None` where its motors do not fit.
+pub fn lines(chosen: &Chosen, candidate: &Candidate) -> Option<Lines> {
+    let layout = &chosen.layout;
+    let (choice, built) = (&layout.choice, chosen.built(candidate)?);
+    let written = choice.carts.get(chosen.fitted[candidate.fitted].cart).map(|cart| cart.written.clone());
+    let millimetres = |metres: f64| format!("{} mm", trimmed(metres * 1e3, 3));
+    let metres = |metres: f64| format!("{} m", trimmed(metres, 3));
+    let places = match &built.layout.equipment.motors {
+        _ if choice.motors.is_empty() => Vec::new(),
+        Motors::Evenly { count } => vec![format!("motors {count} evenly")],
+        Motors::Rows(rows) => {
+            let row = |row: &crate::model::PlaceRow| {
+                let (section, from) = (layout.section_name(row.place.section), metres(row.place.at));
+                format!("motors on {section} from {from} every {} count {}", metres(row.every), row.count)
+            };
+            rows.iter().map(row).collect()
+        }
+    };
+    let cart = chosen.cart(candidate);
+    Some(Lines {
+        cart: format!(
+            "cart {}",
+            written.unwrap_or_else(|| format!("{}(length: {})", cart.name, millimetres(cart.length)))
+        ),
+        speed: format!("speed {} m/s", trimmed(candidate.speed, 6)),
+        motor: choice.motors.get(candidate.motor).map(|motor| format!("motor {}", motor.written)),
+        places,
+        radii: chosen
+            .track(candidate)
+            .radius
+            .map(|radius| format!("radii {} .. {}", metres(radius), metres(layout.radii.value.high))),
+    })
+}
+
+/// The text of the layout's file with a candidate's lines. `None` where what they replace stands in another file, and where
+/// the motors do not fit.
+pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Option<String> {
+    let lines = lines(chosen, candidate)?;
+    let at = &chosen.layout.choice.statements;
+    let file = chosen.layout.span.file;
+    let cart = at.cart?;
+    let all = [Some(cart), at.speed, at.motor, at.radii];
+    let vertices = chosen.layout.vertices.iter().map(|vertex| &vertex.span);
+    if all.iter().flatten().chain(&at.places).chain(&at.free).chain(vertices).any(|span| span.file != file) {
+        return None;
+    }
+    let mut edits: Vec<(Span, String)> = Vec::new();
+    // What has no place yet goes behind the cart.
+    let mut behind = String::new();
+    let mut put = |place: Option<Span>, line: Option<&String>| match (place, line) {
+        (Some(span), Some(line)) => edits.push((span, line.clone())),
+        (None, Some(line)) => behind += &format!("\n{line}"),
+        _ => {}
+    };
+    if !chosen.layout.choice.speeds.is_empty() {
+        put(at.speed, Some(&lines.speed));
+    }
+    put(at.motor, lines.motor.as_ref());
+    put(at.radii, lines.radii.as_ref());
+    let mut removed: Vec<Span> = at.free.clone();
+    let mut places = at.places.iter();
+    if !lines.places.is_empty() {
+        put(places.next().copied(), Some(&lines.places.join("\n")));
+        removed.extend(places.copied());
+    }
+    // The track is written as it was found: motors stand on it, and a build begins there.
+    let track = &chosen.track(candidate).compiled.track;
+    for (vertex, corner) in chosen.layout.vertices.iter().zip(&track.corners) {
+        let [x, y, radius] = [corner.point.x, corner.point.y, corner.radius].map(|v| trimmed(v, DECIMALS));
+        edits.push((vertex.span, format!("vertex {} ({x} m, {y} m) radius {radius} m", vertex.name)));
+    }
+    let own = sources.text(cart).to_owned();
+    let cart_line = if chosen.layout.choice.carts.is_empty() { own } else { lines.cart };
+    edits.push((cart, cart_line + &behind));
+    edits.extend(removed.into_iter().map(|span| (span, String::new())));
+    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let mut text = sources.file(file).text.to_string();
+    for (span, new) in edits {
+        let (mut start, mut end) = (span.start as usize, span.end as usize);
+        if new.is_empty() {
+            // The whole line, where nothing else stands on it.
+            let begin = text[..start].rfind('\n').map_or(0, |at| at + 1);
+            let stop = text[end..].find('\n').map(|at| end + at + 1);
+            if let Some(stop) = stop
+                && text[begin..start].trim().is_empty()
+                && text[end..stop].trim().is_empty()
+            {
+                (start, end) = (begin, stop);
+            }
+        }
+        text.replace_range(start..end, &new);
+    }
+    unimport(&mut text, chosen, candidate);
+    let (tree, said) = syntax::parse(file, &text);
+    said.iter().all(|d| !d.is_error()).then(|| syntax::format(&tree, &text))
+}
+
+/// Takes out imports of components that were not chosen and are named nowhere else.
+fn unimport(text: &mut String, chosen: &Chosen, candidate: &Candidate) {
+    let choice = &chosen.layout.choice;
+    let carts = choice.carts.iter().map(|cart| &cart.item.name);
+    let others: Vec<&String> = carts.chain(choice.motors.iter().map(|motor| &motor.item.name)).collect();
+    let (cart, motor) = (&chosen.cart(candidate).name, &chosen.motor(candidate).name);
+    for name in others.into_iter().filter(|name| *name != cart && *name != motor) {
+        let imports =
+            |line: &&str| line.trim_start().starts_with("use std.") && line.trim_end().ends_with(&format!(".{name}"));
+        let Some(line) = text.lines().find(imports).map(str::to_owned) else { continue };
+        let word = |rest: &str| rest.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name);
+        let rest = text.replacen(&format!("{line}\n"), "", 1);
+        if !word(&rest) {
+            *text = rest;
+        }
+    }
+}
