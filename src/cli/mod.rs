@@ -6,6 +6,7 @@ pub mod build;
 mod capacity;
 mod cases;
 pub mod check;
+mod choose;
 mod compare;
 mod diff;
 mod explain;
@@ -59,6 +60,7 @@ enum Verb {
     Check(check::Check),
     Diff(diff::Diff),
     Capacity(capacity::Capacity),
+    Choose(choose::Choose),
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Runs(runs::Runs),
@@ -144,6 +146,7 @@ pub fn run(words: Vec<OsString>) -> Outcome {
         Verb::Check(verb) => verb.run(),
         Verb::Diff(verb) => verb.run(),
         Verb::Capacity(verb) => verb.run(),
+        Verb::Choose(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Compare(verb) => verb.run(),
         Verb::Runs(verb) => verb.run(),

@@ -29,6 +29,11 @@ pub fn read(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Re
     with_vertices(read_any(file, name, &[], format)?, format)
 }
 
+/// The same with values for its `let`s.
+pub fn read_with(file: &Path, name: Option<&str>, lets: &[GivenLet], format: MessageFormat) -> Result<Read, Outcome> {
+    with_vertices(read_any(file, name, lets, format)?, format)
+}
+
 fn with_vertices(read: Read, format: MessageFormat) -> Result<Read, Outcome> {
     let Read { sources, layout, mut said, mute } = read;
     match without_vertices(&layout) {

@@ -3,6 +3,7 @@
 
 pub mod campaign;
 pub mod capacity;
+pub mod choice;
 pub mod comparison;
 pub mod gap;
 pub mod identification;

@@ -7,6 +7,7 @@
 #[path = "../support/browser.rs"]
 mod browser;
 mod build;
+mod choose;
 mod cli;
 mod crash;
 mod determinism;

@@ -1,0 +1,110 @@
+//! `lss choose` as users run it.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+fn lss() -> Command {
+    let mut command = Command::cargo_bin("lss").expect("the binary");
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn chosen(folder: &Path, more: &[&str]) -> Value {
+    let out = lss().args(["choose", "examples/choice.lss", "--format", "json", "-o"]).arg(folder).args(more).assert();
+    serde_json::from_slice(&out.success().get_output().stdout).expect("one JSON object")
+}
+
+/// The layout that is written builds to the price that was promised, and choosing from it anew has nothing to choose.
+#[test]
+fn what_is_written_is_what_was_promised() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let found = chosen(folder.path(), &["--checks", "1"]);
+    assert_eq!(found["candidates"], 12 * 11 * 2 * 2);
+    assert_eq!(found["tracks"], found["tracks_proven"]);
+    let choice = &found["choice"];
+    assert!(choice["capacity_per_hour"].as_f64().expect("a capacity") >= 7500.0);
+    // The dynamic model needs the thrust of the closed form, within a twentieth.
+    let thrust = &choice["thrust_n"];
+    let steady: f64 = ["rolling", "curves", "air"].iter().map(|part| thrust[part].as_f64().expect("a force")).sum();
+    let simulated = found["check"]["thrust_n"].as_f64().expect("a force");
+    assert!((simulated / steady - 1.0).abs() < 0.05, "{simulated} {steady}");
+
+    let written = folder.path().join("layout.lss");
+    let text = fs::read_to_string(&written).expect("a layout");
+    let starts = |word: &str| text.lines().any(|line| line.trim_start().starts_with(word));
+    assert!(!starts("choose ") && !text.contains("linear_motor\n"), "{text}");
+    let built = folder.path().join("built");
+    let out = lss().arg("build").arg(&written).arg("-o").arg(&built).assert().success();
+    assert_eq!(String::from_utf8_lossy(&out.get_output().stderr), "", "nothing to be said of it");
+    let bill: Value = serde_json::from_slice(&fs::read(built.join("bom.json")).expect("a bill")).expect("JSON");
+    let beside = bill["beside"].as_array().expect("lines").iter().filter_map(|line| line["price_eur"].as_f64());
+    let price = bill["price_eur"].as_f64().expect("a price") + beside.sum::<f64>();
+    assert!((price - choice["price_eur"].as_f64().expect("a price")).abs() < 0.005, "{price}");
+    let motors: usize = text.lines().filter_map(|line| line.trim().strip_prefix("motors on ")).map(count).sum();
+    assert_eq!(choice["motors"], motors);
+}
+
+/// Of `P1..P2 from 1 m every 2 m count 3`.
+fn count(row: &str) -> usize {
+    row.rsplit(' ').next().and_then(|n| n.parse().ok()).expect("a count")
+}
+
+/// The table has every candidate; the winner is the cheapest of those that fall short of nothing, and the front is none
+/// that another row beats.
+#[test]
+fn the_table_holds_the_proof() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let found = chosen(folder.path(), &["--checks", "0", "--pareto", "price,capacity,energy"]);
+    let mut reader = csv::Reader::from_path(folder.path().join("candidates.csv")).expect("a table");
+    let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(|row| row.expect("a row")).collect();
+    assert_eq!(found["candidates"], rows.len());
+    let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().expect("a number");
+    let sound: Vec<_> = rows.iter().filter(|row| row["short_of"].is_empty()).collect();
+    assert_eq!(found["feasible"], sound.len());
+    let least = sound.iter().map(|row| number(row, "total_eur")).fold(f64::INFINITY, f64::min);
+    assert!((found["choice"]["total_eur"].as_f64().expect("a total") - least).abs() < 0.01);
+    let columns = ["price_eur", "capacity_per_hour", "energy_kwh_per_year"];
+    let worth = |row: &BTreeMap<String, String>| {
+        let [price, capacity, energy] = columns.map(|name| number(row, name));
+        [price, -capacity, energy]
+    };
+    let all: Vec<[f64; 3]> = sound.iter().map(|row| worth(row)).collect();
+    let beats = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(x, y)| x <= y) && a != b;
+    let mut front: Vec<[f64; 3]> = all.iter().filter(|b| !all.iter().any(|a| beats(a, b))).copied().collect();
+    front.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    front.dedup();
+    let told = found["pareto"]["rows"].as_array().expect("rows");
+    assert_eq!(told.len(), front.len());
+    for (row, expected) in told.iter().zip(&front) {
+        let value = |k: usize| row["values"][k].as_f64().expect("a number");
+        assert!((value(0) - expected[0]).abs() < 0.01 && (value(1) + expected[1]).abs() < 0.01, "{row} {expected:?}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_writes_the_same_bytes() {
+    let read = |folder: &Path| -> BTreeMap<String, Vec<u8>> {
+        let files = ["choice.json", "choice.html", "candidates.csv", "layout.lss"];
+        files.iter().map(|name| ((*name).to_owned(), fs::read(folder.join(name)).expect("an output"))).collect()
+    };
+    let run = |threads: &str| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        chosen(folder.path(), &["--checks", "1", "--threads", threads, "--pareto", "price,smoothness"]);
+        read(folder.path())
+    };
+    assert!(run("1") == run("3"), "outputs differ");
+}
+
+#[test]
+fn measures_are_two_or_three_unlike_ones() {
+    for (measures, said) in [("price", "two or three"), ("price,price", "twice"), ("price,beauty", "invalid value")] {
+        let out = lss().args(["choose", "examples/choice.lss", "--pareto", measures]).assert().code(2);
+        let text = String::from_utf8_lossy(&out.get_output().stderr).into_owned();
+        assert!(text.contains(said), "{measures}: {text}");
+    }
+    let out = lss().args(["choose", "examples/capacity.lss", "--pareto", "price,energy"]).assert().code(2);
+    assert!(String::from_utf8_lossy(&out.get_output().stderr).contains("how long the sorter runs"));
+}
