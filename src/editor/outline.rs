@@ -4,7 +4,7 @@ use super::text::Lines;
 use super::workspace::Workspace;
 use crate::semantics::{Checked, Home};
 use crate::source::{self, Span};
-use crate::syntax::tree::{Block, Field, Item, Name, Node, Statement};
+use crate::syntax::tree::{Block, Field, Item, Name, Node, Statement, StationWord};
 use lsp_types::{
     DocumentSymbol, FoldingRange, FoldingRangeKind, Location, Position, SelectionRange, SymbolInformation, SymbolKind,
 };
@@ -51,6 +51,10 @@ fn statement(lines: &Lines, node: &Node<Statement>) -> Option<DocumentSymbol> {
         Statement::Section(section) => of(&section.name, "section", SymbolKind::VARIABLE),
         Statement::Induction { name, .. } => of(name, "induction", SymbolKind::EVENT),
         Statement::Chutes { name, .. } => of(name, "chutes", SymbolKind::ARRAY),
+        Statement::Equipped(equipped) => {
+            let kind = if equipped.word == StationWord::Chutes { SymbolKind::ARRAY } else { SymbolKind::EVENT };
+            of(&equipped.name, equipped.word.word(), kind)
+        }
         Statement::Component { kind, reference } => of(&reference.name, kind.word(), SymbolKind::PROPERTY),
         _ => None,
     }

@@ -35,7 +35,7 @@ fn kind_of(kind: &NameKind) -> SemanticTokenType {
         NameKind::Vertex | NameKind::Obstacle | NameKind::Section | NameKind::Building => {
             SemanticTokenType::ENUM_MEMBER
         }
-        NameKind::Induction | NameKind::Chutes => SemanticTokenType::ENUM_MEMBER,
+        NameKind::Induction | NameKind::Chutes | NameKind::Station => SemanticTokenType::ENUM_MEMBER,
     }
 }
 

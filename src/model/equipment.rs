@@ -1,5 +1,7 @@
 //! What stands along the track, and the chain on it.
 
+use super::Article;
+use crate::geometry::Point;
 use crate::source::{Span, Spanned};
 use serde::Serialize;
 
@@ -35,6 +37,24 @@ pub struct Equipment {
     pub supports: Option<Spanned<f64>>,
     /// One-based number of the cart that carries the sensors.
     pub sensor_cart: usize,
+    /// Equipment of a declared kind, placed by the layout or free. Where it stands is worked out for a track
+    /// ([`crate::placement`]); inductions and chutes are then added to those above, in this order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub declared: Vec<Declared>,
+}
+
+impl Equipment {
+    /// Names of inductions, and of rows of chutes, by the index that feeds and storages have.
+    pub fn names(&self, kind: EquipmentKind) -> Vec<&str> {
+        let own: Vec<&str> = match kind {
+            EquipmentKind::Induction => self.inductions.iter().map(|i| i.name.as_str()).collect(),
+            EquipmentKind::Chute => self.chutes.iter().map(|c| c.name.as_str()).collect(),
+            _ => Vec::new(),
+        };
+        let declared = self.declared.iter().filter(|d| d.of.kind == kind).map(|d| d.name.as_str());
+        let declared: Vec<&str> = declared.filter(|name| !own.contains(name)).collect();
+        own.into_iter().chain(declared).collect()
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -47,6 +67,19 @@ pub struct Induction {
 pub struct Chutes {
     pub name: String,
     pub row: PlaceRow,
+    /// Where the row goes on: chutes that were placed freely seldom stand at equal distances.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub more: Vec<PlaceRow>,
+}
+
+impl Chutes {
+    pub fn rows(&self) -> impl Iterator<Item = &PlaceRow> {
+        std::iter::once(&self.row).chain(&self.more)
+    }
+
+    pub fn count(&self) -> usize {
+        self.rows().map(|row| row.count).sum()
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -101,4 +134,152 @@ pub struct DeclaredEffect {
     /// Strengths by name, SI.
     pub strengths: Vec<(String, f64)>,
     pub span: Span,
+}
+
+/// What a declared kind of equipment is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EquipmentKind {
+    Induction,
+    Chute,
+    Scanner,
+    Gate,
+    Lift,
+}
+
+impl EquipmentKind {
+    pub const ALL: [EquipmentKind; 5] = [
+        EquipmentKind::Induction,
+        EquipmentKind::Chute,
+        EquipmentKind::Scanner,
+        EquipmentKind::Gate,
+        EquipmentKind::Lift,
+    ];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            EquipmentKind::Induction => "induction",
+            EquipmentKind::Chute => "chute",
+            EquipmentKind::Scanner => "scanner",
+            EquipmentKind::Gate => "gate",
+            EquipmentKind::Lift => "lift",
+        }
+    }
+}
+
+/// Which side of the track equipment stands on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EquipmentSide {
+    /// Of travel.
+    Left,
+    Right,
+    /// Of the loop.
+    Outer,
+    Inner,
+    /// Either of them.
+    Either,
+    /// Both at once.
+    Both,
+}
+
+impl EquipmentSide {
+    pub const ALL: [EquipmentSide; 6] = [
+        EquipmentSide::Left,
+        EquipmentSide::Right,
+        EquipmentSide::Outer,
+        EquipmentSide::Inner,
+        EquipmentSide::Either,
+        EquipmentSide::Both,
+    ];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            EquipmentSide::Left => "left",
+            EquipmentSide::Right => "right",
+            EquipmentSide::Outer => "outer",
+            EquipmentSide::Inner => "inner",
+            EquipmentSide::Either => "either",
+            EquipmentSide::Both => "both",
+        }
+    }
+}
+
+/// A kind of equipment: a rectangle beside the track's band, with room around it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EquipmentType {
+    pub name: String,
+    pub kind: EquipmentKind,
+    /// Along the track, m.
+    pub stretch: f64,
+    /// Across it, from the band's edge, m.
+    pub depth: f64,
+    pub side: EquipmentSide,
+    /// Least distance from the curves at both ends of the straight, m.
+    pub from_curve: f64,
+    /// Room behind it, m. Two of them may share it.
+    pub aisle: f64,
+    /// Room at either end of it, m. Two of them may share it.
+    pub service: f64,
+    /// A metre of the conveyor that feeds it, EUR/m.
+    pub conveyor: f64,
+    pub article: Article,
+}
+
+/// Equipment of a declared kind in a layout.
+#[derive(Clone, Debug, Serialize)]
+pub struct Declared {
+    pub name: String,
+    pub of: EquipmentType,
+    pub stands: Stands,
+    /// Where the conveyor that feeds it begins.
+    pub fed: Option<Point>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stands {
+    /// Its middle is there.
+    At(StraightPlace),
+    Row(PlaceRow),
+    /// Wherever there is room.
+    Free {
+        count: usize,
+        /// Sections; none: all of them.
+        on: Vec<usize>,
+        /// What it comes after and before, counted from the layout's start in driving direction.
+        after: Vec<String>,
+        before: Vec<String>,
+    },
+}
+
+impl Declared {
+    pub fn count(&self) -> usize {
+        match &self.stands {
+            Stands::At(_) => 1,
+            Stands::Row(row) => row.count,
+            Stands::Free { count, .. } => *count,
+        }
+    }
+
+    /// The places that the layout gives.
+    pub fn given(&self) -> Vec<StraightPlace> {
+        match &self.stands {
+            Stands::At(place) => vec![*place],
+            Stands::Row(row) => row.places().collect(),
+            Stands::Free { .. } => Vec::new(),
+        }
+    }
+
+    /// What the n-th is called, from 0.
+    pub fn one(&self, n: usize) -> String {
+        if self.of.kind == EquipmentKind::Chute { format!("{} {}", self.name, n + 1) } else { self.name.clone() }
+    }
+}
+
+impl PlaceRow {
+    pub fn places(&self) -> impl Iterator<Item = StraightPlace> + '_ {
+        (0..self.count).map(|i| StraightPlace { at: self.place.at + self.every * i as f64, ..self.place })
+    }
 }

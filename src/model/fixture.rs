@@ -107,6 +107,7 @@ fn equipment() -> Equipment {
         photocell: None,
         inductions: Vec::new(),
         chutes: Vec::new(),
+        declared: Vec::new(),
         motors: Motors::Evenly { count: 4 },
         supports: None,
         sensor_cart: 1,
@@ -172,4 +173,26 @@ fn drive() -> Drive {
 fn the_rectangle_is_what_it_says() {
     let track = crate::geometry::Track::new(&rectangle(20.0, 10.0, 4.0).corners());
     assert!((track.length - (2.0 * (12.0 + 2.0) + 8.0 * trig::PI)).abs() < 1e-12);
+}
+
+/// A kind of equipment that costs 1000 EUR, without any room around it.
+pub fn equipment_type(kind: EquipmentKind, stretch: f64, depth: f64, side: EquipmentSide) -> EquipmentType {
+    EquipmentType {
+        name: kind.word().to_owned(),
+        kind,
+        stretch,
+        depth,
+        side,
+        from_curve: 0.0,
+        aisle: 0.0,
+        service: 0.0,
+        conveyor: 0.0,
+        article: Article { number: None, price: Some(1000.0), mass: None },
+    }
+}
+
+/// So many of a kind, wherever there is room.
+pub fn anywhere(name: &str, of: EquipmentType, count: usize) -> Declared {
+    let stands = Stands::Free { count, on: Vec::new(), after: Vec::new(), before: Vec::new() };
+    Declared { name: name.to_owned(), of, stands, fed: None, span: span() }
 }

@@ -3,6 +3,7 @@
 //! The text is a layout again: checked, it gives the same model (but for the spans).
 
 mod choice;
+mod equipment;
 mod formula;
 
 use std::collections::BTreeSet;
@@ -20,6 +21,7 @@ pub fn print(layout: &Layout) -> String {
     out.cart(&layout.cart, &layout.cart.name);
     out.drive(layout);
     out.choices(&layout.choice);
+    out.kinds(layout);
     out.layout(layout);
     out.text
 }
@@ -298,12 +300,14 @@ impl Printer {
         if let Some(photocell) = &equipment.photocell {
             self.line(format!("photocell {}", place(photocell)));
         }
-        for induction in &equipment.inductions {
+        let own = |name: &str| equipment.declared.iter().all(|declared| declared.name != name);
+        for induction in equipment.inductions.iter().filter(|induction| own(&induction.name)) {
             self.line(format!("induction {} {}", induction.name, place(&induction.place)));
         }
-        for chutes in &equipment.chutes {
+        for chutes in equipment.chutes.iter().filter(|chutes| own(&chutes.name)) {
             self.line(format!("chutes {} {}", chutes.name, row(&chutes.row)));
         }
+        self.declared(layout);
         match &equipment.motors {
             Motors::Evenly { count } => self.line(format!("motors {count} evenly")),
             Motors::Rows(rows) => rows.iter().for_each(|r| self.line(format!("motors {}", row(r)))),
@@ -334,11 +338,12 @@ impl Printer {
     fn capacity(&mut self, layout: &Layout) {
         let names = |section: usize| layout.section_name(section);
         let Capacity { scanners, feeds, storages, items, stops, required } = &layout.capacity;
-        for place in scanners {
+        let declared = &layout.equipment.declared;
+        for place in scanners.iter().filter(|place| declared.iter().all(|d| d.span != place.span)) {
             self.line(format!("scanner on {} at {}", names(place.section), metres(place.at)));
         }
         for feed in feeds {
-            let mut text = format!("feed {}", layout.equipment.inductions[feed.induction].name);
+            let mut text = format!("feed {}", layout.equipment.names(EquipmentKind::Induction)[feed.induction]);
             if let Some(rate) = feed.rate {
                 let _ = write!(text, " {} per hour", number(rate));
             }
@@ -349,7 +354,7 @@ impl Printer {
             self.line(text);
         }
         for storage in storages {
-            let name = &layout.equipment.chutes[storage.chutes].name;
+            let name = layout.equipment.names(EquipmentKind::Chute)[storage.chutes];
             self.line(format!("storage {name} {} every {}", storage.count, unit(storage.every, "s")));
         }
         if *items != Items::default() {

@@ -2,8 +2,8 @@
 //! been reported.
 
 use crate::model::{
-    Article, Cart, Catalog, ContactParameters, Controller, CurveStock, Fatigue, Joint, Motor, Rate, Sensor,
-    SpiralStock, StraightStock, Strength, VerticalStock, Wheel,
+    Article, Cart, Catalog, ContactParameters, Controller, CurveStock, EquipmentKind, EquipmentSide, EquipmentType,
+    Fatigue, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock, Strength, VerticalStock, Wheel,
 };
 use crate::semantics::component::Component;
 use crate::source::Span;
@@ -145,6 +145,24 @@ pub(super) fn controller(c: &Component) -> Option<Controller> {
         integral: c.number("integral")?,
         derivative: c.number("derivative")?,
         period: c.number("period")?,
+    })
+}
+
+/// `None` is also a kind or a side that has been reported.
+pub(super) fn equipment(c: &Component) -> Option<EquipmentType> {
+    let (kind, side) = (c.text("kind")?, c.text("side")?);
+    let optional = |field: &str| c.number(field).unwrap_or(0.0);
+    Some(EquipmentType {
+        name: c.name.clone(),
+        kind: EquipmentKind::ALL.into_iter().find(|known| known.word() == kind)?,
+        stretch: c.number("stretch")?,
+        depth: c.number("depth")?,
+        side: EquipmentSide::ALL.into_iter().find(|known| known.word() == side)?,
+        from_curve: optional("from_curve"),
+        aisle: optional("aisle"),
+        service: optional("service"),
+        conveyor: optional("conveyor"),
+        article: article(c, ""),
     })
 }
 

@@ -21,6 +21,9 @@ impl<'t> Context<'t> {
         if let Shape::Reference(kind) = spec.shape {
             return self.reference_field(env, kind, expr).map(FieldValue::Component);
         }
+        if let Shape::Word(words) = spec.shape {
+            return self.word_field(spec, words, expr).map(|word| FieldValue::Text(word.to_owned()));
+        }
         let value = self.evaluate(scope, expr);
         if value == Value::Poison {
             return None;
@@ -68,8 +71,27 @@ impl<'t> Context<'t> {
                 self.steps(low, high, step_value, step.span, dimension(unit)).map(FieldValue::Numbers)
             }
             (Shape::Numbers(..), _) => wrong("a list, or a range with a step".into()),
-            (Shape::Reference(_), _) => None,
+            (Shape::Reference(_) | Shape::Word(_), _) => None,
         }
+    }
+
+    /// `side = outer`
+    fn word_field(&self, spec: &FieldSpec, words: &[&'static str], expr: &Expr) -> Option<&'static str> {
+        let written = if let ExprKind::Name(text) = &expr.kind { Some(text) } else { None };
+        let found = written.and_then(|text| words.iter().find(|word| *word == text));
+        if found.is_none() {
+            let listed = words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
+            let shown = written.map_or_else(|| "something else".to_owned(), |text| format!("`{text}`"));
+            let message = format!("`{}` must be one of {listed}", spec.path);
+            let diagnostic = Diagnostic::new(Code::E0304, message, expr.span, shown.clone()).expected(listed, shown);
+            self.report(match written {
+                Some(text) => {
+                    self.with_nearest(diagnostic, &Name { text: text.clone(), span: expr.span }, words.iter().copied())
+                }
+                None => diagnostic,
+            });
+        }
+        found.copied()
     }
 
     /// `steering = NAME` or `steering = NAME(radius: 50 mm)`.

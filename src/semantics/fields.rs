@@ -16,6 +16,8 @@ pub(super) enum Shape {
     /// K of a contact law: N/m to the power of the exponent beside it.
     Stiffness,
     Text,
+    /// One of these words.
+    Word(&'static [&'static str]),
     /// Another declaration.
     Reference(DeclarationKind),
 }
@@ -76,7 +78,7 @@ const EXPONENT: Bounds = Bounds::between(1.0, 2.0);
 const TURN: Bounds = Bounds::above(0.0, 3.1);
 
 use Presence::{InGroup, Optional, Required};
-use Shape::{Interval, Number, Numbers, Reference, Stiffness, Text, Tuple};
+use Shape::{Interval, Number, Numbers, Reference, Stiffness, Text, Tuple, Word};
 
 const CATALOG: &[FieldSpec] = &[
     field("take_up", Number("m", LENGTH_OR_ZERO), Required, "length that the chain's take-up compensates"),
@@ -208,6 +210,25 @@ const SENSOR: &[FieldSpec] = &[
     field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a sensor cart's equipment"),
 ];
 
+const EQUIPMENT: &[FieldSpec] = &[
+    field("kind", Word(&["induction", "chute", "scanner", "gate", "lift"]), Required, "what it does"),
+    field("stretch", Number("m", LENGTH), Required, "length along the track"),
+    field("depth", Number("m", LENGTH_OR_ZERO), Required, "across the track, from the band's edge"),
+    field(
+        "side",
+        Word(&["left", "right", "outer", "inner", "either", "both"]),
+        Required,
+        "side of travel, or of the loop, that it stands on",
+    ),
+    field("from_curve", Number("m", LENGTH_OR_ZERO), Optional, "least distance from curves"),
+    field("aisle", Number("m", LENGTH_OR_ZERO), Optional, "free room behind it"),
+    field("service", Number("m", LENGTH_OR_ZERO), Optional, "free room at either end of it"),
+    field("conveyor", Number("EUR/m", NOT_NEGATIVE), Optional, "price of a metre of the conveyor that feeds it"),
+    field("article", Text, Optional, "article number"),
+    field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of one"),
+    field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of one"),
+];
+
 /// The fields of a kind.
 pub(super) fn fields(kind: DeclarationKind) -> &'static [FieldSpec] {
     match kind {
@@ -218,6 +239,7 @@ pub(super) fn fields(kind: DeclarationKind) -> &'static [FieldSpec] {
         DeclarationKind::Motor => MOTOR,
         DeclarationKind::Controller => CONTROLLER,
         DeclarationKind::Sensor => SENSOR,
+        DeclarationKind::Equipment => EQUIPMENT,
     }
 }
 

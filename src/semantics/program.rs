@@ -32,6 +32,7 @@ impl Space {
             Space::Component(DeclarationKind::Motor) => "a motor",
             Space::Component(DeclarationKind::Controller) => "a controller",
             Space::Component(DeclarationKind::Sensor) => "a sensor",
+            Space::Component(DeclarationKind::Equipment) => "a kind of equipment",
             Space::Let => "a value",
             Space::Layout => "a layout",
         }
@@ -39,7 +40,10 @@ impl Space {
 
     /// The word alone: `catalog`.
     pub fn word(self) -> &'static str {
-        self.with_article().trim_start_matches("a ")
+        match self {
+            Space::Component(kind) => kind.word(),
+            _ => self.with_article().trim_start_matches("a "),
+        }
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Field {
     pub required: bool,
     /// The kind of declaration that it names.
     pub names: Option<DeclarationKind>,
+    /// The words of which it is one; none where it is something else.
+    pub words: &'static [&'static str],
     pub about: &'static str,
 }
 
@@ -35,6 +37,7 @@ pub fn fields(kind: DeclarationKind) -> impl Iterator<Item = Field> {
             Shape::Interval(unit, bounds) => ("a range `low .. high`".to_owned(), unit, Some(bounds)),
             Shape::Tuple(unit, bounds, count) => (format!("a tuple of {count} numbers"), unit, Some(bounds)),
             Shape::Stiffness => ("a stiffness, in N/m to the power of the exponent".to_owned(), "", None),
+            Shape::Word(words) => (format!("one of `{}`", words.join("`, `")), "", None),
             Shape::Text => ("a text in quotes".to_owned(), "", None),
             Shape::Reference(kind) => (format!("the name of a {}", kind.word()), "", None),
         };
@@ -47,6 +50,7 @@ pub fn fields(kind: DeclarationKind) -> impl Iterator<Item = Field> {
             bounds: bounds.map(|bounds| between(bounds, dimension)),
             required: spec.presence == Presence::Required,
             names: if let Shape::Reference(kind) = spec.shape { Some(kind) } else { None },
+            words: if let Shape::Word(words) = spec.shape { words } else { &[] },
             about: spec.doc,
         }
     })

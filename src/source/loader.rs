@@ -15,6 +15,7 @@ pub const SIZE_LIMIT: u64 = 8 * 1024 * 1024;
 pub const STDLIB: &[(&str, &str)] = &[
     ("carts", include_str!("../../stdlib/carts.lss")),
     ("drives", include_str!("../../stdlib/drives.lss")),
+    ("equipment", include_str!("../../stdlib/equipment.lss")),
     ("joints", include_str!("../../stdlib/joints.lss")),
     ("sensors", include_str!("../../stdlib/sensors.lss")),
     ("tracks", include_str!("../../stdlib/tracks.lss")),

@@ -90,6 +90,9 @@ mod tests {
             ("start on ", "Section"),
             ("chutes a on P1..P2 from 2 m ", "`every`"),
             ("motors 5 ", "`evenly` Unit"),
+            ("induction a of feeder ", "`anywhere` `on`"),
+            ("chutes a of slide ", "`at` `on`"),
+            ("scanner a of portal anywhere ", "`after` `before` `fed` End"),
             ("chain ", "`closes` `tension`"),
             ("optimise cost within ", "`cost` `length` `nothing` `polygon_action`"),
             ("let a = ", "Value"),
@@ -97,7 +100,7 @@ mod tests {
         ] {
             assert_eq!(shown(Context::Statement, begun), expected, "{begun}");
         }
-        assert_eq!(continuations(Context::Statement, "").len(), 42);
+        assert_eq!(continuations(Context::Statement, "").len(), 44);
         assert_eq!(shown(Context::Item, "layout a "), "`from`");
         assert_eq!(shown(Context::Item, "use "), "Name Text");
         assert_eq!(shown(Context::Field, "lengths = 500 mm .. 1 m "), "`step` End");

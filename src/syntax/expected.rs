@@ -3,7 +3,7 @@
 use super::Rule;
 use super::nearest::nearest;
 use super::origin::Edit;
-use super::tree::{DeclarationKind, FixKind, Goal, SideWord, TitleField};
+use super::tree::{DeclarationKind, FixKind, Goal, SideWord, StationWord, TitleField};
 use crate::base::words::list;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -246,7 +246,7 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 43] = [
+pub const STATEMENT_WORDS: [&str; 45] = [
     "axis",
     "building",
     "cart",
@@ -262,10 +262,12 @@ pub const STATEMENT_WORDS: [&str; 43] = [
     "equal",
     "feed",
     "fix",
+    "gate",
     "induction",
     "items",
     "let",
     "level",
+    "lift",
     "mirror",
     "motor",
     "motors",
@@ -325,6 +327,9 @@ pub(super) fn words_of(rule: Rule) -> Vec<String> {
         Rule::side => SideWord::ALL.map(SideWord::word).to_vec(),
         Rule::goal | Rule::goal_term | Rule::objective => Goal::ALL.map(Goal::word).to_vec(),
         Rule::title_field | Rule::drawing_field => TitleField::ALL.map(TitleField::word).to_vec(),
+        Rule::station_word => StationWord::ALL.map(StationWord::word).into_iter().filter(|w| *w != "chutes").collect(),
+        Rule::of_kind => vec!["of"],
+        Rule::where_free => vec!["anywhere", "on"],
         Rule::drawing_origin => vec!["origin"],
         Rule::grid_row => vec!["every"],
         Rule::chain_tension => vec!["tension"],
@@ -425,7 +430,7 @@ fn value_phrase(text: &str, at: usize) -> &'static str {
         }
         ("vertex" | "building" | "obstacle" | "radii" | "level" | "axis" | "drawing", _) => "a length such as `4 m`",
         (_, "speed") => "a speed such as `2 m/s`",
-        (_, "count" | "motors" | "cart") => "a count such as `12`",
+        (_, "count" | "motors" | "cart" | "least") => "a count such as `12`",
         (_, "tension") => "a force such as `500 N`",
         (_, "slope") => "a ratio such as `0.14`",
         ("require", _) => "a value such as `length(P4..P5)` or `18 m`",

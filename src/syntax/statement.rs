@@ -64,6 +64,7 @@ impl Builder<'_> {
             Rule::induction => Statement::Induction { name: self.next_name(parts)?, place: self.place(parts)? },
             Rule::chutes => Statement::Chutes { name: self.next_name(parts)?, row: self.row(take(parts, Rule::row)?)? },
             Rule::scanner => Statement::Scanner(self.place(parts)?),
+            Rule::station_of | Rule::chutes_of => self.equipped(rule, parts)?,
             Rule::feed => {
                 let induction = self.next_name(parts)?;
                 let [rate, most, efficiency] =
@@ -190,6 +191,49 @@ impl Builder<'_> {
         Some(Statement::Section(Box::new(PlacedSection { name, length, from, to, either_way, on })))
     }
 
+    fn equipped(&mut self, rule: Rule, parts: &mut Pairs<Rule>) -> Option<Statement> {
+        let word = match rule {
+            Rule::chutes_of => StationWord::Chutes,
+            _ => {
+                let word = take(parts, Rule::station_word)?;
+                StationWord::ALL.into_iter().find(|known| known.word() == word.as_str())?
+            }
+        };
+        let name = self.next_name(parts)?;
+        let of = self.reference(take(parts, Rule::of_kind)?.into_inner().find(|p| p.as_rule() == Rule::reference)?)?;
+        let (mut place, mut least, mut fed) = (None, None, None);
+        for part in parts {
+            match part.as_rule() {
+                Rule::row => place = Some(EquippedPlace::Row(Box::new(self.row(part)?))),
+                Rule::place => place = Some(EquippedPlace::At(self.place_of(part)?)),
+                Rule::value => least = Some(self.expression(part)?),
+                Rule::where_free => place = Some(self.anywhere(part)?),
+                Rule::fed => fed = Some(self.point(take(&mut part.into_inner(), Rule::point)?)?),
+                _ => {}
+            }
+        }
+        let mut place = place?;
+        if let EquippedPlace::Free { least: of, .. } = &mut place {
+            *of = least;
+        }
+        Some(Statement::Equipped(Box::new(EquippedExpr { word, name, of, place, fed })))
+    }
+
+    fn anywhere(&mut self, pair: Pair<Rule>) -> Option<EquippedPlace> {
+        let (mut on, mut after, mut before) = (Vec::new(), Vec::new(), Vec::new());
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::section => on.push(self.section_of(part)?),
+                rule @ (Rule::after | Rule::before) => {
+                    let names = part.into_inner().filter(|p| p.as_rule() == Rule::name).map(|p| self.name(&p));
+                    if rule == Rule::after { &mut after } else { &mut before }.extend(names);
+                }
+                _ => {}
+            }
+        }
+        Some(EquippedPlace::Free { least: None, on, after, before })
+    }
+
     fn value(&mut self, parts: &mut Pairs<Rule>) -> Option<Expr> {
         take(parts, Rule::value).and_then(|pair| self.expression(pair))
     }
@@ -241,7 +285,11 @@ impl Builder<'_> {
     }
 
     fn place(&mut self, parts: &mut Pairs<Rule>) -> Option<PlaceExpr> {
-        let mut parts = take(parts, Rule::place)?.into_inner();
+        self.place_of(take(parts, Rule::place)?)
+    }
+
+    fn place_of(&mut self, pair: Pair<Rule>) -> Option<PlaceExpr> {
+        let mut parts = pair.into_inner();
         Some(PlaceExpr { section: self.section(&mut parts)?, at: self.value(&mut parts)? })
     }
 

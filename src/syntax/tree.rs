@@ -111,6 +111,7 @@ pub enum DeclarationKind {
     Motor,
     Controller,
     Sensor,
+    Equipment,
 }
 
 /// `cart heavy(length: 1250 mm) from tilt_tray(length: length) { mass = 52 kg }`. With `from` the body may be absent.
@@ -269,6 +270,8 @@ pub enum Statement {
     },
     /// `scanner on P1..P2 at 8 m`
     Scanner(PlaceExpr),
+    /// `induction west of induction_45 anywhere`, `chutes row_a of chute at least 40 on P1..P2`
+    Equipped(Box<EquippedExpr>),
     /// `feed west 3000 per hour up to 4500 per hour efficiency 90 %`
     Feed {
         induction: Name,
@@ -430,6 +433,44 @@ pub struct RowExpr {
     pub from: Expr,
     pub every: Expr,
     pub count: Expr,
+}
+
+/// Equipment of a declared kind.
+#[derive(Clone, Debug)]
+pub struct EquippedExpr {
+    pub word: StationWord,
+    pub name: Name,
+    pub of: Reference,
+    pub place: EquippedPlace,
+    /// Where its conveyor begins.
+    pub fed: Option<PointExpr>,
+}
+
+/// What a statement places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum StationWord {
+    Induction,
+    Chutes,
+    Scanner,
+    Gate,
+    Lift,
+}
+
+#[derive(Clone, Debug)]
+pub enum EquippedPlace {
+    /// `on P1..P2 at 6 m`
+    At(PlaceExpr),
+    /// `on P7..P8 from 2 m every 1.25 m count 12`
+    Row(Box<RowExpr>),
+    /// `at least 40 on P1..P2, P3..P4 after west before row_b`
+    Free {
+        /// Of chutes.
+        least: Option<Expr>,
+        /// None: `anywhere`.
+        on: Vec<Section>,
+        after: Vec<Name>,
+        before: Vec<Name>,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,7 +3,7 @@
 use super::tree::*;
 
 impl DeclarationKind {
-    pub const ALL: [DeclarationKind; 7] = [
+    pub const ALL: [DeclarationKind; 8] = [
         DeclarationKind::Catalog,
         DeclarationKind::Cart,
         DeclarationKind::Wheel,
@@ -11,6 +11,7 @@ impl DeclarationKind {
         DeclarationKind::Motor,
         DeclarationKind::Controller,
         DeclarationKind::Sensor,
+        DeclarationKind::Equipment,
     ];
 
     pub fn word(self) -> &'static str {
@@ -22,6 +23,7 @@ impl DeclarationKind {
             DeclarationKind::Motor => "motor",
             DeclarationKind::Controller => "controller",
             DeclarationKind::Sensor => "sensor",
+            DeclarationKind::Equipment => "equipment",
         }
     }
 }
@@ -37,6 +39,21 @@ impl FixKind {
             FixKind::Parallel => "parallel",
             FixKind::Perpendicular => "perpendicular",
             FixKind::All => "all",
+        }
+    }
+}
+
+impl StationWord {
+    pub const ALL: [StationWord; 5] =
+        [StationWord::Induction, StationWord::Chutes, StationWord::Scanner, StationWord::Gate, StationWord::Lift];
+
+    pub fn word(self) -> &'static str {
+        match self {
+            StationWord::Induction => "induction",
+            StationWord::Chutes => "chutes",
+            StationWord::Scanner => "scanner",
+            StationWord::Gate => "gate",
+            StationWord::Lift => "lift",
         }
     }
 }

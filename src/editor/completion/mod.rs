@@ -109,6 +109,11 @@ pub fn complete(
     out.items
 }
 
+/// The last word of a text that ends with a space.
+fn last_word(text: &str) -> &str {
+    text.trim_end().rsplit(' ').next().unwrap_or("")
+}
+
 fn first_word(text: &str) -> &str {
     text.trim_start().split(|c: char| !super::text::in_name(c)).next().unwrap_or_default()
 }
@@ -167,6 +172,11 @@ fn field(out: &mut Proposals, known: &Known, cursor: &Cursor, kind: DeclarationK
         match (next, &spec) {
             (Next::Unit, Some(spec)) => out.units(if spec.unit.is_empty() { "m" } else { spec.unit }),
             (Next::Unit, None) => out.units("m"),
+            (Next::Value, Some(spec)) if !spec.words.is_empty() => {
+                for word in spec.words {
+                    out.push(word, CompletionItemKind::KEYWORD, "", None);
+                }
+            }
             (Next::Value, Some(spec)) => match spec.names {
                 Some(kind) => known.named(out, &NameKind::Component(kind)),
                 None => known.values(out, false),
@@ -228,7 +238,13 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         "route" if bare || begun.trim_end().ends_with(',') => known.parts(out, &[NameKind::Section]),
         _ if component.is_some() && bare => component.iter().for_each(|k| known.named(out, &NameKind::Component(*k))),
         // A new name is the writer's own.
-        "vertex" | "obstacle" | "induction" | "chutes" | "section" | "let" if bare => {}
+        "vertex" | "obstacle" | "induction" | "chutes" | "gate" | "lift" | "section" | "let" if bare => {}
+        "induction" | "chutes" | "scanner" | "gate" | "lift" if begun.trim_end().ends_with(" of") => {
+            known.named(out, &NameKind::Component(DeclarationKind::Equipment));
+        }
+        _ if matches!(last_word(begun), "after" | "before") => {
+            known.parts(out, &[NameKind::Induction, NameKind::Chutes, NameKind::Station]);
+        }
         _ => rest(out, known, Context::Statement, cursor),
     }
 }

@@ -3,7 +3,7 @@
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Capacity, Equipment, Feed, Items, RequiredCapacity, Stops, Storage};
+use crate::model::{Capacity, Equipment, EquipmentKind, Feed, Items, RequiredCapacity, Stops, Storage};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
 use crate::semantics::program::mentions;
@@ -58,7 +58,7 @@ impl<'t> Context<'t> {
         match placed.statement {
             Statement::Scanner(place) => capacity.scanners.push(self.along(placed, geometry, place)?),
             Statement::Feed { induction, rate: comes, most, efficiency } => {
-                let names = equipment.inductions.iter().map(|i| i.name.as_str());
+                let names = equipment.names(EquipmentKind::Induction).into_iter();
                 let index = self.named(draft, "induction", induction, names);
                 let rate_of = rate(comes, "the number of items an hour");
                 let most = rate(most, "the most items an hour");
@@ -67,7 +67,7 @@ impl<'t> Context<'t> {
                 capacity.feeds.push(Feed { induction: index?, rate, most, efficiency, span });
             }
             Statement::Storage { chutes, count, every } => {
-                let names = equipment.chutes.iter().map(|c| c.name.as_str());
+                let names = equipment.names(EquipmentKind::Chute).into_iter();
                 let index = self.named(draft, "row of chutes", chutes, names);
                 let count = self.count(&placed.env, count, "the number of items", 1);
                 let every = number(every, "the time for an item", Dimension::TIME, TIME);

@@ -8,7 +8,7 @@ use crate::semantics::arguments::Arguments;
 use crate::semantics::program::{Space, Symbol, repeated};
 use crate::semantics::scope::{Context, Env, Local, Slot};
 use crate::source::Span;
-use crate::syntax::tree::{DeclarationKind, Item, LayoutDeclaration, Name, Statement, TitleField};
+use crate::syntax::tree::{DeclarationKind, Item, LayoutDeclaration, Name, Statement, StationWord, TitleField};
 
 /// A statement with the names that it sees.
 #[derive(Clone, Debug)]
@@ -29,6 +29,8 @@ pub(super) enum Key<'t> {
     Obstacle(&'t str),
     Induction(&'t str),
     Chutes(&'t str),
+    /// A scanner, a gate or a lift.
+    Station(&'t str),
     Feed(&'t str),
     Storage(&'t str),
     Pass(&'t str),
@@ -119,6 +121,15 @@ fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
         Statement::Obstacle { name, .. } => Some((Key::Obstacle(&name.text), Some(name))),
         Statement::Induction { name, .. } => Some((Key::Induction(&name.text), Some(name))),
         Statement::Chutes { name, .. } => Some((Key::Chutes(&name.text), Some(name))),
+        Statement::Equipped(equipped) => {
+            let name = &equipped.name;
+            let key = match equipped.word {
+                StationWord::Induction => Key::Induction(&name.text),
+                StationWord::Chutes => Key::Chutes(&name.text),
+                StationWord::Scanner | StationWord::Gate | StationWord::Lift => Key::Station(&name.text),
+            };
+            Some((key, Some(name)))
+        }
         Statement::Pass { obstacle, .. } => Some((Key::Pass(&obstacle.text), None)),
         Statement::GridAxis { name, .. } => Some((Key::GridAxis(&name.text), None)),
         _ => None,
@@ -256,6 +267,7 @@ impl<'t> Context<'t> {
                     Key::Obstacle(_) => "obstacle",
                     Key::Induction(_) => "induction",
                     Key::Section(_) => "section",
+                    Key::Station(_) => "station",
                     Key::Feed(_) => "feed of",
                     Key::Storage(_) => "storage of",
                     _ => "row of chutes",

@@ -27,6 +27,7 @@ impl<'t> Context<'t> {
             motors: Motors::Evenly { count: 0 },
             supports: None,
             sensor_cart: 1,
+            declared: Vec::new(),
         };
         let mut rows = Vec::new();
         let mut sound = true;
@@ -44,6 +45,7 @@ impl<'t> Context<'t> {
             }
             equipment.motors = Motors::Rows(rows.into_iter().map(|(row, _)| row).collect());
         }
+        sound &= !sound || self.check_order(draft, &equipment).is_some();
         sound.then_some(equipment)
     }
 
@@ -64,8 +66,9 @@ impl<'t> Context<'t> {
             }
             Statement::Chutes { name, row } => {
                 let row = self.row_of(placed, geometry, row)?;
-                equipment.chutes.push(Chutes { name: name.text.clone(), row });
+                equipment.chutes.push(Chutes { name: name.text.clone(), row, more: Vec::new() });
             }
+            Statement::Equipped(equipped) => equipment.declared.push(self.equipped(placed, geometry, equipped)?),
             Statement::MotorsEvenly { count } => {
                 let count = self.count(&placed.env, count, "the number of motors", 0)?;
                 equipment.motors = Motors::Evenly { count };
@@ -97,7 +100,12 @@ impl<'t> Context<'t> {
         Some(StraightPlace { section: section?, at: at?.value, span: placed.span })
     }
 
-    fn row_of(&self, placed: &Placed<'t>, geometry: &Geometry<'t>, row: &'t tree::RowExpr) -> Option<PlaceRow> {
+    pub(super) fn row_of(
+        &self,
+        placed: &Placed<'t>,
+        geometry: &Geometry<'t>,
+        row: &'t tree::RowExpr,
+    ) -> Option<PlaceRow> {
         let section = self.section(&geometry.named, &row.section);
         let length = |expr: &'t Expr, what: &str, bounds| {
             self.bounded_constant(&placed.env, expr, Dimension::LENGTH, what, bounds).map(|v| v.value)

@@ -6,6 +6,7 @@ mod choice;
 mod constraints;
 mod draft;
 mod equipment;
+mod equipped;
 mod objective;
 mod route;
 mod sheet;

@@ -286,6 +286,7 @@ impl Index<'_> {
                 self.section(scope, &place.section);
                 self.expression(scope, &place.at);
             }
+            Statement::Equipped(equipped) => self.equipped(scope, equipped),
             Statement::Chutes { row, .. } | Statement::MotorsRow(row) => self.row(scope, row),
             Statement::Effect(reference) => self.effect(scope, reference),
             Statement::GridAxis { at, row, .. } => {
@@ -308,6 +309,28 @@ impl Index<'_> {
             }
             Statement::DrawingField { .. } | Statement::Bad => {}
         }
+    }
+
+    fn equipped(&mut self, scope: &Scope, equipped: &EquippedExpr) {
+        self.reference(scope, Space::Component(DeclarationKind::Equipment), Some(&equipped.of));
+        match &equipped.place {
+            EquippedPlace::At(place) => {
+                self.section(scope, &place.section);
+                self.expression(scope, &place.at);
+            }
+            EquippedPlace::Row(row) => self.row(scope, row),
+            EquippedPlace::Free { least, on, after, before } => {
+                self.all(scope, least);
+                on.iter().for_each(|section| self.section(scope, section));
+                for name in after.iter().chain(before) {
+                    let parts = [Part::Induction, Part::Chutes, Part::Station];
+                    if let Some(part) = parts.into_iter().find(|part| scope.part(*part, &name.text).is_some()) {
+                        self.part(scope, part, name);
+                    }
+                }
+            }
+        }
+        equipped.fed.iter().for_each(|point| self.point(scope, point));
     }
 
     fn effect(&mut self, scope: &Scope, reference: &Reference) {

@@ -25,6 +25,8 @@ pub enum NameKind {
     Section,
     Induction,
     Chutes,
+    /// A scanner, a gate or a lift.
+    Station,
     /// A field or a group of fields of such a declaration, with its groups: `curve.radii`.
     Field(DeclarationKind, String),
     Function,
@@ -50,6 +52,7 @@ impl NameKind {
             NameKind::Section => "section",
             NameKind::Induction => "induction",
             NameKind::Chutes => "row of chutes",
+            NameKind::Station => "station",
             NameKind::Field(..) => "field",
             NameKind::Function => "function",
             NameKind::Effect => "effect",

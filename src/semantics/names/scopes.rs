@@ -3,7 +3,7 @@
 use super::{NameKind, Visible};
 use crate::semantics::program::{Program, Space, Symbol};
 use crate::source::Span;
-use crate::syntax::tree::{Block, Item, LayoutDeclaration, Name, Param, Statement};
+use crate::syntax::tree::{Block, Item, LayoutDeclaration, Name, Param, Statement, StationWord};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -25,6 +25,8 @@ pub enum Part {
     Section,
     Induction,
     Chutes,
+    /// A scanner, a gate or a lift.
+    Station,
 }
 
 impl From<Part> for NameKind {
@@ -35,6 +37,7 @@ impl From<Part> for NameKind {
             Part::Section => NameKind::Section,
             Part::Induction => NameKind::Induction,
             Part::Chutes => NameKind::Chutes,
+            Part::Station => NameKind::Station,
         }
     }
 }
@@ -152,6 +155,14 @@ pub fn declared(statement: &Statement) -> Option<(Part, &Name)> {
         Statement::Section(section) => Some((Part::Section, &section.name)),
         Statement::Induction { name, .. } => Some((Part::Induction, name)),
         Statement::Chutes { name, .. } => Some((Part::Chutes, name)),
+        Statement::Equipped(equipped) => {
+            let part = match equipped.word {
+                StationWord::Induction => Part::Induction,
+                StationWord::Chutes => Part::Chutes,
+                StationWord::Scanner | StationWord::Gate | StationWord::Lift => Part::Station,
+            };
+            Some((part, &equipped.name))
+        }
         _ => None,
     }
 }

@@ -101,6 +101,7 @@ impl Writer<'_> {
                 self.push("scanner");
                 self.place(place);
             }
+            Statement::Equipped(equipped) => self.equipped(equipped),
             Statement::Feed { induction, rate, most, efficiency } => {
                 self.words(&["feed ", &induction.text]);
                 self.per_hour(" ", rate);
@@ -221,6 +222,35 @@ impl Writer<'_> {
         for (index, reference) in references.iter().enumerate() {
             self.push(if index > 0 { ", " } else { word });
             self.reference(reference);
+        }
+    }
+
+    fn equipped(&mut self, equipped: &EquippedExpr) {
+        let EquippedExpr { word, name, of, place, fed } = equipped;
+        self.words(&[word.word(), " ", &name.text, " of "]);
+        self.reference(of);
+        match place {
+            EquippedPlace::At(place) => self.place(place),
+            EquippedPlace::Row(row) => self.row(row),
+            EquippedPlace::Free { least, on, after, before } => {
+                self.clause(" at least ", least);
+                if on.is_empty() {
+                    self.push(" anywhere");
+                }
+                for (index, section) in on.iter().enumerate() {
+                    self.push(if index > 0 { ", " } else { " on " });
+                    self.section(section);
+                }
+                for (clause, names) in [(" after ", after), (" before ", before)] {
+                    for (index, name) in names.iter().enumerate() {
+                        self.words(&[if index > 0 { ", " } else { clause }, &name.text]);
+                    }
+                }
+            }
+        }
+        if let Some(point) = fed {
+            self.push(" fed from ");
+            self.point(point);
         }
     }
 

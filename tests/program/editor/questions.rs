@@ -55,9 +55,12 @@ fn what_may_follow_is_proposed_with_units_and_docs() {
     assert!(labels(&inside("width ")).contains(&"aisle"));
     assert!(labels(&inside("require length(")).contains(&"straight"));
     assert!(labels(&inside("effect ")).contains(&"joint_clearance"));
+    assert!(labels(&inside("gate crossing of ")).contains(&"gate_walkway"));
+    let all = inside("induction west of induction_45 ");
+    assert_eq!(labels(&all), ["anywhere", "on"]);
     assert!(inside("// fix ").is_empty());
     let modules = proposed(&mut client, &path, "use std.|");
-    assert_eq!(labels(&modules), ["carts", "drives", "joints", "sensors", "tracks", "wheels"]);
+    assert_eq!(labels(&modules), ["carts", "drives", "equipment", "joints", "sensors", "tracks", "wheels"]);
     assert_eq!(labels(&proposed(&mut client, &path, "use std.tracks.|")), ["standard", "thesis"]);
     assert_eq!(labels(&proposed(&mut client, &path, "use \"|\"")), ["shared.lss", "variant.lss"]);
     let fields = proposed(&mut client, &path, "cart a {\n  |\n}");
@@ -65,6 +68,8 @@ fn what_may_follow_is_proposed_with_units_and_docs() {
     assert_eq!(fields[0]["textEdit"]["newText"], "length = ${1:1} m");
     assert!(fields[0]["documentation"]["value"].as_str().expect("docs").contains("from front joint to rear joint"));
     assert_eq!(labels(&proposed(&mut client, &path, "cart a {\n  mass = 5 |\n}"))[..3], ["kg", "g", "t"]);
+    let sides = proposed(&mut client, &path, "equipment a {\n  side = |\n}");
+    assert_eq!(labels(&sides), ["left", "right", "outer", "inner", "either", "both"]);
     assert_eq!(client.shut_down(), (Some(0), String::new()));
 }
 

@@ -27,8 +27,13 @@ impl Context<'_> {
             Motors::Evenly { .. } => &[],
         };
         let last = |row: &PlaceRow| row.place.at + row.every * (row.count.max(1) - 1) as f64;
-        for row in equipment.chutes.iter().map(|c| &c.row).chain(rows) {
+        for row in equipment.chutes.iter().flat_map(|c| c.rows()).chain(rows) {
             self.check_reach(&row.place, last(row), track, named);
+        }
+        for declared in &equipment.declared {
+            if let Some(place) = declared.given().last() {
+                self.check_reach(place, place.at + 0.5 * declared.of.stretch, track, named);
+            }
         }
         for ramp in ramps {
             if let Some(at) = ramp.from {
