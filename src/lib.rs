@@ -13,6 +13,7 @@
 //! - [`semantics`]: names, imports, dimensions and checks: a tree to the model,
 //! - [`import`]: a drawing from CAD to a layout's text,
 //! - [`elements`]: standard track elements: sequence, closure, space, bill,
+//! - [`placement`]: where equipment with a footprint stands along a track, and what is in its way,
 //! - [`problem`]: the optimisation problem without a solver: variables, rows, objective; files for other solvers,
 //! - [`kinematics`]: the chain on the centre line, polygon action,
 //! - [`capacity`]: how many items an hour a sorter takes: closed forms and a simulation of carriers and items,
@@ -55,6 +56,7 @@ pub mod identify;
 pub mod import;
 pub mod kinematics;
 pub mod model;
+pub mod placement;
 pub mod preview;
 pub mod problem;
 pub mod report;

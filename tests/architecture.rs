@@ -20,6 +20,7 @@ const ROOMS: [&str; 30] = [
     "semantics",
     "import",
     "elements",
+    "placement",
     "problem",
     "kinematics",
     "capacity",

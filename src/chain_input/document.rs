@@ -40,6 +40,23 @@ pub struct Simulation {
     pub supports_every_m: Option<f64>,
     /// Effects beyond the nominal model.
     pub effects: Vec<DeclaredEffect>,
+    /// Equipment of declared kinds along the track, which the chain does not feel; absent without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub equipment: Vec<Equipment>,
+}
+
+/// A piece of equipment along the track.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Equipment {
+    /// `induction`, `chute`, `scanner`, `gate` or `lift`.
+    pub kind: String,
+    /// `west`; chutes are numbered from 1: `row_a 3`.
+    pub name: String,
+    /// Arc length of its middle, m.
+    pub s_m: f64,
+    /// Length along the track, m.
+    pub length_m: f64,
 }
 
 /// A closed centre line as a list of elements.

@@ -1,14 +1,15 @@
 //! The simulation of a compiled layout.
 
 use super::{
-    Cart, CentreLinePiece, ChainInput, ContactLaw, ContactParameters, Controller, DeclaredEffect, Joint, Motors,
-    Sensor, Simulation, Track, Wheel,
+    Cart, CentreLinePiece, ChainInput, ContactLaw, ContactParameters, Controller, DeclaredEffect, Equipment, Joint,
+    Motors, Sensor, Simulation, Track, Wheel,
 };
 use crate::base::number::tidy;
 use crate::base::trig;
 use crate::compiled::Compiled;
 use crate::geometry::Form;
 use crate::model;
+use crate::placement::Placed;
 
 /// Standard gravity as the chain model takes it, m/s².
 const GRAVITY: f64 = 9.81;
@@ -62,8 +63,23 @@ impl Simulation {
             },
             supports_every_m: layout.equipment.supports.map(|s| s.value),
             effects: layout.effects.iter().map(effect).collect(),
+            equipment: equipment(compiled),
         }
     }
+}
+
+/// What stands along the track of declared kinds, in the order of declarations.
+fn equipment(compiled: &Compiled) -> Vec<Equipment> {
+    let one = |placed: &Placed| {
+        let declared = &compiled.layout.equipment.declared[placed.declared];
+        Equipment {
+            kind: declared.of.kind.word().to_owned(),
+            name: declared.one(placed.number),
+            s_m: compiled.station(placed.place).s,
+            length_m: declared.of.stretch,
+        }
+    };
+    compiled.placement.placed.iter().map(one).collect()
 }
 
 impl Simulation {

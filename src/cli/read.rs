@@ -184,6 +184,7 @@ pub fn solved(read: Read, format: MessageFormat) -> Result<(Compiled, Outcome), 
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
     if !compiled.failed() {
         said.extend(compiled.loose());
+        said.extend(compiled.without_room());
     }
     said.retain(|d| !mute || d.is_error());
     let outcome = tell(&sources, &said, format);

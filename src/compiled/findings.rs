@@ -2,7 +2,7 @@
 
 use super::Compiled;
 use crate::diagnostic::Diagnostic;
-use crate::{capacity, elements, solve};
+use crate::{capacity, elements, placement, solve};
 
 impl Compiled {
     /// Adds to what was said before: why no layout meets the constraints, and [what is built](Self::tell_of_result).
@@ -17,6 +17,7 @@ impl Compiled {
         if !self.failed() {
             let unclosed = solve::unclosed(&self.layout, &self.track, &self.space.line);
             said.extend(unclosed.or_else(|| self.loose()));
+            said.extend(self.without_room());
             said.extend(self.short_of_capacity());
         }
         said.extend(self.heights.iter().cloned());
@@ -34,6 +35,11 @@ impl Compiled {
     /// The warning where the chain leaves more over than the take-up compensates.
     pub fn loose(&self) -> Option<Diagnostic> {
         solve::left_over(&self.layout, &self.track, &self.space.line, self.chain)
+    }
+
+    /// The errors of equipment that finds no room.
+    pub fn without_room(&self) -> Vec<Diagnostic> {
+        placement::findings(&self.layout, &self.track)
     }
 
     /// The error where the sorter does not reach the capacity that the layout requires.

@@ -17,6 +17,7 @@ use crate::geometry::clearance::Region;
 use crate::geometry::{Hand, Outline, Track};
 use crate::kinematics::{Fit, fit};
 use crate::model::{Layout, Side};
+use crate::placement::{self, Placement};
 use crate::solve::{Stage, Status};
 
 /// How the track's band meets an obstacle, or the building's outside.
@@ -56,13 +57,17 @@ pub struct Compiled {
     pub contacts: Vec<ContactArea>,
     /// Floor covered by the track's band, m².
     pub footprint: f64,
+    /// Where equipment of a declared kind stands.
+    pub placement: Placement,
 }
 
 impl Compiled {
     /// Covers the last stage's layout with elements and measures it. Without a stage, the written layout.
-    pub fn new(layout: Layout, stages: Vec<Stage>) -> Self {
+    pub fn new(mut layout: Layout, stages: Vec<Stage>) -> Self {
         let corners = stages.last().map_or_else(|| layout.corners(), |s| s.corners.clone());
         let track = Track::new(&corners);
+        let placement = placement::place(&layout, &track);
+        placement::fill_in(&mut layout, &placement);
         let sequence = elements::sequence(&track, &layout);
         let (space, mut heights) = Space::new(&layout, &sequence);
         let pieces = elements::pieces(&sequence, &space, &layout);
@@ -72,6 +77,7 @@ impl Compiled {
             chain: fit(&space.line, layout.cart.length),
             contacts: contacts(&layout, &track),
             footprint: track.footprint(layout.width.value),
+            placement,
             pieces,
             sequence,
             space,

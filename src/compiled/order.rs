@@ -1,6 +1,7 @@
 //! What has to be ordered for a layout beside its track: chain, drive, measuring equipment, supports, and what stands along the
 //! track.
 
+use crate::base::number::fixed;
 use crate::compiled::Compiled;
 use crate::model::{Article, Motors};
 
@@ -94,9 +95,32 @@ pub fn lines(compiled: &Compiled) -> Vec<OrderLine> {
     let supports = compiled.supports().len();
     lines.push(OrderLine::new(Group::Supports, &layout.catalog.support, "support".into(), supports));
     let station = |description: String, count: usize| OrderLine::new(Group::Stations, &none, description, count);
-    lines.extend(equipment.inductions.iter().map(|i| station(format!("induction {}", i.name), 1)));
-    lines.extend(equipment.chutes.iter().map(|c| station(format!("chute of {}", c.name), c.row.count)));
+    let own = |name: &str| equipment.declared.iter().all(|declared| declared.name != name);
+    let inductions = equipment.inductions.iter().filter(|i| own(&i.name));
+    lines.extend(inductions.map(|i| station(format!("induction {}", i.name), 1)));
+    let chutes = equipment.chutes.iter().filter(|c| own(&c.name));
+    lines.extend(chutes.map(|c| station(format!("chute of {}", c.name), c.count())));
+    lines.extend(declared(compiled));
     lines.retain(|line| line.count > 0);
+    lines
+}
+
+/// Equipment of declared kinds, each with its conveyor behind it.
+fn declared(compiled: &Compiled) -> Vec<OrderLine> {
+    let mut lines = Vec::new();
+    for (i, declared) in compiled.layout.equipment.declared.iter().enumerate() {
+        let (of, placed) = (&declared.of, compiled.placement.placed.iter().filter(|p| p.declared == i));
+        let kind = of.kind.word();
+        let place = if declared.count() > 1 { "of" } else { "at" };
+        let description = format!("{kind} {}, {place} {}", of.name, declared.name);
+        lines.push(OrderLine::new(Group::Stations, &of.article, description, placed.clone().count()));
+        let length: f64 = placed.filter_map(|p| p.conveyor).sum();
+        if length > 0.0 && of.conveyor > 0.0 {
+            let article = Article { price: Some(length * of.conveyor), ..Article::default() };
+            let description = format!("conveyor to {}, {} m", declared.name, fixed(length, 2));
+            lines.push(OrderLine::new(Group::Stations, &article, description, 1));
+        }
+    }
     lines
 }
 
@@ -104,7 +128,8 @@ pub fn lines(compiled: &Compiled) -> Vec<OrderLine> {
 mod tests {
     use super::*;
     use crate::compiled::fixture::compile;
-    use crate::model::{StraightPlace, fixture};
+    use crate::geometry::Point;
+    use crate::model::{Declared, EquipmentKind, EquipmentSide, EquipmentType, StraightPlace, fixture};
     use crate::source::Spanned;
 
     #[test]
@@ -138,5 +163,35 @@ mod tests {
     fn without_supports_and_photocell_there_are_none() {
         let lines = lines(&compile(fixture::rectangle(20.0, 10.5, 4.0)));
         assert!(lines.iter().all(|l| matches!(l.group, Group::Chain | Group::Drive)), "{lines:?}");
+    }
+
+    #[test]
+    fn equipment_of_declared_kinds_is_ordered_with_its_conveyors() {
+        let mut layout = fixture::rectangle(40.0, 20.0, 4.0);
+        (layout.obstacles, layout.building) = (Vec::new(), None);
+        let of = fixture::equipment_type(EquipmentKind::Induction, 3.0, 2.0, EquipmentSide::Outer);
+        let article = Article { number: Some("IN".into()), price: Some(5000.0), mass: Some(80.0) };
+        let of = EquipmentType { conveyor: 100.0, article, ..of };
+        let chute = fixture::equipment_type(EquipmentKind::Chute, 1.5, 2.0, EquipmentSide::Outer);
+        // 2.6 m from the centre line to the outer edge.
+        let fed = Some(Point::new(20.0, -10.6));
+        layout.equipment.declared =
+            vec![Declared { fed, ..fixture::anywhere("west", of, 1) }, fixture::anywhere("row_a", chute, 25)];
+        let compiled = compile(layout);
+        let lines = lines(&compiled);
+        let told: Vec<_> = lines
+            .iter()
+            .filter(|l| l.group == Group::Stations)
+            .map(|l| (l.article.as_deref(), l.description.as_str(), l.count, l.price(), l.mass()))
+            .collect();
+        assert_eq!(
+            told,
+            [
+                (Some("IN"), "induction induction, at west", 1, Some(5000.0), Some(80.0)),
+                (None, "conveyor to west, 8.00 m", 1, Some(800.0), None),
+                (None, "chute chute, of row_a", 25, Some(25_000.0), None),
+            ]
+        );
+        assert_eq!((compiled.placement.price(), compiled.placement.bound), (30_800.0, 800.0));
     }
 }

@@ -31,7 +31,7 @@ impl Compiled {
                 share: 1.0,
                 storage,
             };
-            self.stations(&chutes.row).into_iter().enumerate().map(one).collect::<Vec<_>>()
+            self.chutes(chutes).into_iter().enumerate().map(one).collect::<Vec<_>>()
         };
         let sorter = Sorter {
             carriers,

@@ -4,7 +4,7 @@ use crate::base::number::tidy;
 use crate::base::trig;
 use crate::compiled::Compiled;
 use crate::geometry::{Piece, PieceKind, Point};
-use crate::model::{Motors, PlaceRow, StraightPlace};
+use crate::model::{Chutes, Motors, PlaceRow, StraightPlace};
 
 /// A place on the centre line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +44,12 @@ impl Compiled {
 
     /// The places of a row.
     pub fn stations(&self, row: &PlaceRow) -> Vec<Station> {
-        let place = |i: usize| StraightPlace { at: row.place.at + row.every * i as f64, ..row.place };
-        (0..row.count).map(|i| self.station(place(i))).collect()
+        row.places().map(|place| self.station(place)).collect()
+    }
+
+    /// The places of a row of chutes, and where it goes on.
+    pub fn chutes(&self, chutes: &Chutes) -> Vec<Station> {
+        chutes.rows().flat_map(|row| self.stations(row)).collect()
     }
 
     /// Arc length from the layout's start of what lies so far along the plan from vertex 0's outgoing tangent point, m.

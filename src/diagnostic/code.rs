@@ -100,6 +100,7 @@ codes! {
     E0603 "chain-does-not-close",
     E0604 "capacity-not-reached",
     E0605 "no-choice",
+    E0606 "equipment-without-room",
     E0650 "not-built-yet",
 
     W0701 "unused-import",

@@ -7,9 +7,10 @@ use crate::elements::{self, Length};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Point, Track};
 use crate::model::{
-    self, Constraint, ConstraintKind, FixKind, Goal, Heights, Interval, Layout, Motors, Side, StraightPlace, Target,
-    TrackSection, Unit,
+    self, Constraint, ConstraintKind, FixKind, Formula, Goal, Heights, Interval, Layout, Motors, Side, StraightPlace,
+    Target, TrackSection, Unit,
 };
+use crate::placement::{self, Need};
 use crate::source::Span;
 
 impl Problem {
@@ -59,6 +60,9 @@ impl Problem {
             problem.row(Function::Straight(i), shortest, f64::INFINITY, false, label, vertex.span);
         }
         problem.make_room(layout);
+        if !layout.objective.terms.is_empty() {
+            problem.equip(layout, &track);
+        }
         // A layout that is compiled as written climbs or does not; building says which.
         if !layout.objective.terms.is_empty() {
             problem.climb(layout, &track);
@@ -84,8 +88,18 @@ impl Problem {
         let mut wanted = Vec::new();
         wanted.extend(equipment.start.iter().map(|p| one("start".into(), p)));
         wanted.extend(equipment.photocell.iter().map(|p| one("photocell".into(), p)));
-        wanted.extend(equipment.inductions.iter().map(|i| one(format!("induction {}", i.name), &i.place)));
-        wanted.extend(equipment.chutes.iter().map(|c| along(format!("chutes {}", c.name), &c.row, 0.0)));
+        // What is of a declared kind is told of below, and free to move.
+        let own = |name: &str| equipment.declared.iter().all(|declared| declared.name != name);
+        let inductions = equipment.inductions.iter().filter(|i| own(&i.name));
+        wanted.extend(inductions.map(|i| one(format!("induction {}", i.name), &i.place)));
+        for chutes in equipment.chutes.iter().filter(|c| own(&c.name)) {
+            wanted.extend(chutes.rows().map(|row| along(format!("chutes {}", chutes.name), row, 0.0)));
+        }
+        for declared in &equipment.declared {
+            let room = 0.5 * declared.of.stretch + declared.of.from_curve;
+            let name = format!("{} {}", declared.of.kind.word(), declared.name);
+            wanted.extend(declared.given().last().map(|place| (name, *place, room)));
+        }
         if let Motors::Rows(rows) = &equipment.motors {
             wanted.extend(rows.iter().map(|row| along("motors".into(), row, layout.drive.motor.length)));
         }
@@ -93,6 +107,20 @@ impl Problem {
             let label = format!("room for {name} on the straight {}", self.section_name(place.section));
             let function = Function::Straight(place.section);
             self.row(function, place.at + length, f64::INFINITY, false, label, place.span);
+        }
+    }
+
+    /// What is placed freely needs straights that are long enough in all.
+    fn equip(&mut self, layout: &Layout, track: &Track) {
+        for Need { sections, low, label, span } in placement::needs(layout, track) {
+            let function = match sections[..] {
+                [section] => Function::Straight(section),
+                _ => {
+                    let straight = |&from: &usize| Formula::Length(Target { from, straight: true });
+                    Function::Formula(Formula::Sum(sections.iter().map(straight).collect()))
+                }
+            };
+            self.row(function, low, f64::INFINITY, false, label, span);
         }
     }
 

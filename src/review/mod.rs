@@ -169,7 +169,15 @@ fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
         Quantity { name, unit, before, after, told, decimals }
     };
     let count = (0.5, 0);
-    vec![
+    let equipped = |c: &Compiled| !c.layout.equipment.declared.is_empty();
+    let conveyors = |c: &Compiled| c.placement.placed.iter().filter_map(|p| p.conveyor).sum();
+    let mut equipment = vec![
+        of("pieces of equipment", "", count, &|c| equipped(c).then_some(c.placement.placed.len() as f64)),
+        of("equipment and conveyors", "EUR", (0.005, 2), &|c| equipped(c).then(|| c.placement.price())),
+        of("conveyors", "m", (TOLD, 3), &|c| equipped(c).then(|| conveyors(c))),
+    ];
+    equipment.retain(|quantity| quantity.before.is_some() || quantity.after.is_some());
+    let mut all = vec![
         of("length", "m", (TOLD, 3), &|c| Some(c.length())),
         of("footprint", "m²", (0.005, 2), &|c| Some(c.footprint)),
         of("elements", "", count, &|c| Some(c.bill.count as f64)),
@@ -184,7 +192,9 @@ fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
             let certificate = c.stages.last().and_then(|stage| stage.certificate.as_ref());
             certificate.map(|certificate| 100.0 * certificate.gap)
         }),
-    ]
+    ];
+    all.extend(equipment);
+    all
 }
 
 /// Pairs what both have by name, in the order of the second; what only the first has comes last.

@@ -100,6 +100,9 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
             let settings = choose::Settings { options: solve::Options::default(), width: Width::used(), checks: 0 };
             diagnostics.extend(choose::refused(&choose::choose(layout, &settings, &|_| ()).unwrap()));
         }
+        (Code::E0606, Ok(Some(layout))) => {
+            diagnostics.extend(lss::placement::findings(layout, &Track::new(&layout.corners())));
+        }
         (Code::W0712, Ok(Some(layout))) => {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
             diagnostics.extend(solve::left_over(layout, &compiled.track, &compiled.space.line, compiled.chain));

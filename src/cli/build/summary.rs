@@ -34,6 +34,8 @@ pub struct Summary<'a> {
     route: Option<RouteSummary<'a>>,
     chain: Option<ChainSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    equipment: Option<EquipmentSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pareto: Option<&'a Pareto>,
 }
 
@@ -67,6 +69,48 @@ struct ChainSummary {
     carts: usize,
     left_over_mm: f64,
     take_up_mm: f64,
+}
+
+/// Equipment of declared kinds, with the conveyors that feed it.
+#[derive(Serialize)]
+struct EquipmentSummary {
+    count: usize,
+    missing: usize,
+    price_eur: f64,
+    conveyors_m: f64,
+    conveyors_eur: f64,
+    /// No places on this track need cheaper conveyors.
+    conveyors_lower_bound_eur: f64,
+}
+
+impl EquipmentSummary {
+    fn of(compiled: &Compiled) -> Option<Self> {
+        let found = &compiled.placement;
+        (!compiled.layout.equipment.declared.is_empty()).then(|| EquipmentSummary {
+            count: found.placed.len(),
+            missing: found.missing.iter().map(|(_, n)| n).sum(),
+            price_eur: found.equipment,
+            conveyors_m: found.placed.iter().filter_map(|p| p.conveyor).sum(),
+            conveyors_eur: found.conveyors,
+            conveyors_lower_bound_eur: found.bound,
+        })
+    }
+
+    fn text(&self) -> String {
+        let pieces = if self.count == 1 { "piece" } else { "pieces" };
+        let mut out = format!("  {} {pieces} of equipment, {:.2} EUR", self.count, self.price_eur);
+        if self.conveyors_m > 0.0 {
+            out += &format!("; {:.2} m of conveyors, {:.2} EUR", self.conveyors_m, self.conveyors_eur);
+            out += &match self.conveyors_eur - self.conveyors_lower_bound_eur <= 0.005 {
+                true => ", the least on this track".to_owned(),
+                false => format!(", no less than {:.2} EUR on this track", self.conveyors_lower_bound_eur),
+            };
+        }
+        if self.missing > 0 {
+            out += &format!("; NO ROOM FOR {} MORE", self.missing);
+        }
+        out + "\n"
+    }
 }
 
 #[derive(Serialize)]
@@ -109,6 +153,7 @@ impl<'a> Summary<'a> {
             proven: proven.map(Certificate::words).unwrap_or_default(),
             route: routed.map(Routed::summary),
             chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
+            equipment: EquipmentSummary::of(compiled),
             pareto,
         }
     }
@@ -145,6 +190,7 @@ impl<'a> Summary<'a> {
             "  {} elements, {:.2} EUR, {:.1} kg, footprint {:.2} m², closes to {:.1e} m\n",
             self.element_count, self.price_eur, self.mass_kg, self.footprint_m2, self.closure_m
         );
+        out += &self.equipment.as_ref().map_or_else(String::new, EquipmentSummary::text);
         if raised {
             out += &format!("  {:.5} m along the slope; stages count the plan\n", self.length_m);
         }

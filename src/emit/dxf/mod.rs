@@ -22,7 +22,10 @@ const fn layer(name: &'static str, colour: u8, line_type: &'static str, weight: 
     Layer { name, colour, line_type, weight }
 }
 
-const LAYERS: [Layer; 21] = [
+/// How many of the layers every drawing has; the others are of equipment of declared kinds.
+const BESIDE: usize = 21;
+
+static LAYERS: [Layer; BESIDE + 2] = [
     layer("TRACK_CENTRE", 1, "CENTER", 25),
     layer("TRACK_LEFT", 5, "Continuous", 50),
     layer("TRACK_RIGHT", 5, "Continuous", 50),
@@ -44,6 +47,8 @@ const LAYERS: [Layer; 21] = [
     layer("SHEET", 7, "Continuous", 25),
     layer("VIEWPORTS", 9, "Continuous", 18),
     layer("DEFPOINTS", 7, "Continuous", 18),
+    layer("STATIONS", 200, "Continuous", 35),
+    layer("CONVEYORS", 40, "DASHED", 25),
 ];
 
 /// Height of text on the sheet, mm.
@@ -57,7 +62,8 @@ pub fn drawing(compiled: &Compiled) -> Result<String, DrawError> {
     let furniture = svg::furniture(compiled)?;
     let (layout, track) = (&compiled.layout, &compiled.track);
     let height = TEXT * furniture.sheet.scale / 1000.0;
-    let mut dxf = Writer::new(&LAYERS, height);
+    let layers: &[Layer] = if layout.equipment.declared.is_empty() { &LAYERS[..BESIDE] } else { &LAYERS };
+    let mut dxf = Writer::new(layers, height);
 
     if let Some(building) = &layout.building {
         dxf.polygon("BUILDING", building.polygon.points());
@@ -164,7 +170,7 @@ fn grid_axes(dxf: &mut Writer, compiled: &Compiled, height: f64) {
 fn equipment(dxf: &mut Writer, compiled: &Compiled, mark: &Mark, half: f64, height: f64) {
     let track = &compiled.track;
     let along = Point::unit(mark.heading);
-    let out = along.left() * -plan::winding(track);
+    let out = along.left() * (-plan::winding(track) * mark.out);
     let at = |ahead: f64, aside: f64| mark.point + along * ahead + out * aside;
     let tall = half.max(0.2);
     match mark.kind {
@@ -173,6 +179,18 @@ fn equipment(dxf: &mut Writer, compiled: &Compiled, mark: &Mark, half: f64, heig
             dxf.line("SENSORS", at(0.0, -1.25 * half), at(0.0, 1.25 * half));
             dxf.circle("SENSORS", at(0.0, 1.4 * half), 0.15 * half);
         }
+        MarkKind::Induction | MarkKind::Chute | MarkKind::Station if !mark.covers.is_empty() => {
+            let name = match mark.kind {
+                MarkKind::Induction => "INDUCTIONS",
+                MarkKind::Chute => "CHUTES",
+                _ => "STATIONS",
+            };
+            mark.covers.iter().for_each(|corners| dxf.polygon(name, corners));
+            if let Some((from, to)) = mark.conveyor {
+                dxf.line("CONVEYORS", from, to);
+            }
+        }
+        MarkKind::Station => {}
         MarkKind::Induction => {
             dxf.polygon("INDUCTIONS", &[at(0.0, half), at(0.4 * tall, half + tall), at(-0.4 * tall, half + tall)]);
         }
@@ -198,6 +216,8 @@ fn equipment(dxf: &mut Writer, compiled: &Compiled, mark: &Mark, half: f64, heig
         }
     }
     if let Some(label) = &mark.label {
-        dxf.text("TEXT", at(mark.length / 2.0, half + tall + height), 0.0, label);
+        let beyond = |p: &Point| (*p - mark.point).dot(out);
+        let tall = mark.covers.iter().flatten().map(beyond).fold(half + tall, f64::max);
+        dxf.text("TEXT", at(mark.length / 2.0, tall + height), 0.0, label);
     }
 }

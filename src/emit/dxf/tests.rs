@@ -18,6 +18,7 @@ fn samples() -> Vec<(&'static str, Compiled)> {
         ("crowded", samples::crowded()),
         ("failed", samples::failed()),
         ("raised", samples::raised()),
+        ("equipped", samples::equipped()),
     ]
 }
 
@@ -50,7 +51,7 @@ fn the_centre_line_keeps_its_arcs_and_length() {
         let sides = arcs_and_length(&read, "TRACK_LEFT").1 + arcs_and_length(&read, "TRACK_RIGHT").1;
         assert!((sides - 2.0 * compiled.track.length).abs() < 1e-9, "{name}: {sides}");
         let there: BTreeSet<&str> = read.layers().map(|layer| layer.name.as_str()).collect();
-        assert!(LAYERS.iter().all(|layer| there.contains(layer.name)), "{name}: {there:?}");
+        assert!(LAYERS[..BESIDE].iter().all(|layer| there.contains(layer.name)), "{name}: {there:?}");
         let used: BTreeSet<&str> = read.entities().map(|entity| entity.common.layer.as_str()).collect();
         assert!(used.iter().all(|layer| there.contains(layer)), "{name}: {used:?}");
     }
@@ -79,6 +80,37 @@ fn everything_is_on_its_layer() {
     for text in ["P1", "control cabinet", "south 9x", "0, 0"] {
         assert!(texts.contains(&text), "{text}: {texts:?}");
     }
+}
+
+/// Footprints have their size and stand beside the band; the conveyor runs from where it begins to the induction.
+#[test]
+fn equipment_of_declared_kinds_has_its_footprint() {
+    let compiled = samples::equipped();
+    assert!(compiled.placement.is_whole(), "{:?}", compiled.placement.missing);
+    let read = Drawing::load(&mut drawing(&compiled).expect("drawn").as_bytes()).expect("a DXF file");
+    let mut areas: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for entity in read.entities() {
+        if let EntityType::LwPolyline(line) = &entity.specific {
+            let p: Vec<Point> = line.vertices.iter().map(|v| Point::new(v.x, v.y)).collect();
+            let area = (0..p.len()).map(|i| p[i].cross(p[(i + 1) % p.len()])).sum::<f64>() / 2.0;
+            areas.entry(entity.common.layer.as_str()).or_default().push(area.abs());
+        }
+    }
+    let near = |layer: &str, expected: &[f64]| {
+        let found = areas.get(layer).cloned().unwrap_or_default();
+        assert!(found.len() == expected.len(), "{layer}: {found:?}");
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{layer}: {found:?}");
+    };
+    near("INDUCTIONS", &[12.0]);
+    near("CHUTES", &[3.0; 12]);
+    // The scanner on both sides, and the gate.
+    near("STATIONS", &[0.5, 0.5, 1.2]);
+    let conveyors: Vec<_> = read.entities().filter(|e| e.common.layer == "CONVEYORS").collect();
+    assert_eq!(conveyors.len(), 1);
+    let EntityType::Line(line) = &conveyors[0].specific else { panic!("{:?}", conveyors[0]) };
+    // From y = -7.6 to the outer edge, 4.6 m from the centre line: straight up.
+    assert!((line.p1.x - 7.5).abs() < 1e-6 && (line.p1.y + 7.6).abs() < 1e-6, "{line:?}");
+    assert!((line.p2.x - 7.5).abs() < 1e-6 && (line.p2.y + 4.6).abs() < 1e-6, "{line:?}");
 }
 
 /// Every piece of the bill is an insert of its article's block, which begins and ends where the piece does.

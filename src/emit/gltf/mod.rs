@@ -10,7 +10,7 @@ mod tests;
 use crate::base::number::tidy;
 use crate::compiled::{Compiled, Station};
 use crate::geometry::Point;
-use crate::model::PlaceRow;
+use crate::model::Chutes;
 use mesh::{Mesh, Section};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -124,24 +124,34 @@ fn motors(compiled: &Compiled) -> Vec<Thing> {
 /// Inductions, chutes and the photocell, as blocks beside the track: to the right, where layouts say nothing else.
 fn stations(compiled: &Compiled) -> Vec<Thing> {
     let equipment = &compiled.layout.equipment;
-    let block = |name: String, station: &Station, along: f64| {
-        let [_, across, up] = STATION;
-        let aside = Point::unit(station.heading).left() * -(compiled.layout.width.value / 2.0 + across / 2.0);
+    let own = |name: &str| equipment.declared.iter().all(|declared| declared.name != name);
+    let up = STATION[2];
+    let sized = |name: String, station: &Station, (along, across, side): (f64, f64, f64)| {
+        let aside = Point::unit(station.heading).left() * (side * (compiled.layout.width.value / 2.0 + across / 2.0));
         let foot = at(station) + Vector3::new(aside.x, aside.y, -up);
         let mesh = Mesh::block(foot, station.heading, [along, across, up]);
         Thing { extras: json!({ "s_m": station.s }), ..Thing::new(name, "station", mesh) }
     };
-    let row = |name: &str, row: &PlaceRow| -> Vec<Thing> {
-        let along = STATION[0].min(0.9 * row.every.max(0.1));
-        let all = compiled.stations(row);
+    let block = |name: String, station: &Station, along: f64| sized(name, station, (along, STATION[1], -1.0));
+    let row = |name: &str, chutes: &Chutes| -> Vec<Thing> {
+        let along = STATION[0].min(0.9 * chutes.row.every.max(0.1));
+        let all = compiled.chutes(chutes);
         all.iter().enumerate().map(|(i, station)| block(format!("{name} {}", i + 1), station, along)).collect()
     };
     let mut things: Vec<Thing> = equipment
         .inductions
         .iter()
+        .filter(|i| own(&i.name))
         .map(|i| block(format!("induction {}", i.name), &compiled.station(i.place), STATION[0]))
         .collect();
-    things.extend(equipment.chutes.iter().flat_map(|c| row(&format!("chute {}", c.name), &c.row)));
+    things.extend(equipment.chutes.iter().filter(|c| own(&c.name)).flat_map(|c| row(&format!("chute {}", c.name), c)));
+    for placed in &compiled.placement.placed {
+        let declared = &equipment.declared[placed.declared];
+        let name = format!("{} {}", declared.of.kind.word(), declared.one(placed.number));
+        let station = compiled.station(placed.place);
+        let size = |side: &f64| (declared.of.stretch, declared.of.depth.max(0.01), *side);
+        things.extend(placed.sides.iter().map(|side| sized(name.clone(), &station, size(side))));
+    }
     things.extend(equipment.photocell.map(|place| block("photocell".into(), &compiled.station(place), 0.1)));
     things
 }

@@ -44,6 +44,9 @@ pub struct LayoutFile {
     pub closure_rad: f64,
     /// What stands along the track.
     pub equipment: Vec<Equipment>,
+    /// What equipment of declared kinds and its conveyors cost; absent without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub placement: Option<Placement>,
     /// Distance between supports, m; `null` when the layout places none.
     pub supports_every_m: Option<f64>,
     /// How the band meets obstacles and the building.
@@ -194,6 +197,29 @@ pub struct Equipment {
     pub z_m: f64,
     /// Heading of the track, deg, in (-180, 180].
     pub heading_deg: f64,
+    /// The kind that the layout declares; absent without one, as what follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
+    /// Corners [x, y] of the rectangles that it covers beside the band, m.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub footprints_m: Vec<Vec<[f64; 2]>>,
+    /// Length of the conveyor that feeds it, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conveyor_m: Option<f64>,
+}
+
+/// The price of equipment of declared kinds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// The equipment itself, EUR.
+    pub equipment_eur: f64,
+    /// The conveyors that feed it, EUR.
+    pub conveyors_eur: f64,
+    /// No places on this track need cheaper conveyors, EUR.
+    pub conveyors_lower_bound_eur: f64,
+    /// How many pieces found no place.
+    pub missing: usize,
 }
 
 /// Kinds of equipment.
@@ -210,6 +236,12 @@ pub enum EquipmentKind {
     Chute,
     /// A linear motor, where it begins.
     Motor,
+    /// Where items are read; one of a declared kind.
+    Scanner,
+    /// Where the track can be crossed.
+    Gate,
+    /// Brings containers to the track's height.
+    Lift,
 }
 
 /// How the track's band meets an obstacle or the outside of the building.

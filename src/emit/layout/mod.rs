@@ -62,6 +62,7 @@ impl LayoutFile {
             closure_m: tidy(compiled.sequence.closure),
             closure_rad: tidy(compiled.sequence.closure_heading),
             equipment: equipment(compiled),
+            placement: (!layout.equipment.declared.is_empty()).then(|| placement(compiled)),
             supports_every_m: layout.equipment.supports.map(|s| s.value),
             contacts: contacts(compiled),
             constraints: constraints(compiled),
@@ -167,6 +168,9 @@ fn equipment(compiled: &Compiled) -> Vec<Equipment> {
         y_m: tidy(station.point.y),
         z_m: tidy(station.z),
         heading_deg: tidy(station.heading.to_degrees()),
+        of: None,
+        footprints_m: Vec::new(),
+        conveyor_m: None,
     };
     let mut items = vec![item(EquipmentKind::Start, "start".to_owned(), compiled.station_at(0.0))];
     if let Some(place) = equipment.photocell {
@@ -176,14 +180,44 @@ fn equipment(compiled: &Compiled) -> Vec<Equipment> {
         items.push(item(EquipmentKind::Induction, induction.name.clone(), compiled.station(induction.place)));
     }
     for chutes in &equipment.chutes {
-        for (i, station) in compiled.stations(&chutes.row).into_iter().enumerate() {
+        for (i, station) in compiled.chutes(chutes).into_iter().enumerate() {
             items.push(item(EquipmentKind::Chute, format!("{} {}", chutes.name, i + 1), station));
+        }
+    }
+    for (kind, of) in [
+        (EquipmentKind::Scanner, crate::model::EquipmentKind::Scanner),
+        (EquipmentKind::Gate, crate::model::EquipmentKind::Gate),
+        (EquipmentKind::Lift, crate::model::EquipmentKind::Lift),
+    ] {
+        let placed = compiled.placement.placed.iter().filter(|p| equipment.declared[p.declared].of.kind == of);
+        items.extend(
+            placed.map(|p| item(kind, equipment.declared[p.declared].one(p.number), compiled.station(p.place))),
+        );
+    }
+    // What is of a declared kind has a footprint.
+    for placed in &compiled.placement.placed {
+        let declared = &equipment.declared[placed.declared];
+        let name = declared.one(placed.number);
+        if let Some(item) = items.iter_mut().find(|item| item.name == name && item.footprints_m.is_empty()) {
+            item.of = Some(declared.of.name.clone());
+            item.footprints_m = placed.footprint.covers.iter().map(|r| r.map(pair).to_vec()).collect();
+            item.conveyor_m = placed.conveyor.map(tidy);
         }
     }
     for (i, station) in compiled.motors().into_iter().enumerate() {
         items.push(item(EquipmentKind::Motor, format!("motor {}", i + 1), station));
     }
     items
+}
+
+fn placement(compiled: &Compiled) -> Placement {
+    let found = &compiled.placement;
+    Placement {
+        equipment_eur: tidy(found.equipment),
+        conveyors_eur: tidy(found.conveyors),
+        conveyors_lower_bound_eur: tidy(found.bound),
+        missing: found.missing.iter().map(|(_, n)| n).sum(),
+    }
 }
 
 fn contacts(compiled: &Compiled) -> Vec<ContactArea> {
@@ -282,7 +316,7 @@ mod tests {
         layout.equipment.photocell = Some(on(0, 3.0));
         layout.equipment.inductions.push(Induction { name: "west".to_owned(), place: on(2, 1.0) });
         let row = PlaceRow { place: on(2, 4.0), every: 1.25, count: 2 };
-        layout.equipment.chutes.push(Chutes { name: "row_a".to_owned(), row });
+        layout.equipment.chutes.push(Chutes { name: "row_a".to_owned(), row, more: Vec::new() });
         layout.equipment.motors = Motors::Evenly { count: 1 };
         layout.equipment.supports = Some(Spanned::new(2.5, fixture::span()));
         let text = String::from_utf8(super::json(&compile(layout))).unwrap();

@@ -2,6 +2,8 @@
 
 use crate::compiled::{Compiled, Station};
 use crate::geometry::Point;
+use crate::model::EquipmentKind;
+use crate::placement::Rectangle;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MarkKind {
@@ -11,6 +13,8 @@ pub enum MarkKind {
     Chute,
     Motor,
     Support,
+    /// A scanner, a gate or a lift of a declared kind.
+    Station,
 }
 
 /// One thing on the centre line.
@@ -26,6 +30,12 @@ pub struct Mark {
     pub length: f64,
     /// What stands beside it: a name or number; in a row of chutes only the middle one has it.
     pub label: Option<String>,
+    /// Corners of what equipment of a declared kind covers beside the band; empty for all other.
+    pub covers: Vec<Rectangle>,
+    /// +1 where it stands outside of the loop, -1 inside.
+    pub out: f64,
+    /// The conveyor that feeds it, from where it begins to its end.
+    pub conveyor: Option<(Point, Point)>,
 }
 
 /// Everything on the track: start, photocell, inductions, chutes, motors, supports, each in driving order.
@@ -35,7 +45,8 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     let mut add = |kind, station: Station, label| {
         let length = if kind == MarkKind::Motor { compiled.layout.drive.motor.length } else { 0.0 };
         let s = compiled.plan_arc_length(&station);
-        marks.push(Mark { kind, s, point: station.point, heading: station.heading, length, label });
+        let (point, heading, covers) = (station.point, station.heading, Vec::new());
+        marks.push(Mark { kind, s, point, heading, length, label, covers, out: 1.0, conveyor: None });
     };
     add(MarkKind::Start, compiled.station_at(0.0), Some("s = 0".to_owned()));
     if let Some(place) = equipment.photocell {
@@ -45,10 +56,20 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
         add(MarkKind::Induction, compiled.station(induction.place), Some(induction.name.clone()));
     }
     for chutes in &equipment.chutes {
-        let count = chutes.row.count;
+        let count = chutes.count();
         let text = if count == 1 { chutes.name.clone() } else { format!("{} {count}×", chutes.name) };
-        for (i, station) in compiled.stations(&chutes.row).into_iter().enumerate() {
+        for (i, station) in compiled.chutes(chutes).into_iter().enumerate() {
             add(MarkKind::Chute, station, (i == count / 2).then(|| text.clone()));
+        }
+    }
+    let declared = &equipment.declared;
+    for placed in &compiled.placement.placed {
+        if matches!(
+            declared[placed.declared].of.kind,
+            EquipmentKind::Scanner | EquipmentKind::Gate | EquipmentKind::Lift
+        ) {
+            let name = declared[placed.declared].one(placed.number);
+            add(MarkKind::Station, compiled.station(placed.place), Some(name));
         }
     }
     for (j, station) in compiled.motors().into_iter().enumerate() {
@@ -57,7 +78,33 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     for station in compiled.supports() {
         add(MarkKind::Support, station, None);
     }
+    covered(compiled, &mut marks);
     marks
+}
+
+/// Gives marks of equipment of declared kinds their footprints and conveyors.
+fn covered(compiled: &Compiled, marks: &mut [Mark]) {
+    let winding = super::winding(&compiled.track);
+    for placed in &compiled.placement.placed {
+        let declared = &compiled.layout.equipment.declared[placed.declared];
+        let kind = match declared.of.kind {
+            EquipmentKind::Induction => MarkKind::Induction,
+            EquipmentKind::Chute => MarkKind::Chute,
+            EquipmentKind::Scanner | EquipmentKind::Gate | EquipmentKind::Lift => MarkKind::Station,
+        };
+        let point = compiled.station(placed.place).point;
+        let stands =
+            |mark: &&mut Mark| mark.kind == kind && mark.covers.is_empty() && mark.point.distance(point) < 1e-4;
+        let Some(mark) = marks.iter_mut().find(stands) else { continue };
+        mark.covers = placed.footprint.covers.clone();
+        mark.out = if placed.sides.contains(&-winding) { 1.0 } else { -1.0 };
+        // The rectangles' third and fourth corners are the outer ones.
+        let ends = placed.footprint.covers.iter().map(|r| r[2].lerp(r[3], 0.5));
+        mark.conveyor = declared.fed.and_then(|from| {
+            let near = ends.min_by(|a, b| a.distance(from).total_cmp(&b.distance(from)))?;
+            Some((from, near))
+        });
+    }
 }
 
 #[cfg(test)]
@@ -92,7 +139,7 @@ mod tests {
     fn a_row_of_chutes_is_named_once() {
         let mut layout = fixture::rectangle(20.0, 10.0, 3.0);
         let row = crate::model::PlaceRow { place: on(2, 1.0), every: 1.25, count: 7 };
-        layout.equipment.chutes = vec![crate::model::Chutes { name: "row_a".to_owned(), row }];
+        layout.equipment.chutes = vec![crate::model::Chutes { name: "row_a".to_owned(), row, more: Vec::new() }];
         let marks = marks(&compile(layout));
         let chutes: Vec<&Mark> = marks.iter().filter(|m| m.kind == MarkKind::Chute).collect();
         assert_eq!(chutes.len(), 7);

@@ -5,8 +5,8 @@ use crate::compiled::Compiled;
 use crate::compiled::fixture::{compile, on};
 use crate::geometry::{Corner, Point, Polygon, Track};
 use crate::model::{
-    Building, Chutes, Constraint, ConstraintKind, FixKind, Induction, Layout, Level, Motors, Obstacle, PlaceRow, Rate,
-    Side, Target, VerticalStock, fixture,
+    Building, Chutes, Constraint, ConstraintKind, Declared, EquipmentKind, EquipmentSide, EquipmentType, FixKind,
+    Induction, Layout, Level, Motors, Obstacle, PlaceRow, Rate, Side, Stands, Target, VerticalStock, fixture,
 };
 use crate::solve::{Stage, Status, Violation};
 use crate::source::Spanned;
@@ -35,6 +35,30 @@ fn fix_section(from: usize, kinds: &[FixKind]) -> Constraint {
 /// A rectangle of 20 m by 10 m with what every layout has.
 pub fn rectangle() -> Compiled {
     compile(fixture::rectangle(20.0, 10.0, 3.0))
+}
+
+/// A rectangle of 40 m by 20 m with equipment of declared kinds: an induction and its conveyor from the south, a scanner,
+/// twelve chutes about a column, and a gate inside of the loop.
+pub fn equipped() -> Compiled {
+    let mut layout = fixture::rectangle(40.0, 20.0, 4.0);
+    layout.building = building(0.0, &[(-8.0, -8.0), (48.0, -8.0), (48.0, 28.0), (-8.0, 28.0)]);
+    let column = obstacle("column", 0.2, &[(20.0, -3.0), (21.0, -3.0), (21.0, -2.0), (20.0, -2.0)]);
+    layout.obstacles = vec![Obstacle { side: Side::Right, ..column }];
+    let of = |kind, stretch, depth, side| fixture::equipment_type(kind, stretch, depth, side);
+    let induction = of(EquipmentKind::Induction, 3.0, 4.0, EquipmentSide::Outer);
+    let induction = EquipmentType { conveyor: 100.0, ..induction };
+    let after = |name: &str, declared: Declared| {
+        let (count, on) = (declared.count(), vec![0]);
+        Declared { stands: Stands::Free { count, on, after: vec![name.to_owned()], before: Vec::new() }, ..declared }
+    };
+    let fed = Some(Point::new(7.5, -7.6));
+    layout.equipment.declared = vec![
+        Declared { fed, ..fixture::anywhere("west", induction, 1) },
+        after("west", fixture::anywhere("scan", of(EquipmentKind::Scanner, 1.0, 0.5, EquipmentSide::Both), 1)),
+        after("scan", fixture::anywhere("row_a", of(EquipmentKind::Chute, 1.5, 2.0, EquipmentSide::Outer), 12)),
+        fixture::anywhere("crossing", of(EquipmentKind::Gate, 1.2, 1.0, EquipmentSide::Inner), 1),
+    ];
+    compile(layout)
 }
 
 /// A rectangle that climbs on one long straight and comes down on a short one.
@@ -106,8 +130,8 @@ pub fn ten_vertices() -> Compiled {
     ];
     let row = |section, count| PlaceRow { place: on(section, 3.0), every: 1.25, count };
     layout.equipment.chutes = vec![
-        Chutes { name: "row_a".to_owned(), row: row(1, 18) },
-        Chutes { name: "row_b".to_owned(), row: row(5, 12) },
+        Chutes { name: "row_a".to_owned(), row: row(1, 18), more: Vec::new() },
+        Chutes { name: "row_b".to_owned(), row: row(5, 12), more: Vec::new() },
     ];
     compile(layout)
 }
@@ -133,8 +157,8 @@ pub fn crowded() -> Compiled {
     ];
     let row = |section, at, count| PlaceRow { place: on(section, at), every: 0.6, count };
     equipment.chutes = vec![
-        Chutes { name: "south".to_owned(), row: row(0, 1.0, 9) },
-        Chutes { name: "north".to_owned(), row: row(4, 0.5, 6) },
+        Chutes { name: "south".to_owned(), row: row(0, 1.0, 9), more: Vec::new() },
+        Chutes { name: "north".to_owned(), row: row(4, 0.5, 6), more: Vec::new() },
     ];
     equipment.motors = Motors::Evenly { count: 6 };
     equipment.supports = Some(Spanned::new(1.0, fixture::span()));

@@ -2,7 +2,7 @@
 
 use crate::compiled::{Compiled, Station};
 use crate::geometry::{Piece, PieceKind, Point, Polygon, Track};
-use crate::model::{Coordinate, Layout, PlaceRow};
+use crate::model::{Chutes, Coordinate, Layout};
 
 use super::PlanCurve;
 
@@ -89,7 +89,7 @@ fn equipment(compiled: &Compiled) -> Vec<SettingPoint> {
         add(induction.name.clone(), compiled.station(induction.place));
     }
     for chutes in &equipment.chutes {
-        let ends = ends(compiled, &chutes.row);
+        let ends = ends(compiled, chutes);
         let several = ends.len() > 1;
         for (number, station) in ends {
             let name = if several { format!("{}, chute {number}", chutes.name) } else { chutes.name.clone() };
@@ -102,12 +102,18 @@ fn equipment(compiled: &Compiled) -> Vec<SettingPoint> {
     points
 }
 
-/// The first and the last place of a row, with their numbers.
-fn ends(compiled: &Compiled, row: &PlaceRow) -> Vec<(usize, Station)> {
-    let stations = compiled.stations(row);
-    let last = stations.len();
-    let numbered = stations.into_iter().enumerate().map(|(i, station)| (i + 1, station));
-    numbered.filter(|(number, _)| *number == 1 || *number == last).collect()
+/// The first and the last place of a row, and of each part of one that stands in several, with their numbers.
+fn ends(compiled: &Compiled, chutes: &Chutes) -> Vec<(usize, Station)> {
+    let mut ends = Vec::new();
+    let mut before = 0;
+    for row in chutes.rows() {
+        let stations = compiled.stations(row);
+        let last = stations.len();
+        let numbered = stations.into_iter().enumerate().filter(|(i, _)| *i == 0 || *i + 1 == last);
+        ends.extend(numbered.map(|(i, station)| (before + i + 1, station)));
+        before += last;
+    }
+    ends
 }
 
 /// Coordinates (m, of the hall) of the building's corners and of its axes, in order, each once.

@@ -230,6 +230,7 @@ fn entries(drawn: &Drawn, datum: bool) -> Vec<(Key, String)> {
     add(any(MarkKind::Photocell), Key::Mark(MarkKind::Photocell), "photocell");
     add(any(MarkKind::Induction), Key::Mark(MarkKind::Induction), "induction");
     add(any(MarkKind::Chute), Key::Mark(MarkKind::Chute), "chute: row, count");
+    add(any(MarkKind::Station), Key::Mark(MarkKind::Station), "scanner, gate or lift");
     let motors = marks.iter().filter(|mark| mark.kind == MarkKind::Motor).count();
     add(motors > 0, Key::Mark(MarkKind::Motor), &format!("motor ({motors})"));
     let every = layout.equipment.supports.map_or(0.0, |every| every.value);

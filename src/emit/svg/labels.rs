@@ -218,6 +218,7 @@ impl<'a> Labels<'a> {
             MarkKind::Photocell => ("photocell-text", Height::H18),
             MarkKind::Induction => ("induction-text", Height::H25),
             MarkKind::Chute => ("chute-text", Height::H25),
+            MarkKind::Station => ("photocell-text", Height::H18),
             MarkKind::Motor | MarkKind::Support => ("motor-text", Height::H18),
         };
         let text = text::fitted(label, height, false, LONGEST);
@@ -229,14 +230,16 @@ impl<'a> Labels<'a> {
         let (mut candidates, mut anchors) = (Vec::new(), Vec::new());
         for (side, cost) in [(1.0, 0.0), (-1.0, 1.5)] {
             let rise = match mark.kind {
+                _ if !mark.covers.is_empty() => super::track::reach(self.sheet, mark, &spot),
                 MarkKind::Induction => 4.8,
                 MarkKind::Chute => 3.8,
                 MarkKind::Start => 2.5,
                 MarkKind::Photocell => 3.7,
+                MarkKind::Station => 3.5,
                 MarkKind::Motor | MarkKind::Support => 0.3,
             };
             // The symbol of these stands on one side only.
-            if side < 0.0 && matches!(mark.kind, MarkKind::Induction | MarkKind::Chute) {
+            if side < 0.0 && matches!(mark.kind, MarkKind::Induction | MarkKind::Chute | MarkKind::Station) {
                 continue;
             }
             let anchor = spot.at + spot.out * (side * (spot.half + rise));

@@ -148,7 +148,7 @@ fn key_symbol(key: Key, at: PaperPoint) -> XmlElement {
         Key::Mark(kind) => {
             // Symbols that stand beside the band are lowered into the row's middle.
             let (drop, half) = match kind {
-                MarkKind::Induction | MarkKind::Chute => (1.9, 0.7),
+                MarkKind::Induction | MarkKind::Chute | MarkKind::Station => (1.9, 0.7),
                 MarkKind::Photocell => (1.0, 0.2),
                 MarkKind::Start => (0.0, 0.0),
                 _ => (0.0, 0.7),

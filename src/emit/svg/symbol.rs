@@ -68,6 +68,10 @@ pub fn mark(kind: MarkKind, spot: &Spot, pitch: f64) -> (XmlElement, PaperBox) {
             ];
             (path(&polygon(&points), "chute"), spot.taken(half + 0.2, h, h + 3.8))
         }
+        MarkKind::Station => {
+            let points = spot.rectangle(1.5, h + 0.3, h + 3.3);
+            (path(&polygon(&points), "photocell"), spot.taken(1.7, h, h + 3.5))
+        }
         MarkKind::Motor => {
             let points = spot.rectangle(2.5, -0.45 * h, 0.45 * h);
             (path(&polygon(&points), "motor"), spot.taken(2.5, -0.45 * h, 0.45 * h))

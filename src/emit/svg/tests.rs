@@ -21,6 +21,7 @@ fn drawings() -> Vec<(&'static str, Compiled)> {
         ("failed", samples::failed()),
         ("large", samples::large(60, 20)),
         ("raised", samples::raised()),
+        ("equipped", samples::equipped()),
     ]
 }
 

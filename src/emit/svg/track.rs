@@ -175,7 +175,7 @@ pub fn is_fixed_radius(layout: &Layout, i: usize) -> bool {
 
 /// Where a mark stands on paper.
 pub fn spot(sheet: &Sheet, track: &Track, mark: &Mark, width: f64) -> Spot {
-    let out = mark.heading - plan::winding(track) * std::f64::consts::FRAC_PI_2;
+    let out = mark.heading - mark.out * plan::winding(track) * std::f64::consts::FRAC_PI_2;
     Spot {
         at: sheet.at(mark.point),
         along: Projection::direction(mark.heading),
@@ -203,6 +203,11 @@ pub fn equipment(sheet: &Sheet, track: &Track, layout: &Layout, marks: &[Mark], 
             group.push(path(&ribbon(sheet, &side(1.0), &side(-1.0)), "motor"));
             continue;
         }
+        if !mark.covers.is_empty() {
+            group.push(covered(sheet, mark));
+            field.add(taken(sheet, mark, &spot), Layer::Solid);
+            continue;
+        }
         let pitch = chute_pitch(sheet, layout, mark);
         let (element, taken) = symbol::mark(mark.kind, &spot, pitch);
         group.push(element);
@@ -211,13 +216,54 @@ pub fn equipment(sheet: &Sheet, track: &Track, layout: &Layout, marks: &[Mark], 
     group
 }
 
+/// What equipment of a declared kind covers, and the conveyor that feeds it.
+fn covered(sheet: &Sheet, mark: &Mark) -> XmlElement {
+    let corners = |r: &[Point; 4]| polygon(&r.map(|p| sheet.at(p)));
+    let outlines: String = mark.covers.iter().map(corners).collect();
+    let (class, style) = match mark.kind {
+        MarkKind::Induction => ("induction", "fill-opacity:.25;stroke:currentColor;stroke-width:.25"),
+        MarkKind::Chute => ("chute", ""),
+        _ => ("photocell", ""),
+    };
+    let mut shape = path(&outlines, class);
+    if !style.is_empty() {
+        shape = shape.attr("style", style);
+    }
+    let mut group = XmlElement::group("footprint").with(shape);
+    if let Some((from, to)) = mark.conveyor {
+        let (from, to) = (sheet.at(from), sheet.at(to));
+        group.push(path(&path_line(from, to), "dimension").attr("style", "stroke-width:.5;stroke-dasharray:3 1.2"));
+        group.push(symbol::circle(from, 1.0, "photocell"));
+    }
+    group
+}
+
+/// How far what a mark covers reaches from the band, mm.
+pub fn reach(sheet: &Sheet, mark: &Mark, spot: &Spot) -> f64 {
+    let out = |p: &Point| {
+        let d = sheet.at(*p) - spot.at;
+        d.x * spot.out.x + d.y * spot.out.y - spot.half
+    };
+    mark.covers.iter().flatten().map(out).fold(0.0, f64::max)
+}
+
+fn taken(sheet: &Sheet, mark: &Mark, spot: &Spot) -> PaperBox {
+    let half = mark.covers.first().map_or(0.0, |r| sheet.mm(r[0].distance(r[1])) / 2.0);
+    let reach = reach(sheet, mark, spot);
+    PaperBox {
+        centre: spot.at + spot.out * (spot.half + reach / 2.0),
+        half: PaperPoint::new(half, reach / 2.0),
+        axis: spot.along,
+    }
+}
+
 /// Distance between neighbours of a row of chutes on paper, mm.
 fn chute_pitch(sheet: &Sheet, layout: &Layout, mark: &Mark) -> f64 {
     if mark.kind != MarkKind::Chute {
         return 0.0;
     }
-    let rows = layout.equipment.chutes.iter().filter(|chutes| chutes.row.count > 1);
-    sheet.mm(rows.map(|chutes| chutes.row.every).fold(10.0, f64::min))
+    let rows = layout.equipment.chutes.iter().flat_map(|chutes| chutes.rows()).filter(|row| row.count > 1);
+    sheet.mm(rows.map(|row| row.every).fold(10.0, f64::min))
 }
 
 /// A closed area between two lines along the track.
