@@ -6,8 +6,8 @@ use super::options::{Discretise, Options, Tell};
 use super::{Stage, exact, polygon, stages};
 use crate::model::Layout;
 
-/// Solves a layout in stages; the last one returned is the result. A stage that finds no feasible layout is the last. A
-/// layout without vertices has no stages: `route::find` gives it vertices.
+/// Solves a layout's track in stages; the last one returned is the result. A stage that finds no feasible layout is the
+/// last. A layout without vertices has no stages: `route::find` gives it vertices.
 pub fn solve(layout: &Layout, options: &Options, watch: Tell) -> Vec<Stage> {
     solve_with(layout, options, exact::discretise, watch)
 }

@@ -314,7 +314,8 @@ mod tests {
         use crate::model::{Chutes, PlaceRow, StraightPlace, fixture::span};
         let mut layout = crate::model::fixture::rectangle(40.0, 20.0, 4.0);
         let place = StraightPlace { section: 2, at: 1.0, span: span() };
-        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row: PlaceRow { place, every: 1.25, count: 9 } }];
+        let row = PlaceRow { place, every: 1.25, count: 9 };
+        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row, more: Vec::new() }];
         let stages = solve(&layout, &Options::default(), &quiet);
         let track = Track::new(&stages[2].corners);
         assert_eq!(stages[2].status, Status::Proven);

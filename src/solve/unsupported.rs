@@ -46,6 +46,13 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
         let what = "optimising a loop that crosses itself around obstacles or within a building";
         say(span, what, "write `optimise nothing`: the layout is then built as written");
     }
+    for declared in layout.equipment.declared.iter().filter(|_| !layout.is_flat()) {
+        say(
+            declared.span,
+            "equipment of a declared kind on different heights",
+            "leave the kind out, and give its place",
+        );
+    }
     found.sort_by_key(|d| d.label.span);
     found
 }

@@ -10,6 +10,7 @@ mod cheapest;
 mod conflict;
 mod contact_area;
 mod drawing;
+mod equipment;
 mod errors;
 mod headings;
 mod hostile;

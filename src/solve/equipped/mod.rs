@@ -1,0 +1,421 @@
+//! Track and equipment together: branch and bound over how long straights have to be for what stands on them, on which
+//! section a fed piece of equipment stands, and how long its conveyor is.
+//!
+//! The track is solved with rows that every placement needs ([`placement::needs`]), its equipment placed on it, exactly.
+//!
+//! - Where some of it finds no place for want of length: n of a kind that has to stand on k straights, which hold fewer,
+//!   stand only on a track of which one of them holds one more than now ([`placement::next`]). Each of these is a node with
+//!   the row of that, and together they are all layouts.
+//! - Where lengths would do and obstacles, walls or other equipment are in the way, longer straights are only tried: the
+//!   node's own bound stays.
+//! - Under `cost`, what is compared is the price of the whole: track, equipment and conveyors. A conveyor's length lies in an
+//!   interval, which is halved: a node has the rows of its upper end ([`near::rows`]), and the price of its lower one beside
+//!   the track's bound. That takes a section whose heading is fixed; of others, all lengths of conveyors stay open.
+//!
+//! Each node is solved with the certificate of its track, and the least bound of what is left holds for all.
+
+mod near;
+
+use super::options::{Effort, Options, Tell};
+use super::{Certificate, Counted, Stage, Status, goals, report};
+use crate::geometry::{Corner, Point, Track};
+use crate::model::{Constraint, ConstraintKind, EquipmentSide, Formula, Goal, Layout, Objective, Stands, Target, Unit};
+use crate::placement::{self, Placement};
+use crate::problem::measures::to_variables;
+use crate::problem::{Problem, Scope};
+use crate::solve::conflict::Proof;
+use near::Fed;
+
+/// Most tracks that are solved, beside the first.
+const MOST_TRACKS: usize = 48;
+/// Of the nodes of the first track's search, each other one has this part; all others together have as many as the first.
+const PART: usize = 4;
+/// Conveyors' intervals are halved until what they leave open is this part of the value.
+const FINE: f64 = 2e-4;
+/// How far a track is shifted at first, and at last, towards what feeds its equipment, m.
+const SHIFTS: (f64, f64) = (4.0, 0.01);
+/// What two values differ by at least, m or EUR.
+const BETTER: f64 = 1e-9;
+
+/// Solves a layout in stages; the last one returned is the result. Equipment that is placed freely has its part in which
+/// track that is. A layout without vertices has no stages: `route::find` gives it vertices.
+pub fn solve(layout: &Layout, options: &Options, watch: Tell) -> Vec<Stage> {
+    let free = layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }));
+    if !free || layout.vertices.is_empty() || !is_known(&layout.objective) {
+        return goals::solve(layout, options, watch);
+    }
+    Search::new(layout, options, watch).run()
+}
+
+/// Length, cost and their sum; other goals place equipment on the track that they find.
+fn is_known(objective: &Objective) -> bool {
+    let known = |goal: &Goal| matches!(goal, Goal::Length | Goal::Cost);
+    !objective.terms.is_empty() && objective.within.is_none() && objective.terms.iter().all(|(_, goal)| known(goal))
+}
+
+/// Least lengths of straights; the section and the interval of each conveyor; whether the node is complete.
+type Seen = (Vec<(usize, f64)>, Vec<(Option<usize>, f64, f64)>, bool);
+
+/// Some of the layouts, with what is known of all of them.
+#[derive(Clone, Debug)]
+struct Node {
+    /// Least lengths of straights, m.
+    straights: Vec<(usize, f64)>,
+    /// Of each fed piece of equipment: the section it stands on where that is chosen, and its conveyor's least and greatest
+    /// length, m.
+    fed: Vec<(Option<usize>, f64, f64)>,
+    bound: f64,
+    /// Whether the layouts of its parent are all among its siblings' and its own; else it is only tried.
+    complete: bool,
+    /// Of a parent with the same rows: its track's bound, and the lengths of its conveyors.
+    solved: Option<(f64, Vec<f64>)>,
+}
+
+/// A track with its equipment.
+struct Whole {
+    stages: Vec<Stage>,
+    lacking: usize,
+    /// m or EUR
+    value: f64,
+}
+
+struct Search<'a> {
+    layout: &'a Layout,
+    options: &'a Options,
+    watch: Tell<'a>,
+    written: Track,
+    /// Sections whose heading is fixed.
+    turned: Vec<usize>,
+    /// None where only length counts.
+    fed: Vec<Fed>,
+    best: Option<Whole>,
+    /// No layout of the nodes that were left is better.
+    closed: f64,
+    nodes: usize,
+}
+
+impl<'a> Search<'a> {
+    fn new(layout: &'a Layout, options: &'a Options, watch: Tell<'a>) -> Self {
+        let costs = layout.objective.terms.iter().any(|(_, goal)| *goal == Goal::Cost);
+        Search {
+            layout,
+            options,
+            watch,
+            written: Track::new(&layout.corners()),
+            turned: Problem::new(layout, Scope::Building).rotations,
+            fed: if costs { near::fed(layout) } else { Vec::new() },
+            best: None,
+            closed: f64::INFINITY,
+            nodes: 0,
+        }
+    }
+
+    fn run(mut self) -> Vec<Stage> {
+        let least = placement::least_conveyors(self.layout, &self.written);
+        let fed = self.fed.iter().map(|f| (self.only_section(f), least[f.declared], f64::INFINITY)).collect();
+        let root = Node { straights: Vec::new(), fed, bound: 0.0, complete: true, solved: None };
+        let mut open = vec![root];
+        // The same layouts need no second node, unless the first one was only tried.
+        let mut seen: Vec<Seen> = Vec::new();
+        let (mut tracks, mut first) = (0, 0);
+        let mut counted = Counted::Length;
+        let mut assumed: Vec<String> = Vec::new();
+        while let Some(next) = take(&mut open) {
+            if self.best.as_ref().is_some_and(|b| b.lacking == 0 && next.bound >= b.value - BETTER) {
+                continue;
+            }
+            if let Some((track, lengths)) = next.solved.clone() {
+                open.extend(self.split(&next, counted, track, &lengths));
+                continue;
+            }
+            let spent = tracks > 0 && self.nodes - first >= first.max(1000) && self.nodes > self.options.effort.nodes;
+            if tracks > MOST_TRACKS || spent || (tracks > 0 && self.options.stop.now()) {
+                self.close(&next, next.bound);
+                continue;
+            }
+            let (layout, stages) = self.track(&next, tracks);
+            tracks += 1;
+            let Some(last) = stages.last() else { return stages };
+            let Some(certificate) = last.certificate.clone().filter(|_| last.status != Status::Infeasible) else {
+                if tracks == 1 {
+                    return stages;
+                }
+                if !is_refuted(&layout, &stages) {
+                    self.close(&next, next.bound);
+                }
+                continue;
+            };
+            self.nodes += certificate.nodes;
+            if tracks == 1 {
+                first = self.nodes;
+            }
+            counted = certificate.counted;
+            for words in &certificate.assumed {
+                if !assumed.contains(words) {
+                    assumed.push(words.clone());
+                }
+            }
+            let track = Track::new(&last.corners);
+            let placement = placement::place(&layout, &track);
+            let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
+            let mut next = next;
+            next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
+            self.keep(&layout, stages, &certificate, &placement, lacking);
+            if lacking == 0 {
+                let length = |f: &Fed| placement.placed.iter().find(|p| p.declared == f.declared)?.conveyor;
+                let lengths: Vec<f64> = self.fed.iter().map(|f| length(f).unwrap_or(0.0)).collect();
+                open.extend(self.split(&next, counted, certificate.lower_bound, &lengths));
+                continue;
+            }
+            let (children, complete) = self.longer(&next, &track, &placement);
+            if !complete {
+                self.close(&next, next.bound);
+            }
+            for child in children {
+                let child = Node { complete: child.complete && next.complete, ..child };
+                let same = |s: &Seen| s.0 == child.straights && s.1 == child.fed && (s.2 || !child.complete);
+                if !seen.iter().any(same) {
+                    seen.push((child.straights.clone(), child.fed.clone(), child.complete));
+                    open.push(child);
+                }
+            }
+        }
+        self.finish(counted, assumed)
+    }
+
+    fn close(&mut self, node: &Node, bound: f64) {
+        if node.complete {
+            self.closed = self.closed.min(bound);
+        }
+    }
+
+    /// The section of equipment that may stand on one only.
+    fn only_section(&self, fed: &Fed) -> Option<usize> {
+        match self.sections(fed.declared)[..] {
+            [section] => Some(section),
+            _ => None,
+        }
+    }
+
+    fn sections(&self, declared: usize) -> Vec<usize> {
+        match &self.layout.equipment.declared[declared].stands {
+            Stands::Free { on, .. } if !on.is_empty() => on.clone(),
+            _ => (0..self.layout.vertices.len()).collect(),
+        }
+    }
+
+    /// No layout of a node is better than its track's bound, its equipment's price and that of its conveyors at their least.
+    fn bound(&self, node: &Node, counted: Counted, track: f64) -> f64 {
+        if counted == Counted::Length {
+            return track;
+        }
+        let declared = &self.layout.equipment.declared;
+        let equipment: f64 = declared.iter().map(|d| d.count() as f64 * d.of.article.price.unwrap_or(0.0)).sum();
+        let least = placement::least_conveyors(self.layout, &self.written);
+        let others = |i: &usize| self.fed.iter().all(|f| f.declared != *i);
+        let other: f64 = (0..declared.len())
+            .filter(others)
+            .map(|i| declared[i].count() as f64 * declared[i].of.conveyor * least[i])
+            .sum();
+        let own: f64 = self.fed.iter().zip(&node.fed).map(|(f, (_, low, _))| f.price * low).sum();
+        (track + equipment + other + own) * (1.0 - 4.0 * f64::EPSILON)
+    }
+
+    fn track(&self, node: &Node, tracks: usize) -> (Layout, Vec<Stage>) {
+        let mut layout = self.layout.clone();
+        layout.constraints.extend(node.straights.iter().map(|&(from, low)| {
+            let formula = Formula::Length(Target { from, straight: true });
+            let kind = ConstraintKind::Require { formula, low, high: f64::INFINITY, unit: Unit::Metre };
+            Constraint { kind, reason: None, span: layout.span }
+        }));
+        for (fed, (section, _, high)) in self.fed.iter().zip(&node.fed) {
+            let Some(section) = section else { continue };
+            if let Stands::Free { on, .. } = &mut layout.equipment.declared[fed.declared].stands {
+                *on = vec![*section];
+            }
+            if high.is_finite() {
+                layout.constraints.extend(near::rows(self.layout, &self.written, fed, *section, *high));
+            }
+        }
+        let effort = self.options.effort;
+        let nodes = if tracks == 0 { effort.nodes } else { effort.nodes / PART };
+        let options = Options { effort: Effort { nodes, ..effort }, ..*self.options };
+        let stages = goals::solve(&layout, &options, self.watch);
+        (layout, stages)
+    }
+
+    /// A node whose track has room for everything: by sections first, then with the most expensive open interval halved. Its
+    /// bound closes it where nothing is left to split.
+    fn split(&mut self, node: &Node, counted: Counted, track: f64, lengths: &[f64]) -> Vec<Node> {
+        let own = node.bound.max(self.bound(node, counted, track));
+        let child = |i: usize, of: (Option<usize>, f64, f64), solved| {
+            let mut fed = node.fed.clone();
+            fed[i] = of;
+            let mut child = Node { fed, bound: own, solved, ..node.clone() };
+            child.bound = own.max(self.bound(&child, counted, track));
+            child
+        };
+        let open: Vec<f64> = (0..self.fed.len())
+            .map(|i| (lengths[i].min(node.fed[i].2) - node.fed[i].1).max(0.0) * self.fed[i].price)
+            .collect();
+        let fine = FINE * self.best.as_ref().map_or(own, |b| b.value);
+        let mut order: Vec<usize> = (0..open.len()).filter(|i| open[*i] > fine).collect();
+        order.sort_by(|a, b| open[*b].total_cmp(&open[*a]));
+        for i in order {
+            let (section, low, high) = node.fed[i];
+            let Some(section) = section else {
+                let sections = self.sections(self.fed[i].declared);
+                return sections.into_iter().map(|s| child(i, (Some(s), low, high), None)).collect();
+            };
+            if self.turned.contains(&section) {
+                let middle = 0.5 * (low + lengths[i].min(high));
+                let near = child(i, (Some(section), low, middle), None);
+                // The same rows, and so the same track.
+                let far = child(i, (Some(section), middle, high), Some((track, lengths.to_vec())));
+                return vec![near, far];
+            }
+        }
+        self.close(node, own);
+        Vec::new()
+    }
+
+    /// Takes a track with its equipment if it is better than what is known.
+    fn keep(
+        &mut self,
+        layout: &Layout,
+        mut stages: Vec<Stage>,
+        certificate: &Certificate,
+        placement: &Placement,
+        lacking: usize,
+    ) {
+        // Whatever section was chosen here, the result is placed anew on all of them.
+        let free =
+            placement::place(self.layout, &Track::new(&stages.last().map_or(layout.corners(), |s| s.corners.clone())));
+        let placement = if free.is_whole() && free.price() < placement.price() { &free } else { placement };
+        let price = |p: &Placement| if certificate.counted == Counted::Length { 0.0 } else { p.price() };
+        let mut value = certificate.value + price(placement);
+        if certificate.counted != Counted::Length
+            && lacking == 0
+            && let Some((corners, cheaper)) = stages.last().and_then(|last| self.shifted(&last.corners, placement))
+        {
+            value += price(&cheaper) - price(placement);
+            if let Some(last) = stages.last_mut() {
+                last.corners = corners;
+            }
+        }
+        let better = match &self.best {
+            None => true,
+            Some(best) => lacking < best.lacking || (lacking == best.lacking && value < best.value - BETTER),
+        };
+        if better {
+            self.best = Some(Whole { stages, lacking, value });
+        }
+    }
+
+    /// A track of the same shape where conveyors are cheaper, if one is found that meets every row: pattern search (Hooke
+    /// and Jeeves 1961) over where it lies.
+    fn shifted(&self, corners: &[Corner], placement: &Placement) -> Option<(Vec<Corner>, Placement)> {
+        if placement.conveyors <= 0.0 {
+            return None;
+        }
+        let problem = Problem::new(self.layout, Scope::Obstacles);
+        let held =
+            |k: usize| (0..corners.len()).any(|i| problem.bounds[3 * i + k].low == problem.bounds[3 * i + k].high);
+        let axes = [(Point::new(1.0, 0.0), held(0)), (Point::new(0.0, 1.0), held(1))];
+        let free = axes.into_iter().filter(|(_, held)| !held);
+        let ways: Vec<Point> = free.flat_map(|(way, _)| [way, -way]).collect();
+        let sound = |corners: &[Corner]| {
+            let at = problem.evaluate(&to_variables(corners), 0.0);
+            at.rows.iter().all(|r| r.violation() <= 1e-6) && problem.crossings(&at.track).is_empty()
+        };
+        let mut best: Option<(Vec<Corner>, Placement)> = None;
+        let mut step = SHIFTS.0;
+        while step >= SHIFTS.1 && !ways.is_empty() && !self.options.stop.now() {
+            let (here, price) = match &best {
+                Some((corners, placement)) => (corners.clone(), placement.conveyors),
+                None => (corners.to_vec(), placement.conveyors),
+            };
+            let moved = |way: &Point| -> Option<(Vec<Corner>, Placement)> {
+                let corners: Vec<Corner> = here.iter().map(|c| Corner { point: c.point + *way * step, ..*c }).collect();
+                if !sound(&corners) {
+                    return None;
+                }
+                let placement = placement::place(self.layout, &Track::new(&corners));
+                (placement.is_whole() && placement.conveyors < price - 1e-6).then_some((corners, placement))
+            };
+            let found = ways.iter().filter_map(moved).min_by(|a, b| a.1.conveyors.total_cmp(&b.1.conveyors));
+            match found {
+                Some(found) => best = Some(found),
+                None => step *= 0.5,
+            }
+        }
+        best
+    }
+
+    /// Nodes with longer straights, and whether all layouts of the node with room for everything are among them.
+    fn longer(&self, node: &Node, track: &Track, placement: &Placement) -> (Vec<Node>, bool) {
+        let longer = |section: usize, low: f64, complete: bool| {
+            let mut straights: Vec<(usize, f64)> =
+                node.straights.iter().copied().filter(|(s, _)| *s != section).collect();
+            straights.push((section, low));
+            straights.sort_by_key(|a| a.0);
+            Node { straights, complete, solved: None, ..node.clone() }
+        };
+        let declared = |i: usize| &self.layout.equipment.declared[i];
+        for &(i, _) in &placement.missing {
+            let of = &declared(i).of;
+            let sides = if of.side == EquipmentSide::Either { 2 } else { 1 };
+            let next = |s: &usize| (*s, placement::next(of, track.straight(*s).length));
+            let held: Vec<(usize, (usize, f64))> = self.sections(i).iter().map(next).collect();
+            let room: usize = held.iter().map(|(_, (count, _))| sides * count).sum();
+            if room < declared(i).count() {
+                return (held.into_iter().map(|(s, (_, low))| longer(s, low, true)).collect(), true);
+            }
+        }
+        let mut tried = Vec::new();
+        for &(i, lacking) in &placement.missing {
+            let of = &declared(i).of;
+            let more = lacking as f64 * (of.stretch + of.service);
+            for s in self.sections(i) {
+                let length = track.straight(s).length.max(0.0);
+                tried.push(longer(s, length + more, false));
+                // Where nothing stands yet, all of it with its distances from curves.
+                tried.push(longer(s, length.max(more + 2.0 * of.from_curve), false));
+            }
+        }
+        (tried, false)
+    }
+
+    fn finish(self, counted: Counted, mut assumed: Vec<String>) -> Vec<Stage> {
+        let Some(Whole { mut stages, lacking, value }) = self.best else { return Vec::new() };
+        let Some(last) = stages.last_mut().filter(|_| lacking == 0) else { return stages };
+        let seconds = last.certificate.as_ref().map_or(0.0, |c| c.seconds);
+        assumed.push(match counted {
+            Counted::Length => "equipment has room on the track".to_owned(),
+            Counted::Price { .. } => "the price is that of track, equipment and conveyors".to_owned(),
+        });
+        let certificate = Certificate::new(counted, value, self.closed.min(value), self.nodes, assumed);
+        if matches!(last.status, Status::Proven | Status::BestFound | Status::Local) {
+            last.status = if certificate.proven { Status::Proven } else { Status::BestFound };
+        }
+        last.certificate = Some(Certificate { seconds, ..certificate });
+        stages
+    }
+}
+
+/// Whether it is proven that there is no such layout.
+fn is_refuted(layout: &Layout, stages: &[Stage]) -> bool {
+    let proven = |proof: Proof| matches!(proof, Proof::Bounds | Proof::Grid | Proof::GridOfAll);
+    stages.last().is_some_and(|last| last.refuted)
+        || report::conflicts(layout, stages).iter().any(|conflict| proven(conflict.proof))
+}
+
+/// The node with the least bound, the first of those alike; what is only tried comes last.
+fn take(open: &mut Vec<Node>) -> Option<Node> {
+    let order = |a: &usize, b: &usize| {
+        let (a, b) = (&open[*a], &open[*b]);
+        b.complete.cmp(&a.complete).then(a.bound.total_cmp(&b.bound)).then(a.straights.len().cmp(&b.straights.len()))
+    };
+    let best = (0..open.len()).min_by(order)?;
+    Some(open.remove(best))
+}

@@ -1,0 +1,149 @@
+//! Track and equipment together, against layouts told by hand and against every split of chutes over straights.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+use crate::small::layout;
+use lss::compiled::Compiled;
+use lss::model::{Layout, Stands};
+use lss::placement;
+use lss::solve::{Effort, Options, Status, solve};
+
+const HEAD: &str = "use std.carts.tilt_tray\nuse std.tracks.standard\nuse std.tracks.thesis\nuse std.equipment\n\n\
+                    equipment slide {\n  kind = chute\n  stretch = 1.5 m\n  depth = 2 m\n  side = outer\n  price = 1000 EUR\n}\n\
+                    equipment feeder {\n  kind = induction\n  stretch = 3 m\n  depth = 2 m\n  side = outer\n  \
+                    price = 5000 EUR\n  conveyor = 1000 EUR/m\n}\n\n\
+                    layout hall {\n  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n";
+
+/// A rectangle whose straights run along the axes: P1..P2 to the east.
+fn hall(catalog: &str, lines: &str) -> Layout {
+    let loop_ = "  vertex P1 (10 m, 10 m) radius 3 m\n  vertex P2 (40 m, 10 m) radius 3 m\n  \
+                 vertex P3 (40 m, 25 m) radius 3 m\n  vertex P4 (10 m, 25 m) radius 3 m\n  radii 3 m .. 3 m\n  turns 90 deg .. 90 deg\n";
+    layout(&format!("{HEAD}  catalog {catalog}\n{loop_}{lines}}}\n"))
+}
+
+fn built(layout: &Layout) -> Compiled {
+    let options = Options { effort: Effort { nodes: 2000, ..Effort::default() }, ..Options::default() };
+    let compiled = Compiled::new(layout.clone(), solve(layout, &options, &|_| {}));
+    assert!(!compiled.failed() && compiled.placement.is_whole(), "{:?}", compiled.stages.last());
+    assert!(placement::findings(&compiled.layout, &compiled.track).is_empty());
+    compiled
+}
+
+/// The shortest loop of four quarter turns around so many chutes, on straights of a and b twice over: the chutes are
+/// split over both pairs in every way.
+fn every_split(chutes: usize, stretch: f64, shortest: f64) -> f64 {
+    let mut best = f64::INFINITY;
+    for a in 0..=chutes {
+        for b in 0..=chutes {
+            if 2 * (a + b) >= chutes {
+                let straights = (a as f64 * stretch).max(shortest) + (b as f64 * stretch).max(shortest);
+                best = best.min(2.0 * straights);
+            }
+        }
+    }
+    best + 6.0 * std::f64::consts::PI
+}
+
+#[test]
+fn the_shortest_track_has_room_for_chutes_wherever_they_stand() {
+    for chutes in [1, 5, 8, 11] {
+        let layout =
+            hall("standard", &format!("  chutes row_a of slide at least {chutes} anywhere\n  fix rotation P1..P2\n"));
+        let compiled = built(&layout);
+        let expected = every_split(chutes, 1.5, 0.2);
+        let last = compiled.stages.last().unwrap();
+        assert!((last.length - expected).abs() < 1e-5, "{chutes}: {} and not {expected}", last.length);
+        assert_eq!(last.status, Status::Proven, "{:?}", last.certificate);
+    }
+}
+
+#[test]
+fn a_named_straight_is_as_long_as_what_stands_on_it() {
+    let lines = "  fix rotation P1..P2\n  chutes row_a of slide at least 7 on P1..P2\n  gate crossing of gate_walkway on P1..P2\n";
+    let compiled = built(&hall("standard", lines));
+    let last = compiled.stages.last().unwrap();
+    // Both stand on the outer side: seven chutes and the gate, of which only the latter keeps away from curves.
+    let straight = compiled.track.straight(0).length;
+    assert!(straight >= 7.0 * 1.5 + 1.2 - 1e-6 && straight <= 7.0 * 1.5 + 1.2 + 0.3 + 1e-6, "{straight}");
+    assert!(last.certificate.as_ref().unwrap().lower_bound <= last.length);
+}
+
+/// A column in the way: the shortest track is longer than lengths alone ask for, and the bound does not claim it.
+#[test]
+fn a_column_makes_the_track_longer() {
+    let lines = "  fix P1\n  fix rotation P1..P2\n  chutes row_a of slide at least 4 on P1..P2\n  \
+                 obstacle column [(16 m, 7 m), (17 m, 7 m), (17 m, 8 m), (16 m, 8 m)]\n";
+    let compiled = built(&hall("standard", lines));
+    let last = compiled.stages.last().unwrap();
+    // From (13, 10) on: two chutes before the column, two behind it from x = 17 on.
+    assert!(compiled.track.straight(0).length >= 7.0 - 1e-6, "{}", compiled.track.straight(0).length);
+    assert!((compiled.track.straight(0).length - 7.0).abs() < 1.6, "{}", compiled.track.straight(0).length);
+    let certificate = last.certificate.as_ref().unwrap();
+    assert!(certificate.lower_bound <= 2.0 * (6.0 + 0.2) + 6.0 * std::f64::consts::PI + 1e-5);
+    assert_eq!(last.status, Status::BestFound);
+}
+
+/// The induction stands on the northern straight, and its conveyor comes from farther north. Each metre of height costs
+/// two metres of track and saves one of conveyor.
+#[test]
+fn track_and_conveyor_are_traded_against_each_other() {
+    // Metres of track at 210 EUR, pieces apart: the conveyor at 1000 EUR is worth every metre of height.
+    let north = "  fix all P1..P2\n  fix rotation P3..P4\n  induction in of feeder on P3..P4 fed from (25 m, 40 m)\n";
+    let far = built(&hall("standard", &format!("{north}  optimise cost\n")));
+    let last = far.stages.last().unwrap();
+    let certificate = last.certificate.as_ref().unwrap();
+    // The outer edge is 2.6 m north of the centre line.
+    let height = far.track.straight(2).begin.y;
+    assert!((40.0 - 2.6 - height - far.placement.conveyors / 1000.0).abs() < 1e-6);
+    assert!(far.placement.conveyors < 1000.0, "{} {}", far.placement.conveyors, height);
+    assert!(certificate.lower_bound <= certificate.value && certificate.gap < 0.02, "{certificate:?}");
+    let whole = far.bill.price + far.placement.price();
+    assert!((certificate.value - whole).abs() < 1.0, "{} {whole}", certificate.value);
+    // Cheap conveyors are not: the loop stays as flat as it can.
+    let mut cheap = hall("standard", &format!("{north}  optimise cost\n"));
+    cheap.equipment.declared[0].of.conveyor = 50.0;
+    let near = built(&cheap);
+    assert!(near.track.straight(2).begin.y < 17.0, "{}", near.track.straight(2).begin.y);
+    assert!(near.placement.conveyors > 900.0);
+}
+
+/// A certificate holds for every other track with its equipment: those of straights longer by some metres.
+#[test]
+fn no_longer_track_beats_the_bound() {
+    let north = "  fix all P1..P2\n  fix rotation P3..P4\n  induction in of feeder on P3..P4 fed from (25 m, 34 m)\n  \
+                 chutes row_a of slide at least 9 on P2..P3, P3..P4, P4..P1 after in\n";
+    for conveyor in [300.0, 450.0, 700.0] {
+        let mut layout = hall("standard", &format!("{north}  optimise cost\n"));
+        layout.equipment.declared[0].of.conveyor = conveyor;
+        let best = built(&layout);
+        let certificate = best.stages.last().unwrap().certificate.clone().unwrap();
+        for side in 0..14 {
+            let least = format!("  require length(straight(P2..P3)) >= {side} m\n");
+            let mut other = hall("standard", &format!("{north}  optimise cost\n{least}"));
+            other.equipment.declared[0].of.conveyor = conveyor;
+            let other = built(&other);
+            let price = other.bill.price + other.placement.price();
+            assert!(price >= certificate.lower_bound - 1.0, "{side}: {price} {certificate:?}");
+            // And the search comes near to the best of them.
+            assert!(certificate.value <= price * 1.01, "{side}: {price} {certificate:?}");
+        }
+    }
+}
+
+#[test]
+fn equipment_does_not_depend_on_the_threads() {
+    let lines = "  fix all P1..P2\n  fix rotation P3..P4\n  chutes row_a of slide at least 30 anywhere\n  \
+                 induction in of feeder anywhere fed from (0 m, 30 m)\n  optimise cost\n";
+    let layout = hall("standard", lines);
+    let run = |threads| {
+        solve(
+            &layout,
+            &Options { threads, effort: Effort { nodes: 200, ..Effort::default() }, ..Options::default() },
+            &|_| {},
+        )
+    };
+    let (one, two) = (run(1), run(2));
+    assert_eq!(one.last().unwrap().corners, two.last().unwrap().corners);
+    let free = layout.equipment.declared.iter().filter(|d| matches!(d.stands, Stands::Free { .. })).count();
+    assert_eq!(free, 2);
+}
