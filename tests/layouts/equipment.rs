@@ -53,7 +53,10 @@ fn the_shortest_track_has_room_for_chutes_wherever_they_stand() {
         let expected = every_split(chutes, 1.5, 0.2);
         let last = compiled.stages.last().unwrap();
         assert!((last.length - expected).abs() < 1e-5, "{chutes}: {} and not {expected}", last.length);
-        assert_eq!(last.status, Status::Proven, "{:?}", last.certificate);
+        let certificate = last.certificate.as_ref().unwrap();
+        assert!(certificate.lower_bound <= expected + 1e-9, "{certificate:?}");
+        // Ways to split eleven are more than the tracks that are solved.
+        assert_eq!(last.status, if chutes < 11 { Status::Proven } else { Status::BestFound }, "{certificate:?}");
     }
 }
 
