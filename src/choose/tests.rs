@@ -42,7 +42,7 @@ fn open_layout() -> Layout {
     layout.catalog.take_up = 0.7;
     layout.equipment.inductions = vec![Induction { name: "west".into(), place: on(0, 1.0) }];
     let row = PlaceRow { place: on(2, 1.0), every: 1.0, count: 10 };
-    layout.equipment.chutes = vec![Chutes { name: "row".into(), row }];
+    layout.equipment.chutes = vec![Chutes { name: "row".into(), row, more: Vec::new() }];
     let priced = |price: f64| Article { number: None, price: Some(price), mass: None };
     layout.cart.joint.article = priced(38.0);
     let cart = |k: usize| {
