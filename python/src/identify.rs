@@ -19,7 +19,7 @@ use lss::report::identification;
 use lss::signal::Run;
 use lss::solve::Stop;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
