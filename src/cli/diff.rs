@@ -100,7 +100,7 @@ impl Diff {
     /// Both layouts, solved, with their names and whether they can be built.
     fn both(&self) -> Result<[Solved; 2], Outcome> {
         let (name, format) = (self.layout.as_deref(), self.message_format);
-        let read = |file: &Path| Ok::<_, Outcome>((shown(file).to_string(), read::read(file, name, format)?));
+        let read = |file: &Path| Ok::<_, Outcome>((shown(file).to_string(), read::read_any(file, name, &[], format)?));
         let [before, after] = match (&self.git, &self.after) {
             (Some(revision), _) => {
                 let file = &self.before;

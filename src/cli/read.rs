@@ -8,6 +8,7 @@ use crate::cli::limits;
 use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Layout;
+use crate::route;
 use crate::semantics::given::{self, GivenLet};
 use crate::semantics::{self, analyse};
 use crate::solve::{self, Options, unsupported};
@@ -81,7 +82,7 @@ pub fn given_let(text: &str) -> Result<GivenLet, String> {
     }
 }
 
-/// The same as [`read`] of a file as it is in a revision of its repository.
+/// The same as [`read_any`] of a file as it is in a revision of its repository.
 pub fn read_revision(file: &Path, revision: &str, name: Option<&str>, format: MessageFormat) -> Result<Read, Outcome> {
     let files = match revision::layouts(file, revision) {
         Ok(files) => files,
@@ -95,7 +96,7 @@ pub fn read_revision(file: &Path, revision: &str, name: Option<&str>, format: Me
     let label = format!("{}:", one_line(revision));
     let shown = format!("{label}{}", shown(file));
     match Loader::labelled(&mut sources, &files, &label) {
-        Ok((mut loader, main)) => with_vertices(analysed(sources, &mut loader, main, name, format)?, format),
+        Ok((mut loader, main)) => analysed(sources, &mut loader, main, name, format),
         Err(why) => match semantics::unreadable(&mut sources, &why, &shown) {
             Some(diagnostic) => Err(tell(&sources, &[diagnostic], format)),
             None => Err(could_not("read", Path::new(&shown), format!("{why:?}"))),
@@ -156,8 +157,7 @@ pub fn simulation_with(
             Outcome::Problems
         });
     }
-    let read = with_vertices(read_any(file, name, lets, format)?, format)?;
-    match solved(read, format)? {
+    match solved(read_any(file, name, lets, format)?, format)? {
         (compiled, Outcome::Clean) => Ok(Simulation::new(&compiled)),
         (_, failed) => Err(failed),
     }
@@ -165,7 +165,7 @@ pub fn simulation_with(
 
 /// What a layout builds; what is wrong with it is reported here.
 pub fn built(file: &Path, name: Option<&str>, format: MessageFormat) -> Result<Compiled, Outcome> {
-    match solved(read(file, name, format)?, format)? {
+    match solved(read_any(file, name, &[], format)?, format)? {
         (compiled, Outcome::Clean) => Ok(compiled),
         (_, failed) => Err(failed),
     }
@@ -178,7 +178,16 @@ pub fn solved(read: Read, format: MessageFormat) -> Result<(Compiled, Outcome), 
     if said.iter().any(Diagnostic::is_error) {
         return Err(tell(&sources, &said, format));
     }
-    let compiled = solve_quietly(&layout);
+    let compiled = match layout.route {
+        None => solve_quietly(&layout),
+        Some(_) => match route::find(&layout, &options(), &|_| ()) {
+            Ok(found) => Compiled::new(found.layout, found.stages),
+            Err(why) => {
+                said.extend(why);
+                return Err(tell(&sources, &said, format));
+            }
+        },
+    };
     said.extend(crate::solve::diagnose(&compiled.layout, &compiled.stages));
     // The bill does not matter here.
     said.extend(compiled.heights.iter().filter(|d| d.is_error()).cloned());
@@ -199,12 +208,15 @@ pub fn tell(sources: &SourceMap, said: &[Diagnostic], format: MessageFormat) -> 
 
 /// Solves with the default options, without a word.
 pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
-    let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
-    let stages = solve::solve(layout, &options, &|_| ());
+    let stages = solve::solve(layout, &options(), &|_| ());
     Compiled::new(layout.clone(), stages)
 }
 
-/// Why a verb other than `build` does not take a layout with a route.
+fn options() -> Options {
+    Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() }
+}
+
+/// Why a verb that works on the layout as it is written does not take one with a route.
 fn without_vertices(layout: &Layout) -> Option<Diagnostic> {
     let route = layout.route.as_ref()?;
     Some(

@@ -40,8 +40,15 @@ fn a_hall_becomes_a_route_and_a_route_a_layout() {
     lss().arg("check").arg(out.join("layout.lss")).assert().success();
     lss().arg("fmt").arg("--check").arg(out.join("layout.lss")).assert().success();
 
-    // Other verbs say where to get vertices.
-    let refused = lss().arg("polygon").arg(&asked).assert().code(1);
+    // Verbs that want what a layout builds find the same vertices.
+    let polygon = |file: &std::path::Path| {
+        let run = lss().arg("polygon").arg(file).args(["--format", "json"]).assert().success();
+        run.get_output().stdout.clone()
+    };
+    assert!(!polygon(&asked).is_empty());
+    lss().arg("diff").arg(&asked).arg(&asked).assert().success();
+    // One that starts from what is written says where to get them.
+    let refused = lss().arg("choose").arg(&asked).assert().code(1);
     let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
     assert!(said.contains("E0414") && said.contains("layout.lss"), "{said}");
 }
