@@ -18,6 +18,6 @@ mod tests;
 pub mod warm_up;
 
 pub use flow::{Bound, Limit, bound};
-pub use reached::{limit_words, reached};
+pub use reached::{limit_words, reached, way_out};
 pub use replicate::{Mean, Measured, Settings, measure};
 pub use sorter::Sorter;

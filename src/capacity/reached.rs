@@ -48,16 +48,18 @@ pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<D
     let most = fixed(found.throughput, 0);
     let diagnostic = Diagnostic::new(Code::E0604, message, span, format!("no more than {most} an hour"))
         .expected(asked, format!("at most {most}, limited by {}", limit_words(sorter, found.limit)));
-    Some(match found.limit {
-        Limit::Stretch(_) => {
-            let speed = sorter.speed * least / found.throughput;
-            diagnostic.help(format!(
-                "at {} m/s carriers are enough; or take shorter carts, or place an induction behind chutes, so that \
-                 carriers are used more than once in a lap",
-                fixed((speed * 100.0).ceil() / 100.0, 2)
-            ))
-        }
-        Limit::Induction(_) => diagnostic.help("let it take more with `feed ... up to`, or place another induction"),
-        Limit::Chute(_) => diagnostic.help("take items away faster with `storage ... every`, or place more chutes"),
-    })
+    Some(diagnostic.help(way_out(found.limit, sorter.speed * least / found.throughput)))
+}
+
+/// What to do about what limits a sorter; carriers are enough at `speed`, m/s.
+pub fn way_out(limit: Limit, speed: f64) -> String {
+    match limit {
+        Limit::Stretch(_) => format!(
+            "at {} m/s carriers are enough; or take shorter carts, or place an induction behind chutes, so that carriers \
+             are used more than once in a lap",
+            fixed((speed * 100.0).ceil() / 100.0, 2)
+        ),
+        Limit::Induction(_) => "let it take more with `feed ... up to`, or place another induction".to_owned(),
+        Limit::Chute(_) => "take items away faster with `storage ... every`, or place more chutes".to_owned(),
+    }
 }

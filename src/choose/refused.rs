@@ -3,7 +3,7 @@
 use super::candidate::{Candidate, Requirement, Shortfall};
 use super::find::Chosen;
 use crate::base::number::{fixed, trimmed};
-use crate::capacity::{Sorter, limit_words};
+use crate::capacity::{Sorter, limit_words, way_out};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::solve;
 use crate::source::Span;
@@ -86,12 +86,9 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
             );
             let said = chosen.layout.choice.statements.free.iter().fold(said, |d, s| d.related(*s, "chosen from here"));
             let speed = candidate.speed * short.wanted / short.found.max(f64::MIN_POSITIVE);
-            said.help(match short.found > 0.0 {
-                true => format!(
-                    "leave faster speeds or shorter carts free: where carriers limit it, {} m/s would do with this cart",
-                    fixed((speed * 100.0).ceil() / 100.0, 2)
-                ),
-                false => "place an `induction` and `chutes`, and carts that close the loop".to_owned(),
+            said.help(match candidate.capacity.as_ref().filter(|_| short.found > 0.0) {
+                Some(bound) => way_out(bound.limit, speed),
+                None => "place an `induction` and `chutes`, and carts that close the loop".to_owned(),
             })
         }
         Requirement::Closes => {
