@@ -60,6 +60,27 @@ fn the_shortest_track_has_room_for_chutes_wherever_they_stand() {
     }
 }
 
+/// A track that only has to be short may lie against a wall of an empty hall: it is moved to where there is room, and is as
+/// short as without walls.
+#[test]
+fn an_empty_hall_has_room_for_what_stands_outside_the_track() {
+    let building = "  building [(0 m, 0 m), (40 m, 0 m), (40 m, 40 m), (0 m, 40 m)]\n  fix rotation P1..P2\n";
+    for written in [3.0, 20.0] {
+        let corners = [(8.0, 0.0), (30.0, 0.0), (30.0, 12.0), (8.0, 12.0)].map(|(x, y)| (x, y + written));
+        let named = corners.iter().enumerate();
+        let loop_: String =
+            named.map(|(i, (x, y))| format!("  vertex P{} ({x} m, {y} m) radius 3 m\n", i + 1)).collect();
+        let lines = "  radii 3 m .. 3 m\n  turns 90 deg .. 90 deg\n  chutes row_a of slide at least 8 on P1..P2\n  \
+                     chutes row_b of slide at least 8 on P3..P4\n";
+        let layout = layout(&format!("{HEAD}  catalog standard\n{loop_}{building}{lines}}}\n"));
+        let compiled = built(&layout);
+        let expected = 2.0 * (8.0 * 1.5 + 0.2) + 6.0 * std::f64::consts::PI;
+        let last = compiled.stages.last().unwrap();
+        assert!((last.length - expected).abs() < 1e-5, "{written}: {} and not {expected}", last.length);
+        assert_eq!(last.status, Status::Proven, "{:?}", last.certificate);
+    }
+}
+
 #[test]
 fn a_named_straight_is_as_long_as_what_stands_on_it() {
     let lines = "  fix rotation P1..P2\n  chutes row_a of slide at least 7 on P1..P2\n  gate crossing of gate_walkway on P1..P2\n";

@@ -34,6 +34,8 @@ const PART: usize = 4;
 const FINE: f64 = 2e-4;
 /// How far a track is shifted at first, and at last, towards what feeds its equipment, m.
 const SHIFTS: (f64, f64) = (4.0, 0.01);
+/// Where walls or obstacles leave no room, a track is moved to so many places along x and along y, and this many times in all.
+const MOVES: (usize, usize) = (9, 400);
 /// What two values differ by at least, m or EUR.
 const BETTER: f64 = 1e-9;
 
@@ -92,6 +94,8 @@ struct Search<'a> {
     /// No layout of the nodes that were left is better.
     closed: f64,
     nodes: usize,
+    /// Places that tracks were moved to.
+    moves: usize,
 }
 
 impl<'a> Search<'a> {
@@ -107,6 +111,7 @@ impl<'a> Search<'a> {
             best: None,
             closed: f64::INFINITY,
             nodes: 0,
+            moves: 0,
         }
     }
 
@@ -133,7 +138,7 @@ impl<'a> Search<'a> {
                 self.close(&next, next.bound);
                 continue;
             }
-            let (layout, stages) = self.track(&next, tracks);
+            let (layout, mut stages) = self.track(&next, tracks);
             tracks += 1;
             let Some(last) = stages.last() else { return stages };
             let Some(certificate) = last.certificate.clone().filter(|_| last.status != Status::Infeasible) else {
@@ -156,9 +161,19 @@ impl<'a> Search<'a> {
                 }
             }
             let track = Track::new(&last.corners);
-            let placement = placement::place(&layout, &track);
-            let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
+            let mut placement = placement::place(&layout, &track);
             let mut next = next;
+            let mut longer = (Vec::new(), true);
+            if !placement.is_whole() {
+                longer = self.longer(&next, &track, &placement);
+                if !longer.1
+                    && let Some((corners, roomy)) = self.moved(&last.corners)
+                    && let Some(last) = stages.last_mut()
+                {
+                    (last.corners, placement) = (corners, roomy);
+                }
+            }
+            let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
             next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
             self.keep(&layout, stages, &certificate, &placement, lacking);
             if lacking == 0 {
@@ -167,7 +182,7 @@ impl<'a> Search<'a> {
                 open.extend(self.split(&next, counted, certificate.lower_bound, &lengths));
                 continue;
             }
-            let (children, complete) = self.longer(&next, &track, &placement);
+            let (children, complete) = longer;
             if !complete {
                 self.close(&next, next.bound);
             }
@@ -319,15 +334,9 @@ impl<'a> Search<'a> {
             return None;
         }
         let problem = Problem::new(self.layout, Scope::Obstacles);
-        let held =
-            |k: usize| (0..corners.len()).any(|i| problem.bounds[3 * i + k].low == problem.bounds[3 * i + k].high);
-        let axes = [(Point::new(1.0, 0.0), held(0)), (Point::new(0.0, 1.0), held(1))];
-        let free = axes.into_iter().filter(|(_, held)| !held);
-        let ways: Vec<Point> = free.flat_map(|(way, _)| [way, -way]).collect();
-        let sound = |corners: &[Corner]| {
-            let at = problem.evaluate(&to_variables(corners), 0.0);
-            at.rows.iter().all(|r| r.violation() <= 1e-6) && problem.crossings(&at.track).is_empty()
-        };
+        let axes = [Point::new(1.0, 0.0), Point::new(0.0, 1.0)].into_iter().zip(held(&problem, corners.len()));
+        let ways: Vec<Point> = axes.filter(|(_, held)| !held).flat_map(|(way, _)| [way, -way]).collect();
+        let sound = |corners: &[Corner]| meets_all(&problem, corners);
         let mut best: Option<(Vec<Corner>, Placement)> = None;
         let mut step = SHIFTS.0;
         while step >= SHIFTS.1 && !ways.is_empty() && !self.options.stop.now() {
@@ -336,7 +345,7 @@ impl<'a> Search<'a> {
                 None => (corners.to_vec(), placement.conveyors),
             };
             let moved = |way: &Point| -> Option<(Vec<Corner>, Placement)> {
-                let corners: Vec<Corner> = here.iter().map(|c| Corner { point: c.point + *way * step, ..*c }).collect();
+                let corners = shift(&here, *way * step);
                 if !sound(&corners) {
                     return None;
                 }
@@ -350,6 +359,48 @@ impl<'a> Search<'a> {
             }
         }
         best
+    }
+
+    /// A track of the same shape where everything finds room, if one is found that meets every row: the nearest of places
+    /// all over the building. A track that only has to be short or cheap may end against a wall of an empty hall.
+    fn moved(&mut self, corners: &[Corner]) -> Option<(Vec<Corner>, Placement)> {
+        let building = self.layout.building.as_ref()?;
+        // Whether there is room does not depend on conveyors, and is found sooner without.
+        let mut unfed = self.layout.clone();
+        unfed.equipment.declared.iter_mut().for_each(|d| d.fed = None);
+        let problem = Problem::new(self.layout, Scope::Obstacles);
+        let held = held(&problem, corners.len());
+        let along = |k: usize, of: fn(Point) -> f64| -> Vec<f64> {
+            let extent = |values: &mut dyn Iterator<Item = f64>| {
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+            };
+            let walls = extent(&mut building.polygon.points().iter().map(|p| of(*p)));
+            let track = extent(&mut corners.iter().map(|c| of(c.point)));
+            let (low, high) = (walls.0 - track.0, walls.1 - track.1);
+            match held[k] || high <= low {
+                true => vec![0.0],
+                false => (0..MOVES.0).map(|i| low + (high - low) * (i as f64 + 0.5) / MOVES.0 as f64).collect(),
+            }
+        };
+        let (x, y) = (along(0, |p| p.x), along(1, |p| p.y));
+        let mut by: Vec<Point> = x.iter().flat_map(|x| y.iter().map(|y| Point::new(*x, *y))).collect();
+        by.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        for by in by {
+            if self.moves >= MOVES.1 || self.options.stop.now() {
+                return None;
+            }
+            let corners = shift(corners, by);
+            if !meets_all(&problem, &corners) {
+                continue;
+            }
+            self.moves += 1;
+            let track = Track::new(&corners);
+            if placement::place(&unfed, &track).is_whole() {
+                let placement = placement::place(self.layout, &track);
+                return placement.is_whole().then_some((corners, placement));
+            }
+        }
+        None
     }
 
     /// Nodes with longer straights, and whether all layouts of the node with room for everything are among them.
@@ -401,6 +452,20 @@ impl<'a> Search<'a> {
         last.certificate = Some(Certificate { seconds, ..certificate });
         stages
     }
+}
+
+/// Whether a vertex' x, and whether one's y, is held.
+fn held(problem: &Problem, vertices: usize) -> [bool; 2] {
+    [0, 1].map(|k| (0..vertices).any(|i| problem.bounds[3 * i + k].low == problem.bounds[3 * i + k].high))
+}
+
+fn shift(corners: &[Corner], by: Point) -> Vec<Corner> {
+    corners.iter().map(|c| Corner { point: c.point + by, ..*c }).collect()
+}
+
+fn meets_all(problem: &Problem, corners: &[Corner]) -> bool {
+    let at = problem.evaluate(&to_variables(corners), 0.0);
+    at.rows.iter().all(|r| r.violation() <= 1e-6) && problem.crossings(&at.track).is_empty()
 }
 
 /// Whether it is proven that there is no such layout.
