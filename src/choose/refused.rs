@@ -4,6 +4,7 @@ use super::candidate::{Candidate, Requirement, Shortfall};
 use super::find::Chosen;
 use crate::base::number::{fixed, trimmed};
 use crate::capacity::{Sorter, limit_words, way_out};
+use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::solve;
 use crate::source::Span;
@@ -14,7 +15,16 @@ pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
         return Vec::new();
     }
     if chosen.tracks.is_empty() {
-        let of = |no: &super::tracks::NoTrack| solve::diagnose(&no.layout, &no.stages);
+        let of = |no: &super::tracks::NoTrack| {
+            let why = solve::diagnose(&no.layout, &no.stages);
+            match why.is_empty() {
+                true => {
+                    let compiled = Compiled::new((*no.layout).clone(), no.stages.clone());
+                    compiled.heights.iter().cloned().chain(compiled.without_room()).collect()
+                }
+                false => why,
+            }
+        };
         return chosen.untracked.first().map(of).unwrap_or_default();
     }
     if !chosen.checked.is_empty() {

@@ -59,7 +59,8 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
         let stages = solve::solve(&layout, &alone, &|_| ());
         told(Told::Track);
         let compiled = Compiled::new(layout, stages);
-        match compiled.failed() || compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error) {
+        let unbuildable = compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error);
+        match compiled.failed() || unbuildable || !compiled.placement.is_whole() {
             true => Err(NoTrack {
                 radius: *radius,
                 length: *length,

@@ -17,8 +17,11 @@ impl Compiled {
         if !self.failed() {
             let unclosed = solve::unclosed(&self.layout, &self.track, &self.space.line);
             said.extend(unclosed.or_else(|| self.loose()));
-            said.extend(self.without_room());
-            said.extend(self.short_of_capacity());
+            // What lacks its place has no capacity either.
+            match self.placement.is_whole() {
+                true => said.extend(self.without_room().into_iter().chain(self.short_of_capacity())),
+                false => said.extend(self.without_room()),
+            }
         }
         said.extend(self.heights.iter().cloned());
         // Nobody orders a layout that is not feasible.
