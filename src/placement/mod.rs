@@ -108,10 +108,11 @@ pub fn place(layout: &Layout, track: &Track) -> Placement {
     let conveyor = |p: &Placed| p.conveyor.map_or(0.0, |length| length * of(p).conveyor);
     let given = placed.iter().filter(|p| !layout.equipment.declared[p.declared].given().is_empty());
     let lacks = task.groups.iter().zip(&found.along.missing).filter(|(_, n)| **n > 0);
-    let conveyors = placed.iter().map(conveyor).sum::<f64>();
+    // An empty sum is -0.
+    let conveyors = placed.iter().map(conveyor).sum::<f64>() + 0.0;
     Placement {
         missing: lacks.map(|(group, n)| (group.declared, *n)).collect(),
-        equipment: placed.iter().map(|p| of(p).article.price.unwrap_or(0.0)).sum(),
+        equipment: placed.iter().map(|p| of(p).article.price.unwrap_or(0.0)).sum::<f64>() + 0.0,
         // Places are rounded to the micrometre.
         bound: conveyors.min(found.bound + given.map(conveyor).sum::<f64>()),
         conveyors,
