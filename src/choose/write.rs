@@ -94,8 +94,17 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
         put(places.next().copied(), Some(&lines.places.join("\n")));
         removed.extend(places.copied());
     }
-    // The track is written as it was found: motors stand on it, and a build begins there.
-    let track = &chosen.track(candidate).compiled.track;
+    // The track is written as it was found: motors stand on it, and a build begins there. Of one that is not proven best a
+    // build could find another, with another price.
+    let found = chosen.track(candidate);
+    if !found.proven && !chosen.layout.objective.terms.is_empty() {
+        let goal = "optimise nothing // the track as it was found";
+        match chosen.layout.objective.span.filter(|span| span.file == file) {
+            Some(span) => edits.push((span, goal.to_owned())),
+            None => behind += &format!("\n{goal}"),
+        }
+    }
+    let track = &found.compiled.track;
     for (vertex, corner) in chosen.layout.vertices.iter().zip(&track.corners) {
         let [x, y, radius] = [corner.point.x, corner.point.y, corner.radius].map(|v| trimmed(v, DECIMALS));
         edits.push((vertex.span, format!("vertex {} ({x} m, {y} m) radius {radius} m", vertex.name)));
