@@ -6,7 +6,17 @@ use std::collections::BTreeMap;
 
 /// What went, in the order of the first, then what came, in that of the second.
 pub fn changed(before: &Layout, after: &Layout) -> Vec<Line> {
-    let [before, after] = [before, after].map(|layout| statements(&print(layout), &layout.name));
+    // What a choice was made among is no change of the layout: its `choose` lines say that it was made.
+    let chosen = before.choice.is_open() != after.choice.is_open();
+    let told = |layout: &Layout| {
+        let mut lines = statements(&print(layout), &layout.name);
+        let own = [format!("cart {}", layout.cart.name), format!("motor {}", layout.drive.motor.name)];
+        let other =
+            |block: &str| (block.starts_with("cart ") || block.starts_with("motor ")) && own.iter().all(|o| o != block);
+        lines.retain(|(within, _)| !(chosen && other(within.split(" / ").next().unwrap_or(within))));
+        lines
+    };
+    let [before, after] = [before, after].map(told);
     let only = |own: &[(String, String)], other: &[(String, String)], change: Change| -> Vec<Line> {
         let mut known: BTreeMap<&(String, String), usize> = BTreeMap::new();
         other.iter().for_each(|line| *known.entry(line).or_default() += 1);
