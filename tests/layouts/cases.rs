@@ -12,8 +12,19 @@ use lss::solve::{self, Options, Stage, unsupported};
 use lss::source::{Loader, SourceMap};
 use std::path::Path;
 
-const CASES: [&str; 10] =
-    ["constraints", "equipment", "even", "hub", "levels", "reference", "smallest", "spiral", "thesis10", "written"];
+const CASES: [&str; 11] = [
+    "constraints",
+    "equipment",
+    "even",
+    "hub",
+    "levels",
+    "parcel_hub",
+    "reference",
+    "smallest",
+    "spiral",
+    "thesis10",
+    "written",
+];
 
 /// The text of an example.
 fn text(name: &str) -> String {

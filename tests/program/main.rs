@@ -15,6 +15,7 @@ mod diff;
 mod documents;
 mod editor;
 mod fits;
+mod hub;
 mod limits;
 mod links;
 mod messages;
