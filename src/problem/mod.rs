@@ -99,6 +99,13 @@ pub struct ConstraintRow {
     pub reason: Option<String>,
 }
 
+impl ConstraintRow {
+    /// A hard row of lengths.
+    pub fn hard(function: Function, (low, high): (f64, f64), label: String, span: Span) -> Self {
+        ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None }
+    }
+}
+
 /// What a row measures. All are m but turns and formulas of angles, which are rad.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]

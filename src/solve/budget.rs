@@ -6,7 +6,7 @@
 //! [`pareto`](super::pareto). Where it is length that is limited, a last search has the limit as a row, as layouts may
 //! lie between those that are best for some price.
 
-use super::{Certificate, Counted, Discretise, Options, Stage, Status, Tell, worth};
+use super::{Certificate, Counted, Discretise, Options, Stage, Status, Tell, least_price};
 use crate::geometry::Track;
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Layout, Objective, Target, Unit};
 use crate::solve::stages::solve_in_stages;
@@ -14,7 +14,7 @@ use crate::solve::stages::solve_in_stages;
 /// Prices that are tried, at most.
 const MOST: usize = 6;
 /// A budget may be exceeded by this share: rounding of sums.
-const ROUNDING: f64 = 1e-9;
+pub const ROUNDING: f64 = 1e-9;
 
 /// How much length (m) and cost (EUR) count in a sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,9 +211,7 @@ fn measured(layout: &Layout, stages: Vec<Stage>) -> Result<Found, Vec<Stage>> {
         return Err(stages);
     };
     let track = Track::new(&last.corners);
-    // Bought for the least money in any case.
-    let priced = weighted(layout, Weights { cost: 1.0, length: 0.0 });
-    let (length, price) = (track.length, worth(&priced, &track, 0.0));
+    let (length, price) = (track.length, least_price(layout, &track));
     Ok(Found { stages, length, price })
 }
 

@@ -31,7 +31,7 @@ mod violations;
 pub use certificate::{Certificate, Counted, Part};
 pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Proof, Relaxed, Within, implied};
 pub use equipped::solve;
-pub use exact::{discretise, worth};
+pub use exact::{discretise, least_price, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use goals::solve_with;
 pub use left_over::left_over;

@@ -4,7 +4,7 @@
 //! both alike; what is best then lies below the line between them, or there is nothing (Aneja and Nair 1979). Layouts
 //! that are best for no price of a metre are not found this way.
 
-use super::{Certificate, Options, Stage, Status, Tell, solve, worth};
+use super::{Certificate, Options, Stage, Status, Tell, least_price, solve};
 use crate::geometry::Track;
 use crate::model::{Goal, Layout, Objective};
 
@@ -75,9 +75,7 @@ fn trade(layout: &Layout, metre: Option<f64>, options: &Options, watch: Tell) ->
     let stages = solve(&layout, options, watch);
     let last = stages.last().filter(|s| s.status != Status::Infeasible)?;
     let track = Track::new(&last.corners);
-    // Bought for the least money in any case.
-    layout.objective = objective(&layout, Some(0.0));
-    let price = worth(&layout, &track, 0.0);
+    let price = least_price(&layout, &track);
     let certificate = last.certificate.clone();
     price.is_finite().then_some(Trade { metre, length: track.length, price, certificate, stages })
 }

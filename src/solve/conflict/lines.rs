@@ -117,16 +117,7 @@ impl Lines {
 
     fn variable(&mut self, k: usize, low: f64, high: f64, label: String, span: Span) -> usize {
         let function = Function::Linear(vec![(k, 1.0)]);
-        self.problem.rows.push(ConstraintRow {
-            function,
-            low,
-            high,
-            angle: false,
-            weight: None,
-            label,
-            span,
-            reason: None,
-        });
+        self.problem.rows.push(ConstraintRow::hard(function, (low, high), label, span));
         self.problem.rows.len() - 1
     }
 

@@ -24,7 +24,7 @@ mod tariff;
 mod told;
 mod touched;
 
-pub use tariff::worth;
+pub use tariff::{least_price, worth};
 
 use super::options::Discretised;
 use super::sqp::{Solution, SqpSettings};

@@ -190,7 +190,7 @@ fn relaxed(problem: &Problem, by: f64) -> Problem {
         let (label, span) = ("fix".to_owned(), problem.vertex_span(k / 3));
         let function = Function::Linear(vec![(k, 1.0)]);
         let (low, high) = (at - by, at + by);
-        problem.rows.push(ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None });
+        problem.rows.push(ConstraintRow::hard(function, (low, high), label, span));
     }
     problem
 }

@@ -9,7 +9,7 @@ use super::grid::{Grid, track};
 use super::open::{Open, place};
 use crate::elements::{self, OrderedPiece, Part, PriceStep, Space, Steps};
 use crate::geometry::Track;
-use crate::model::{Goal, Layout};
+use crate::model::{Goal, Layout, Objective};
 use crate::problem::Problem;
 
 /// What is minimised.
@@ -193,6 +193,12 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
         return f64::INFINITY;
     }
     elements::price(&pieces, layout) + metre * track.length
+}
+
+/// What a layout costs when it is bought for the least money, whatever is optimised, EUR.
+pub fn least_price(layout: &Layout, track: &Track) -> f64 {
+    let objective = Objective { terms: vec![(1.0, Goal::Cost)], within: None, span: None };
+    worth(&Layout { objective, ..layout.clone() }, track, 0.0)
 }
 
 /// The steps of one straight within its limits: cell 2i is the length of step i, cell 2i + 1 what lies between it and

@@ -9,6 +9,7 @@ use crate::geometry::Track;
 use crate::kinematics::polygon::{Course, CurvePhasor, action, curve_phasor};
 use crate::problem::measures::to_corners;
 use crate::problem::{Aim, Problem, Wave, Waves};
+use crate::solve::budget::ROUNDING;
 use crate::solve::sqp::{self, Solution, SqpSettings};
 use crate::solve::worth;
 
@@ -18,8 +19,6 @@ pub const POLISHED: usize = 4;
 const ITERATIONS: usize = 60;
 /// Cheaper lengths of a straight that are tried.
 const NEAREST: usize = 2;
-/// A budget may be exceeded by this share: rounding of sums.
-const ROUNDING: f64 = 1e-9;
 
 /// A solved layout.
 #[derive(Clone, Debug)]

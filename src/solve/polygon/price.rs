@@ -75,17 +75,7 @@ impl Price {
     pub fn hold(&self, problem: &mut Problem, straights: &[f64]) {
         let Some(span) = problem.rows.first().map(|row| row.span) else { return };
         let mut row = |function: Function, low: f64, high: f64, label: &str| {
-            let label = label.to_owned();
-            problem.rows.push(ConstraintRow {
-                function,
-                low,
-                high,
-                angle: false,
-                weight: None,
-                label,
-                span,
-                reason: None,
-            });
+            problem.rows.push(ConstraintRow::hard(function, (low, high), label.to_owned(), span));
         };
         let points = self.steps.as_ref().map_or(&[][..], |steps| steps.points());
         for (k, length) in straights.iter().enumerate().filter(|_| !points.is_empty()) {

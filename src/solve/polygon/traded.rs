@@ -8,13 +8,12 @@ use super::Smooth;
 use crate::geometry::Track;
 use crate::kinematics::polygon::{Course, PolygonObjective, action};
 use crate::model::{Goal, Layout, Objective};
+use crate::solve::budget::ROUNDING;
 use crate::solve::stages::solve_in_stages;
-use crate::solve::{Discretise, Options, Stage, Status, Tell, worth};
+use crate::solve::{Discretise, Options, Stage, Status, Tell, least_price};
 
 /// Prices that are tried, at most.
 const MOST: usize = 6;
-/// The limit may be exceeded by this share: rounding of sums.
-const ROUNDING: f64 = 1e-9;
 
 /// A goal within a limit of polygon action.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,10 +98,7 @@ impl Traded {
         let track = Track::new(&last.corners);
         let action = Course::of_track(&track).and_then(|course| action(&course, layout.cart.length));
         let Ok(action) = action else { return Err(stages) };
-        // Bought for the least money in any case.
-        let objective = Objective { terms: vec![(1.0, Goal::Cost)], within: None, span: None };
-        let priced = Layout { objective, ..layout.clone() };
-        let of = |goal: Goal| if goal == Goal::Cost { worth(&priced, &track, 0.0) } else { track.length };
+        let of = |goal: Goal| if goal == Goal::Cost { least_price(layout, &track) } else { track.length };
         let value = self.terms.iter().map(|(weight, goal)| weight * of(*goal)).sum();
         Ok(Found { stages, value, action: 1e6 * action.value(PolygonObjective::All) })
     }
