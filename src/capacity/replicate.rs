@@ -4,6 +4,8 @@ use super::simulate::{Plan, Seen, simulate};
 use super::sorter::Sorter;
 use super::warm_up;
 use crate::base::{parallel, student};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// How much is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +25,7 @@ impl Default for Settings {
 }
 
 /// A mean over replications, and half the width of its interval of 95 % (Student).
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Mean {
     pub value: f64,
     pub half_width: f64,

@@ -3,10 +3,11 @@
 
 use super::find::Chosen;
 use clap::ValueEnum;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What candidates are compared by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
     /// Of everything that has a price, EUR.

@@ -6,11 +6,13 @@ use crate::emit::bom::Bom;
 use crate::emit::layout::LayoutFile;
 use crate::emit::pareto::Pareto;
 use crate::gap::Diagnosis;
+use crate::report::capacity;
+use crate::report::choice;
 use crate::report::polygon::{PolygonReport, Verification};
 use crate::study;
 
 /// Names and contents of `docs/schemas/`.
-pub fn schemas() -> [(&'static str, Vec<u8>); 8] {
+pub fn schemas() -> [(&'static str, Vec<u8>); 10] {
     [
         ("layout.schema.json", json::schema::<LayoutFile>()),
         ("simulation.schema.json", json::schema::<Simulation>()),
@@ -18,6 +20,8 @@ pub fn schemas() -> [(&'static str, Vec<u8>); 8] {
         ("pareto.schema.json", json::schema::<Pareto>()),
         ("polygon.schema.json", json::schema::<PolygonReport>()),
         ("verify.schema.json", json::schema::<Verification>()),
+        ("capacity.schema.json", json::schema::<capacity::Found>()),
+        ("choice.schema.json", json::schema::<choice::Found>()),
         ("study.schema.json", json::to_json(&study::schema())),
         ("gap.schema.json", json::schema::<Diagnosis>()),
     ]
@@ -55,7 +59,7 @@ mod tests {
             let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
             for (name, schema) in schemas() {
-                // Of `lss polygon`, `lss study`, `lss gap` and `--emit pareto`, not of every build.
+                // Of `lss polygon`, `lss study`, `lss capacity`, `lss choose`, `lss gap` and `--emit pareto`, not of every build.
                 let Some((_, content)) = files.iter().find(|(n, _)| *n == name.replace(".schema", "")) else {
                     continue;
                 };

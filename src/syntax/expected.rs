@@ -185,7 +185,12 @@ impl Failure {
         if let Some(meant) = token.chars().next().and_then(lookalike) {
             edits.push(replace(meant));
         }
-        let literals = self.literals(context, token);
+        let mut literals = self.literals(context, token);
+        // Before a word that is none of several, none of them is likelier to be missing than another.
+        if token.starts_with(is_letter) && literals.iter().filter(|literal| literal.starts_with(is_letter)).count() > 1
+        {
+            literals.retain(|literal| !literal.starts_with(is_letter));
+        }
         // A sign in another's place: `P1-P2` for `P1..P2`, `mass: 5 kg` for `mass = 5 kg`.
         if !token.is_empty() && token.bytes().all(|b| b.is_ascii_punctuation()) && !is_bracket(token) {
             edits.extend(

@@ -52,6 +52,27 @@ fn count(row: &str) -> usize {
     row.rsplit(' ').next().and_then(|n| n.parse().ok()).expect("a count")
 }
 
+/// What `lss choose` and `lss capacity` write is as the schemas in the docs say.
+#[test]
+fn files_are_as_their_schemas_say() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().to_str().expect("a path");
+    let quick = ["--hours", "0.5", "--replications", "2"];
+    lss().args(["capacity", "examples/capacity.lss", "-o", out]).args(quick).assert().success();
+    chosen(folder.path(), &["--checks", "1", "--pareto", "price,capacity"]);
+    for name in ["capacity", "choice"] {
+        let json = |path: &Path| -> Value { serde_json::from_slice(&fs::read(path).expect(name)).expect("JSON") };
+        let schema = format!("docs/schemas/{name}.schema.json");
+        let schema = json(&Path::new(env!("CARGO_MANIFEST_DIR")).join(schema));
+        let validator = jsonschema::validator_for(&schema).expect("a schema");
+        let mut document = json(&folder.path().join(format!("{name}.json")));
+        let wrong: Vec<String> = validator.iter_errors(&document).map(|e| e.to_string()).collect();
+        assert_eq!(wrong, Vec::<String>::new(), "{name}");
+        document.as_object_mut().expect("an object").remove("layout");
+        assert!(!validator.is_valid(&document), "{name}: without its layout's name");
+    }
+}
+
 /// The table has every candidate; the winner is the cheapest of those that fall short of nothing, and the front is none
 /// that another row beats.
 #[test]

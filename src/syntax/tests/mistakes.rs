@@ -44,6 +44,13 @@ fn the_rest_of_a_file_is_read_after_a_forgotten_bracket() {
     }
 }
 
+/// One word of several that could have stood there is not put before it.
+#[test]
+fn a_choice_of_what_cannot_be_chosen_names_what_can() {
+    let message = one("choose wheel x");
+    assert!(message.contains("expected `cart`, `motor`, `radii` or `speed`, found `wheel`"), "{message}");
+}
+
 #[test]
 fn fixes_lead_to_a_clean_file() {
     for line in [

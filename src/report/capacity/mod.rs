@@ -1,6 +1,10 @@
 //! `capacity.html`: how many items an hour a sorter takes, where its carriers run empty, which chutes are full, and what
 //! another speed or fewer inductions would give.
 
+mod found;
+
+pub use found::Found;
+
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Mark, Pictures, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::fixed;

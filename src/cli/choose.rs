@@ -1,7 +1,5 @@
 //! `lss choose`: which carts, speed, motors and radii do what a layout requires for the least money.
 
-mod found;
-
 use super::progress::Line;
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json::to_json;
@@ -9,10 +7,9 @@ use crate::choose::{self, Measure, Settings, Told, TooMany, refused, write};
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::Width;
 use crate::emit::Files;
-use crate::report::choice as page;
+use crate::report::choice::{self as page, Found};
 use crate::semantics::given::GivenLet;
 use crate::solve::{Options, unsupported};
-use found::Found;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -101,7 +98,7 @@ impl Choose {
         if let Some(folder) = &self.output {
             let mut files = Files::default();
             files.push("choice.json", to_json(&found));
-            match found::table(&chosen) {
+            match page::table(&chosen) {
                 Ok(table) => files.push("candidates.csv", table),
                 Err(why) => return could_not("write", folder, why),
             }

@@ -1,6 +1,10 @@
 //! `choice.html`: the components that were chosen, what else there was, what requirements cost, and candidates that no other
 //! one beats.
 
+mod found;
+
+pub use found::{Found, table};
+
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::{fixed, trimmed};

@@ -3,6 +3,7 @@
 use crate::base::number::{fixed, normal, trimmed};
 use crate::choose::refused::{failures, limited, short_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure, Requirement, write};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -11,7 +12,8 @@ const TOLD: usize = 10;
 const FAILED: usize = 3;
 
 /// As in `choice.json`.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(title = "lss choose")]
 pub struct Found {
     layout: String,
     /// Candidates that were worked out, and those of them that do what is required.
@@ -36,7 +38,7 @@ pub struct Found {
     pareto: Option<Trade>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Row {
     cart: String,
     cart_length_m: f64,
@@ -63,7 +65,7 @@ struct Row {
 }
 
 /// Thrust of all motors together, N.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Forces {
     rolling: f64,
     curves: f64,
@@ -77,7 +79,7 @@ struct Forces {
     available: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Checked {
     thrust_n: f64,
     speed_m_s: f64,
@@ -86,7 +88,7 @@ struct Checked {
     parts: Vec<PartRow>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct PartRow {
     part: &'static str,
     peak_n: f64,
@@ -96,13 +98,13 @@ struct PartRow {
     life_years: Option<f64>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct FailedCheck {
     choice: String,
     why: String,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct RequirementRow {
     requirement: &'static str,
     /// Candidates that fall short of it.
@@ -113,13 +115,13 @@ struct RequirementRow {
 }
 
 /// Candidates that no other one beats.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Trade {
     measures: Vec<Measure>,
     rows: Vec<TradeRow>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct TradeRow {
     values: Vec<f64>,
     choice: String,

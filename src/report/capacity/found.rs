@@ -1,0 +1,200 @@
+//! What a capacity says of its result, for people and in JSON.
+
+use crate::base::number::{duration, fixed};
+use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, limit_words};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// What was found, as in `capacity.json`.
+#[derive(Serialize, JsonSchema)]
+#[schemars(title = "lss capacity")]
+pub struct Found<'a> {
+    layout: &'a str,
+    carriers: usize,
+    /// m
+    pitch_m: f64,
+    speed_m_s: f64,
+    carriers_per_hour: f64,
+    /// Closed form, in the proportions in which items come.
+    bound_per_hour: f64,
+    limited_by: String,
+    required_per_hour: Option<f64>,
+    hours: f64,
+    replications: usize,
+    seed: u64,
+    /// With items at every induction at any time.
+    always_fed: Simulated<'a>,
+    /// With the items that the layout says come; absent where it says nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    as_fed: Option<Simulated<'a>>,
+}
+
+/// What replications showed.
+#[derive(Serialize, JsonSchema)]
+struct Simulated<'a> {
+    per_hour: Mean,
+    warm_up_s: f64,
+    time_on_sorter_s: Mean,
+    /// Laps in vain an item.
+    unread: f64,
+    refused: f64,
+    misplaced: f64,
+    inductions: Vec<InductionRow<'a>>,
+    chutes: Vec<ChuteRow<'a>>,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct InductionRow<'a> {
+    name: &'a str,
+    s_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    comes_per_hour: Option<f64>,
+    per_hour: f64,
+    waits_s: f64,
+    /// Items that wait at the end.
+    queue: f64,
+    /// Carriers in use before and behind it.
+    used_before: f64,
+    used_behind: f64,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct ChuteRow<'a> {
+    name: &'a str,
+    s_m: f64,
+    per_hour: f64,
+    /// Share of the items that came and found it full.
+    refused: f64,
+}
+
+impl<'a> Simulated<'a> {
+    fn new(sorter: &'a Sorter, measured: &Measured) -> Self {
+        let inductions = sorter.inductions.iter().enumerate().map(|(i, induction)| InductionRow {
+            name: &induction.name,
+            s_m: induction.s,
+            comes_per_hour: induction.demand,
+            per_hour: measured.inductions[i].0,
+            waits_s: measured.inductions[i].1,
+            queue: measured.queues[i],
+            used_before: measured.used[i].0,
+            used_behind: measured.used[i].1,
+        });
+        let chutes = sorter.chutes.iter().zip(&measured.chutes).map(|(chute, (per_hour, refused))| ChuteRow {
+            name: &chute.name,
+            s_m: chute.s,
+            per_hour: *per_hour,
+            refused: *refused,
+        });
+        Simulated {
+            per_hour: measured.throughput,
+            warm_up_s: measured.warm_up,
+            time_on_sorter_s: measured.time,
+            unread: measured.unread,
+            refused: measured.refused,
+            misplaced: measured.misplaced,
+            inductions: inductions.collect(),
+            chutes: chutes.collect(),
+        }
+    }
+
+    fn text(&self, how: &str, found: &Found) -> String {
+        let Mean { value, half_width } = self.per_hour;
+        let mut out = format!(
+            "  simulated, {how}: {} ± {} items an hour (95 %, {} × {} h, the first {} left out)\n",
+            fixed(value, 0),
+            fixed(half_width, 0),
+            found.replications,
+            found.hours,
+            duration(self.warm_up_s)
+        );
+        let _ = writeln!(
+            out,
+            "    {} s from coming to being given out; laps in vain an item: {} unread, {} refused; {} % given out elsewhere",
+            fixed(self.time_on_sorter_s.value, 1),
+            fixed(self.unread, 3),
+            fixed(self.refused, 3),
+            fixed(100.0 * self.misplaced, 2)
+        );
+        for row in &self.inductions {
+            let waits = match row.comes_per_hour {
+                Some(comes) if row.queue > 5.0 && row.queue > 0.01 * comes * found.hours => {
+                    format!(
+                        ", {} wait at the end: it does not keep up with {} an hour",
+                        fixed(row.queue, 0),
+                        fixed(comes, 0)
+                    )
+                }
+                Some(_) => format!(", items wait {} s", fixed(row.waits_s, 1)),
+                None => String::new(),
+            };
+            let _ = writeln!(
+                out,
+                "    induction {}: {} an hour{waits}; carriers in use {} % before it, {} % behind",
+                row.name,
+                fixed(row.per_hour, 0),
+                fixed(100.0 * row.used_before, 0),
+                fixed(100.0 * row.used_behind, 0)
+            );
+        }
+        let mut full: Vec<&ChuteRow> = self.chutes.iter().filter(|chute| chute.refused > 0.005).collect();
+        full.sort_by(|a, b| b.refused.total_cmp(&a.refused));
+        for chute in full.iter().take(5) {
+            let share = fixed(100.0 * chute.refused, 1);
+            let _ = writeln!(out, "    chute {} is full for {share} % of its items", chute.name);
+        }
+        if full.len() > 5 {
+            let _ = writeln!(out, "    and {} more chutes", full.len() - 5);
+        }
+        out
+    }
+}
+
+impl<'a> Found<'a> {
+    pub fn new(
+        layout: &'a str,
+        sorter: &'a Sorter,
+        bound: &Bound,
+        required: Option<f64>,
+        (fed, always): (Option<&Measured>, &Measured),
+        settings: &Settings,
+    ) -> Self {
+        let mut always_fed = Simulated::new(sorter, always);
+        // Nobody waits where there always is an item.
+        always_fed.inductions.iter_mut().for_each(|row| row.comes_per_hour = None);
+        Found {
+            layout,
+            carriers: sorter.carriers,
+            pitch_m: sorter.pitch,
+            speed_m_s: sorter.speed,
+            carriers_per_hour: sorter.carriers_per_hour(),
+            bound_per_hour: bound.throughput,
+            limited_by: limit_words(sorter, bound.limit),
+            required_per_hour: required,
+            hours: settings.hours,
+            replications: settings.replications,
+            seed: settings.seed,
+            always_fed,
+            as_fed: fed.map(|fed| Simulated::new(sorter, fed)),
+        }
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let mut out = format!(
+            "{}\n  {} carriers at {} m/s: {} an hour pass a place\n  closed form: at most {} items an hour, limited by {}\n",
+            self.layout,
+            self.carriers,
+            self.speed_m_s,
+            fixed(self.carriers_per_hour, 0),
+            fixed(self.bound_per_hour, 0),
+            self.limited_by
+        );
+        if let Some(fed) = &self.as_fed {
+            let comes: f64 = fed.inductions.iter().filter_map(|row| row.comes_per_hour).sum();
+            out += &fed.text(&format!("with the {} an hour that come", fixed(comes, 0)), self);
+        }
+        out += &self.always_fed.text("with items at every induction at any time", self);
+        out
+    }
+}
