@@ -150,6 +150,12 @@ impl Chosen {
         &self.tracks[self.fitted[candidate.fitted].track]
     }
 
+    /// How many candidates with the fewest motors fall short of a requirement.
+    pub fn missed_by(&self, requirement: Requirement) -> usize {
+        let falls = |c: &&Candidate| c.shortfalls.iter().any(|s| s.requirement == requirement);
+        self.candidates[..self.worked_out].iter().filter(falls).count()
+    }
+
     /// The layout that a candidate is, with its motors in their places. `None` where they do not fit.
     pub fn built(&self, candidate: &Candidate) -> Option<Compiled> {
         let on = &self.fitted[candidate.fitted];

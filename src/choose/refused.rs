@@ -30,12 +30,9 @@ pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
     if !chosen.checked.is_empty() {
         return vec![failed_checks(chosen)];
     }
-    let missed = |requirement: Requirement| {
-        let falls = |c: &&Candidate| c.shortfalls.iter().any(|s| s.requirement == requirement);
-        chosen.candidates.iter().filter(falls).count()
-    };
     let kinds = [Requirement::Capacity, Requirement::Closes, Requirement::Room];
-    let never: Vec<Requirement> = kinds.into_iter().filter(|kind| missed(*kind) == chosen.candidates.len()).collect();
+    let never: Vec<Requirement> =
+        kinds.into_iter().filter(|kind| chosen.missed_by(*kind) == chosen.worked_out).collect();
     if never.is_empty() {
         return vec![together(chosen)];
     }
@@ -134,9 +131,6 @@ pub fn limited(chosen: &Chosen, candidate: &Candidate) -> Option<String> {
 
 /// Each requirement is met by some candidate, all of them by none.
 fn together(chosen: &Chosen) -> Diagnostic {
-    let count = |requirement: Requirement| {
-        chosen.candidates.iter().filter(|c| c.shortfalls.iter().any(|s| s.requirement == requirement)).count()
-    };
     let kinds = [
         (Requirement::Capacity, "do not reach the capacity"),
         (Requirement::Closes, "do not close the chain"),
@@ -144,7 +138,7 @@ fn together(chosen: &Chosen) -> Diagnostic {
     ];
     let told: Vec<String> = kinds
         .into_iter()
-        .map(|(kind, what)| (count(kind), what))
+        .map(|(kind, what)| (chosen.missed_by(kind), what))
         .filter(|(n, _)| *n > 0)
         .map(|(n, what)| format!("{n} {what}"))
         .collect();

@@ -127,7 +127,8 @@ struct TradeRow {
     choice: String,
 }
 
-fn name(requirement: Requirement) -> &'static str {
+/// What a requirement is called.
+pub fn name(requirement: Requirement) -> &'static str {
     match requirement {
         Requirement::Capacity => "capacity",
         Requirement::Closes => "chain closes",
@@ -196,10 +197,6 @@ impl Checked {
 impl Found {
     pub fn new(chosen: &Chosen, measures: &[Measure], trade: Option<&[(usize, Vec<f64>)]>) -> Self {
         let winner = chosen.winner.map(|k| &chosen.candidates[k]);
-        let missed = |requirement: Requirement| {
-            let falls = |c: &&Candidate| c.shortfalls.iter().any(|s| s.requirement == requirement);
-            chosen.candidates[..chosen.worked_out].iter().filter(falls).count()
-        };
         let failed = |(k, found): &(usize, Result<Check, String>)| {
             let why = match found {
                 Err(why) => why.clone(),
@@ -228,7 +225,7 @@ impl Found {
                 .iter()
                 .map(|(requirement, cost)| RequirementRow {
                     requirement: name(*requirement),
-                    missed_by: missed(*requirement),
+                    missed_by: chosen.missed_by(*requirement),
                     costs_eur: cost.filter(|cost| cost.is_finite()).map(|cost| normal((cost * 100.0).round() / 100.0)),
                 })
                 .collect(),

@@ -10,7 +10,7 @@ use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, do
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::choose::refused::{failures, limited, words};
-use crate::choose::{Candidate, Check, Chosen, Measure, Requirement};
+use crate::choose::{Candidate, Check, Chosen, Measure};
 use maud::{Markup, html};
 
 /// Dots of a picture, at most.
@@ -210,27 +210,12 @@ fn checked(check: &Check) -> Markup {
 }
 
 fn costs(chosen: &Chosen) -> Markup {
-    let missed = |requirement: Requirement| {
-        chosen.candidates[..chosen.worked_out]
-            .iter()
-            .filter(|c| c.shortfalls.iter().any(|s| s.requirement == requirement))
-            .count()
-    };
-    let name = |requirement: Requirement| match requirement {
-        Requirement::Capacity => "capacity",
-        Requirement::Closes => "the chain closes",
-        Requirement::Starts => "start-up time",
-        Requirement::Stops => "stopping time",
-        Requirement::Spare => "spare motors",
-        Requirement::Load => "load on every cart",
-        Requirement::Room => "room for the motors",
-    };
     html! {
         p.note { "How much less the least total would be without it, the others held." }
         div.scroll { table {
             thead { tr { th { "requirement" } th { "missed by" } th { "costs, EUR" } } }
             tbody { @for (requirement, cost) in &chosen.costs { tr {
-                td { (name(*requirement)) } td.number { (missed(*requirement)) }
+                td { (found::name(*requirement)) } td.number { (chosen.missed_by(*requirement)) }
                 td.number { @match cost { Some(cost) if cost.is_finite() => (fixed(*cost, 2)), Some(_) => "everything fails with it", None => "–" } }
             } } }
         } }
