@@ -16,6 +16,7 @@ mod nearest;
 mod origin;
 mod recover;
 mod statement;
+mod token;
 pub mod tree;
 mod words;
 
