@@ -129,6 +129,9 @@ pub fn diagnose_and_explain(
             break;
         }
     }
+    if gap && unsettled(&scored) {
+        comparison.reshape(&mut scored, &as_built, tell);
+    }
     tell(Stage::ByChance);
     if unsettled(&scored) {
         let both = comparison
@@ -199,6 +202,25 @@ impl Comparison<'_> {
         let mut met = BTreeSet::new();
         found.retain(|j| met.insert(j.fitted.hypothesis.members[0]));
         found.into_iter().take(self.settings.selection.random_beside).map(|j| &j.fitted).collect()
+    }
+
+    /// Each of several places of an effect in the shape that fits beside the others, re-fitted as long as one gains.
+    fn reshape(&mut self, scored: &mut Vec<Scored>, as_built: &PerRun<Vec<Vec<f64>>>, tell: &mut dyn FnMut(Stage)) {
+        for _ in 0..self.settings.selection.reshapings {
+            let mut gained = false;
+            let members = self.several_places(scored).map_or(0, |j| j.fitted.hypothesis.members.len());
+            for member in 0..members {
+                let Some(Scored { fitted, mean_square, .. }) = self.several_places(scored) else { return };
+                let before = *mean_square;
+                let Some(other) = self.reshaped(&fitted.clone(), member) else { continue };
+                let other = self.refitted(vec![other], as_built, tell);
+                gained |= other.iter().any(|j| j.mean_square < before);
+                scored.extend(other);
+            }
+            if !gained {
+                return;
+            }
+        }
     }
 
     /// Hypotheses re-fitted, before the repeatabilities that they make themselves.

@@ -32,6 +32,7 @@ mod scored;
 mod screen;
 mod second;
 pub mod settings;
+mod several_places;
 mod shape;
 mod significance;
 mod simulator;

@@ -3,9 +3,8 @@
 
 use super::comparison::Comparison;
 use super::ids::CandidateId;
-use super::relinearisation::{at_alternatives, turned};
 use super::scored::{self, Scored};
-use super::screen::{self, Runs, Signature, explain};
+use super::screen::explain;
 use crate::base::parallel;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
@@ -25,54 +24,8 @@ impl Comparison<'_> {
         both.into_iter().take(self.settings.selection.seconds).map(|j| j.fitted).collect()
     }
 
-    /// The effect that leaves least of those that were simulated alone and may be at several places, at one place more,
-    /// where it explains something; and what it leaves without it, as a mean square. Where it strikes, with the other
-    /// sign and other shapes of that place, too: the known signatures are those that tell more of the nominal model's
-    /// residual, in which the other places drown it.
-    pub fn one_place_more(&mut self, scored: &[Scored]) -> Option<(Vec<Fitted>, f64)> {
-        let candidates = self.candidates();
-        let alone = |j: &&Scored| {
-            let hypothesis = &j.fitted.hypothesis;
-            let several = candidates[hypothesis.members[0]].several && self.effects(hypothesis).len() == 1;
-            several && j.fitted.simulated() && self.explains(j.mean_square)
-        };
-        let first = scored.iter().filter(alone).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square))?;
-        let own = &candidates[first.fitted.hypothesis.members[0]].effect;
-        let more = self.beside(&first.fitted, |c| candidates[c].effect == *own).into_iter().next()?.fitted;
-        let otherwise = self.last_otherwise(&first.fitted, &more);
-        Some(([more].into_iter().chain(otherwise).collect(), first.mean_square))
-    }
-
-    /// A hypothesis whose last member was added to a first one, with that member's strength of the other sign, and with
-    /// its alternatives, by signatures of their own: those that explain most of what the first leaves. None where it
-    /// does not strike.
-    fn last_otherwise(&mut self, first: &Fitted, more: &Fitted) -> Vec<Fitted> {
-        let (Some(own), Some(&size)) = (more.hypothesis.signatures.last(), more.strengths.last()) else {
-            return Vec::new();
-        };
-        let signature = &self.signatures[*own];
-        if size == 0.0 || !self.strikes(signature) {
-            return Vec::new();
-        }
-        let mut trials = at_alternatives(self.context(), signature, size);
-        trials.push(turned(self.context(), signature, size));
-        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
-        let mut taken: Vec<Signature> =
-            taken.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature).collect();
-        taken.sort_by(|a, b| b.explains(&first.residuals).total_cmp(&a.explains(&first.residuals)));
-        // The others are not kept: scores count how many signatures there are.
-        taken.truncate(self.settings.selection.place_shapes);
-        let joined = taken.into_iter().map(|signature| {
-            let members = vec![signature.candidate];
-            let signatures = vec![self.signatures.push(signature)];
-            self.joined(first, &Hypothesis { members, signatures })
-        });
-        let found: Vec<Fitted> = joined.collect();
-        found.into_iter().filter(|fitted| fitted.all_there(&self.signatures)).collect()
-    }
-
     /// What was simulated with others beside it, at other places, the likeliest first.
-    fn beside(&self, first: &Fitted, which: impl Fn(CandidateId) -> bool) -> Vec<Scored> {
+    pub fn beside(&self, first: &Fitted, which: impl Fn(CandidateId) -> bool) -> Vec<Scored> {
         let taken: BTreeSet<CandidateId> = first.hypothesis.members.iter().map(|c| self.place(*c)).collect();
         let member = |j: &Scored| j.fitted.hypothesis.members[0];
         let mut others = self.singles();
@@ -86,7 +39,7 @@ impl Comparison<'_> {
     }
 
     /// What was simulated with another effect beside it, by that one's signatures.
-    fn joined(&self, first: &Fitted, second: &Hypothesis) -> Fitted {
+    pub fn joined(&self, first: &Fitted, second: &Hypothesis) -> Fitted {
         let hypothesis = first.hypothesis.with(second);
         let own = second.signatures.iter().map(|k| self.signatures[*k].columns.clone());
         let columns: Vec<_> = first.columns.iter().cloned().chain(own).collect();

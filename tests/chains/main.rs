@@ -11,6 +11,7 @@ mod compare;
 mod gap;
 mod identify;
 mod long_runs;
+mod made_up;
 mod noisy_windows;
 mod outside;
 mod outside_failures;

@@ -105,6 +105,9 @@ settings! {
         places: usize = 4, "–", Chosen("each further one is one more re-fit");
         /// Signs and shapes of a further place that are re-fitted beside the first at most.
         place_shapes: usize = 2, "–", Chosen("each is one more re-fit");
+        /// How often all places of an effect are tried in other shapes at most, where several were found.
+        reshapings: usize = 2, "–", Chosen("shapes of one place hang on those of the others; each costs simulations of \
+            every shape of every place");
         /// Hypotheses that are held against what is seen beyond them.
         compared: usize = 40, "–", Chosen("each costs a score along every signature");
     }
