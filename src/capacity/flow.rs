@@ -39,6 +39,8 @@ pub struct WaveBound {
     pub busiest: usize,
     /// The largest share of a chute; where shares are drawn, its mean.
     pub share: f64,
+    /// Items an hour with which no chute becomes full before the next wave; infinite where none ever does.
+    pub fits: f64,
 }
 
 /// Waves of each kind that are drawn where their shares are random.
@@ -58,8 +60,8 @@ const DRAWN: usize = 64;
 ///
 /// Waves that begin T apart close chutes for c. Of the items that are on the sorter then, those that are due within c
 /// make a lap more: with a time of travel τ, and in the mean over all items, they are E[min(c, τ)]/T of all. In what of c
-/// is beyond a lap, no carrier becomes free. A chute that holds H items takes H and what is taken away in T − c. The mean
-/// is that over the waves, and over some that are drawn.
+/// is beyond a lap, no carrier becomes free. A chute that holds H items takes H and what is taken away in T − c; what is
+/// beyond that waits on carriers for the next wave. The mean is that over the waves, and over some that are drawn.
 pub fn bound(sorter: &Sorter, proportions: &[f64]) -> Option<Bound> {
     let Some(waves) = &sorter.waves else {
         let one = Flow { sorter, proportions, shares: &sorter.shares(0) }.most()?;
@@ -73,17 +75,19 @@ pub fn bound(sorter: &Sorter, proportions: &[f64]) -> Option<Bound> {
         let said = sorter.shares(wave);
         let largest = said.iter().copied().fold(0.0, f64::max);
         let busiest = said.iter().position(|share| *share == largest)?;
-        let (mut throughput, mut share) = (0.0, 0.0);
+        let (mut throughput, mut share, mut fits) = (0.0, 0.0, 0.0);
         let mut worst: Option<Most> = None;
         for _ in 0..draws {
             let shares = drawn(said.clone(), waves.spread, &mut random);
             share += shares.iter().copied().fold(0.0, f64::max) / shares.iter().sum::<f64>() / draws as f64;
-            let most = Flow { sorter, proportions, shares: &shares }.most()?;
+            let flow = Flow { sorter, proportions, shares: &shares };
+            fits += flow.rooms().first().map_or(f64::INFINITY, |room| room.first) / draws as f64;
+            let most = flow.most()?;
             throughput += most.throughput / draws as f64;
             keep_less(&mut worst, most);
         }
         let worst = worst?;
-        rows.push(WaveBound { throughput, limit: worst.limit, busiest, share });
+        rows.push(WaveBound { throughput, limit: worst.limit, busiest, share, fits });
         keep_less(&mut least, worst);
     }
     let throughput = rows.iter().map(|row| row.throughput).sum::<f64>() / rows.len() as f64;
@@ -102,6 +106,17 @@ fn keep_less(least: &mut Option<Most>, most: Most) {
     if least.as_ref().is_none_or(|least| most.throughput < least.throughput) {
         *least = Some(most);
     }
+}
+
+/// What a chute can take.
+struct Room {
+    chute: usize,
+    /// Of all items.
+    share: f64,
+    /// Items an hour that go in.
+    hourly: f64,
+    /// Items an hour of the sorter with which these come.
+    first: f64,
 }
 
 /// Items from inductions to chutes.
@@ -139,16 +154,44 @@ impl Flow<'_> {
                 offer(sorter.most_of(induction) * all / proportions[i], Limit::Induction(i));
             }
         }
-        for (i, share) in self.shares.iter().enumerate() {
-            if let (Some(hourly), true) = (sorter.most_into(&sorter.chutes[i]), *share > 0.0) {
-                offer(hourly * shares / share, Limit::Chute(i));
-            }
+        let rooms = self.rooms();
+        if let Some(first) = rooms.first() {
+            offer(self.until_full(&rooms), Limit::Chute(first.chute));
         }
         let available = sorter.stops.map_or(1.0, |s| s.between / (s.between + s.duration));
         let (throughput, limit) = best;
         let round = self.going_round(throughput, shares);
         let used = used.iter().map(|u| (u + round) * throughput / carriers).collect();
         Some(Most { throughput: throughput * available, limit, used })
+    }
+
+    /// Chutes that may become full, the first to do so first.
+    fn rooms(&self) -> Vec<Room> {
+        let shares: f64 = self.shares.iter().sum();
+        let room = |(k, (chute, share)): (usize, (&Chute, &f64))| {
+            let (share, hourly) = (share / shares, self.sorter.most_into(chute)?);
+            (share > 0.0).then_some(Room { chute: k, share, hourly, first: hourly / share })
+        };
+        let mut rooms: Vec<Room> = self.sorter.chutes.iter().zip(self.shares).enumerate().filter_map(room).collect();
+        rooms.sort_by(|a, b| a.first.total_cmp(&b.first));
+        rooms
+    }
+
+    /// Items an hour with which the first chute is full, or with waves, with which all carriers are in use by items that wait
+    /// for the next one.
+    fn until_full(&self, rooms: &[Room]) -> f64 {
+        let Some(waves) = &self.sorter.waves else { return rooms.first().map_or(f64::INFINITY, |room| room.first) };
+        let waiting = self.sorter.carriers as f64 / (1.0 + self.sorter.items.double) * 3600.0 / waves.every;
+        let (mut taken, mut share) = (0.0, 0.0);
+        for (k, room) in rooms.iter().enumerate() {
+            taken += room.hourly;
+            share += room.share;
+            let all = (waiting + taken) / share;
+            if rooms.get(k + 1).is_none_or(|next| all <= next.first) {
+                return all;
+            }
+        }
+        f64::INFINITY
     }
 
     /// Items an hour over a stretch that an item uses so many carriers of, beside those that go round because of failures.

@@ -97,6 +97,9 @@ struct WaveRow<'a> {
     /// Closed form, changeover and all.
     bound_per_hour: f64,
     limited_by: String,
+    /// With so many an hour no chute becomes full before the next wave; absent where chutes are never full.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fits_per_hour: Option<f64>,
     /// The chute with the largest share, and that share of the wave's items; where shares are drawn, the mean of the largest.
     busiest: &'a str,
     busiest_share: f64,
@@ -110,6 +113,8 @@ struct CostRow {
     of: Option<String>,
     /// Items an hour that the sorter would take more without it.
     per_hour: Mean,
+    #[serde(skip)]
+    words: String,
 }
 
 impl CostRow {
@@ -120,11 +125,11 @@ impl CostRow {
             Cause::Changeover => ("changeover", None),
             Cause::Shares => ("shares", None),
         };
-        CostRow { cause, of, per_hour: cost.per_hour }
+        CostRow { cause, of, per_hour: cost.per_hour, words: cause_words(&cost.cause) }
     }
 }
 
-/// A cause of lost throughput, in words.
+/// What costs throughput, in words.
 pub(super) fn cause_words(cause: &Cause) -> String {
     match cause {
         Cause::Stops => "stops of the sorter".to_owned(),
@@ -263,6 +268,7 @@ impl<'a> Found<'a> {
             name: each.get(k).map(|wave| wave.name.as_str()),
             bound_per_hour: wave.throughput,
             limited_by: limit_words(sorter, wave.limit),
+            fits_per_hour: wave.fits.is_finite().then_some(wave.fits),
             busiest: &sorter.chutes[wave.busiest].name,
             busiest_share: wave.share,
         });
@@ -299,11 +305,12 @@ impl<'a> Found<'a> {
         for wave in self.waves.iter().filter(|_| self.waves.len() > 1) {
             let _ = writeln!(
                 out,
-                "    wave {}: at most {}; {} % of its items go to {}",
+                "    wave {}: at most {}; {} % of its items go to {}{}",
                 wave.name.unwrap_or_default(),
                 fixed(wave.bound_per_hour, 0),
                 fixed(100.0 * wave.busiest_share, 1),
-                wave.busiest
+                wave.busiest,
+                wave.fits_per_hour.map_or_else(String::new, |fits| format!(", which is full with {}", fixed(fits, 0)))
             );
         }
         if let Some(fed) = &self.as_fed {
@@ -312,10 +319,14 @@ impl<'a> Found<'a> {
         }
         out += &self.always_fed.text("with items at every induction at any time", self);
         for cost in &self.costs {
-            let of = cost.of.as_ref().map_or_else(String::new, |of| format!(" of {of}"));
             let Mean { value, half_width } = cost.per_hour;
-            let _ =
-                writeln!(out, "    {}{of}: {} ± {} an hour less", cost.cause, fixed(value, 0), fixed(half_width, 0));
+            let _ = writeln!(
+                out,
+                "    without {}: {} ± {} an hour more",
+                cost.words,
+                fixed(value, 0),
+                fixed(half_width, 0)
+            );
         }
         out
     }

@@ -174,12 +174,13 @@ fn waves(of: &CapacityPage, measured: &Measured) -> Markup {
             ". An item made " (fixed(measured.closed, 3)) " laps in the mean because chutes were closed."
         }
         div.scroll { table {
-            thead { tr { th { "wave" } th { "busiest chute" } th { @if drawn { "largest share, mean" } @else { "its share" } } th { "at most an hour" }
+            thead { tr { th { "wave" } th { "busiest chute" } th { @if drawn { "largest share, mean" } @else { "its share" } } th { "full with, an hour" } th { "at most an hour" }
                 th { "given out an hour" } th { "limited by" } } }
             tbody { @for (k, wave) in of.bound.waves.iter().enumerate() { tr {
                 td { (waves.each.get(k).map_or("all", |wave| &wave.name)) }
                 td { (of.sorter.chutes[wave.busiest].name) }
-                td.number { (fixed(100.0 * wave.share, 1)) " %" } td.number { (fixed(wave.throughput, 0)) }
+                td.number { (fixed(100.0 * wave.share, 1)) " %" }
+                td.number { @if wave.fits.is_finite() { (fixed(wave.fits, 0)) } @else { "never" } } td.number { (fixed(wave.throughput, 0)) }
                 td.number { (fixed(measured.waves[k], 0)) } td { (limit_words(of.sorter, wave.limit)) }
             } } }
         } }
