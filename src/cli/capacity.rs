@@ -2,7 +2,7 @@
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json::to_json;
-use crate::base::number::{duration, fixed};
+use crate::base::number::{duration, trimmed};
 use crate::capacity::explore::{Cost, by_inductions, by_speed, costs};
 use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, bound, measure};
 use crate::chain_input::Simulation;
@@ -80,7 +80,7 @@ impl Worked {
                      {} hours or more",
                     settings.hours,
                     duration(waves.cycle()),
-                    fixed((least * 100.0).ceil() / 100.0, 2)
+                    trimmed((least * 100.0).ceil() / 100.0, 2)
                 ));
             }
         }

@@ -1,6 +1,7 @@
 //! Inductions and chutes that fail.
 
 use super::*;
+use crate::base::trig;
 
 fn fails(between: f64, duration: f64) -> Option<Failures> {
     Some(Failures { name: "it".to_owned(), between, duration })
@@ -50,7 +51,7 @@ fn items_go_round_while_their_chute_is_down() {
         sorter.chutes[1].fails = fails(between, duration);
         let measured = measure(&sorter, &settings(6000.0));
         let down = duration / (between + duration);
-        let again = down + (1.0 - down) * (-(1.0 / between + 1.0 / duration) * 62.5f64).exp();
+        let again = down + (1.0 - down) * trig::exp(-(1.0 / between + 1.0 / duration) * 62.5);
         near(measured.down, down / (1.0 - again) / 3.0, 0.04);
         near(sorter.chutes[1].fails.as_ref().unwrap().laps(62.5, usize::MAX), down / (1.0 - again), 1e-9);
         // Of the items that come, with those that go round.

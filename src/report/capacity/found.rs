@@ -310,7 +310,8 @@ impl<'a> Found<'a> {
                 fixed(wave.bound_per_hour, 0),
                 fixed(100.0 * wave.busiest_share, 1),
                 wave.busiest,
-                wave.fits_per_hour.map_or_else(String::new, |fits| format!(", which is full with {}", fixed(fits, 0)))
+                wave.fits_per_hour
+                    .map_or_else(String::new, |fits| format!("; a chute is full with {}", fixed(fits, 0)))
             );
         }
         if let Some(fed) = &self.as_fed {
