@@ -5,7 +5,8 @@
 >>> run = lss.simulate(layout, laps=2)
 >>> run.channels["steer_left"]  # N, an array over run.time, s
 
-`build` gives a `Layout`, `simulate` a `Run`, `identify` and `diagnose` tell what measured runs say of the model.
+`build` gives a `Layout`, `simulate` a `Run`, `capacity` says how many items an hour a layout takes, `choose` which components do for
+the least money, `identify` and `diagnose` tell what measured runs say of the model.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import sys
 import sysconfig
 
 from . import _lss
+from ._capacity import Capacity, capacity
+from ._choice import Choice, choose
 from ._errors import LayoutError, RunError
 from ._layout import Layout, build
 from ._run import CHANNELS, Run
@@ -39,6 +42,8 @@ LayoutError.__module__ = RunError.__module__ = "lss"
 __version__ = _lss.__version__
 __all__ = [
     "CHANNELS",
+    "Capacity",
+    "Choice",
     "Diagnosis",
     "Identification",
     "Layout",
@@ -47,6 +52,8 @@ __all__ = [
     "RunError",
     "Simulation",
     "build",
+    "capacity",
+    "choose",
     "diagnose",
     "identify",
     "simulate",

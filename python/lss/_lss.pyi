@@ -27,6 +27,11 @@ class Layout:
     def simulation(self) -> Simulation: ...
     def write(self, folder: Path, more: list[str]) -> None: ...
 
+class Capacity:
+    def json(self) -> str: ...
+    def text(self) -> str: ...
+    def html(self, progress: _Tell) -> str: ...
+
 class Simulation:
     @staticmethod
     def of_file(path: Path, layout: str | None, threads_asked: int | None, progress: _Tell) -> Simulation: ...
@@ -65,6 +70,24 @@ def build(
     threads_asked: int | None,
     progress: _Tell,
 ) -> Layout: ...
+def capacity(
+    layout: Layout,
+    hours: float,
+    replications: int,
+    seed: int,
+    threads_asked: int | None,
+    progress: _Tell,
+) -> Capacity: ...
+def choose(
+    path: Path,
+    text: str | None,
+    layout: str | None,
+    lets: list[tuple[str, str]],
+    pareto: list[str],
+    checks: int,
+    threads_asked: int | None,
+    progress: _Tell,
+) -> tuple[str, str, bytes, str | None]: ...
 def simulate(
     simulation: Simulation,
     laps: int,

@@ -10,6 +10,7 @@ use lss::cli::progress::words;
 use lss::compiled::Compiled;
 use lss::diagnostic::Diagnostic;
 use lss::emit::{self, Files, OwnNumbers, bom, svg};
+use lss::model;
 use lss::route;
 use lss::semantics::given::{GivenLet, given};
 use lss::semantics::{analyse, unreadable};
@@ -90,23 +91,29 @@ fn as_written(sources: &mut SourceMap, source: &Source) -> Result<(Loader, FileI
     }
 }
 
+/// Reads and checks a layout: it, and what is said of it.
+pub fn analysed(sources: &mut SourceMap, source: &Source) -> Result<(model::Layout, Vec<Diagnostic>), Failure> {
+    let (mut loader, main) = opened(sources, source)?;
+    let analysis = analyse(sources, &mut loader, main, source.layout.as_deref());
+    let mut said = analysis.diagnostics.clone();
+    match analysis.chosen() {
+        Ok(Some(layout)) if !analysis.has_errors() => Ok((layout.clone(), said)),
+        Ok(_) => Err(Failure::Layout(Said::new(sources, &said))),
+        Err(unclear) => {
+            if !said.contains(&unclear) {
+                said.push(*unclear);
+            }
+            Err(Failure::Layout(Said::new(sources, &said)))
+        }
+    }
+}
+
 impl Built {
     /// Reads, checks and solves a layout, as `lss build` does.
     pub fn new(source: &Source, limits: Limits, ended: &'static AtomicBool, board: &Board) -> Result<Built, Failure> {
         let mut sources = SourceMap::default();
-        let (mut loader, main) = opened(&mut sources, source)?;
-        let analysis = analyse(&mut sources, &mut loader, main, source.layout.as_deref());
-        let mut said = analysis.diagnostics.clone();
-        let layout = match analysis.chosen() {
-            Ok(Some(layout)) if !analysis.has_errors() => layout,
-            Ok(_) => return Err(Failure::Layout(Said::new(&sources, &said))),
-            Err(unclear) => {
-                if !said.contains(&unclear) {
-                    said.push(*unclear);
-                }
-                return Err(Failure::Layout(Said::new(&sources, &said)));
-            }
-        };
+        let (layout, mut said) = analysed(&mut sources, source)?;
+        let layout = &layout;
         said.extend(unsupported(layout));
         if said.iter().any(Diagnostic::is_error) {
             return Err(Failure::Layout(Said::new(&sources, &said)));

@@ -2,6 +2,8 @@
 //! NumPy arrays; the package's Python makes data frames of them.
 
 mod build;
+mod capacity;
+mod choose;
 mod command_line;
 mod diagnose;
 mod identify;
@@ -18,6 +20,8 @@ fn _lss(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(command_line::loaded, module)?)?;
     module.add_function(wrap_pyfunction!(command_line::main, module)?)?;
     module.add_function(wrap_pyfunction!(build::build, module)?)?;
+    module.add_function(wrap_pyfunction!(capacity::capacity, module)?)?;
+    module.add_function(wrap_pyfunction!(choose::choose, module)?)?;
     module.add_function(wrap_pyfunction!(runs::read_run, module)?)?;
     module.add_function(wrap_pyfunction!(runs::write_run, module)?)?;
     module.add_function(wrap_pyfunction!(runs::position, module)?)?;
@@ -26,6 +30,7 @@ fn _lss(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
     module.add_function(wrap_pyfunction!(diagnose::diagnose, module)?)?;
     module.add_class::<build::Layout>()?;
+    module.add_class::<capacity::Capacity>()?;
     module.add_class::<simulate::Simulation>()?;
     module.add_class::<runs::Sidecar>()?;
     Ok(())

@@ -25,6 +25,9 @@ def main() -> None:
         layout.write(folder)
         run.write(Path(folder) / "run")
 
+    capacity = lss.capacity(EXAMPLES / "infeeds.lss", hours=1, replications=2)
+    print(f"{capacity.per_hour:.0f} items an hour, at most {capacity.bound:.0f}: {capacity.limited_by}")
+
     try:
         lss.build("layout {\n}")
     except lss.LayoutError as error:

@@ -2,7 +2,7 @@
 
 use super::flow::bound;
 use super::replicate::{Mean, Measured, Settings, measure};
-use super::sorter::Sorter;
+use super::sorter::{Sorter, Waves};
 
 /// Shares of carriers that are in use behind each place where that changes, by arc length (m), ascending.
 ///
@@ -77,4 +77,87 @@ pub fn by_inductions(sorter: &Sorter, settings: &Settings) -> Vec<Changed> {
         changed(count as f64, &sorter, settings)
     };
     (1..=ordered.len()).filter_map(with).collect()
+}
+
+/// What one cause takes from a sorter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cost {
+    pub cause: Cause,
+    /// Items an hour that the sorter would take more without it.
+    pub per_hour: Mean,
+}
+
+/// What costs throughput.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cause {
+    Stops,
+    /// Of an induction, or of all chutes of a row.
+    Failures(String),
+    Changeover,
+    /// Shares that differ from wave to wave.
+    Shares,
+}
+
+/// What stops, failures and waves cost, each against the sorter without it and with the same items: `always` is what the
+/// sorter takes with items at every induction at any time.
+pub fn costs(sorter: &Sorter, always: &Measured, settings: &Settings) -> Vec<Cost> {
+    causes(sorter)
+        .into_iter()
+        .map(|cause| {
+            let spared = measure(&without(sorter, &cause).always_fed(), settings);
+            let more: Vec<f64> = spared.each.iter().zip(&always.each).map(|(spared, has)| spared - has).collect();
+            Cost { cause, per_hour: Mean::of(&more) }
+        })
+        .collect()
+}
+
+fn causes(sorter: &Sorter) -> Vec<Cause> {
+    let mut all: Vec<Cause> = sorter.stops.iter().map(|_| Cause::Stops).collect();
+    let inductions = sorter.inductions.iter().filter_map(|i| i.fails.as_ref());
+    for fails in inductions.chain(sorter.chutes.iter().filter_map(|c| c.fails.as_ref())) {
+        let cause = Cause::Failures(fails.name.clone());
+        if !all.contains(&cause) {
+            all.push(cause);
+        }
+    }
+    if let Some(waves) = &sorter.waves {
+        all.extend((waves.changeover > 0.0).then_some(Cause::Changeover));
+        all.extend((waves.spread > 0.0 || waves.each.len() > 1).then_some(Cause::Shares));
+    }
+    all
+}
+
+fn without(sorter: &Sorter, cause: &Cause) -> Sorter {
+    let mut spared = sorter.clone();
+    match cause {
+        Cause::Stops => spared.stops = None,
+        Cause::Failures(name) => {
+            let inductions = spared.inductions.iter_mut().map(|i| &mut i.fails);
+            for fails in inductions.chain(spared.chutes.iter_mut().map(|c| &mut c.fails)) {
+                if fails.as_ref().is_some_and(|fails| fails.name == *name) {
+                    *fails = None;
+                }
+            }
+        }
+        Cause::Changeover => spared.waves.iter_mut().for_each(|waves| waves.changeover = 0.0),
+        Cause::Shares => {
+            let mean = mean_shares(sorter);
+            if let Some(waves) = &mut spared.waves {
+                waves.spread = 0.0;
+                waves.each.iter_mut().for_each(|wave| wave.shares.clone_from(&mean));
+            }
+        }
+    }
+    spared
+}
+
+/// The share of each chute of all items, in the mean over the waves.
+fn mean_shares(sorter: &Sorter) -> Vec<f64> {
+    let mut mean = vec![0.0; sorter.chutes.len()];
+    for wave in 0..sorter.waves.as_ref().map_or(1, Waves::count) {
+        let shares = sorter.shares(wave);
+        let all: f64 = shares.iter().sum();
+        mean.iter_mut().zip(shares).for_each(|(mean, share)| *mean += share / all);
+    }
+    mean
 }

@@ -3,19 +3,23 @@
 //! - [`sorter`]: what both know of a sorter,
 //! - [`flow`]: what is used up first, in closed form,
 //! - [`simulate`]: carriers and items, carrier by carrier,
+//! - [`waves`], [`outage`]: waves of items and failures of equipment as they happen; [`stream`]: their random numbers,
 //! - [`warm_up`], [`replicate`]: where a simulation's beginning ends, and how sure its mean is,
 //! - [`explore`]: where carriers are in use, other speeds and fewer inductions,
 //! - [`reached`]: whether a layout takes what it is asked to.
 
 pub mod explore;
 pub mod flow;
+mod outage;
 mod reached;
 pub mod replicate;
 pub mod simulate;
 pub mod sorter;
+mod stream;
 #[cfg(test)]
 mod tests;
 pub mod warm_up;
+mod waves;
 
 pub use flow::{Bound, Limit, bound};
 pub use reached::{limit_words, reached, way_out};

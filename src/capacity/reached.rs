@@ -15,15 +15,19 @@ pub fn limit_words(sorter: &Sorter, limit: Limit) -> String {
             fixed(sorter.carriers_per_hour(), 0)
         ),
         Limit::Induction(i) => {
-            format!(
-                "induction {}, which takes {} an hour",
-                sorter.inductions[i].name,
-                fixed(sorter.inductions[i].most, 0)
-            )
+            let induction = &sorter.inductions[i];
+            let works = induction.fails.as_ref().map_or_else(String::new, |fails| {
+                format!(", as it works {} % of the time", fixed(100.0 * fails.available(), 1))
+            });
+            format!("induction {}, which takes {} an hour{works}", induction.name, fixed(sorter.most_of(induction), 0))
         }
         Limit::Chute(i) => {
-            let hourly = sorter.chutes[i].storage.map_or(f64::INFINITY, |(_, seconds)| 3600.0 / seconds);
-            format!("chute {}, from which {} an hour are taken away", sorter.chutes[i].name, fixed(hourly, 0))
+            let chute = &sorter.chutes[i];
+            let hourly = fixed(sorter.most_into(chute).unwrap_or(f64::INFINITY), 0);
+            match &sorter.waves {
+                None => format!("chute {}, from which {hourly} an hour are taken away", chute.name),
+                Some(_) => format!("chute {}, which takes {hourly} an hour until the next wave empties it", chute.name),
+            }
         }
     }
 }
@@ -60,6 +64,8 @@ pub fn way_out(limit: Limit, speed: f64) -> String {
             fixed((speed * 100.0).ceil() / 100.0, 2)
         ),
         Limit::Induction(_) => "let it take more with `feed ... up to`, or place another induction".to_owned(),
-        Limit::Chute(_) => "take items away faster with `storage ... every`, or place more chutes".to_owned(),
+        Limit::Chute(_) => {
+            "take items away faster with `storage ... every`, let chutes hold more, or place more of them".to_owned()
+        }
     }
 }

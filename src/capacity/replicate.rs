@@ -1,11 +1,12 @@
 //! Means of several simulations with their intervals, after a warm-up that is found and not guessed.
 
 use super::simulate::{Plan, Seen, simulate};
-use super::sorter::Sorter;
+use super::sorter::{Sorter, Waves};
 use super::warm_up;
 use crate::base::{parallel, student};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::ops::Range;
 
 /// How much is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +48,10 @@ impl Mean {
 /// What replications say together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Items given out an hour, after the warm-up.
+    /// Items given out an hour, after the warm-up; with waves, in whole cycles of them.
     pub throughput: Mean,
+    /// The same of each replication.
+    pub each: Vec<f64>,
     /// What is left out at the begin of each replication, s.
     pub warm_up: f64,
     /// From coming to being given out, s.
@@ -61,40 +64,53 @@ pub struct Measured {
     pub inductions: Vec<(f64, f64)>,
     /// Items that wait at the end, in the mean.
     pub queues: Vec<f64>,
-    /// Items an hour of each chute, and the share of those that came which it refused.
+    /// Share of the carriers that passed an induction while it worked.
+    pub available: Vec<f64>,
+    /// Items an hour of each chute, and the share of those that came which found it full.
     pub chutes: Vec<(f64, f64)>,
-    /// Laps in vain an item: readings that failed, and chutes that were full.
+    /// The shares of those that found it down.
+    pub chutes_down: Vec<f64>,
+    /// Items an hour given out in each wave, until they repeat.
+    pub waves: Vec<f64>,
+    /// Laps in vain an item: readings that failed, chutes that were full, down, and closed between two waves.
     pub unread: f64,
     pub refused: f64,
+    pub down: f64,
+    pub closed: f64,
     /// Items at another chute than theirs, as a share of all.
     pub misplaced: f64,
     /// Item events that were simulated.
     pub events: u64,
 }
 
-/// Length of an interval of the series, s.
+/// Length of an interval of the series, s, or a little else where waves are no whole number of them.
 const INTERVAL: f64 = 60.0;
 
 /// Simulates replications of a sorter that begins empty.
 pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
     let numbers: Vec<u64> = (0..settings.replications.max(1) as u64).collect();
+    let waves = sorter.waves.as_ref();
+    let interval = waves.map_or(INTERVAL, |w| w.every / (w.every / INTERVAL).round().max(1.0));
     let plan = |k: u64| Plan {
         duration: 3600.0 * settings.hours,
         seed: settings.seed.wrapping_mul(1_000_003).wrapping_add(k),
-        interval: INTERVAL,
+        interval,
     };
     let seen: Vec<Seen> = parallel::map(&numbers, settings.threads, |k| simulate(sorter, &plan(*k)));
     let count = seen.len() as f64;
-    let length = seen.iter().map(|s| s.series.len()).min().unwrap_or(0);
+    // The last interval may be cut.
+    let length = (plan(0).duration / interval + 1e-9) as usize;
     // The mean over replications shows the begin more clearly than each of them (Welch 1983).
     let series: Vec<f64> =
         (0..length).map(|t| seen.iter().map(|s| f64::from(s.series[t])).sum::<f64>() / count).collect();
-    let skip = warm_up::truncation(&series);
+    let cycle = waves.map_or(1, |w| (w.cycle() / interval).round() as usize);
+    let kept = whole_cycles(warm_up::truncation(&series), length, cycle);
     let per_hour = |s: &Seen| {
-        let kept = &s.series[skip.min(s.series.len())..];
-        kept.iter().map(|n| f64::from(*n)).sum::<f64>() / kept.len().max(1) as f64 * 3600.0 / INTERVAL
+        let kept = &s.series[kept.clone()];
+        kept.iter().map(|n| f64::from(*n)).sum::<f64>() / kept.len().max(1) as f64 * 3600.0 / interval
     };
-    let throughput = Mean::of(&seen.iter().map(per_hour).collect::<Vec<_>>());
+    let each: Vec<f64> = seen.iter().map(per_hour).collect();
+    let throughput = Mean::of(&each);
     let time = Mean::of(&seen.iter().map(|s| s.time / s.items.max(1) as f64).collect::<Vec<_>>());
     let mean = |of: &dyn Fn(&Seen) -> f64| seen.iter().map(of).sum::<f64>() / count;
     let share = |part: u64, all: u64| if all == 0 { 0.0 } else { part as f64 / all as f64 };
@@ -108,20 +124,41 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
     let waits = of_inductions(&|i| i.waited / i.items.max(1) as f64);
     let chutes = (0..sorter.chutes.len()).map(|c| {
         let rate = mean(&|s| s.chutes[c].items as f64) / settings.hours;
-        (rate, mean(&|s| share(s.chutes[c].refused, s.chutes[c].items + s.chutes[c].refused)))
+        (rate, mean(&|s| share(s.chutes[c].refused, s.chutes[c].came())))
     });
+    let of_wave = |k: usize| {
+        let Some(waves) = waves else { return 0.0 };
+        let cycles = (plan(0).duration / waves.cycle()).floor() - 1.0;
+        mean(&|s| s.waves[k] as f64) * 3600.0 / (cycles.max(1.0) * waves.every)
+    };
     Measured {
         throughput,
-        warm_up: skip as f64 * INTERVAL,
+        each,
+        warm_up: kept.start as f64 * interval,
         time,
         passing: of_inductions(&|i| i.passed as f64 / settings.hours).first().copied().unwrap_or(0.0),
         used: before.iter().zip(&added).map(|(b, a)| (*b, (b + a).min(1.0))).collect(),
         inductions: rates.into_iter().zip(waits).collect(),
         queues: of_inductions(&|i| i.queue as f64),
+        available: of_inductions(&|i| 1.0 - share(i.down, i.passed)),
         chutes: chutes.collect(),
+        chutes_down: (0..sorter.chutes.len()).map(|c| mean(&|s| share(s.chutes[c].down, s.chutes[c].came()))).collect(),
+        waves: (0..waves.map_or(0, Waves::count)).map(of_wave).collect(),
         unread: mean(&|s| share(s.unread, s.items)),
         refused: mean(&|s| share(s.refused, s.items)),
+        down: mean(&|s| share(s.down, s.items)),
+        closed: mean(&|s| share(s.closed, s.items)),
         misplaced: mean(&|s| share(s.misplaced, s.items)),
         events: seen.iter().map(|s| s.events).sum(),
     }
+}
+
+/// What is kept of a series: behind its beginning, and with waves whole cycles of them behind the first, which begins
+/// without a changeover.
+fn whole_cycles(skip: usize, length: usize, cycle: usize) -> Range<usize> {
+    let whole = length / cycle.max(1);
+    if cycle <= 1 || whole < 2 {
+        return skip.min(length)..length;
+    }
+    skip.div_ceil(cycle).clamp(1, whole - 1) * cycle..whole * cycle
 }

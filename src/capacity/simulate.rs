@@ -4,9 +4,11 @@
 //! always at the same phase of a step. So no queue of events is needed: in each step every place looks at the carrier that
 //! passes, in the order of their phases. Stops of the chain move the clock on, not the carriers.
 
-use super::sorter::Sorter;
-use crate::base::random::{Random, mix};
-use crate::base::trig;
+use super::outage::Outage;
+use super::sorter::{Failures, Sorter, Waves};
+use super::stream::{Cause, exponential, stream};
+use super::waves::{Turn, running_sums};
+use crate::base::random::Random;
 use std::collections::VecDeque;
 
 /// How long and from which random numbers.
@@ -14,7 +16,7 @@ use std::collections::VecDeque;
 pub struct Plan {
     /// Simulated time, s.
     pub duration: f64,
-    /// The same seed gives the same arrivals, destinations and stops, whatever else of the sorter differs.
+    /// The same seed gives the same arrivals, destinations, stops and failures, whatever else of the sorter differs.
     pub seed: u64,
     /// Length of an interval of the series, s.
     pub interval: f64,
@@ -30,9 +32,13 @@ pub struct Seen {
     /// Items given out, and those of them at another chute than theirs.
     pub items: u64,
     pub misplaced: u64,
-    /// Laps that items made in vain: a reading failed, or a chute was full.
+    /// Items given out in each wave until they repeat, in whole cycles behind the first.
+    pub waves: Vec<u64>,
+    /// Laps that items made in vain: a reading failed, or a chute was full, down, or closed between two waves.
     pub unread: u64,
     pub refused: u64,
+    pub down: u64,
+    pub closed: u64,
     /// Sum of the times from coming to being given out, s.
     pub time: f64,
     /// Items that came, were put on carriers, read and given out, or tried to be.
@@ -46,6 +52,8 @@ pub struct InductionSeen {
     /// Carriers that passed, and those of them that were free before it.
     pub passed: u64,
     pub free: u64,
+    /// Carriers that passed while it was down.
+    pub down: u64,
     /// Sum of the times that items waited, s.
     pub waited: f64,
     /// Items that waited at the end.
@@ -56,7 +64,17 @@ pub struct InductionSeen {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChuteSeen {
     pub items: u64,
+    /// Items that came and found it full, down, or closed between two waves.
     pub refused: u64,
+    pub down: u64,
+    pub closed: u64,
+}
+
+impl ChuteSeen {
+    /// Items that came, as often as they did.
+    pub fn came(&self) -> u64 {
+        self.items + self.refused + self.down + self.closed
+    }
 }
 
 /// A carrier's load.
@@ -96,18 +114,6 @@ struct Place {
     phase: f64,
 }
 
-/// Streams of random numbers, one for each cause, so that sorters can be compared by the same items.
-fn stream(seed: u64, cause: u64, index: usize) -> Random {
-    let mut state =
-        seed ^ cause.wrapping_mul(0xA24B_AED4_963E_E407) ^ (index as u64).wrapping_mul(0x9FB2_1C65_1E98_DF25);
-    Random::new(mix(&mut state))
-}
-
-/// Exponential with a mean.
-fn exponential(random: &mut Random, mean: f64) -> f64 {
-    -mean * trig::ln(1.0 - random.uniform())
-}
-
 /// An induction's queue.
 struct Feed {
     random: Random,
@@ -124,11 +130,11 @@ struct Feed {
 
 impl Feed {
     fn new(sorter: &Sorter, seed: u64, index: usize) -> Feed {
-        let mut random = stream(seed, 1, index);
+        let mut random = stream(seed, Cause::Arrivals, index);
         let next = sorter.inductions[index].demand.map_or(0.0, |rate| exponential(&mut random, 3600.0 / rate));
-        let mut kinds = stream(seed, 2, index);
+        let mut kinds = stream(seed, Cause::Doubles, index);
         let double = kinds.uniform() < sorter.items.double;
-        let used = stream(seed, 3, index);
+        let used = stream(seed, Cause::Used, index);
         Feed { random, kinds, used, next, waiting: VecDeque::new(), ready: 0.0, double }
     }
 }
@@ -146,15 +152,22 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
     sorter.scanners.iter().for_each(|s| place(Kind::Scanner, *s));
     places.sort_by(|a, b| a.phase.total_cmp(&b.phase));
     let mut shares: Vec<f64> = Vec::new();
-    for chute in &sorter.chutes {
-        shares.push(shares.last().copied().unwrap_or(0.0) + chute.share);
-    }
+    running_sums(&sorter.shares(0), &mut shares);
+    let outages = |cause: Cause, fails: &mut dyn Iterator<Item = Option<&Failures>>| -> Vec<Option<Outage>> {
+        let one = |(k, fails): (usize, Option<&Failures>)| fails.map(|f| Outage::new(f, stream(plan.seed, cause, k)));
+        fails.enumerate().map(one).collect()
+    };
+    let waves = sorter.waves.as_ref();
     let steps_per_second = sorter.speed / sorter.pitch;
     let mut run = Run {
         sorter,
-        reads: stream(plan.seed, 4, 0),
-        destinations: (0..sorter.inductions.len()).map(|i| stream(plan.seed, 5, i)).collect(),
+        reads: stream(plan.seed, Cause::Reads, 0),
+        destinations: (0..sorter.inductions.len()).map(|i| stream(plan.seed, Cause::Destinations, i)).collect(),
         feeds: (0..sorter.inductions.len()).map(|i| Feed::new(sorter, plan.seed, i)).collect(),
+        outages: outages(Cause::Inductions, &mut sorter.inductions.iter().map(|i| i.fails.as_ref())),
+        chute_outages: outages(Cause::Chutes, &mut sorter.chutes.iter().map(|c| c.fails.as_ref())),
+        closed: 0.0,
+        counted: None,
         loads: vec![Load::Free; sorter.carriers],
         contents: vec![VecDeque::new(); sorter.chutes.len()],
         shares,
@@ -165,15 +178,20 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
             chutes: vec![ChuteSeen::default(); sorter.chutes.len()],
             items: 0,
             misplaced: 0,
+            waves: vec![0; waves.map_or(0, Waves::count)],
             unread: 0,
             refused: 0,
+            down: 0,
+            closed: 0,
             time: 0.0,
             events: 0,
         },
     };
-    let mut stops = stream(plan.seed, 6, 0);
+    let mut stops = stream(plan.seed, Cause::Stops, 0);
     let mut stopped = 0.0;
     let mut fails = sorter.stops.map_or(f64::INFINITY, |s| exponential(&mut stops, s.between));
+    let mut turn = waves.map(|waves| Turn::new(sorter, waves, stream(plan.seed, Cause::Waves, 0)));
+    let cycles = waves.map_or(0, |waves| (plan.duration / waves.cycle()) as u64);
     let step = 1.0 / steps_per_second;
     // Carriers move on by one place a step; counted so that no division is needed.
     let mut shift = 0usize;
@@ -189,6 +207,14 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
         let now = running + stopped;
         if now >= plan.duration {
             break;
+        }
+        if let Some(turn) = &mut turn {
+            while now >= turn.next() {
+                run.closed = turn.begin(&mut run.shares);
+                run.contents.iter_mut().for_each(VecDeque::clear);
+                let (cycle, wave) = turn.at();
+                run.counted = (cycle > 0 && cycle < cycles).then_some(wave);
+            }
         }
         for place in &places {
             let k = place.carrier + sorter.carriers - shift;
@@ -214,6 +240,12 @@ struct Run<'a> {
     reads: Random,
     destinations: Vec<Random>,
     feeds: Vec<Feed>,
+    outages: Vec<Option<Outage>>,
+    chute_outages: Vec<Option<Outage>>,
+    /// Until when chutes take nothing, s.
+    closed: f64,
+    /// The wave whose items are counted.
+    counted: Option<usize>,
     loads: Vec<Load>,
     /// When the items of each chute are taken away, s.
     contents: Vec<VecDeque<f64>>,
@@ -236,10 +268,15 @@ impl Run<'_> {
             }
         }
         seen.passed += 1;
+        let down = self.outages[i].as_mut().is_some_and(|outage| outage.is_down(now));
+        seen.down += u64::from(down);
         if self.loads[k] != Load::Free {
             return;
         }
         seen.free += 1;
+        if down {
+            return;
+        }
         let came = match induction.demand {
             Some(_) => feed.waiting.front().copied(),
             None => Some(now),
@@ -292,6 +329,19 @@ impl Run<'_> {
                 }
                 self.seen.events += 1;
                 let (own, came, double) = (*chute as usize == c && *known, *came, *double);
+                let closed = now < self.closed;
+                if closed || self.chute_outages[c].as_mut().is_some_and(|outage| outage.is_down(now)) {
+                    // One that would leave anywhere goes on to the next chute.
+                    if own {
+                        *laps += 1;
+                        let (closed, down) = (u64::from(closed), u64::from(!closed));
+                        self.seen.closed += closed;
+                        self.seen.down += down;
+                        self.seen.chutes[c].closed += closed;
+                        self.seen.chutes[c].down += down;
+                    }
+                    return;
+                }
                 if let Some((most, seconds)) = self.sorter.chutes[c].storage {
                     let content = &mut self.contents[c];
                     while content.front().is_some_and(|leaves| *leaves <= now) {
@@ -315,6 +365,9 @@ impl Run<'_> {
                 self.seen.items += 1;
                 self.seen.misplaced += u64::from(!own);
                 self.seen.time += now - came;
+                if let Some(wave) = self.counted {
+                    self.seen.waves[wave] += 1;
+                }
                 if let Some(count) = self.seen.series.get_mut((now / self.interval) as usize) {
                     *count += 1;
                 }

@@ -1,5 +1,7 @@
 //! What a simulation of capacity knows of a sorter: carriers, where items come and go, and what goes wrong.
 
+use crate::base::trig;
+
 /// A sorter with its items.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sorter {
@@ -15,6 +17,7 @@ pub struct Sorter {
     pub scanners: Vec<f64>,
     pub items: Items,
     pub stops: Option<Stops>,
+    pub waves: Option<Waves>,
 }
 
 impl Sorter {
@@ -26,6 +29,32 @@ impl Sorter {
     /// Length of the chain, m.
     pub fn length(&self) -> f64 {
         self.pitch * self.carriers as f64
+    }
+
+    /// Time of a lap, s.
+    pub fn lap(&self) -> f64 {
+        self.length() / self.speed
+    }
+
+    /// Shares of the chutes in a wave of the cycle, before any are drawn: what it says, else the chutes' own.
+    pub fn shares(&self, wave: usize) -> Vec<f64> {
+        let said = self.waves.as_ref().and_then(|waves| waves.each.get(wave));
+        said.map_or_else(|| self.chutes.iter().map(|c| c.share).collect(), |wave| wave.shares.clone())
+    }
+
+    /// Most items an hour of an induction: no more than carriers that pass while it works, if it fails.
+    pub fn most_of(&self, induction: &Induction) -> f64 {
+        let carriers = self.carriers_per_hour() / (1.0 + self.items.double);
+        induction.fails.as_ref().map_or(induction.most, |fails| induction.most.min(carriers) * fails.available())
+    }
+
+    /// Most items an hour that go into a chute; `None` where it is never full.
+    pub fn most_into(&self, chute: &Chute) -> Option<f64> {
+        let (count, seconds) = chute.storage?;
+        Some(match &self.waves {
+            None => 3600.0 / seconds,
+            Some(waves) => (count as f64 + (waves.every - waves.changeover) / seconds) * 3600.0 / waves.every,
+        })
     }
 
     /// How the items are spread over the inductions: as they come, and alike where they always do.
@@ -55,6 +84,7 @@ pub struct Induction {
     pub most: f64,
     /// Share of free carriers that it uses while there are items.
     pub efficiency: f64,
+    pub fails: Option<Failures>,
 }
 
 /// Where items leave it.
@@ -66,8 +96,10 @@ pub struct Chute {
     pub s: f64,
     /// Share of all items that go there; the shares count in relation to each other.
     pub share: f64,
-    /// Items that it holds, and seconds that each takes to be taken away; `None` where it is never full.
+    /// Items that it holds, and seconds that each takes to be taken away, infinite where only a change of waves empties
+    /// it; `None` where it is never full.
     pub storage: Option<(usize, f64)>,
+    pub fails: Option<Failures>,
 }
 
 /// What all items have in common.
@@ -94,4 +126,74 @@ pub struct Stops {
     pub between: f64,
     /// Mean duration of a stop.
     pub duration: f64,
+}
+
+/// Failures of an induction or a chute, both times exponential (s), whether the sorter runs or stops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failures {
+    /// Of the induction, or the row of chutes: what is told together.
+    pub name: String,
+    /// Mean time from a repair to the next failure.
+    pub between: f64,
+    /// Mean time of a repair.
+    pub duration: f64,
+}
+
+impl Failures {
+    /// Share of time in which it works: b / (b + d) (Barlow and Proschan 1965).
+    pub fn available(&self) -> f64 {
+        self.between / (self.between + self.duration)
+    }
+
+    /// The probability that it is down so much later (s) than it was: that of a Markov process with two states.
+    pub fn still_down(&self, later: f64) -> f64 {
+        let rate = 1.0 / self.between + 1.0 / self.duration;
+        let available = self.available();
+        1.0 - available + available * trig::exp(-rate * later)
+    }
+
+    /// Laps that an item makes before it meets the chute at work, in the mean: it meets it down with probability 1 - A, and
+    /// after every such lap with [`Failures::still_down`]; no more than `most`.
+    pub fn laps(&self, lap: f64, most: usize) -> f64 {
+        let again = self.still_down(lap);
+        let first = 1.0 - self.available();
+        if most == usize::MAX {
+            first / (1.0 - again)
+        } else {
+            first * (1.0 - trig::pow(again, most as f64)) / (1.0 - again)
+        }
+    }
+}
+
+/// Waves of items one behind the other, each of which goes to the chutes in other shares.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Waves {
+    /// From the begin of one to the begin of the next, s.
+    pub every: f64,
+    /// At the begin of each: chutes are emptied and take nothing, s.
+    pub changeover: f64,
+    /// Coefficient of variation of what a chute's share is multiplied with, drawn anew in each wave; 0 where none is.
+    pub spread: f64,
+    /// In turn, again and again; none where the chutes' own shares hold in all.
+    pub each: Vec<Wave>,
+}
+
+impl Waves {
+    /// Waves until they repeat.
+    pub fn count(&self) -> usize {
+        self.each.len().max(1)
+    }
+
+    /// Time until they repeat, s.
+    pub fn cycle(&self) -> f64 {
+        self.every * self.count() as f64
+    }
+}
+
+/// Where the items of a wave go.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wave {
+    pub name: String,
+    /// One a chute, in relation to each other; 0 where none go.
+    pub shares: Vec<f64>,
 }

@@ -1,6 +1,6 @@
 //! The simulation against closed forms, and both against each other.
 
-use super::explore::{by_inductions, by_speed, used_along, used_at};
+use super::explore::{Cause, by_inductions, by_speed, costs, used_along, used_at};
 use super::flow::{Limit, bound};
 use super::replicate::{Mean, Settings, measure};
 use super::simulate::{Plan, simulate};
@@ -8,11 +8,21 @@ use super::sorter::*;
 use super::warm_up::truncation;
 use crate::base::random::Random;
 
+mod failures;
+mod published;
+mod waves;
+
 /// A sorter of carts of 1.25 m at 2 m/s: 5760 carriers an hour.
 fn sorter(carriers: usize, inductions: &[f64], chutes: &[f64]) -> Sorter {
-    let induction =
-        |s: &f64| Induction { name: format!("at {s}"), s: *s, demand: None, most: f64::INFINITY, efficiency: 1.0 };
-    let chute = |s: &f64| Chute { name: format!("at {s}"), s: *s, share: 1.0, storage: None };
+    let induction = |s: &f64| Induction {
+        name: format!("at {s}"),
+        s: *s,
+        demand: None,
+        most: f64::INFINITY,
+        efficiency: 1.0,
+        fails: None,
+    };
+    let chute = |s: &f64| Chute { name: format!("at {s}"), s: *s, share: 1.0, storage: None, fails: None };
     Sorter {
         carriers,
         pitch: 1.25,
@@ -22,6 +32,7 @@ fn sorter(carriers: usize, inductions: &[f64], chutes: &[f64]) -> Sorter {
         scanners: Vec::new(),
         items: Items::default(),
         stops: None,
+        waves: None,
     }
 }
 

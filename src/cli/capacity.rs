@@ -2,9 +2,11 @@
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json::to_json;
-use crate::capacity::explore::{by_inductions, by_speed};
-use crate::capacity::{Mean, Settings, bound, measure};
+use crate::base::number::{duration, trimmed};
+use crate::capacity::explore::{Cost, by_inductions, by_speed, costs};
+use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, bound, measure};
 use crate::chain_input::Simulation;
+use crate::compiled::Compiled;
 use crate::emit::Files;
 use crate::report::capacity::{self as page, CapacityPage, Found};
 use std::path::PathBuf;
@@ -12,8 +14,8 @@ use std::path::PathBuf;
 /// Work out and simulate how many items an hour a layout's sorter takes.
 ///
 /// The closed form says what is used up first: carriers on a stretch, an induction, or a chute. The simulation moves
-/// carrier by carrier, with items at random, readings that fail, chutes that are full and stops, as far as the layout says
-/// so; its warm-up is found, and means come with intervals of 95 % from replications. With --output it writes
+/// carrier by carrier, with items at random, readings that fail, chutes that are full, failures, waves and stops, as far
+/// as the layout says so; its warm-up is found, and means come with intervals of 95 % from replications. With --output it writes
 /// capacity.json and capacity.html.
 #[derive(Debug, clap::Args)]
 pub struct Capacity {
@@ -45,6 +47,81 @@ pub struct Capacity {
 /// Speeds that the page has a curve over, as shares of the layout's.
 const SPEEDS: [f64; 8] = [0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3];
 
+/// What is worked out of a layout's sorter.
+pub struct Worked {
+    layout: String,
+    sorter: Sorter,
+    bound: Bound,
+    required: Option<f64>,
+    settings: Settings,
+    /// With items at every induction at any time.
+    always: Measured,
+    /// With the items that the layout says come.
+    fed: Option<Measured>,
+    costs: Vec<Cost>,
+}
+
+impl Worked {
+    /// # Errors
+    ///
+    /// In words, where the layout is no sorter, or too little is simulated of its waves.
+    pub fn new(compiled: &Compiled, settings: Settings) -> Result<Worked, String> {
+        let Some(sorter) = compiled.sorter() else {
+            return Err("a capacity needs carts that close the loop, an induction and chutes in the layout".to_owned());
+        };
+        let Some(bound) = bound(&sorter, &sorter.proportions()) else {
+            return Err("no items come to this layout's inductions".to_owned());
+        };
+        if let Some(waves) = &sorter.waves {
+            let least = 2.0 * waves.cycle() / 3600.0;
+            if settings.hours < least {
+                return Err(format!(
+                    "{} hours are too few: the waves repeat after {}, and means are of whole cycles behind the first; simulate \
+                     {} hours or more",
+                    settings.hours,
+                    duration(waves.cycle()),
+                    trimmed((least * 100.0).ceil() / 100.0, 2)
+                ));
+            }
+        }
+        let fed = sorter.inductions.iter().any(|i| i.demand.is_some()).then(|| measure(&sorter, &settings));
+        let always = measure(&sorter.always_fed(), &settings);
+        let costs = costs(&sorter, &always, &settings);
+        let required = compiled.layout.capacity.required.as_ref().map(|required| required.least.value);
+        let layout = compiled.layout.name.clone();
+        Ok(Worked { layout, sorter, bound, required, settings, always, fed, costs })
+    }
+
+    /// As `capacity.json` has it.
+    pub fn found(&self) -> Found<'_> {
+        let measured = (self.fed.as_ref(), &self.always);
+        Found::new(&self.layout, &self.sorter, &self.bound, self.required, measured, &self.costs, &self.settings)
+    }
+
+    /// `capacity.html` of the layout, for which other speeds and fewer inductions are simulated.
+    pub fn page(&self, compiled: &Compiled) -> String {
+        let (sorter, settings) = (&self.sorter, &self.settings);
+        page::page(&CapacityPage {
+            layout: &self.layout,
+            track: &Simulation::new(compiled).track,
+            sorter,
+            bound: &self.bound,
+            required: self.required,
+            always: &self.always,
+            fed: self.fed.as_ref(),
+            costs: &self.costs,
+            by_speed: &by_speed(sorter, &SPEEDS, settings),
+            by_inductions: &by_inductions(sorter, settings),
+        })
+    }
+
+    /// Whether the simulation surely does not reach what is required.
+    fn short(&self) -> bool {
+        let Mean { value, half_width } = self.always.throughput;
+        self.required.is_some_and(|required| value + half_width < required)
+    }
+}
+
 /// Words of `--hours`.
 fn hours(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|hours: &f64| (0.2..=10_000.0).contains(hours));
@@ -57,41 +134,24 @@ impl Capacity {
             Ok(compiled) => compiled,
             Err(outcome) => return outcome,
         };
-        let Some(sorter) = compiled.sorter() else {
-            report::error("a capacity needs carts that close the loop, an induction and chutes in the layout");
-            return Outcome::Problems;
-        };
-        let Some(bound) = bound(&sorter, &sorter.proportions()) else {
-            report::error("no items come to this layout's inductions");
-            return Outcome::Problems;
-        };
         let settings = Settings {
             hours: self.hours,
             replications: self.replications as usize,
             seed: self.seed,
             threads: limits::threads(),
         };
-        let fed = sorter.inductions.iter().any(|i| i.demand.is_some()).then(|| measure(&sorter, &settings));
-        let always = measure(&sorter.always_fed(), &settings);
-        let required = compiled.layout.capacity.required.as_ref().map(|required| required.least.value);
-        let measured = (fed.as_ref(), &always);
-        let found = Found::new(&compiled.layout.name, &sorter, &bound, required, measured, &settings);
+        let worked = match Worked::new(&compiled, settings) {
+            Ok(worked) => worked,
+            Err(why) => {
+                report::error(&why);
+                return Outcome::Problems;
+            }
+        };
+        let found = worked.found();
         if let Some(folder) = &self.output {
             let mut files = Files::default();
             files.push("capacity.json", to_json(&found));
-            let simulation = Simulation::new(&compiled);
-            let page = CapacityPage {
-                layout: &compiled.layout.name,
-                track: &simulation.track,
-                sorter: &sorter,
-                bound: &bound,
-                required,
-                always: &always,
-                fed: fed.as_ref(),
-                by_speed: &by_speed(&sorter, &SPEEDS, &settings),
-                by_inductions: &by_inductions(&sorter, &settings),
-            };
-            files.push("capacity.html", page::page(&page));
+            files.push("capacity.html", worked.page(&compiled));
             if let Err(error) = files.write_set(folder, "capacity") {
                 return could_not("write", &error.path, &error.reason);
             }
@@ -100,8 +160,7 @@ impl Capacity {
             OutputFormat::Json => serde_json::to_string(&found).unwrap_or_default() + "\n",
             OutputFormat::Text => found.text() + &report::written_to(self.output.as_deref()),
         });
-        let Mean { value, half_width } = always.throughput;
-        let short = required.is_some_and(|required| value + half_width < required);
+        let short = worked.short();
         if short {
             report::warning("the simulation does not reach the capacity that the layout requires");
         }

@@ -3,7 +3,7 @@
 //! Exit codes: 0 clean (warnings allowed), 1 problems in the input, 2 could not run.
 
 pub mod build;
-mod capacity;
+pub mod capacity;
 mod cases;
 pub mod check;
 mod choose;

@@ -2,17 +2,21 @@
 
 use super::Compiled;
 use crate::capacity::Sorter;
-use crate::capacity::sorter::{Chute, Induction, Items, Stops};
-use crate::model::{self, Capacity};
+use crate::capacity::sorter::{Chute, Failures, Induction, Items, Stops, Wave, Waves};
+use crate::model::{self, Capacity, FailureOf};
 
 impl Compiled {
     /// The sorter of a layout: a carrier a cart, inductions, scanners and chutes where they stand along the track, and what
     /// the layout says of its items. `None` without carts, inductions or chutes.
     pub fn sorter(&self) -> Option<Sorter> {
         let layout = &self.layout;
-        let Capacity { scanners, feeds, storages, items, stops, .. } = &layout.capacity;
+        let Capacity { scanners, feeds, storages, items, stops, failures, .. } = &layout.capacity;
         let carriers = self.chain?.carts;
         let equipment = &layout.equipment;
+        let fails = |of: FailureOf, name: &str| {
+            let found = failures.iter().find(|failure| failure.of == of)?;
+            Some(Failures { name: name.to_owned(), between: found.every, duration: found.duration })
+        };
         let induction = |(i, induction): (usize, &model::Induction)| {
             let feed = feeds.iter().find(|feed| feed.induction == i);
             Induction {
@@ -21,15 +25,18 @@ impl Compiled {
                 demand: feed.and_then(|feed| feed.rate),
                 most: feed.and_then(|feed| feed.most).unwrap_or(f64::INFINITY),
                 efficiency: feed.map_or(1.0, |feed| feed.efficiency),
+                fails: fails(FailureOf::Induction(i), &induction.name),
             }
         };
         let row = |(i, chutes): (usize, &model::Chutes)| {
-            let storage = storages.iter().find(|storage| storage.chutes == i).map(|s| (s.count, s.every));
+            let storage = storages.iter().find(|storage| storage.chutes == i);
+            let storage = storage.map(|s| (s.count, s.every.unwrap_or(f64::INFINITY)));
             let one = |(k, station): (usize, super::Station)| Chute {
                 name: format!("{} {}", chutes.name, k + 1),
                 s: station.s,
                 share: 1.0,
                 storage,
+                fails: fails(FailureOf::Chutes(i), &chutes.name),
             };
             self.chutes(chutes).into_iter().enumerate().map(one).collect::<Vec<_>>()
         };
@@ -43,7 +50,27 @@ impl Compiled {
             scanners: scanners.iter().map(|place| self.station(*place).s).collect(),
             items: Items { double: items.double, no_read: items.unread, most_laps: items.laps.unwrap_or(usize::MAX) },
             stops: stops.map(|s| Stops { between: s.every, duration: s.duration }),
+            waves: self.waves(),
         };
         (carriers > 0 && !sorter.inductions.is_empty() && !sorter.chutes.is_empty()).then_some(sorter)
+    }
+    fn waves(&self) -> Option<Waves> {
+        let Capacity { waves, each_wave, .. } = &self.layout.capacity;
+        let rows = &self.layout.equipment.chutes;
+        // A row's share is that of all its chutes together.
+        let shares = |wave: &model::Wave| {
+            let of_row = |(i, row): (usize, &model::Chutes)| {
+                let said = wave.shares.iter().find(|(of, _)| *of == i).map_or(0.0, |(_, share)| *share);
+                std::iter::repeat_n(said / row.count().max(1) as f64, row.count())
+            };
+            rows.iter().enumerate().flat_map(of_row).collect()
+        };
+        let wave = |wave: &model::Wave| Wave { name: wave.name.clone(), shares: shares(wave) };
+        waves.map(|w| Waves {
+            every: w.every,
+            changeover: w.changeover,
+            spread: w.spread,
+            each: each_wave.iter().map(wave).collect(),
+        })
     }
 }

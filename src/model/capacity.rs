@@ -13,15 +13,20 @@ pub struct Capacity {
     pub storages: Vec<Storage>,
     pub items: Items,
     pub stops: Option<Stops>,
+    pub failures: Vec<Failure>,
+    pub waves: Option<Waves>,
+    /// In turn, in the order in which they are written.
+    pub each_wave: Vec<Wave>,
     pub required: Option<RequiredCapacity>,
 }
 
 impl Capacity {
     /// Whether the layout says nothing of it.
     pub fn is_silent(&self) -> bool {
-        let Capacity { scanners, feeds, storages, items, stops, required } = self;
-        let nothing = scanners.is_empty() && feeds.is_empty() && storages.is_empty();
-        nothing && *items == Items::default() && stops.is_none() && required.is_none()
+        let Capacity { scanners, feeds, storages, items, stops, failures, waves, each_wave, required } = self;
+        let nothing = scanners.is_empty() && feeds.is_empty() && storages.is_empty() && failures.is_empty();
+        let still = nothing && waves.is_none() && each_wave.is_empty();
+        still && *items == Items::default() && stops.is_none() && required.is_none()
     }
 }
 
@@ -45,8 +50,8 @@ pub struct Storage {
     /// Index into the layout's rows of chutes.
     pub chutes: usize,
     pub count: usize,
-    /// Time in which one of them is taken away, s.
-    pub every: f64,
+    /// Time in which one of them is taken away, s; `None` where they stay until the wave's end.
+    pub every: Option<f64>,
     pub span: Span,
 }
 
@@ -73,6 +78,44 @@ pub struct Stops {
     /// Of running between two stops.
     pub every: f64,
     pub duration: f64,
+}
+
+/// Failures of an induction, or of each chute of a row for itself; both times are means, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Failure {
+    pub of: FailureOf,
+    /// Of work between a repair and the next failure.
+    pub every: f64,
+    pub duration: f64,
+    pub span: Span,
+}
+
+/// What fails: an index into the layout's inductions, or into its rows of chutes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum FailureOf {
+    Induction(usize),
+    Chutes(usize),
+}
+
+/// Items come in waves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Waves {
+    /// From the begin of one to that of the next, s.
+    pub every: f64,
+    /// Time at its begin in which chutes take nothing, s.
+    pub changeover: f64,
+    /// Coefficient of variation of what the share of each chute is multiplied with, anew in each wave.
+    pub spread: f64,
+    pub span: Span,
+}
+
+/// Where the items of a wave go.
+#[derive(Clone, Debug, Serialize)]
+pub struct Wave {
+    pub name: String,
+    /// Indices of rows of chutes, and the share of each whole row; rows that are not in it take nothing.
+    pub shares: Vec<(usize, f64)>,
+    pub span: Span,
 }
 
 /// What the sorter has to take.

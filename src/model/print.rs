@@ -337,7 +337,8 @@ impl Printer {
 impl Printer {
     fn capacity(&mut self, layout: &Layout) {
         let names = |section: usize| layout.section_name(section);
-        let Capacity { scanners, feeds, storages, items, stops, required } = &layout.capacity;
+        let Capacity { scanners, feeds, storages, items, stops, failures, waves, each_wave, required } =
+            &layout.capacity;
         let declared = &layout.equipment.declared;
         for place in scanners.iter().filter(|place| declared.iter().all(|d| d.span != place.span)) {
             self.line(format!("scanner on {} at {}", names(place.section), metres(place.at)));
@@ -355,7 +356,8 @@ impl Printer {
         }
         for storage in storages {
             let name = layout.equipment.names(EquipmentKind::Chute)[storage.chutes];
-            self.line(format!("storage {name} {} every {}", storage.count, unit(storage.every, "s")));
+            let every = storage.every.map_or_else(String::new, |every| format!(" every {}", unit(every, "s")));
+            self.line(format!("storage {name} {}{every}", storage.count));
         }
         if *items != Items::default() {
             let laps = items.laps.map_or_else(String::new, |laps| format!(" laps {laps}"));
@@ -363,6 +365,23 @@ impl Printer {
         }
         if let Some(stops) = stops {
             self.line(format!("stops every {} for {}", unit(stops.every, "s"), unit(stops.duration, "s")));
+        }
+        for failure in failures {
+            let name = match failure.of {
+                FailureOf::Induction(i) => layout.equipment.names(EquipmentKind::Induction)[i],
+                FailureOf::Chutes(i) => layout.equipment.names(EquipmentKind::Chute)[i],
+            };
+            self.line(format!("fails {name} every {} for {}", unit(failure.every, "s"), unit(failure.duration, "s")));
+        }
+        if let Some(Waves { every, changeover, spread, .. }) = waves {
+            let (every, changeover) = (unit(*every, "s"), unit(*changeover, "s"));
+            self.line(format!("waves every {every} changeover {changeover} spread {}", number(*spread)));
+        }
+        for wave in each_wave {
+            let names = layout.equipment.names(EquipmentKind::Chute);
+            let share = |(row, share): &(usize, f64)| format!("{} {}", names[*row], number(*share));
+            let shares: Vec<String> = wave.shares.iter().map(share).collect();
+            self.line(format!("wave {} to {}", wave.name, shares.join(", ")));
         }
         if let Some(required) = required {
             let reason = required.reason.as_ref().map_or_else(String::new, |why| format!(" {}", quoted(why)));

@@ -94,13 +94,17 @@ mod tests {
             ("chutes a of slide ", "`at` `on`"),
             ("scanner a of portal anywhere ", "`after` `before` `fed` End"),
             ("chain ", "`closes` `tension`"),
+            ("storage row_a 12 ", "`every` Unit End"),
+            ("waves every 30 min ", "`changeover` `spread` End"),
+            ("wave a to row_a ", "Value"),
+            ("fails west ", "`every`"),
             ("optimise cost within ", "`cost` `length` `nothing` `polygon_action`"),
             ("let a = ", "Value"),
             ("vertex vertex vertex ", ""),
         ] {
             assert_eq!(shown(Context::Statement, begun), expected, "{begun}");
         }
-        assert_eq!(continuations(Context::Statement, "").len(), 44);
+        assert_eq!(continuations(Context::Statement, "").len(), 47);
         assert_eq!(shown(Context::Item, "layout a "), "`from`");
         assert_eq!(shown(Context::Item, "use "), "Name Text");
         assert_eq!(shown(Context::Field, "lengths = 500 mm .. 1 m "), "`step` End");

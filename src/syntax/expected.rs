@@ -252,7 +252,7 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 45] = [
+pub const STATEMENT_WORDS: [&str; 48] = [
     "axis",
     "building",
     "cart",
@@ -266,6 +266,7 @@ pub const STATEMENT_WORDS: [&str; 45] = [
     "effect",
     "energy",
     "equal",
+    "fails",
     "feed",
     "fix",
     "gate",
@@ -297,6 +298,8 @@ pub const STATEMENT_WORDS: [&str; 45] = [
     "supports",
     "turns",
     "vertex",
+    "wave",
+    "waves",
     "width",
 ];
 
@@ -426,7 +429,10 @@ fn value_phrase(text: &str, at: usize) -> &'static str {
         ("drive", "load") => "a mass such as `15 kg`",
         ("energy", "for") | ("drive", "within") => "a time such as `20 s`",
         ("energy", _) => "a price such as `0.22 EUR/kWh`",
-        ("stops", _) | ("storage", "every") => "a time such as `40 s`",
+        ("stops" | "fails", _) | ("storage", "every") => "a time such as `40 s`",
+        ("waves", "spread") => "a share such as `40 %`",
+        ("waves", _) => "a time such as `30 min`",
+        ("wave", _) => "a share such as `2` or `60 %`",
         ("storage", _) | ("items", "laps") => "a count such as `12`",
         ("items", _) | ("feed", "efficiency") => "a share such as `90 %`",
         ("feed", _) | (_, "capacity") => "a number such as `3000`",

@@ -74,7 +74,10 @@ impl Builder<'_> {
             Rule::storage => Statement::Storage {
                 chutes: self.next_name(parts)?,
                 count: self.value(parts)?,
-                every: self.value(parts)?,
+                every: {
+                    let [every] = self.clauses(parts, [Rule::storage_every])?;
+                    every
+                },
             },
             Rule::items => {
                 let [laps, double, unread] =
@@ -82,6 +85,25 @@ impl Builder<'_> {
                 Statement::Items { laps, double, unread }
             }
             Rule::stops => Statement::Stops { every: self.value(parts)?, duration: self.value(parts)? },
+            Rule::fails => Statement::Fails {
+                equipment: self.next_name(parts)?,
+                every: self.value(parts)?,
+                duration: self.value(parts)?,
+            },
+            Rule::waves => {
+                let every = self.value(parts)?;
+                let [changeover, spread] = self.clauses(parts, [Rule::waves_changeover, Rule::waves_spread])?;
+                Statement::Waves { every, changeover, spread }
+            }
+            Rule::wave => {
+                let name = self.next_name(parts)?;
+                let mut shares = Vec::new();
+                for share in parts.filter(|part| part.as_rule() == Rule::wave_share) {
+                    let mut of = share.into_inner();
+                    shares.push((self.next_name(&mut of)?, self.value(&mut of)?));
+                }
+                Statement::Wave { name, shares }
+            }
             Rule::require_capacity => Statement::RequireCapacity {
                 least: self.value(parts)?,
                 reason: take(parts, Rule::text).map(|text| self.unescape(&text)),

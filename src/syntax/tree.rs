@@ -279,11 +279,11 @@ pub enum Statement {
         most: Option<Expr>,
         efficiency: Option<Expr>,
     },
-    /// `storage row_a 12 every 6 s`
+    /// `storage row_a 12 every 6 s`, `storage row_a 12`
     Storage {
         chutes: Name,
         count: Expr,
-        every: Expr,
+        every: Option<Expr>,
     },
     /// `items laps 5 double 8 % unread 1 %`
     Items {
@@ -295,6 +295,23 @@ pub enum Statement {
     Stops {
         every: Expr,
         duration: Expr,
+    },
+    /// `fails west every 8 h for 10 min`
+    Fails {
+        equipment: Name,
+        every: Expr,
+        duration: Expr,
+    },
+    /// `waves every 30 min changeover 2 min spread 40 %`
+    Waves {
+        every: Expr,
+        changeover: Option<Expr>,
+        spread: Option<Expr>,
+    },
+    /// `wave morning to row_a 3, row_b 1`
+    Wave {
+        name: Name,
+        shares: Vec<(Name, Expr)>,
     },
     /// `require capacity >= 11000 per hour "the evening's peak"`
     RequireCapacity {

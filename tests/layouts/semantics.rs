@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::diagnostic::text;
-use lss::model::{self, Layout, Side};
+use lss::model::{self, FailureOf, Layout, Side};
 use lss::semantics::{Analysis, analyse};
 use lss::source::{Loader, SourceMap};
 
@@ -402,6 +402,69 @@ fn mistakes_in_axes_and_title_fields_are_told() {
         let (sources, analysis) = check(&[("main.lss", &with(&format!("  {statements}")))]);
         let said = report(&sources, &analysis);
         assert_eq!(codes(&analysis).first(), Some(&code), "{statements}: {said}");
+        assert!(said.contains(words), "{statements}: {said}");
+    }
+}
+
+const SORTER: &str = "  induction west on A..B at 2 m\n  chutes row_a on A..B from 6 m every 1.25 m count 4\n  \
+     chutes row_b on C..D from 6 m every 1.25 m count 2\n";
+
+#[test]
+fn waves_and_failures_are_what_is_written() {
+    let said = "  fails west every 8 h for 10 min\n  fails row_b every 40 h for 15 min\n  storage row_a 40\n  \
+         waves every 30 min changeover 90 s spread 40 %\n  wave big to row_a 3, row_b 60 %\n  wave small to row_b 1";
+    let text = with(&format!("{SORTER}{said}"));
+    let capacity = built(&text).capacity;
+    let failures: Vec<(FailureOf, f64, f64)> = capacity.failures.iter().map(|f| (f.of, f.every, f.duration)).collect();
+    assert_eq!(failures, [(FailureOf::Induction(0), 28_800.0, 600.0), (FailureOf::Chutes(1), 144_000.0, 900.0)]);
+    let waves = capacity.waves.unwrap();
+    assert_eq!((waves.every, waves.changeover, waves.spread), (1800.0, 90.0, 0.4));
+    let each: Vec<(&str, &[(usize, f64)])> =
+        capacity.each_wave.iter().map(|w| (w.name.as_str(), w.shares.as_slice())).collect();
+    assert_eq!(each, [("big", &[(0, 3.0), (1, 0.6)][..]), ("small", &[(1, 1.0)])]);
+    assert_eq!(capacity.storages[0].every, None);
+    // A variant says a wave, a failure and the waves again.
+    let text = text
+        + "layout other from test {\n  wave small to row_a 1\n  waves every 1 h\n  fails west every 1 h for 1 min\n}\n";
+    let (_, analysis) = check(&[("main.lss", &text)]);
+    let other = analysis.layouts.iter().find(|layout| layout.name == "other").unwrap().capacity.clone();
+    assert_eq!(other.each_wave[1].shares, [(0, 1.0)]);
+    assert_eq!((other.waves.unwrap().changeover, other.failures[0].every), (0.0, 3600.0));
+    assert_eq!(other.failures.len(), 2);
+}
+
+#[test]
+fn waves_and_failures_that_cannot_be_are_told() {
+    for (statements, code, words) in [
+        ("fails wets every 8 h for 10 min", "E0218", "there is no induction or row of chutes `wets`"),
+        ("fails west every 8 for 10 min", "E0302", "the time between two failures needs a unit"),
+        ("fails west every 0 s for 10 min", "E0306", "the time between two failures"),
+        ("fails west every 8 h for 10 ms", "E0306", "the time of a repair"),
+        ("fails west every 8 h", "E0101", "`for`"),
+        ("fails west every 8 m for 10 min", "E0301", "a time"),
+        ("fails west every 8 h for 1 min\n  fails west every 9 h for 1 min", "E0212", "failure of `west`"),
+        ("waves every 30 s", "E0306", "the length of a wave"),
+        ("waves every 30 min changeover 30 min", "E0306", "the time of a changeover"),
+        ("waves every 30 min changeover 2", "E0302", "the time of a changeover needs a unit"),
+        ("waves every 30 min spread 400 %", "E0306", "the spread of shares"),
+        ("waves every 30 min\n  waves every 1 h", "E0213", "`waves` is said twice"),
+        ("wave big to row_a 1", "E0214", "the wave `big` has no length"),
+        ("storage row_a 40", "E0214", "nothing is ever taken from the chutes `row_a`"),
+        ("waves every 1 h\n  wave big to row_c 1", "E0218", "there is no row of chutes `row_c`"),
+        ("waves every 1 h\n  wave big to row_a 1, row_a 2", "E0212", "share of `row_a`"),
+        ("waves every 1 h\n  wave big to row_a 0, row_b 0", "E0306", "go nowhere"),
+        ("waves every 1 h\n  wave big to row_a -1", "E0306", "the share of a row"),
+        ("waves every 1 h\n  wave big to row_a 1\n  wave big to row_b 1", "E0212", "wave `big`"),
+        ("waves every 1 h\n  wave big to row_a", "E0101", "a share such as"),
+        (
+            "induction row_a on C..D at 2 m\n  fails row_a every 8 h for 1 min",
+            "E0218",
+            "is an induction and a row of chutes",
+        ),
+    ] {
+        let (sources, analysis) = check(&[("main.lss", &with(&format!("{SORTER}  {statements}")))]);
+        let said = report(&sources, &analysis);
+        assert_eq!(codes(&analysis), [code], "{statements}: {said}");
         assert!(said.contains(words), "{statements}: {said}");
     }
 }

@@ -58,6 +58,10 @@ fn files_are_as_their_schemas_say() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().to_str().expect("a path");
     let quick = ["--hours", "0.5", "--replications", "2"];
+    // Two with all fields of failures and waves, and without.
+    let waves = tempfile::tempdir().expect("a temporary folder");
+    let slow = ["--hours", "2", "--replications", "2", "-o", waves.path().to_str().expect("a path")];
+    lss().args(["capacity", "examples/waves.lss"]).args(slow).assert().success();
     lss().args(["capacity", "examples/capacity.lss", "-o", out]).args(quick).assert().success();
     chosen(folder.path(), &["--checks", "1", "--pareto", "price,capacity"]);
     for name in ["capacity", "choice"] {
@@ -68,6 +72,14 @@ fn files_are_as_their_schemas_say() {
         let mut document = json(&folder.path().join(format!("{name}.json")));
         let wrong: Vec<String> = validator.iter_errors(&document).map(|e| e.to_string()).collect();
         assert_eq!(wrong, Vec::<String>::new(), "{name}");
+        if name == "capacity" {
+            let document = json(&waves.path().join("capacity.json"));
+            let wrong: Vec<String> = validator.iter_errors(&document).map(|e| e.to_string()).collect();
+            assert_eq!(wrong, Vec::<String>::new(), "of waves");
+            for field in ["waves", "costs"] {
+                assert!(document[field].as_array().is_some_and(|rows| rows.len() > 1), "{field}: {document}");
+            }
+        }
         document.as_object_mut().expect("an object").remove("layout");
         assert!(!validator.is_valid(&document), "{name}: without its layout's name");
     }

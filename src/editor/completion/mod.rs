@@ -235,10 +235,12 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         "pass" if bare => known.parts(out, &[NameKind::Obstacle]),
         "feed" if bare => known.parts(out, &[NameKind::Induction]),
         "storage" if bare => known.parts(out, &[NameKind::Chutes]),
+        "fails" if bare => known.parts(out, &[NameKind::Induction, NameKind::Chutes]),
+        "wave" if begun.trim_end().ends_with(',') || last_word(begun) == "to" => known.parts(out, &[NameKind::Chutes]),
         "route" if bare || begun.trim_end().ends_with(',') => known.parts(out, &[NameKind::Section]),
         _ if component.is_some() && bare => component.iter().for_each(|k| known.named(out, &NameKind::Component(*k))),
         // A new name is the writer's own.
-        "vertex" | "obstacle" | "induction" | "chutes" | "gate" | "lift" | "section" | "let" if bare => {}
+        "vertex" | "obstacle" | "induction" | "chutes" | "gate" | "lift" | "section" | "wave" | "let" if bare => {}
         "induction" | "chutes" | "scanner" | "gate" | "lift" if begun.trim_end().ends_with(" of") => {
             known.named(out, &NameKind::Component(DeclarationKind::Equipment));
         }

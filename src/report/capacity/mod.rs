@@ -4,11 +4,12 @@
 mod found;
 
 pub use found::Found;
+use found::cause_words;
 
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Mark, Pictures, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::fixed;
-use crate::capacity::explore::{Changed, used_along, used_at};
+use crate::capacity::explore::{Changed, Cost, used_along, used_at};
 use crate::capacity::{Bound, Measured, Sorter, limit_words};
 use crate::chain_input::Track;
 use maud::{Markup, html};
@@ -25,6 +26,7 @@ pub struct CapacityPage<'a> {
     pub always: &'a Measured,
     /// With the items that the layout says come.
     pub fed: Option<&'a Measured>,
+    pub costs: &'a [Cost],
     pub by_speed: &'a [Changed],
     pub by_inductions: &'a [Changed],
 }
@@ -63,6 +65,15 @@ pub fn page(of: &CapacityPage) -> String {
         (inductions(of.sorter, shown))
         h2 { "Chutes" }
         (chutes(of, shown, &mut pictures))
+        (down(of.sorter, shown))
+        @if !of.bound.waves.is_empty() {
+            h2 { "Waves" }
+            (waves(of, shown))
+        }
+        @if !of.costs.is_empty() {
+            h2 { "What it costs" }
+            (costs(of))
+        }
         @if of.by_speed.len() > 1 {
             h2 { "Another speed" }
             figure {
@@ -135,19 +146,69 @@ fn used(sorter: &Sorter, along: &[(f64, f64)], lap: f64) -> Plot {
 }
 
 fn inductions(sorter: &Sorter, measured: &Measured) -> Markup {
+    let fails = sorter.inductions.iter().any(|i| i.fails.is_some());
     html! {
         div.scroll { table {
             thead { tr { th { "induction" } th { "s, m" } th { "comes an hour" } th { "put on an hour" } th { "items wait, s" } th { "wait at the end" }
-                th { "in use before" } th { "behind" } } }
+                th { "in use before" } th { "behind" }
+                @if fails { th { "works" } } } }
             tbody { @for (i, induction) in sorter.inductions.iter().enumerate() { tr {
                 td { (induction.name) } td.number { (fixed(induction.s, 2)) }
                 td.number { @if let Some(comes) = induction.demand { (fixed(comes, 0)) } @else { "always" } }
                 td.number { (fixed(measured.inductions[i].0, 0)) } td.number { (fixed(measured.inductions[i].1, 1)) }
                 td.number { (fixed(measured.queues[i], 0)) }
                 td.number { (fixed(100.0 * measured.used[i].0, 1)) " %" } td.number { (fixed(100.0 * measured.used[i].1, 1)) " %" }
+                @if fails { td.number { @if induction.fails.is_some() { (fixed(100.0 * measured.available[i], 2)) " %" } @else { "always" } } }
             } } }
         } }
     }
+}
+
+fn waves(of: &CapacityPage, measured: &Measured) -> Markup {
+    let Some(waves) = &of.sorter.waves else { return html! {} };
+    let drawn = waves.spread > 0.0;
+    html! {
+        p {
+            "A wave lasts " (fixed(waves.every / 60.0, 1)) " min, of which chutes are closed for " (fixed(waves.changeover / 60.0, 1)) " min"
+            @if drawn { "; the share of each chute is multiplied with a number of mean 1 and coefficient of variation " (fixed(100.0 * waves.spread, 0)) " %, drawn anew in each wave" }
+            ". An item made " (fixed(measured.closed, 3)) " laps in the mean because chutes were closed."
+        }
+        div.scroll { table {
+            thead { tr { th { "wave" } th { "busiest chute" } th { @if drawn { "largest share, mean" } @else { "its share" } } th { "full with, an hour" } th { "at most an hour" }
+                th { "given out an hour" } th { "limited by" } } }
+            tbody { @for (k, wave) in of.bound.waves.iter().enumerate() { tr {
+                td { (waves.each.get(k).map_or("all", |wave| &wave.name)) }
+                td { (of.sorter.chutes[wave.busiest].name) }
+                td.number { (fixed(100.0 * wave.share, 1)) " %" }
+                td.number { @if wave.fits.is_finite() { (fixed(wave.fits, 0)) } @else { "never" } } td.number { (fixed(wave.throughput, 0)) }
+                td.number { (fixed(measured.waves[k], 0)) } td { (limit_words(of.sorter, wave.limit)) }
+            } } }
+        } }
+    }
+}
+
+fn costs(of: &CapacityPage) -> Markup {
+    html! {
+        p { "Items an hour that the sorter would take more without each of them, with items at every induction at any time: the same items, simulated without it." }
+        div.scroll { table {
+            thead { tr { th { "cause" } th { "items an hour" } th { "± (95 %)" } } }
+            tbody { @for cost in of.costs { tr {
+                td { (cause_words(&cost.cause)) } td.number { (fixed(cost.per_hour.value, 0)) } td.number { (fixed(cost.per_hour.half_width, 0)) }
+            } } }
+        } }
+    }
+}
+
+/// Chutes that fail: how many of their items found them down.
+fn down(sorter: &Sorter, measured: &Measured) -> Markup {
+    let failing: Vec<usize> = (0..sorter.chutes.len()).filter(|c| sorter.chutes[*c].fails.is_some()).collect();
+    let worst = failing.iter().max_by(|a, b| measured.chutes_down[**a].total_cmp(&measured.chutes_down[**b]));
+    html! { @if let Some(c) = worst {
+        p {
+            (failing.len()) " chutes fail: an item made " (fixed(measured.down, 3)) " laps in the mean because its chute was down; most often down is "
+            (sorter.chutes[*c].name) ", for " (fixed(100.0 * measured.chutes_down[*c], 1)) " % of its items."
+        }
+    } }
 }
 
 fn chutes(of: &CapacityPage, measured: &Measured, pictures: &mut Pictures) -> Markup {

@@ -3,12 +3,14 @@
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Capacity, Equipment, EquipmentKind, Feed, Items, RequiredCapacity, Stops, Storage};
+use crate::model::{
+    Capacity, Equipment, EquipmentKind, Failure, FailureOf, Feed, Items, RequiredCapacity, Stops, Storage, Wave, Waves,
+};
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
-use crate::semantics::program::mentions;
+use crate::semantics::program::{mentions, repeated};
 use crate::semantics::scope::Context;
-use crate::source::Spanned;
+use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, Name, Statement};
 
 /// Items an hour.
@@ -18,6 +20,12 @@ const SHARE: Bounds = Bounds::between(0.0, 0.99);
 const USED: Bounds = Bounds::above(0.0, 1.0);
 /// s
 const TIME: Bounds = Bounds::above(0.0, 1e7);
+/// Failures and repairs below a second are none.
+const REPAIR: Bounds = Bounds::between(1.0, 1e9);
+const WAVE: Bounds = Bounds::between(60.0, 1e7);
+/// Of a wave's items, in relation to each other.
+const PART: Bounds = Bounds::between(0.0, 1e6);
+const SPREAD: Bounds = Bounds::between(0.0, 3.0);
 
 impl<'t> Context<'t> {
     /// What is said of capacity, unless something of it has a mistake.
@@ -32,7 +40,29 @@ impl<'t> Context<'t> {
         for placed in &draft.statements {
             sound &= self.say(draft, placed, geometry, equipment, &mut capacity).is_some();
         }
-        sound.then_some(capacity)
+        (sound && self.emptied(draft, equipment, &capacity)).then_some(capacity)
+    }
+
+    /// Whether what is said of waves goes with the rest.
+    fn emptied(&self, draft: &Draft<'t>, equipment: &Equipment, capacity: &Capacity) -> bool {
+        if capacity.waves.is_some() || !draft.base_known || mentions(&draft.bad, "waves") {
+            return true;
+        }
+        let missing = |message: String, span: Span, label: &str| {
+            let help = "say how long a wave is, with a line such as `waves every 30 min changeover 2 min`";
+            self.report(Diagnostic::new(Code::E0214, message, span, label).help(help));
+            false
+        };
+        if let Some(wave) = capacity.each_wave.first() {
+            return missing(format!("the wave `{}` has no length", wave.name), wave.span, "needs `waves`");
+        }
+        if let Some(storage) = capacity.storages.iter().find(|storage| storage.every.is_none()) {
+            let names = equipment.names(EquipmentKind::Chute);
+            let name = names.get(storage.chutes).copied().unwrap_or_default();
+            let message = format!("nothing is ever taken from the chutes `{name}`");
+            return missing(message, storage.span, "needs `every`, or `waves`");
+        }
+        true
     }
 
     /// Adds what one statement says; `None` is a mistake.
@@ -70,7 +100,10 @@ impl<'t> Context<'t> {
                 let names = equipment.names(EquipmentKind::Chute).into_iter();
                 let index = self.named(draft, "row of chutes", chutes, names);
                 let count = self.count(&placed.env, count, "the number of items", 1);
-                let every = number(every, "the time for an item", Dimension::TIME, TIME);
+                let every = match every {
+                    None => Some(None),
+                    Some(every) => number(every, "the time for an item", Dimension::TIME, TIME).map(Some),
+                };
                 let (chutes, count, every, span) = (index?, count?, every?, placed.span);
                 capacity.storages.push(Storage { chutes, count, every, span });
             }
@@ -88,6 +121,31 @@ impl<'t> Context<'t> {
                 let duration = number(duration, "the duration of a stop", Dimension::TIME, TIME);
                 capacity.stops = Some(Stops { every: every?, duration: duration? });
             }
+            Statement::Fails { equipment: name, every, duration } => {
+                let of = self.failing(draft, name, equipment);
+                let every = number(every, "the time between two failures", Dimension::TIME, REPAIR);
+                let duration = number(duration, "the time of a repair", Dimension::TIME, REPAIR);
+                let (of, every, duration, span) = (of?, every?, duration?, placed.span);
+                capacity.failures.push(Failure { of, every, duration, span });
+            }
+            Statement::Waves { every, changeover, spread } => {
+                let length = number(every, "the length of a wave", Dimension::TIME, WAVE);
+                let spread = share(spread, "the spread of shares", SPREAD, 0.0);
+                let changeover = match changeover {
+                    None => Some(0.0),
+                    Some(expr) => {
+                        // Chutes that are closed all the time take nothing.
+                        let most = Bounds::between(0.0, 0.9 * length?);
+                        number(expr, "the time of a changeover", Dimension::TIME, most)
+                    }
+                };
+                let (every, changeover, spread, span) = (length?, changeover?, spread?, placed.span);
+                capacity.waves = Some(Waves { every, changeover, spread, span });
+            }
+            Statement::Wave { name, shares } => {
+                let shares = self.wave_shares(draft, placed, equipment, shares)?;
+                capacity.each_wave.push(Wave { name: name.text.clone(), shares, span: name.span });
+            }
             Statement::RequireCapacity { least, reason } => {
                 let value = number(least, "the capacity", Dimension::NONE, RATE)?;
                 let least = Spanned::new(value, placed.span);
@@ -96,6 +154,56 @@ impl<'t> Context<'t> {
             _ => {}
         }
         Some(())
+    }
+
+    /// What fails: the induction or the row of chutes of that name.
+    fn failing(&self, draft: &Draft<'t>, name: &Name, equipment: &Equipment) -> Option<FailureOf> {
+        let (inductions, chutes) = (equipment.names(EquipmentKind::Induction), equipment.names(EquipmentKind::Chute));
+        let of = |names: &[&str]| names.iter().position(|known| *known == name.text);
+        match (of(&inductions), of(&chutes)) {
+            (Some(_), Some(_)) => {
+                let message = format!("`{}` is an induction and a row of chutes", name.text);
+                let diagnostic = Diagnostic::new(Code::E0218, message, name.span, "which of them fails?");
+                self.report(diagnostic.help("give one of them another name"));
+                None
+            }
+            (Some(i), None) => Some(FailureOf::Induction(i)),
+            (None, Some(i)) => Some(FailureOf::Chutes(i)),
+            (None, None) => {
+                let names = inductions.into_iter().chain(chutes);
+                self.named(draft, "induction or row of chutes", name, names).map(FailureOf::Induction)
+            }
+        }
+    }
+
+    /// Rows and their shares in a wave.
+    fn wave_shares(
+        &self,
+        draft: &Draft<'t>,
+        placed: &Placed<'t>,
+        equipment: &Equipment,
+        shares: &'t [(Name, Expr)],
+    ) -> Option<Vec<(usize, f64)>> {
+        let names = equipment.names(EquipmentKind::Chute).into_iter();
+        let mut found: Vec<Option<(usize, f64)>> = Vec::new();
+        for (k, (row, share)) in shares.iter().enumerate() {
+            if let Some((first, _)) = shares[..k].iter().find(|(first, _)| first.text == row.text) {
+                self.report(repeated("share of", row, first.span));
+                found.push(None);
+                continue;
+            }
+            let index = self.named(draft, "row of chutes", row, names.clone());
+            let share = self.bounded_constant(&placed.env, share, Dimension::NONE, "the share of a row", PART);
+            found.push(index.zip(share.map(|share| share.value)));
+        }
+        let found = found.into_iter().collect::<Option<Vec<(usize, f64)>>>()?;
+        if found.iter().all(|(_, share)| *share == 0.0) {
+            let diagnostic =
+                Diagnostic::new(Code::E0306, "the items of a wave go nowhere", placed.span, "all shares are 0");
+            self.report(diagnostic.help("give a row of chutes a share above 0"));
+            return None;
+        }
+        Some(found)
     }
 
     /// Index of a name among those of its kind.

@@ -33,6 +33,8 @@ pub(super) enum Key<'t> {
     Station(&'t str),
     Feed(&'t str),
     Storage(&'t str),
+    Fails(&'t str),
+    Wave(&'t str),
     Pass(&'t str),
     /// The first of a row.
     GridAxis(&'t str),
@@ -98,6 +100,9 @@ fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
         Statement::Photocell(_) => once("photocell"),
         Statement::Items { .. } => once("items"),
         Statement::Stops { .. } => once("stops"),
+        Statement::Waves { .. } => once("waves"),
+        Statement::Wave { name, .. } => Some((Key::Wave(&name.text), Some(name))),
+        Statement::Fails { equipment, .. } => Some((Key::Fails(&equipment.text), Some(equipment))),
         Statement::RequireCapacity { .. } => once("require capacity"),
         Statement::ChooseCart { .. } => once("choose cart"),
         Statement::ChooseMotor { .. } => once("choose motor"),
@@ -270,6 +275,8 @@ impl<'t> Context<'t> {
                     Key::Station(_) => "station",
                     Key::Feed(_) => "feed of",
                     Key::Storage(_) => "storage of",
+                    Key::Fails(_) => "failure of",
+                    Key::Wave(_) => "wave",
                     _ => "row of chutes",
                 };
                 let first = self::key(first.statement).and_then(|(_, n)| n).map_or(first.span, |n| n.span);

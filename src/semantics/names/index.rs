@@ -272,12 +272,27 @@ impl Index<'_> {
             }
             Statement::Storage { chutes, count, every } => {
                 self.part(scope, Part::Chutes, chutes);
-                self.all(scope, [count, every]);
+                self.all(scope, std::iter::once(count).chain(every));
             }
             Statement::Items { laps, double, unread } => {
                 self.all(scope, [laps, double, unread].into_iter().flatten());
             }
             Statement::Stops { every, duration } => self.all(scope, [every, duration]),
+            Statement::Fails { equipment, every, duration } => {
+                let part =
+                    if scope.part(Part::Induction, &equipment.text).is_some() { Part::Induction } else { Part::Chutes };
+                self.part(scope, part, equipment);
+                self.all(scope, [every, duration]);
+            }
+            Statement::Waves { every, changeover, spread } => {
+                self.all(scope, std::iter::once(every).chain(changeover).chain(spread));
+            }
+            Statement::Wave { shares, .. } => {
+                for (row, share) in shares {
+                    self.part(scope, Part::Chutes, row);
+                    self.expression(scope, share);
+                }
+            }
             Statement::RequireCapacity { least, .. } => self.expression(scope, least),
             Statement::Start(place)
             | Statement::Photocell(place)

@@ -111,7 +111,7 @@ impl Writer<'_> {
             Statement::Storage { chutes, count, every } => {
                 self.words(&["storage ", &chutes.text]);
                 self.word_value(" ", count);
-                self.word_value(" every ", every);
+                self.clause(" every ", every);
             }
             Statement::Items { laps, double, unread } => {
                 self.push("items");
@@ -122,6 +122,23 @@ impl Writer<'_> {
             Statement::Stops { every, duration } => {
                 self.word_value("stops every ", every);
                 self.word_value(" for ", duration);
+            }
+            Statement::Fails { equipment, every, duration } => {
+                self.words(&["fails ", &equipment.text]);
+                self.word_value(" every ", every);
+                self.word_value(" for ", duration);
+            }
+            Statement::Waves { every, changeover, spread } => {
+                self.word_value("waves every ", every);
+                self.clause(" changeover ", changeover);
+                self.clause(" spread ", spread);
+            }
+            Statement::Wave { name, shares } => {
+                self.words(&["wave ", &name.text, " to "]);
+                for (index, (row, share)) in shares.iter().enumerate() {
+                    self.words(&[if index > 0 { ", " } else { "" }, &row.text, " "]);
+                    self.expr(share);
+                }
             }
             Statement::RequireCapacity { least, reason } => {
                 self.word_value("require capacity >= ", least);
