@@ -166,6 +166,8 @@ pub struct Strength {
     pub trial: f64,
     /// What every built machine has of it, as a deviation: that much is no gap.
     pub as_built: f64,
+    /// Whether it is looked for only beside the effect's other strengths, once these explain something.
+    pub beside: bool,
     /// Bounds; 0 is no effect.
     pub low: f64,
     pub high: f64,
