@@ -118,6 +118,7 @@ fn a_ripple_is_found_with_its_second_harmonic() {
     let named = ripples(&gap, 0.2);
     holds(&named["strength"]["ratio"], 0.1);
     holds(&named["strength"]["twice"], 0.06);
+    assert_eq!((&named["shape"]["over"], &named["shape"]["unit"]), (&"m".into(), &"".into()));
     let applied = fs::read_to_string(folder.path().join("out/oval-gap.lss")).expect("a layout");
     assert!(applied.contains("twice: "), "{applied}");
 }
