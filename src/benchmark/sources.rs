@@ -6,7 +6,7 @@ use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::benchmark::draw::{add, draw, draw_log, lap, pick, shuffle};
 use crate::benchmark::source::{Act, Change, Source, chain, sign};
-use crate::chain_input::{Every, Guides, Ripple, Simulation, WheelPlace, WornWheel};
+use crate::chain_input::{Every, Guides, HARMONICS, Ripple, Simulation, WheelPlace, WornWheel};
 use crate::dynamics::law::tangent;
 use crate::signal::{Channel, FORCES, Run};
 use std::collections::BTreeMap;
@@ -178,11 +178,18 @@ fn step(lap: f64, state: &mut u64) -> Source {
     source
 }
 
+/// One sine, or as often one with two harmonics. Each has a phase of its own, and thrust never turns round.
 fn ripple(nominal: &Simulation, state: &mut u64) -> Source {
     let wavelength = draw_log(state, 0.05, 0.5) * nominal.motors.length_m;
-    let phase = trig::TAU * uniform(state);
-    let act: Act = Box::new(move |ratio, _, d| d.ripple = Ripple { ratio, wavelength, phase });
-    let mut source = chain("motor_ripple", "ratio", (0.03, 1.0), act);
+    let phases = [(); HARMONICS].map(|()| trig::TAU * uniform(state));
+    let harmonics = uniform(state) < 0.5;
+    let over = if harmonics { [1.0, draw(state, 0.3, 0.8), draw(state, 0.2, 0.5)] } else { [1.0, 0.0, 0.0] };
+    let act: Act =
+        Box::new(move |ratio, _, d| d.ripple = Ripple { ratios: over.map(|x| x * ratio), wavelength, phases });
+    let mut source = chain("motor_ripple", "ratio", (0.03, 1.0 / over.iter().sum::<f64>()), act);
+    if harmonics {
+        source.strengths.extend([("twice", over[1]), ("thrice", over[2])]);
+    }
     source.fixed.insert("wavelength".to_owned(), wavelength);
     source
 }

@@ -76,14 +76,38 @@ impl Warming {
     }
 }
 
-/// Thrust times 1 + ratio · sin(2π d/wavelength + phase), with d how far a plate's front is past a motor's begin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Thrust times 1 + Σ aₙ sin(2πn d/λ + φₙ), with d how far a plate's front is past a motor's begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ripple {
-    pub ratio: f64,
-    /// m
+    /// aₙ over the mean thrust, from the fundamental on.
+    pub ratios: [f64; HARMONICS],
+    /// λ of the fundamental, m.
     pub wavelength: f64,
-    /// rad
-    pub phase: f64,
+    /// φₙ, rad.
+    pub phases: [f64; HARMONICS],
+}
+
+/// How many waves a ripple is a sum of.
+pub const HARMONICS: usize = 3;
+
+impl Default for Ripple {
+    fn default() -> Self {
+        Ripple { ratios: [0.0; HARMONICS], wavelength: 1.0, phases: [0.0; HARMONICS] }
+    }
+}
+
+impl Ripple {
+    /// Whether thrust is even.
+    pub fn is_none(&self) -> bool {
+        self.ratios.iter().all(|ratio| *ratio == 0.0)
+    }
+
+    /// What thrust has more, over its mean, for a plate whose front is so far past a motor's begin, m.
+    pub fn at(&self, ahead: f64) -> f64 {
+        let turn = trig::TAU * ahead / self.wavelength;
+        let waves = self.ratios.iter().zip(&self.phases).zip(1..).filter(|((ratio, _), _)| **ratio != 0.0);
+        waves.map(|((ratio, phase), n)| ratio * trig::sin(f64::from(n) * turn + phase)).sum()
+    }
 }
 
 /// A wheel of some carts that is worn.
@@ -224,8 +248,7 @@ impl Deviations {
     /// Factor on a motor's thrust, for a plate whose front is so far past the motor's begin, m.
     pub fn factor(&self, motor: usize, ahead: f64) -> f64 {
         let share = self.thrust.get(motor).copied().unwrap_or(1.0);
-        let Ripple { ratio, wavelength, phase } = self.ripple;
-        if ratio == 0.0 { share } else { share * (1.0 + ratio * trig::sin(trig::TAU * ahead / wavelength + phase)) }
+        if self.ripple.is_none() { share } else { share * (1.0 + self.ripple.at(ahead)) }
     }
 
     /// Where the rails of a line lead at a station, m.

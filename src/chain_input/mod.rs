@@ -10,6 +10,6 @@ mod unfit;
 
 pub use check::{Contradiction, Unusable};
 pub(crate) use deviations::closed;
-pub use deviations::{Deviations, Every, Guides, Ripple, Warming, WheelPlace, WornWheel};
+pub use deviations::{Deviations, Every, Guides, HARMONICS, Ripple, Warming, WheelPlace, WornWheel};
 pub use document::*;
 pub use unfit::Unfit;

@@ -203,7 +203,7 @@ impl Model {
             speed: simulation.chain.speed_m_s,
             tension,
             pitch,
-            even: deviations.thrust.is_empty() && deviations.ripple.ratio == 0.0,
+            even: deviations.thrust.is_empty() && deviations.ripple.is_none(),
             longer: rows(&deviations.pitch, carts),
             way_longer,
             deviations: Box::new(deviations),

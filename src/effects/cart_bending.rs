@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::CART_BENDING,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 2e-7, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(2e-7, 0.0)],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Tension,
     act: Act::Chain(act),

@@ -11,7 +11,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::CONTROL_DELAY,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.1, 0.0)],
     sites: Sites::Listed(with_gains),
     separated_by: Experiment::Motors,
     random: Some((RandomEffect::ByLap, |_| true)),

@@ -10,7 +10,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::FORK_SWIVEL,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 2.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(2.0, 0.0)],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     act: Act::Chain(act),

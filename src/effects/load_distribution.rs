@@ -13,7 +13,7 @@ use crate::model::effect_definitions::{self, PlaceDefinition};
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::LOAD_DISTRIBUTION,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 3.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(3.0, 0.0)],
     sites: Sites::Listed(loads),
     alternatives: |site, _| shares(site),
     separated_by: Experiment::Runs,

@@ -114,6 +114,21 @@ pub struct StrengthSearch {
     pub trial: f64,
     /// As-built tolerance: what every built chain has of it, as a deviation. That much is no gap.
     pub as_built: f64,
+    /// Whether it is looked for only beside the effect's other strengths, where these explain something: without them
+    /// it is what they are at another site.
+    pub beside: bool,
+}
+
+impl StrengthSearch {
+    /// Of a strength that is looked for by itself.
+    const fn alone(trial: f64, as_built: f64) -> Self {
+        StrengthSearch { trial, as_built, beside: false }
+    }
+
+    /// Of one that is looked for only beside the others.
+    const fn beside(trial: f64) -> Self {
+        StrengthSearch { trial, as_built: 0.0, beside: true }
+    }
 }
 
 /// Where an effect may sit in a layout.

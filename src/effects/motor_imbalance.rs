@@ -10,7 +10,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::MOTOR_IMBALANCE,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.3, as_built: 0.01 }],
+    fitted: &[StrengthSearch::alone(0.3, 0.01)],
     sites: Sites::Listed(sites::motors),
     several: true,
     separated_by: Experiment::Motors,

@@ -1,7 +1,8 @@
-//! Ripple of a linear motor's thrust: F (1 + a sin(2πd/λ)) with the plate's way d over the motor (Jahns and Soong 1996,
-//! cogging and ripple repeat with the pole pitch).
+//! Ripple of a linear motor's thrust: F (1 + Σ aₙ sin(2πnd/λ + φₙ)), n from 1 to 3, with the plate's way d over the motor.
+//! Cogging and ripple repeat with the pole pitch, with harmonics (Jahns and Soong 1996; Gieras, Piech and Tomczuk 2012).
 //!
-//! Signature: joint_xi and the chain's speed at v/λ.
+//! Signature: joint_xi and the chain's speed at v/λ, and at its multiples. A power says nothing of a phase, so that phases
+//! are not fitted. A harmonic alone is the fundamental of a shorter pitch: it is looked for only beside the fundamental.
 
 use super::sites::Site;
 use super::{Act, Effect, Experiment, Sites, StrengthSearch, Strengths};
@@ -11,7 +12,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::MOTOR_RIPPLE,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.1, 0.0), StrengthSearch::beside(0.1), StrengthSearch::beside(0.1)],
     sites: Sites::Listed(wavelengths),
     separated_by: Experiment::Speed,
     alternatives: |site, _| alternatives(site),
@@ -21,7 +22,11 @@ pub const EFFECT: Effect = Effect {
 
 fn act(strengths: &Strengths, _: &mut Simulation, deviations: &mut Deviations) {
     let wavelength = strengths.of("wavelength").max(1e-3);
-    deviations.ripple = Ripple { ratio: strengths.of("ratio"), wavelength, phase: strengths.of("phase") };
+    deviations.ripple = Ripple {
+        ratios: ["ratio", "twice", "thrice"].map(|name| strengths.of(name)),
+        wavelength,
+        phases: ["phase", "twice_phase", "thrice_phase"].map(|name| strengths.of(name)),
+    };
 }
 
 fn wavelengths(simulation: &Simulation) -> Vec<Site> {

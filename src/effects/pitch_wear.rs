@@ -10,7 +10,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::PITCH_WEAR,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 5e-5, as_built: 1e-5 }],
+    fitted: &[StrengthSearch::alone(5e-5, 1e-5)],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     random: Some((RandomEffect::ByCart, |_| true)),

@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::RAIL_STEP,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 1e-4, as_built: 3e-5 }],
+    fitted: &[StrengthSearch::alone(1e-4, 3e-5)],
     sites: Sites::Suspected,
     several: true,
     separated_by: Experiment::Runs,

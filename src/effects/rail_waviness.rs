@@ -13,7 +13,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::RAIL_WAVINESS,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 1e-5, as_built: 1.2e-5 }],
+    fitted: &[StrengthSearch::alone(1e-5, 1.2e-5)],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Runs,
     act: Act::Chain(act),

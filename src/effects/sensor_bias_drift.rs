@@ -8,7 +8,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_BIAS_DRIFT,
     discrepancy: super::EXACT,
-    fitted: &[StrengthSearch { trial: 10.0, as_built: 0.0 }, StrengthSearch { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(10.0, 0.0), StrengthSearch::alone(0.1, 0.0)],
     sites: Sites::Listed(sites::channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

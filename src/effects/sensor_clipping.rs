@@ -8,7 +8,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_CLIPPING,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.1, 0.0)],
     sites: Sites::Listed(sites::channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

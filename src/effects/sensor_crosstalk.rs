@@ -8,7 +8,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_CROSSTALK,
     discrepancy: super::EXACT,
-    fitted: &[StrengthSearch { trial: 0.03, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.03, 0.0)],
     sites: Sites::Listed(sites::ordered_pairs),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

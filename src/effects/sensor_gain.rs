@@ -8,7 +8,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_GAIN,
     discrepancy: super::EXACT,
-    fitted: &[StrengthSearch { trial: 0.05, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.05, 0.0)],
     sites: Sites::Listed(sites::channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

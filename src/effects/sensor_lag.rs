@@ -14,7 +14,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_LAG,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.02, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.02, 0.0)],
     sites: Sites::Listed(channels),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

@@ -8,7 +8,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SENSOR_SWAPPED,
     discrepancy: super::EXACT,
-    fitted: &[StrengthSearch { trial: 1.0, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(1.0, 0.0)],
     sites: Sites::Listed(sites::unordered_pairs),
     separated_by: Experiment::Sensors,
     act: Act::Sensor(act),

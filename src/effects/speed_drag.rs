@@ -10,7 +10,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::SPEED_DRAG,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.3, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.3, 0.0)],
     sites: Sites::Listed(sites::everywhere),
     separated_by: Experiment::Speed,
     act: Act::Chain(act),

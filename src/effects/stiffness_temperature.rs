@@ -15,7 +15,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::STIFFNESS_TEMPERATURE,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 0.1, as_built: 0.01 }],
+    fitted: &[StrengthSearch::alone(0.1, 0.01)],
     sites: Sites::Listed(times),
     separated_by: Experiment::Tension,
     act: Act::Chain(act),

@@ -197,6 +197,28 @@ fn constants_follow_their_equations() {
     assert!(uneven.pitch.iter().all(|x| x.abs() <= 1e-4) && uneven.pitch.iter().any(|x| x.abs() > 5e-5));
 }
 
+/// Bit for bit, so that a layout with one sine does what it did before there were harmonics.
+#[test]
+fn a_ripple_without_harmonics_is_one_sine() {
+    let given = [("ratio", 0.17), ("wavelength", 0.23), ("phase", 0.9)];
+    let (_, one) = deviations_of(&with("motor_ripple", &given)).expect("built");
+    let (_, second) =
+        deviations_of(&with("motor_ripple", &[("twice", 0.17), ("wavelength", 0.46), ("twice_phase", 0.9)]))
+            .expect("built");
+    for k in 0..500 {
+        let ahead = 0.004 * f64::from(k);
+        assert_eq!(one.factor(0, ahead), 1.0 * (1.0 + 0.17 * trig::sin(trig::TAU * ahead / 0.23 + 0.9)));
+        // A second harmonic alone is the fundamental of half the pitch.
+        assert!((second.factor(0, ahead) - one.factor(0, ahead)).abs() < 1e-12, "{ahead}");
+    }
+    let three = [("ratio", 0.1), ("twice", 0.06), ("thrice", 0.03), ("wavelength", 0.4), ("thrice_phase", trig::PI)];
+    let (_, rippling) = deviations_of(&with("motor_ripple", &three)).expect("built");
+    // Over an eighth of the pitch the sines are √½, 1 and √½, the last of which is turned round.
+    assert!((rippling.factor(0, 0.05) - (1.0 + 0.07 * 0.5_f64.sqrt() + 0.06)).abs() < 1e-12);
+    let mean = (0..1000).map(|k| rippling.factor(0, 0.4 * f64::from(k) / 1000.0)).sum::<f64>() / 1000.0;
+    assert!((mean - 1.0).abs() < 1e-12, "{mean}");
+}
+
 #[test]
 fn stiffness_comes_up_in_a_run() {
     let channel = |simulation: &Simulation, laps: usize| {

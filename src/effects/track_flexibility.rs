@@ -16,7 +16,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::TRACK_FLEXIBILITY,
     discrepancy: super::ASSUMED,
-    fitted: &[StrengthSearch { trial: 3e-7, as_built: 0.0 }, StrengthSearch { trial: 3e-7, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(3e-7, 0.0), StrengthSearch::alone(3e-7, 0.0)],
     sites: Sites::Listed(shapes),
     alternatives: |site, _| spans(site),
     separated_by: Experiment::Runs,

@@ -18,7 +18,7 @@ use crate::model::effect_definitions;
 pub const EFFECT: Effect = Effect {
     definition: &effect_definitions::WHEEL_SLIDING,
     discrepancy: CREEP,
-    fitted: &[StrengthSearch { trial: 0.05, as_built: 0.0 }],
+    fitted: &[StrengthSearch::alone(0.05, 0.0)],
     sites: Sites::Listed(axles),
     alternatives: |site, _| creeping(site),
     separated_by: Experiment::Runs,

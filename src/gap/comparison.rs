@@ -123,9 +123,14 @@ impl Comparison<'_> {
             .into_iter()
             .flat_map(|c| {
                 let whole = self.single(c);
+                let (beside, own): (Vec<SignatureId>, Vec<SignatureId>) =
+                    whole.signatures.iter().copied().partition(|k| self.is_beside(*k));
                 // Of an effect with several strengths each may be there without the others.
-                let some = if whole.signatures.len() > 1 { whole.signatures.clone() } else { Vec::new() };
-                let some = some.into_iter().map(move |k| Hypothesis { members: vec![c], signatures: vec![k] });
+                let mut some: Vec<Vec<SignatureId>> = own.iter().map(|k| vec![*k]).collect();
+                // What is looked for only beside those is, one by one.
+                some.extend(beside.into_iter().map(|k| own.iter().copied().chain([k]).collect()));
+                some.retain(|some| some.len() < whole.signatures.len());
+                let some = some.into_iter().map(move |signatures| Hypothesis { members: vec![c], signatures });
                 some.chain([whole]).collect::<Vec<_>>()
             })
             .collect();

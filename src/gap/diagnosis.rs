@@ -172,7 +172,7 @@ pub struct Finding {
     pub place: String,
     /// What says the place, as an `effect` of a layout takes it.
     pub fixed: BTreeMap<String, f64>,
-    /// The shape that it gives a wheel or a rail; null where it gives none.
+    /// The shape that it gives a wheel, a rail or the motors' thrust; null where it gives none.
     pub shape: Option<Shape>,
     /// Where else it sits, with its strengths there.
     pub elsewhere: Vec<Elsewhere>,
@@ -202,18 +202,20 @@ pub struct AtPlace<'a> {
     pub strength: &'a BTreeMap<String, Amount>,
 }
 
-/// A shape of a wheel or a rail with the ends of its strengths' 90 % intervals.
+/// A shape of a wheel or a rail, or that of a thrust, with the ends of its strengths' 90 % intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Shape {
     /// What has it, and which way it counts.
     pub of: String,
-    /// Unit of the places: `rad` around a wheel, `m` along the track.
+    /// Unit of the places: `rad` around a wheel, `m` along the track or over a motor.
     pub over: String,
+    /// Unit of `value`, `low` and `high`: `m`, or empty for a share.
+    pub unit: String,
     pub at: Vec<f64>,
-    /// How far it is off, m.
-    pub value_m: Vec<f64>,
-    pub low_m: Vec<f64>,
-    pub high_m: Vec<f64>,
+    /// How far it is off.
+    pub value: Vec<f64>,
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
 }
 
 /// A fitted strength with its 90 % interval.

@@ -131,6 +131,7 @@ mod tests {
                 unit: String::new(),
                 trial: 1.0,
                 as_built: 0.0,
+                beside: false,
                 low: 0.0,
                 high: 20.0,
             }],

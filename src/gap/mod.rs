@@ -4,6 +4,7 @@
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
 mod amounts;
+mod beside;
 pub mod chain;
 mod chance;
 mod checked;

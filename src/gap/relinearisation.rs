@@ -21,6 +21,7 @@ impl Comparison<'_> {
         for _ in 0..rounds {
             self.relinearise(None, tell);
         }
+        self.look_beside(tell);
         for round in 0..if gap { rounds } else { 0 } {
             let Some(leader) = self.leader() else { break };
             if round == 0 {
@@ -198,7 +199,7 @@ fn fitting(context: Context, signature: &Signature, size: f64) -> f64 {
 }
 
 /// A signature at the strength that fits, where that is another than it was taken at.
-fn again(context: Context, signature: &Signature, size: f64) -> Option<Trial> {
+pub fn again(context: Context, signature: &Signature, size: f64) -> Option<Trial> {
     let settings = &context.settings.relinearisation;
     let candidate = &context.simulator.candidates()[signature.candidate];
     let (fits, before) = (fitting(context, signature, size), signature.size);

@@ -4,7 +4,7 @@ use super::amounts::amounts;
 use super::comparison::{Compared, Comparison};
 use super::diagnosis::{Amount, Diagnosis, Elsewhere, Finding, Group, Lost, RunGap, Verdict};
 use super::hypothesis::room;
-use super::ids::{CandidateId, PerRun, RunId};
+use super::ids::{CandidateId, PerRun, RunId, SignatureId};
 use super::observation::Observation;
 use super::overlays::overlays;
 use super::places::{places, unexplained};
@@ -245,12 +245,16 @@ fn once(compared: &Compared) -> Vec<f64> {
     compared.scored.iter().map(log_posterior).collect()
 }
 
-/// The same effects with more of their strengths, where that is not much less likely.
+/// The same effects with more of their strengths, where that is not much less likely. What is looked for only beside
+/// others is told only where it makes a hypothesis likelier.
 fn whole<'a>(compared: &'a Compared, scored: &'a Scored) -> &'a Scored {
     let one = &scored.fitted.hypothesis;
     let more = |j: &&Scored| {
         let other = &j.fitted.hypothesis;
-        other.members == one.members && other.signatures.len() > one.signatures.len()
+        let known = |k: &SignatureId| one.signatures.contains(k) || !compared.comparison.is_beside(*k);
+        other.members == one.members
+            && other.signatures.len() > one.signatures.len()
+            && other.signatures.iter().all(known)
     };
     compared
         .scored

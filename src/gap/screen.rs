@@ -32,7 +32,7 @@ pub struct Trial {
 }
 
 /// Signatures of all strengths of the wanted candidates that stand for themselves, at a size at which they are clear,
-/// and do as much as is left of the runs.
+/// and do as much as is left of the runs. Those that are looked for only beside others come later.
 pub fn signatures(
     context: Context,
     observations: &PerRun<Observation>,
@@ -44,7 +44,7 @@ pub fn signatures(
     let alone = candidates.ids().filter(|c| candidates[*c].alternative_to.is_none() && wanted(*c));
     let firsts: Vec<Trial> = alone
         .flat_map(|candidate| {
-            let strengths = candidates[candidate].strengths.iter().enumerate();
+            let strengths = candidates[candidate].strengths.iter().enumerate().filter(|(_, s)| !s.beside);
             strengths.map(move |(strength, s)| Trial { candidate, strength, size: s.trial })
         })
         .collect();

@@ -1,4 +1,4 @@
-//! The shape that an effect gives a wheel or a rail, with the band of its strengths.
+//! The shape that an effect gives a wheel, a rail or a thrust, with the band of its strengths.
 
 use super::diagnosis::{Amount, Shape};
 use super::ids::CandidateId;
@@ -27,9 +27,10 @@ pub fn shape(simulator: &dyn Simulator, candidate: CandidateId, strength: &BTree
     Some(Shape {
         of: whole.of.clone(),
         over: whole.over.to_owned(),
+        unit: whole.unit.to_owned(),
         at: values(&|k| at[k]),
-        value_m: values(&|k| whole.points[k].1),
-        low_m: edge(f64::min),
-        high_m: edge(f64::max),
+        value: values(&|k| whole.points[k].1),
+        low: edge(f64::min),
+        high: edge(f64::max),
     })
 }

@@ -18,14 +18,16 @@ pub struct Context<'a> {
     pub settings: &'a Settings,
 }
 
-/// A shape of a wheel or a rail.
+/// A shape of a wheel or a rail, or that of a thrust.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// What has it, in words.
     pub of: String,
     /// Unit of the places: `rad` around a wheel, `m` along the track.
     pub over: &'static str,
-    /// Places, and how far it is off there, m.
+    /// Unit of how far it is off: `m`, or empty for a share.
+    pub unit: &'static str,
+    /// Places, and how far it is off there.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -65,7 +67,7 @@ pub trait Simulator: Sync {
         Effort::default()
     }
 
-    /// The shape that effects give a wheel or a rail, where they give one: at places, or at those that show it.
+    /// The shape that an effect gives a wheel, a rail or a thrust, where it gives one: at places, or at those that show it.
     fn outline(&self, _: &Applied, _: Option<&[f64]>) -> Option<Outline> {
         None
     }
@@ -166,6 +168,8 @@ pub struct Strength {
     pub trial: f64,
     /// What every built machine has of it, as a deviation: that much is no gap.
     pub as_built: f64,
+    /// Whether it is looked for only beside the effect's other strengths, once these explain something.
+    pub beside: bool,
     /// Bounds; 0 is no effect.
     pub low: f64,
     pub high: f64,

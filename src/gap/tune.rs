@@ -179,8 +179,15 @@ mod tests {
 
     #[test]
     fn a_shift_is_found_though_distributions_saturate() {
-        let strength =
-            Strength { name: "x".into(), unit: "N".into(), trial: 1.0, as_built: 0.0, low: -99.0, high: 99.0 };
+        let strength = Strength {
+            name: "x".into(),
+            unit: "N".into(),
+            trial: 1.0,
+            as_built: 0.0,
+            beside: false,
+            low: -99.0,
+            high: 99.0,
+        };
         let candidate = Candidate {
             effect: "bias".into(),
             place: String::new(),

@@ -29,8 +29,9 @@ impl Compared<'_> {
             known.entry(signature.candidate).or_default().push(signature.strength);
         }
         let lacks = |c: CandidateId| {
-            let strengths = 0..self.comparison.candidates()[c].strengths.len();
-            strengths.filter(|s| !known.get(&c).is_some_and(|own| own.contains(s))).count()
+            // What is looked for only beside other strengths is no reason to believe in the effect.
+            let strengths = self.comparison.candidates()[c].strengths.iter().enumerate().filter(|(_, s)| !s.beside);
+            strengths.filter(|(s, _)| !known.get(&c).is_some_and(|own| own.contains(s))).count()
         };
         let alone =
             self.comparison.candidates().ids().filter(|c| self.comparison.candidates()[*c].alternative_to.is_none());

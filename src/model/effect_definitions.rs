@@ -206,10 +206,38 @@ pub const RAIL_STEP: EffectDefinition = EffectDefinition {
 pub const MOTOR_RIPPLE: EffectDefinition = EffectDefinition {
     name: "motor_ripple",
     about: "thrust that ripples with the pole pitch",
-    strengths: &[StrengthDefinition { name: "ratio", unit: "", about: "amplitude over thrust", low: 0.0, high: 1.0 }],
+    strengths: &[
+        StrengthDefinition { name: "ratio", unit: "", about: "amplitude over thrust", low: 0.0, high: 1.0 },
+        StrengthDefinition {
+            name: "twice",
+            unit: "",
+            about: "amplitude of the second harmonic over thrust",
+            low: 0.0,
+            high: 1.0,
+        },
+        StrengthDefinition {
+            name: "thrice",
+            unit: "",
+            about: "amplitude of the third harmonic over thrust",
+            low: 0.0,
+            high: 1.0,
+        },
+    ],
     places: &[
         PlaceDefinition { name: "wavelength", kind: PlaceKind::Length, about: "of the pole pitch", default: 0.2 },
         PlaceDefinition { name: "phase", kind: PlaceKind::Number, about: "rad", default: 0.0 },
+        PlaceDefinition {
+            name: "twice_phase",
+            kind: PlaceKind::Number,
+            about: "of the second harmonic, rad",
+            default: 0.0,
+        },
+        PlaceDefinition {
+            name: "thrice_phase",
+            kind: PlaceKind::Number,
+            about: "of the third harmonic, rad",
+            default: 0.0,
+        },
     ],
 };
 

@@ -122,6 +122,7 @@ pub fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             unit: "m".into(),
             trial: 1.0,
             as_built: 0.0,
+            beside: false,
             low: -50.0,
             high: 50.0,
         }],

@@ -9,6 +9,7 @@ mod browser;
 mod chain;
 mod compare;
 mod gap;
+mod harmonics;
 mod identify;
 mod long_runs;
 mod made_up;

@@ -98,3 +98,39 @@ fn stiffness_that_comes_up_in_a_run_is_found() {
     assert!(named["fixed"]["after"].as_f64() > Some(0.0), "{named}");
     holds(&named["strength"]["change"], -0.2);
 }
+
+/// Asserts that the first effect is ripple of the motors at a pitch, m.
+fn ripples(gap: &Value, wavelength: f64) -> &Value {
+    assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
+    let named = &gap["effects"][0];
+    assert_eq!(named["name"], "motor_ripple", "{}", gap["summary"]);
+    let found = named["fixed"]["wavelength"].as_f64().expect("a wavelength");
+    assert!((found / wavelength - 1.0).abs() < 0.05, "{named}");
+    named
+}
+
+/// No phase is known to the diagnosis, which looks for all with 0.
+#[test]
+#[ignore = "takes some minutes"]
+fn a_ripple_is_found_with_its_second_harmonic() {
+    let (folder, gap) =
+        diagnosed("  effect motor_ripple(ratio: 0.1, twice: 0.06, wavelength: 200 mm, twice_phase: 1)\n");
+    let named = ripples(&gap, 0.2);
+    holds(&named["strength"]["ratio"], 0.1);
+    holds(&named["strength"]["twice"], 0.06);
+    assert_eq!((&named["shape"]["over"], &named["shape"]["unit"]), (&"m".into(), &"".into()));
+    let applied = fs::read_to_string(folder.path().join("out/oval-gap.lss")).expect("a layout");
+    assert!(applied.contains("twice: "), "{applied}");
+}
+
+#[test]
+#[ignore = "takes some minutes"]
+fn a_ripple_of_one_sine_has_no_harmonics() {
+    let (_folder, gap) = diagnosed("  effect motor_ripple(ratio: 0.1, wavelength: 200 mm)\n");
+    let named = ripples(&gap, 0.2);
+    holds(&named["strength"]["ratio"], 0.1);
+    for harmonic in ["twice", "thrice"] {
+        let low = named["strength"][harmonic]["low"].as_f64();
+        assert!(low.is_none_or(|low| low <= 0.0), "{harmonic}: {named}");
+    }
+}

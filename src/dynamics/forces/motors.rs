@@ -173,3 +173,59 @@ pub(super) fn answers<S: Simd>(
         None => (per_mass, per_inertia),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::trig;
+    use crate::chain_input::{Deviations, Ripple, Simulation};
+    use crate::compiled::fixture::compile;
+    use crate::model::fixture;
+
+    /// Sines of twice and three times an angle by those of the angle.
+    fn closed_sum(ratios: [f64; 3], phases: [f64; 3], angle: f64) -> f64 {
+        let (s, c) = trig::sin_cos(angle);
+        let sines = [s, 2.0 * s * c, 3.0 * s - 4.0 * s * s * s];
+        let cosines = [c, 1.0 - 2.0 * s * s, 4.0 * c * c * c - 3.0 * c];
+        let wave = |k: usize| ratios[k] * (sines[k] * trig::cos(phases[k]) + cosines[k] * trig::sin(phases[k]));
+        (0..3).map(wave).sum()
+    }
+
+    #[test]
+    fn thrust_ripples_by_the_closed_sum_and_is_as_large_on_average() {
+        const PLACES: usize = 4000;
+        let mut input = Simulation::new(&compile(fixture::rectangle(20.0, 12.0, 4.0)));
+        input.motors.s_m = vec![3.0];
+        let (ratios, phases) = ([0.3, 0.2, 0.1], [0.4, -1.1, 2.0]);
+        // Ripple has no mean where pitches of its poles fill the motor.
+        let wavelength = input.motors.length_m / 5.0;
+        let ripple = Ripple { ratios, wavelength, phases };
+        let model = Model::new(&input, Deviations { ripple, ..Deviations::default() }).expect("a model");
+        assert!(!model.even);
+        let lap = model.segments.line.length;
+        let plate = lap / model.carts as f64;
+        let mut forces = Forces::new(&model);
+        let (mut whole, mut even, mut off) = (0.0, 0.0, 0.0_f64);
+        for place in 0..PLACES {
+            let mut expected = vec![0.0; model.carts];
+            let mut plain = 0.0;
+            for cart in 0..model.carts {
+                let front = (3.0 + plate * (place as f64 / PLACES as f64 - cart as f64)).rem_euclid(lap);
+                (forces.station[cart], forces.share[cart]) = (front, 1.0);
+                // Where plate and motor lie over each other.
+                let (from, to) = ((front - plate).max(3.0), front.min(3.0 + input.motors.length_m));
+                let own = (to - from).max(0.0) / input.motors.length_m;
+                plain += own;
+                expected[cart] = own * (1.0 + closed_sum(ratios, phases, trig::TAU * (front - 3.0) / wavelength));
+            }
+            uneven(&model, &mut forces, 0..model.carts);
+            for (found, expected) in forces.share.iter().zip(&expected) {
+                off = off.max((found - expected).abs());
+            }
+            (whole, even) = (whole + forces.share[..model.carts].iter().sum::<f64>(), even + plain);
+        }
+        assert!(off < 1e-9, "{off}");
+        assert!((even / PLACES as f64 - 1.0).abs() < 1e-9, "{even}");
+        assert!((whole / even - 1.0).abs() < 1e-4, "{whole} for {even}");
+    }
+}

@@ -202,6 +202,7 @@ impl Chains {
             unit: s.unit.to_owned(),
             trial: fitted.trial,
             as_built: fitted.as_built,
+            beside: fitted.beside,
             low: s.low,
             high: s.high,
         };

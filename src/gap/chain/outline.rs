@@ -1,12 +1,12 @@
-//! What shape an effect gives wheels and rails, read from what it does to the chain.
+//! What shape an effect gives wheels, rails and the motors' thrust, read from what it does to the chain.
 
 use super::Chains;
 use crate::base::trig;
-use crate::chain_input::{Deviations, closed};
+use crate::chain_input::{Deviations, Simulation, closed};
 use crate::effects::deviations_of;
 use crate::gap::simulator::{Applied, Outline};
 
-/// Points around a wheel.
+/// Points around a wheel, and over a pitch of a motor's poles.
 const AROUND: usize = 72;
 
 /// Points along a rail at most, and the length that is shown of a shape which goes all around the lap, m.
@@ -14,11 +14,15 @@ const ALONG: usize = 200;
 const SHOWN: f64 = 10.0;
 
 impl Chains {
-    /// The first wheel or rail that an effect changes; `None` where it changes none.
+    /// The first wheel, rail or thrust that an effect changes; `None` where it changes none.
     pub(super) fn outline_of(&self, applied: &Applied, at: Option<&[f64]>) -> Option<Outline> {
         let run = self.runs.first()?;
-        let deviations = deviations_of(&run.with(vec![self.effect(applied)]).simulation).ok()?.1;
-        wheel(&deviations, at).or_else(|| rail(&deviations, run.model.spec.places.lap, at))
+        // Without what the layout itself has.
+        let alone = Simulation { effects: vec![self.effect(applied)], ..run.model.simulation.clone() };
+        let deviations = deviations_of(&alone).ok()?.1;
+        wheel(&deviations, at)
+            .or_else(|| rail(&deviations, run.model.spec.places.lap, at))
+            .or_else(|| thrust(&deviations, at))
     }
 }
 
@@ -28,7 +32,7 @@ fn wheel(deviations: &Deviations, at: Option<&[f64]>) -> Option<Outline> {
     let around = || (0..=AROUND).map(|k| trig::TAU * k as f64 / AROUND as f64).collect();
     let points = at.map_or_else(around, <[f64]>::to_vec).into_iter();
     let points = points.map(|angle| (angle, closed(&worn.radius, angle / trig::TAU).0)).collect();
-    Some(Outline { of: format!("{}, radius", worn.wheel.name()), over: "rad", points })
+    Some(Outline { of: format!("{}, radius", worn.wheel.name()), over: "rad", unit: "m", points })
 }
 
 /// Where a rail is beside the centre line's, over the stretch on which it is off.
@@ -38,7 +42,21 @@ fn rail(deviations: &Deviations, lap: f64, at: Option<&[f64]>) -> Option<Outline
     let (name, table) = names.into_iter().zip(&deviations.rails).find(|(_, table)| off(table))?;
     let places = at.map_or_else(|| stretch(table, lap), |at| Some(at.to_vec()))?;
     let points = places.into_iter().map(|at| (at, closed(table, at / lap).0)).collect();
-    Some(Outline { of: name.to_owned(), over: "m", points })
+    Some(Outline { of: name.to_owned(), over: "m", unit: "m", points })
+}
+
+/// What the motors' thrust has more, over its mean, over a pitch of their poles.
+fn thrust(deviations: &Deviations, at: Option<&[f64]>) -> Option<Outline> {
+    let ripple = &deviations.ripple;
+    if ripple.is_none() {
+        return None;
+    }
+    let along = || (0..=AROUND).map(|k| ripple.wavelength * k as f64 / AROUND as f64).collect();
+    let places = at.map_or_else(along, <[f64]>::to_vec).into_iter();
+    // Features are powers, which no phase changes.
+    let of =
+        "thrust of a motor beside its mean, over a pitch; phases of harmonics are not known and drawn as 0".to_owned();
+    Some(Outline { of, over: "m", unit: "", points: places.map(|at| (at, ripple.at(at))).collect() })
 }
 
 /// Places of the stretch on which a table is off.
@@ -61,7 +79,7 @@ fn stretch(table: &[f64], lap: f64) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chain_input::{Every, WheelPlace, WornWheel};
+    use crate::chain_input::{Every, Ripple, WheelPlace, WornWheel};
 
     #[test]
     fn a_wheel_is_shown_over_a_turn_and_a_rail_where_it_is_off() {
@@ -97,5 +115,16 @@ mod tests {
             .expect("a rail");
         assert!((found.points[0].0 - 48.95).abs() < 0.06, "{:?}", found.points[0]);
         assert_eq!(rail(&Deviations::default(), 50.0, None), None);
+    }
+
+    #[test]
+    fn a_thrust_is_shown_over_a_pitch_as_a_share() {
+        let ripple = Ripple { ratios: [0.1, 0.0, 0.02], wavelength: 0.4, ..Ripple::default() };
+        let found = thrust(&Deviations { ripple, ..Deviations::default() }, None).expect("a thrust");
+        assert_eq!((found.over, found.unit, found.points.len()), ("m", "", AROUND + 1));
+        let (at, most) = found.points[AROUND / 4];
+        // Both crests, the third harmonic's upside down.
+        assert!((at - 0.1).abs() < 1e-12 && (most - 0.08).abs() < 1e-12, "{at} {most}");
+        assert_eq!(thrust(&Deviations::default(), None), None);
     }
 }

@@ -200,6 +200,7 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         unit: s.unit,
         trial: s.trial,
         as_built: 0.0,
+        beside: false,
         low: s.low,
         high: s.high,
     };

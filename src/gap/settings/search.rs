@@ -55,6 +55,8 @@ settings! {
         turned_pairs: usize = 2, "–", Chosen("each is one more re-fit");
         /// Signatures of sensors' effects that are taken again at most.
         sensors: usize = 24, "–", Chosen("they need no simulation, so more of them than of the machine's");
+        /// Places of an effect at which strengths are looked for that are only beside its others, at most.
+        beside_places: usize = 3, "–", Chosen("the fundamental and its harmonics may each explain most");
         /// Factor between the strength that fits and the one of the signature within which the signature is kept.
         near: Range<f64> = 0.6..1.6, "–", Chosen("effects of the machine are nearly linear so far");
         /// The same of a sensor's effect.

@@ -1,4 +1,4 @@
-//! The shape that a named effect gives a wheel or a rail, with its band.
+//! The shape that a named effect gives a wheel, a rail or a thrust, with its band.
 
 use super::words::heading;
 use crate::gap::{Finding, Shape};
@@ -20,9 +20,12 @@ pub fn shapes(named: &[&Finding], pictures: &mut Pictures) -> Markup {
     }
 }
 
-/// Units a metre that a shape is drawn in.
+/// The unit that a shape is drawn in, and how many of it are one of its own.
 fn scale(shape: &Shape) -> (f64, &'static str) {
-    let most = shape.value_m.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    if shape.unit.is_empty() {
+        return (100.0, "%");
+    }
+    let most = shape.value.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     if most < 1e-3 { (1e6, "µm") } else { (1e3, "mm") }
 }
 
@@ -34,16 +37,16 @@ fn chart(shape: &Shape, number: usize, pictures: &mut Pictures) -> Markup {
     // Degrees around a wheel.
     let (factor, unit) = if shape.over == "rad" { (1f64.to_degrees(), "°") } else { (1.0, "m") };
     let (from, to) = ends(&shape.at);
-    let (low, high) = (ends(&shape.low_m).0, ends(&shape.high_m).1);
+    let (low, high) = (ends(&shape.low).0, ends(&shape.high).1);
     if !(from < to && low < high) {
         return html! {};
     }
-    let a_metre = scale(shape).0;
+    let own = scale(shape).0;
     let x = shape.at.iter().map(|x| factor * x).collect();
-    let of = |values: &[f64]| values.iter().map(|y| a_metre * y).collect::<Vec<f64>>();
+    let of = |values: &[f64]| values.iter().map(|y| own * y).collect::<Vec<f64>>();
     let mut drawn = Plot::new(format!("shape-{number}"), Axis::Own, scale(shape).1, Rounded::new(x));
     drawn.x_unit = unit.to_owned();
-    drawn.curves.push(Curve::band("90 % interval", "quiet", of(&shape.low_m), of(&shape.high_m)));
-    drawn.curves.push(Curve::line("found", "trace", of(&shape.value_m)));
+    drawn.curves.push(Curve::band("90 % interval", "quiet", of(&shape.low), of(&shape.high)));
+    drawn.curves.push(Curve::line("found", "trace", of(&shape.value)));
     pictures.add(drawn)
 }

@@ -34,25 +34,31 @@ fn finding(name: &str, probability: f64) -> Finding {
 
 #[test]
 fn a_shape_is_drawn_with_its_band_and_one_of_nothing_is_not() {
-    let shape = |size: f64| Shape {
+    let shape = |size: f64, over: &str, unit: &str| Shape {
         of: "left steering wheel, radius".into(),
-        over: "rad".into(),
+        over: over.into(),
+        unit: unit.into(),
         at: vec![0.0, 3.0, 6.0],
-        value_m: vec![0.0, -size, 0.0],
-        low_m: vec![0.0, -2.0 * size, 0.0],
-        high_m: vec![0.0, 0.0, 0.0],
+        value: vec![0.0, -size, 0.0],
+        low: vec![0.0, -2.0 * size, 0.0],
+        high: vec![0.0, 0.0, 0.0],
     };
-    let drawn = |size: f64| {
-        let finding = Finding { shape: Some(shape(size)), ..finding("wheel_out_of_round", 0.9) };
+    let drawn_as = |shape: Shape| {
+        let finding = Finding { shape: Some(shape), ..finding("wheel_out_of_round", 0.9) };
         let mut pictures = Pictures::default();
         (shape::shapes(&[&finding], &mut pictures).into_string(), pictures.data.plots)
     };
+    let drawn = |size: f64| drawn_as(shape(size, "rad", "m"));
     let (page, plots) = drawn(1e-4);
     assert!(page.contains("left steering wheel, radius, µm") && page.contains("id=\"shape-0\""), "{page}");
     let plot = serde_json::to_value(&plots[0]).expect("JSON");
     assert_eq!((&plot["unit"], &plot["x_unit"]), (&"µm".into(), &"°".into()));
     assert_eq!(plot["curves"][1]["y"], serde_json::json!([0, -100, 0]));
     assert!(drawn(0.0).1.is_empty());
+    // A share, along a motor.
+    let plot = serde_json::to_value(&drawn_as(shape(0.25, "m", "")).1[0]).expect("JSON");
+    assert_eq!((&plot["unit"], &plot["x_unit"]), (&"%".into(), &"m".into()));
+    assert_eq!(plot["curves"][1]["y"], serde_json::json!([0, -25, 0]));
 }
 
 fn place(channel: &str, from_m: f64, to_m: f64, band: &str, share: f64) -> GapPlace {
