@@ -209,14 +209,14 @@ mod tests {
         for place in 0..PLACES {
             let mut expected = vec![0.0; model.carts];
             let mut plain = 0.0;
-            for cart in 0..model.carts {
+            for (cart, expected) in expected.iter_mut().enumerate() {
                 let front = (3.0 + plate * (place as f64 / PLACES as f64 - cart as f64)).rem_euclid(lap);
                 (forces.station[cart], forces.share[cart]) = (front, 1.0);
                 // Where plate and motor lie over each other.
                 let (from, to) = ((front - plate).max(3.0), front.min(3.0 + input.motors.length_m));
                 let own = (to - from).max(0.0) / input.motors.length_m;
                 plain += own;
-                expected[cart] = own * (1.0 + closed_sum(ratios, phases, trig::TAU * (front - 3.0) / wavelength));
+                *expected = own * (1.0 + closed_sum(ratios, phases, trig::TAU * (front - 3.0) / wavelength));
             }
             uneven(&model, &mut forces, 0..model.carts);
             for (found, expected) in forces.share.iter().zip(&expected) {
