@@ -103,7 +103,7 @@ fn labels(run: &FittedRun) -> Vec<Label> {
             }
             Block::Share(f) => (f, Band::Distribution, 0, lap),
             Block::Power(f) => (f, Band::Cart, 0, lap),
-            Block::Order(f) => (f, if index < 4 { Band::Wheel } else { Band::Motor }, 0, lap),
+            Block::Order(f) => (f, run.orders.get(index).copied().unwrap_or(Band::Motor), 0, lap),
             Block::SpeedPower => (FORCES, Band::Drift, 0, lap),
         };
         let channel = Channel::FORCES.get(force).map_or("speed", |c| c.name());

@@ -14,7 +14,7 @@ mod warming;
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::settings::{self, Settings};
-use super::simulator::{Applied, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator, Strength};
+use super::simulator::{Applied, Band, Candidate, Candidates, Frame, Laps, Outline, Request, Simulator, Strength};
 use crate::base::parallel;
 use crate::chain_input as input;
 use crate::chain_input::Simulation;
@@ -88,6 +88,8 @@ struct FittedRun {
     settings: settings::Chain,
     /// Which channels were measured.
     measured: [bool; FORCES],
+    /// What turns at each order whose power is compared.
+    orders: Vec<Band>,
     seed: u64,
 }
 

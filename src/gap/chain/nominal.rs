@@ -8,6 +8,7 @@ use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
 use crate::effects::{is_of_machine, stiffness_temperature};
 use crate::gap::settings;
+use crate::gap::simulator::Band;
 use crate::identify::feature_spec::Samples;
 use crate::identify::fit::{Landing, excess, land};
 use crate::identify::model::Coordinates;
@@ -87,7 +88,8 @@ fn ready(subject: &Subject, width: Width) -> Result<(Measured, Model), String> {
     let simulation = without_sensors_effects(&subject.simulation);
     let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
     let speed = measured.speed();
-    model.spec.set_orders(&orders(&simulation, speed));
+    let turning: Vec<f64> = orders(&simulation, speed).into_iter().map(|(hz, _)| hz).collect();
+    model.spec.set_orders(&turning);
     model.spec.local = true;
     Ok((measured, model))
 }
@@ -115,6 +117,7 @@ fn of(model: Model, landing: Landing, measured: &Measured, fit: &FitSettings, se
         impacts: Vec::new(),
         settings: settings.clone(),
         measured: std::array::from_fn(|k| measured.has(k)),
+        orders: orders(&model.simulation, measured.speed()).into_iter().map(|(_, band)| band).collect(),
         seed: fit.seed.wrapping_add(77),
         model,
         landing,
@@ -150,10 +153,38 @@ pub fn set_tops(runs: &mut [FittedRun]) {
     }
 }
 
-/// Orders of wheels, once to six times a turn, and of motors' ripple, Hz.
-fn orders(simulation: &Simulation, speed: f64) -> Vec<f64> {
-    let wheel = |radius: f64| [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|n| n * speed / (trig::TAU * radius));
+/// Orders of wheels, once to six times a turn, and of motors' ripple, Hz, with what each is of.
+fn orders(simulation: &Simulation, speed: f64) -> Vec<(f64, Band)> {
+    let radii = [simulation.steering_wheel.radius_m, simulation.running_wheel.radius_m];
+    let turning =
+        radii.into_iter().flat_map(|radius| (1..=6).map(move |n| f64::from(n) * speed / (trig::TAU * radius)));
     let ripple = [0.5, 0.2, 0.1, 0.05].map(|share| speed / (share * simulation.motors.length_m));
-    let all = [wheel(simulation.steering_wheel.radius_m), wheel(simulation.running_wheel.radius_m)].concat();
-    all.into_iter().chain(ripple).filter(|hz| *hz < 0.4 * simulation.sensor.rate_hz).collect()
+    let all = turning.map(|hz| (hz, Band::Wheel)).chain(ripple.map(|hz| (hz, Band::Motor)));
+    all.filter(|(hz, _)| *hz < 0.4 * simulation.sensor.rate_hz).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compiled::fixture::compile;
+    use crate::model::fixture;
+
+    #[test]
+    fn an_order_is_of_what_turns_so_fast() {
+        let mut simulation = Simulation::new(&compile(fixture::rectangle(20.0, 12.0, 4.0)));
+        let of = |simulation: &Simulation, band: Band| {
+            let all = orders(simulation, 2.0).into_iter().filter(move |(_, own)| *own == band);
+            all.map(|(hz, _)| hz).collect::<Vec<f64>>()
+        };
+        simulation.sensor.rate_hz = 1e6;
+        assert_eq!((of(&simulation, Band::Wheel).len(), of(&simulation, Band::Motor).len()), (12, 4));
+        // What is too fast for the sensors is left out, of wheels too.
+        let third = 3.0 * 2.0 / (trig::TAU * simulation.steering_wheel.radius_m);
+        simulation.sensor.rate_hz = third / 0.39;
+        let wheels = of(&simulation, Band::Wheel);
+        assert!(wheels.len() < 12 && wheels.iter().all(|hz| *hz < third / 0.39 * 0.4), "{wheels:?}");
+        let motors = of(&simulation, Band::Motor);
+        let length = simulation.motors.length_m;
+        assert!(!motors.is_empty() && (motors[0] - 2.0 / (0.5 * length)).abs() < 1e-12, "{motors:?}");
+    }
 }
