@@ -289,8 +289,8 @@ fn a_bad_fit_is_told_where_it_is_and_set_points_are_not_mixed() {
     let out = tempfile::tempdir().expect("a folder");
     let (code, said) = told(&["--free", "speed,tension,rolling_resistance,trigger_position"], two.path(), out.path());
     assert_eq!(code, Some(0), "{said}");
-    // The good run is none to warn of.
-    assert!(!said.contains("run-01"), "{said}");
+    // The good run is none to warn of; a line a minute says that it was fitted, on a machine that takes so long.
+    assert!(said.contains("warning: run-02") && !said.contains("warning: run-01"), "{said}");
     for part in [
         "run-02, herbert_mcwhannell: the model does not fit: the objective is",
         "what: means along the track of joint_zeta",
