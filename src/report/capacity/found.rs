@@ -21,14 +21,14 @@ pub struct Found<'a> {
     bound_per_hour: f64,
     limited_by: String,
     /// The waves until they repeat; absent where there are none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     waves: Vec<WaveRow<'a>>,
     required_per_hour: Option<f64>,
     hours: f64,
     replications: usize,
     seed: u64,
     /// What stops, failures and waves take from it with items at every induction at any time; absent where it has none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     costs: Vec<CostRow>,
     /// With items at every induction at any time.
     always_fed: Simulated<'a>,
@@ -47,13 +47,13 @@ struct Simulated<'a> {
     unread: f64,
     /// At chutes that were full, down, and closed between two waves.
     refused: f64,
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     down: f64,
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     closed: f64,
     misplaced: f64,
     /// Items an hour in each wave; absent where there are none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     waves_per_hour: Vec<f64>,
     inductions: Vec<InductionRow<'a>>,
     chutes: Vec<ChuteRow<'a>>,
