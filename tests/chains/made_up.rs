@@ -154,11 +154,11 @@ pub fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
     if truth.iter().any(|t| t.0 >= BUMP) {
         // So that numbers are those of `shape`.
         candidates.extend(["rough", "far", "at once"].map(|name| one(name, "", false)));
-        for place in 0..BEGINS.len() {
+        for (place, begin) in BEGINS.into_iter().enumerate() {
             let first = CandidateId::new(bump(place, 0));
             for (length, run_out) in LENGTHS.into_iter().enumerate() {
                 let beside = (length > 0).then_some(first);
-                let words = format!("{} over {run_out}", BEGINS[place]);
+                let words = format!("{begin} over {run_out}");
                 candidates.push(Candidate { alternative_to: beside, ..one("bump", &words, false) });
             }
         }
