@@ -75,23 +75,25 @@ impl Hypothesis {
     ) -> Fitted {
         let residuals: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
         let columns: Vec<&PerRun<DVector<f64>>> = self.signatures.iter().map(|k| &signatures[*k].columns).collect();
-        let Explained { strengths, covariance, residuals } =
-            explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
+        let explained = explain(&residuals, &columns, &self.bounds(candidates, signatures), None);
         let columns = columns.into_iter().cloned().collect();
-        let changes: PerRun<Vec<f64>> =
-            observations.ids().map(|run| self.change(signatures, &strengths, run)).collect();
+        let changes = observations.ids().map(|run| self.change(signatures, &explained.strengths, run)).collect();
+        self.clone().foretold(observations, explained, columns, changes)
+    }
+
+    /// With strengths that were fitted by columns, nuisances at their best beside what is changed, and no simulation yet.
+    pub fn foretold(
+        self,
+        observations: &PerRun<Observation>,
+        explained: Explained,
+        columns: Vec<PerRun<DVector<f64>>>,
+        changes: PerRun<Vec<f64>>,
+    ) -> Fitted {
+        let Explained { strengths, covariance, residuals } = explained;
         let nuisance_offsets =
             observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
-        Fitted {
-            hypothesis: self.clone(),
-            strengths,
-            covariance,
-            residuals,
-            columns,
-            changes,
-            nuisance_offsets,
-            features: None,
-        }
+        let (hypothesis, features) = (self, None);
+        Fitted { hypothesis, strengths, covariance, residuals, columns, changes, nuisance_offsets, features }
     }
 
     /// What is changed in each run after a step of the strengths, by the signatures.

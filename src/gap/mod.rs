@@ -4,7 +4,6 @@
 //! A [`Simulator`] is what the diagnosis knows of a model. [`Diagnosis`] is its answer.
 
 mod amounts;
-mod beside;
 pub mod chain;
 mod chance;
 mod checked;
@@ -37,6 +36,7 @@ mod several_places;
 mod shape;
 mod significance;
 mod simulator;
+mod strengths_beside;
 mod tune;
 mod untested;
 mod words;

@@ -4,7 +4,7 @@
 use super::comparison::Comparison;
 use super::ids::CandidateId;
 use super::scored::{self, Scored};
-use super::screen::explain;
+use super::screen::{Explained, explain};
 use crate::base::parallel;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;
@@ -48,11 +48,8 @@ impl Comparison<'_> {
         let bounds = hypothesis.bounds(self.candidates(), &self.signatures);
         let by: Vec<_> = columns.iter().collect();
         let step = explain(&first.residuals, &by, &room(&bounds, &strengths), None);
-        let strengths = stepped(&strengths, &step.strengths, &bounds);
         let changes = hypothesis.changed_further(&self.signatures, &first.changes, &step.strengths);
-        let nuisance_offsets =
-            self.observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
-        let (covariance, residuals) = (step.covariance, step.residuals);
-        Fitted { hypothesis, strengths, covariance, residuals, columns, changes, nuisance_offsets, features: None }
+        let explained = Explained { strengths: stepped(&strengths, &step.strengths, &bounds), ..step };
+        hypothesis.foretold(&self.observations, explained, columns, changes)
     }
 }

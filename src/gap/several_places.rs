@@ -104,11 +104,8 @@ impl Comparison<'_> {
         hypothesis.members[member] = shape.candidate;
         hypothesis.signatures[member] = self.signatures.push(shape);
         let back: Vec<f64> = fitted.strengths.iter().map(|x| -x).collect();
-        let Explained { strengths, covariance, residuals } = explained;
         let changes = fitted.hypothesis.changed_further(&self.signatures, &fitted.changes, &back);
-        let changes = hypothesis.changed_further(&self.signatures, &changes, &strengths);
-        let nuisance_offsets =
-            self.observations.iter().zip(&changes).map(|(o, change)| o.nuisance_offsets(change)).collect();
-        Fitted { hypothesis, strengths, covariance, residuals, columns, changes, nuisance_offsets, features: None }
+        let changes = hypothesis.changed_further(&self.signatures, &changes, &explained.strengths);
+        hypothesis.foretold(&self.observations, explained, columns, changes)
     }
 }
