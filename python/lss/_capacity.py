@@ -70,7 +70,7 @@ def capacity(
 
 
 class Capacity:
-    """Items an hour: a closed form, which no way of feeding beats, and a simulation with intervals of 95 %."""
+    """Items an hour: a closed form, and a simulation with intervals of 95 %."""
 
     def __init__(self, own: _lss.Capacity) -> None:
         self._own = own
@@ -84,7 +84,8 @@ class Capacity:
 
     @property
     def bound(self) -> float:
-        """Closed form: most items an hour; with waves the mean over them."""
+        """Closed form: items an hour that fit, which no way of feeding beats unless chutes fail or full ones limit it; with waves the
+        mean over them."""
         return float(self.json["bound_per_hour"])
 
     @property

@@ -29,6 +29,16 @@ pub struct Bound {
     pub waves: Vec<WaveBound>,
 }
 
+impl Bound {
+    /// Whether no way of feeding the sorter beats it. Where chutes fail it is a mean over which of them are down; and where
+    /// full chutes limit it, items that `items laps` lets leave anywhere come on top.
+    pub fn is_strict(&self, sorter: &Sorter) -> bool {
+        let full = |limit: Limit| matches!(limit, Limit::Chute(_)) && sorter.items.most_laps != usize::MAX;
+        let limits = self.waves.iter().map(|wave| wave.limit).chain([self.limit]);
+        sorter.chutes.iter().all(|chute| chute.fails.is_none()) && !limits.into_iter().any(full)
+    }
+}
+
 /// The most that goes over a sorter in a wave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveBound {

@@ -22,6 +22,6 @@ pub mod warm_up;
 mod waves;
 
 pub use flow::{Bound, Limit, bound};
-pub use reached::{limit_words, reached, way_out};
+pub use reached::{limit_words, most_words, reached, way_out};
 pub use replicate::{Mean, Measured, Settings, measure};
 pub use sorter::Sorter;

@@ -1,6 +1,6 @@
 //! Whether a layout takes as many items an hour as it is asked to.
 
-use super::flow::{Limit, bound};
+use super::flow::{Bound, Limit, bound};
 use super::sorter::Sorter;
 use crate::base::number::fixed;
 use crate::diagnostic::{Code, Diagnostic};
@@ -32,7 +32,12 @@ pub fn limit_words(sorter: &Sorter, limit: Limit) -> String {
     }
 }
 
-/// The error where no way of feeding a layout's sorter, if it is one, reaches what is required.
+/// How the closed form's number is told.
+pub fn most_words(sorter: &Sorter, bound: &Bound) -> &'static str {
+    if bound.is_strict(sorter) { "at most" } else { "about" }
+}
+
+/// The error where by the closed form a layout's sorter, if it is one, does not reach what is required.
 pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<Diagnostic> {
     let (least, span) = (required.least.value, required.least.span);
     let asked = format!("at least {} items an hour", fixed(least, 0));
@@ -50,8 +55,11 @@ pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<D
         return None;
     }
     let most = fixed(found.throughput, 0);
-    let diagnostic = Diagnostic::new(Code::E0604, message, span, format!("no more than {most} an hour"))
-        .expected(asked, format!("at most {most}, limited by {}", limit_words(sorter, found.limit)));
+    let label = format!("{} {most} an hour", if found.is_strict(sorter) { "no more than" } else { "about" });
+    let diagnostic = Diagnostic::new(Code::E0604, message, span, label).expected(
+        asked,
+        format!("{} {most}, limited by {}", most_words(sorter, &found), limit_words(sorter, found.limit)),
+    );
     Some(diagnostic.help(way_out(found.limit, sorter.speed * least / found.throughput)))
 }
 

@@ -2,6 +2,7 @@
 
 use super::explore::{Cause, by_inductions, by_speed, costs, used_along, used_at};
 use super::flow::{Limit, bound};
+use super::reached::most_words;
 use super::replicate::{Mean, Settings, measure};
 use super::simulate::{Plan, simulate};
 use super::sorter::*;
@@ -136,22 +137,29 @@ fn items_wait_as_in_a_queue_with_slots() {
     }
 }
 
+/// Carriers, places and double items by chance.
+fn any_sorter(pick: &mut dyn FnMut(f64, f64) -> f64) -> Sorter {
+    let carriers = 60 + pick(0.0, 80.0) as usize;
+    let lap = 1.25 * carriers as f64;
+    let mut places = |least: usize, more: f64| -> Vec<f64> {
+        let count = least + pick(0.0, more) as usize;
+        (0..count).map(|_| pick(0.0, lap)).collect()
+    };
+    let (inductions, chutes) = (places(1, 4.0), places(2, 20.0));
+    let mut sorter = sorter(carriers, &inductions, &chutes);
+    sorter.items.double = pick(0.0, 0.3);
+    sorter
+}
+
 /// No way of feeding beats the bound of its proportions.
 #[test]
 fn the_bound_holds_for_sorters_of_any_kind() {
     let mut random = Random::new(5);
     for _ in 0..60 {
         let mut pick = |low: f64, high: f64| low + (high - low) * random.uniform();
-        let carriers = 60 + pick(0.0, 80.0) as usize;
-        let lap = 1.25 * carriers as f64;
-        let places =
-            |n: usize, pick: &mut dyn FnMut(f64, f64) -> f64| -> Vec<f64> { (0..n).map(|_| pick(0.0, lap)).collect() };
-        let inductions = places(1 + pick(0.0, 4.0) as usize, &mut pick);
-        let chutes = places(2 + pick(0.0, 20.0) as usize, &mut pick);
-        let mut sorter = sorter(carriers, &inductions, &chutes);
-        sorter.items.double = pick(0.0, 0.3);
+        let mut sorter = any_sorter(&mut pick);
         if pick(0.0, 1.0) < 0.5 {
-            sorter.scanners = vec![pick(0.0, lap)];
+            sorter.scanners = vec![pick(0.0, sorter.length())];
             sorter.items.no_read = pick(0.0, 0.1);
         }
         for induction in &mut sorter.inductions {

@@ -129,3 +129,21 @@ fn costs_are_those_of_the_sorter_without() {
         near(cost.per_hour.value, expected, 0.1);
     }
 }
+
+/// What is no bound is not called one: chutes that fail make it a mean, and so does leaving full ones for others.
+#[test]
+fn a_mean_is_told_as_about() {
+    let mut plain = sorter(100, &[0.0], &[30.0, 60.0]);
+    let words = |sorter: &Sorter| most_words(sorter, &bound(sorter, &[1.0]).unwrap());
+    assert_eq!(words(&plain), "at most");
+    plain.inductions[0].fails = fails(900.0, 100.0);
+    assert_eq!(words(&plain), "at most");
+    let mut failing = plain.clone();
+    failing.chutes[1].fails.clone_from(&plain.inductions[0].fails);
+    assert_eq!(words(&failing), "about");
+    let mut full = plain;
+    full.chutes.iter_mut().for_each(|chute| chute.storage = Some((5, 30.0)));
+    assert_eq!(words(&full), "at most");
+    full.items.most_laps = 3;
+    assert_eq!(words(&full), "about");
+}

@@ -169,20 +169,14 @@ fn waves_are_the_same_on_any_thread_and_with_any_demand() {
     assert_eq!(causes, [Cause::Changeover, Cause::Shares]);
 }
 
-/// No way of feeding beats the closed form with waves and failures, in the proportions in which items got on.
+/// With waves no way of feeding beats the closed form, in the proportions in which items got on, and with chutes that fail
+/// none did here by a hundredth.
 #[test]
 fn the_bound_holds_with_waves_and_failures() {
     let mut random = Random::new(17);
     for _ in 0..40 {
         let mut pick = |low: f64, high: f64| low + (high - low) * random.uniform();
-        let carriers = 60 + pick(0.0, 80.0) as usize;
-        let lap = 1.25 * carriers as f64;
-        let places =
-            |n: usize, pick: &mut dyn FnMut(f64, f64) -> f64| -> Vec<f64> { (0..n).map(|_| pick(0.0, lap)).collect() };
-        let inductions = places(1 + pick(0.0, 4.0) as usize, &mut pick);
-        let chutes = places(2 + pick(0.0, 20.0) as usize, &mut pick);
-        let mut sorter = sorter(carriers, &inductions, &chutes);
-        sorter.items.double = pick(0.0, 0.3);
+        let mut sorter = any_sorter(&mut pick);
         for induction in &mut sorter.inductions {
             induction.demand = Some(pick(500.0, 6000.0));
             induction.most = pick(2000.0, 9000.0);
@@ -191,7 +185,7 @@ fn the_bound_holds_with_waves_and_failures() {
         if kind < 0.7 {
             let every = 60.0 * pick(5.0, 30.0);
             let each = (0..pick(0.0, 3.0) as usize)
-                .map(|k| wave(&k.to_string(), &chutes.iter().map(|_| pick(0.1, 1.0)).collect::<Vec<_>>()))
+                .map(|k| wave(&k.to_string(), &sorter.chutes.iter().map(|_| pick(0.1, 1.0)).collect::<Vec<_>>()))
                 .collect();
             sorter.waves = Some(Waves { every, changeover: every * pick(0.0, 0.3), spread: 0.0, each });
         }
@@ -210,7 +204,7 @@ fn the_bound_holds_with_waves_and_failures() {
         let taken: Vec<f64> = seen.inductions.iter().map(|i| i.items as f64).collect();
         // What is left at the end, on carriers and in chutes, is not through.
         let left: usize = sorter.chutes.iter().filter_map(|c| c.storage).map(|(count, _)| count).sum();
-        let found = (taken.iter().sum::<f64>() - (left + carriers) as f64) / hours;
+        let found = (taken.iter().sum::<f64>() - (left + sorter.carriers) as f64) / hours;
         let bound = bound(&sorter, &taken).unwrap().throughput;
         assert!(found <= 1.01 * bound, "{found} {bound} {sorter:?}");
     }

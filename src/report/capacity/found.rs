@@ -2,7 +2,7 @@
 
 use crate::base::number::{duration, fixed};
 use crate::capacity::explore::{Cause, Cost};
-use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, limit_words};
+use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, limit_words, most_words};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -20,6 +20,8 @@ pub struct Found<'a> {
     /// Closed form, in the proportions in which items come; with waves the mean over them.
     bound_per_hour: f64,
     limited_by: String,
+    #[serde(skip)]
+    most: &'static str,
     /// The waves until they repeat; absent where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     waves: Vec<WaveRow<'a>>,
@@ -280,6 +282,7 @@ impl<'a> Found<'a> {
             carriers_per_hour: sorter.carriers_per_hour(),
             bound_per_hour: bound.throughput,
             limited_by: limit_words(sorter, bound.limit),
+            most: most_words(sorter, bound),
             waves: waves.collect(),
             required_per_hour: required,
             hours: settings.hours,
@@ -294,19 +297,21 @@ impl<'a> Found<'a> {
     /// For people.
     pub fn text(&self) -> String {
         let mut out = format!(
-            "{}\n  {} carriers at {} m/s: {} an hour pass a place\n  closed form: at most {} items an hour, limited by {}\n",
+            "{}\n  {} carriers at {} m/s: {} an hour pass a place\n  closed form: {} {} items an hour, limited by {}\n",
             self.layout,
             self.carriers,
             self.speed_m_s,
             fixed(self.carriers_per_hour, 0),
+            self.most,
             fixed(self.bound_per_hour, 0),
             self.limited_by
         );
         for wave in self.waves.iter().filter(|_| self.waves.len() > 1) {
             let _ = writeln!(
                 out,
-                "    wave {}: at most {}; {} % of its items go to {}{}",
+                "    wave {}: {} {}; {} % of its items go to {}{}",
                 wave.name.unwrap_or_default(),
+                self.most,
                 fixed(wave.bound_per_hour, 0),
                 fixed(100.0 * wave.busiest_share, 1),
                 wave.busiest,

@@ -106,11 +106,12 @@ fn headline(of: &CapacityPage) -> String {
 fn lead(of: &CapacityPage) -> String {
     let Measured { throughput, time, warm_up, .. } = of.always;
     let mut text = format!(
-        "Simulated with items at every induction at any time: {} ± {} (95 %), the first {} min left out. No way of feeding takes more than {}, \
+        "Simulated with items at every induction at any time: {} ± {} (95 %), the first {} min left out. {} {}, \
          limited by {}.",
         fixed(throughput.value, 0),
         fixed(throughput.half_width, 0),
         fixed(warm_up / 60.0, 0),
+        if of.bound.is_strict(of.sorter) { "No way of feeding takes more than" } else { "The closed form says about" },
         fixed(of.bound.throughput, 0),
         limit_words(of.sorter, of.bound.limit)
     );
@@ -174,7 +175,7 @@ fn waves(of: &CapacityPage, measured: &Measured) -> Markup {
             ". An item made " (fixed(measured.closed, 3)) " laps in the mean because chutes were closed."
         }
         div.scroll { table {
-            thead { tr { th { "wave" } th { "busiest chute" } th { @if drawn { "largest share, mean" } @else { "its share" } } th { "full with, an hour" } th { "at most an hour" }
+            thead { tr { th { "wave" } th { "busiest chute" } th { @if drawn { "largest share, mean" } @else { "its share" } } th { "a chute is full with, an hour" } th { "closed form, an hour" }
                 th { "given out an hour" } th { "limited by" } } }
             tbody { @for (k, wave) in of.bound.waves.iter().enumerate() { tr {
                 td { (waves.each.get(k).map_or("all", |wave| &wave.name)) }
@@ -244,7 +245,7 @@ fn curve(id: &str, unit: &str, changed: &[Changed], required: Option<f64>) -> Pl
     let mut plot = Plot::new(id, Axis::Own, "items/h", Rounded::to(of(|c| c.of), 3));
     plot.x_unit = unit.to_owned();
     plot.height = 260;
-    plot.curves.push(Curve::line("closed form, at most", "soft", of(|c| c.bound)).dashed());
+    plot.curves.push(Curve::line("closed form", "soft", of(|c| c.bound)).dashed());
     plot.curves.push(Curve::line("simulated", "trace", of(|c| c.simulated.value)));
     plot.curves.push(Curve::dots("each", "trace", of(|c| c.simulated.value)));
     if let Some(least) = required {
