@@ -161,13 +161,14 @@ fn wheel(nominal: &Simulation, state: &mut u64) -> Source {
     source
 }
 
-/// Up within 50 mm, and back as a cosine.
+/// Up within 5 to 100 mm, and back as a cosine.
 fn step(lap: f64, state: &mut u64) -> Source {
     let (at, rail, back, way) = (draw(state, 0.0, lap), pick(state, 3), draw(state, 1.5, 2.5), sign(state));
+    let rises_over = draw_log(state, 5e-3, 0.1);
     let act: Act = Box::new(move |x, _, d| {
         add(&mut d.rails[rail], lap, |s| {
             let past = (s - at).rem_euclid(lap);
-            let rise = (past / 0.05).min(1.0);
+            let rise = (past / rises_over).min(1.0);
             if past < back { way * x * rise * 0.5 * (1.0 + trig::cos(trig::PI * past / back)) } else { 0.0 }
         });
     });

@@ -1,8 +1,8 @@
-//! A step where two elements of the track meet: the rail goes off by h over `rise`, 50 mm when not given, and comes
+//! A step where two elements of the track meet: the rail goes off by h over `rise`, at once when not given, and comes
 //! back over the next `back`, 2 m when not given. A wheel of radius r needs √(2rh) to climb a sharp one (Johnson 1985),
-//! and 10 mm hold two points of the profile: a smaller rise is no sharper. Rail 1 is the steering wheels' (to the
-//! left), 2 the left and 3 the right running wheel's; 4 are both of these, where a whole element is higher than the
-//! next.
+//! and 10 mm hold two points of the profile: a smaller rise is no sharper. A joint that was ground off, or that bends
+//! under the wheel, rises over more. Rail 1 is the steering wheels' (to the left), 2 the left and 3 the right running
+//! wheel's; 4 are both of these, where a whole element is higher than the next.
 //!
 //! Signature: an impact at one place of the track, in the channels of one side, or of both running wheels.
 
@@ -50,6 +50,9 @@ const SHARPEST: f64 = 2.0 * SPACING;
 pub const RISE: f64 = effect_definitions::RAIL_STEP.places[2].default;
 pub const BACK: f64 = effect_definitions::RAIL_STEP.places[3].default;
 
+/// Over what a step that is not sharp may rise, m.
+const SMOOTHER: [f64; 3] = [0.025, 0.05, 0.15];
+
 /// A step of a rail, counted from 0, or of [`BOTH`] running rails, at an arc length, with its lengths, m.
 pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
     let name = RAILS[rail.min(BOTH)].0;
@@ -59,16 +62,16 @@ pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
     }
 }
 
-/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its
-/// place may be off, each with those beside it.
+/// Beside a step such as are smoother, come back sooner or later, or lie near; and steps as far away as its place may
+/// be off, each with those beside it.
 fn alternatives(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };
     let rail = (rail - 1.0).max(0.0) as usize;
     let near = |at: f64| {
-        let shapes = [(0.5, 1.0), (3.0, 1.0), (1.0, 0.25), (1.0, 0.5), (1.0, 2.5)];
-        let shaped = shapes.map(|(rise, back)| site(at, rail, rise * RISE, back * BACK));
+        let smoother = SMOOTHER.map(|rise| site(at, rail, rise, BACK));
+        let elsewhere_back = [0.25, 0.5, 2.5].map(|share| site(at, rail, RISE, share * BACK));
         let between = [-0.25, -0.125, 0.125, 0.25].map(|share| site(at + share * known, rail, RISE, BACK));
-        shaped.into_iter().chain(between)
+        smoother.into_iter().chain(elsewhere_back).chain(between)
     };
     let own = near(at).map(|site| (site, Vec::new()));
     let far = [-1.0, -0.5, 0.5, 1.0].map(|share| at + share * known);

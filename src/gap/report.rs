@@ -78,7 +78,7 @@ fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
     };
     let (verdict, chosen) = match [none, unknown, alone, pair] {
         [n, u, a, p] if n >= u && n >= a && n >= p => (Verdict::None, best(1)),
-        [_, u, a, p] if u >= a && u >= p => (Verdict::Unknown, best(1)),
+        [_, u, a, p] if u >= a && u >= p => (Verdict::Unknown, explains_most(compared).or_else(|| best(1))),
         [_, _, a, p] if p > a && best(2).is_some_and(told) => (Verdict::Pair, best(2)),
         _ => {
             let first = best(1).map(|(_, k)| compared.scored[k].fitted.hypothesis.members[0]);
@@ -90,6 +90,23 @@ fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
     let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(compared, *k)));
     let (scored, untested) = (scored.to_vec(), untested.to_vec());
     Choice { verdict, none, unknown, scored, untested, shown: chosen.map(|(_, k)| k), absent }
+}
+
+/// The effect that explains most by the runs alone, at whichever of its places: where none is believed, what was
+/// believed of it before tells nothing of what it leaves. Only what was simulated and is there.
+fn explains_most(compared: &Compared) -> Option<(usize, usize)> {
+    let by_runs = |k: &usize| {
+        let terms = &compared.scored[*k].terms;
+        terms.log_posterior() - terms.prior
+    };
+    let comparison = &compared.comparison;
+    let alone = |k: &usize| {
+        let Scored { fitted, mean_square, .. } = &compared.scored[*k];
+        comparison.effects(&fitted.hypothesis).len() == 1 && fitted.simulated() && comparison.explains(*mean_square)
+    };
+    let mut each: Vec<usize> = (0..compared.scored.len()).filter(alone).collect();
+    each.sort_by(|a, b| by_runs(b).total_cmp(&by_runs(a)));
+    each.into_iter().find(|k| !may_lack(compared, *k)).map(|k| (k, k))
 }
 
 /// Whether a member of a hypothesis may be absent: the intervals of all its strengths hold 0.

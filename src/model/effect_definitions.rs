@@ -198,7 +198,12 @@ pub const RAIL_STEP: EffectDefinition = EffectDefinition {
             about: "1 of the steering wheels, 2 of the left and 3 of the right running wheels, 4 both of these",
             default: 2.0,
         },
-        PlaceDefinition { name: "rise", kind: PlaceKind::Length, about: "over which it goes off", default: 0.05 },
+        PlaceDefinition {
+            name: "rise",
+            kind: PlaceKind::Length,
+            about: "over which it goes off; 0 for a sharp one, which the wheel climbs over √(2rh)",
+            default: 0.0,
+        },
         PlaceDefinition { name: "back", kind: PlaceKind::Length, about: "over which it comes back", default: 2.0 },
     ],
 };
