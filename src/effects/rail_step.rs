@@ -46,12 +46,13 @@ pub const BOTH: usize = 3;
 /// No step is sharper, whatever its height, m.
 const SHARPEST: f64 = 2.0 * SPACING;
 
-/// Lengths over which the rail goes off and comes back when nothing is said, m.
-pub const RISE: f64 = effect_definitions::RAIL_STEP.places[2].default;
+/// Lengths over which the rail of a step that is looked for goes off and comes back at first, m. A sharp one strikes, and
+/// what it does is far from in proportion to its height: it is tried beside one that rises over more.
+pub const RISE: f64 = 0.05;
 pub const BACK: f64 = effect_definitions::RAIL_STEP.places[3].default;
 
-/// Over what a step that is not sharp may rise, m.
-const SMOOTHER: [f64; 3] = [0.025, 0.05, 0.15];
+/// Over what else it may rise, m: 0 of a sharp one.
+const OTHER_RISES: [f64; 3] = [0.0, 0.025, 0.15];
 
 /// A step of a rail, counted from 0, or of [`BOTH`] running rails, at an arc length, with its lengths, m.
 pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
@@ -62,16 +63,16 @@ pub fn site(at: f64, rail: usize, rise: f64, back: f64) -> Site {
     }
 }
 
-/// Beside a step such as are smoother, come back sooner or later, or lie near; and steps as far away as its place may
-/// be off, each with those beside it.
+/// Beside a step such as are sharper or smoother, come back sooner or later, or lie near; and steps as far away as its
+/// place may be off, each with those beside it.
 fn alternatives(step: &Site, known: f64) -> Vec<(Site, Vec<Site>)> {
     let (Some(at), Some(rail)) = (step.of("at"), step.of("rail")) else { return Vec::new() };
     let rail = (rail - 1.0).max(0.0) as usize;
     let near = |at: f64| {
-        let smoother = SMOOTHER.map(|rise| site(at, rail, rise, BACK));
-        let elsewhere_back = [0.25, 0.5, 2.5].map(|share| site(at, rail, RISE, share * BACK));
+        let sharper_or_smoother = OTHER_RISES.map(|rise| site(at, rail, rise, BACK));
+        let sooner_or_later = [0.25, 0.5, 2.5].map(|share| site(at, rail, RISE, share * BACK));
         let between = [-0.25, -0.125, 0.125, 0.25].map(|share| site(at + share * known, rail, RISE, BACK));
-        smoother.into_iter().chain(elsewhere_back).chain(between)
+        sharper_or_smoother.into_iter().chain(sooner_or_later).chain(between)
     };
     let own = near(at).map(|site| (site, Vec::new()));
     let far = [-1.0, -0.5, 0.5, 1.0].map(|share| at + share * known);

@@ -10,7 +10,7 @@ use lss::base::trig;
 use lss::chain_input::{CentreLinePiece, Track};
 use lss::effects::RandomEffect;
 use lss::gap::{Amount, Bound, CandidateId, Diagnosis, Id, Settings, Verdict, diagnose};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 fn found(truth: &[(usize, f64)], strange: f64, seed: u64) -> Diagnosis {
     diagnose(&made(truth, strange, seed), &Settings::default(), &mut |_| {})
@@ -129,6 +129,24 @@ fn what_no_effect_explains_is_unknown() {
     let found = found(&[], 3.0, 7);
     assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
     assert!(found.unknown_probability > 0.8 && !found.places.is_empty());
+}
+
+#[test]
+fn of_a_gap_that_stays_unknown_the_effect_that_explains_most_is_shown() {
+    // At both of its places, though the prior of two is less than that of one, or of an effect that has none.
+    for (size, strange) in [(3.0, 3.0), (4.0, 4.0), (5.0, 6.0)] {
+        let found = found(&[(2, size), (4, -size)], strange, 7);
+        assert_eq!(
+            (found.verdict, &found.shown[..]),
+            (Verdict::Unknown, &["step".to_owned()][..]),
+            "{}",
+            found.summary
+        );
+        let step = found.with()[0];
+        let places: BTreeSet<&str> = step.places().map(|at| at.place).collect();
+        assert_eq!(places, BTreeSet::from(["first", "third"]), "{}", found.summary);
+        assert!(found.gap_closed > Some(0.3), "{}", found.summary);
+    }
 }
 
 #[test]

@@ -67,8 +67,8 @@ fn clearance_of_the_joints_alone_is_one_effect() {
 #[ignore = "takes some minutes"]
 fn steps_that_pull_the_nominal_parameters_are_found_with_their_heights() {
     let steps = [("2", 12.0, 1.0), ("3", 42.0, -0.8)];
-    let declared =
-        steps.map(|(rail, at, mm)| format!("  effect rail_step(height: {mm} mm, at: {at} m, rail: {rail})\n"));
+    let declared = steps
+        .map(|(rail, at, mm)| format!("  effect rail_step(height: {mm} mm, at: {at} m, rail: {rail}, rise: 50 mm)\n"));
     let (_folder, gap) = diagnosed(&declared.concat());
     assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
     let named = &gap["effects"][0];
