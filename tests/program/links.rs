@@ -14,7 +14,7 @@ fn root() -> &'static Path {
 }
 
 /// All documents, by their path from the root.
-fn documents() -> BTreeMap<PathBuf, String> {
+pub fn documents() -> BTreeMap<PathBuf, String> {
     let mut found = BTreeMap::new();
     let mut folders: Vec<PathBuf> =
         ["docs", "editors", "src/diagnostic/pages", "benches", "examples"].map(PathBuf::from).to_vec();

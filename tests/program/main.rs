@@ -12,6 +12,7 @@ mod cli;
 mod crash;
 mod determinism;
 mod diff;
+mod doc_commands;
 mod documents;
 mod editor;
 mod fits;
