@@ -80,6 +80,10 @@ impl Simulator for Checked<'_> {
         self.simulator.frames()
     }
 
+    fn begin(&self) -> &[Applied] {
+        self.simulator.begin()
+    }
+
     fn threads(&self) -> usize {
         self.simulator.threads()
     }

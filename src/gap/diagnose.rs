@@ -113,11 +113,20 @@ pub fn diagnose_and_explain(
     let mut scored = comparison.with_own_repeatability(fitted, &as_built);
     scored.extend(scattered.into_iter().map(|(fitted, repeatability)| comparison.score(fitted, repeatability)));
     let unsettled = |scored: &[Scored]| scored.iter().all(|j| j.mean_square > settings.selection.unsettled);
+    let mut met = Vec::new();
+    if gap && let Some(begun) = comparison.begun() {
+        met.push(begun.hypothesis.clone());
+        scored.extend(comparison.with_own_repeatability(vec![begun], &as_built));
+    }
+    if gap && unsettled(&scored) {
+        comparison.fit_on(&mut scored, &mut met, &as_built, tell);
+    }
     if gap && unsettled(&scored) {
         scored.extend(comparison.refitted(comparison.seconds(&scored), &as_built, tell));
     }
     if gap && unsettled(&scored) {
         scored.extend(comparison.refitted(comparison.at_other_strengths(&scored), &as_built, tell));
+        comparison.fit_on(&mut scored, &mut met, &as_built, tell);
     }
     for _ in 1..settings.selection.places {
         let more = if gap && unsettled(&scored) { comparison.one_place_more(&scored) } else { None };
@@ -125,12 +134,16 @@ pub fn diagnose_and_explain(
         let more = comparison.refitted(more, &as_built, tell);
         let better = more.iter().any(|j| j.mean_square < before);
         scored.extend(more);
+        comparison.fit_on(&mut scored, &mut met, &as_built, tell);
         if !better {
             break;
         }
     }
     if gap && unsettled(&scored) {
         comparison.reshape(&mut scored, &as_built, tell);
+    }
+    if gap {
+        comparison.fit_on(&mut scored, &mut met, &as_built, tell);
     }
     tell(Stage::ByChance);
     if unsettled(&scored) {
@@ -219,6 +232,25 @@ impl Comparison<'_> {
             }
             if !gained {
                 return;
+            }
+        }
+    }
+
+    /// Fits on those that leave least, in whose stead they are then.
+    fn fit_on(
+        &self,
+        scored: &mut Vec<Scored>,
+        met: &mut Vec<Hypothesis>,
+        as_built: &PerRun<Vec<Vec<f64>>>,
+        tell: &mut dyn FnMut(Stage),
+    ) {
+        let on = self.fitted_on(scored, met);
+        tell(Stage::Replicating);
+        for on in self.with_own_repeatability(on, as_built) {
+            let before = |j: &Scored| j.fitted.hypothesis == on.fitted.hypothesis && j.mean_square > on.mean_square;
+            if scored.iter().any(before) {
+                scored.retain(|j| !before(j));
+                scored.push(on);
             }
         }
     }

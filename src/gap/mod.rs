@@ -12,6 +12,7 @@ mod cost;
 mod diagnose;
 mod diagnosed;
 mod diagnosis;
+mod gauss_newton;
 mod hypothesis;
 mod ids;
 mod ladder;

@@ -32,7 +32,7 @@ impl Comparison<'_> {
         self
     }
 
-    fn tuner(&self) -> Tuner<'_> {
+    pub fn tuner(&self) -> Tuner<'_> {
         Tuner {
             simulator: self.simulator,
             settings: self.settings,

@@ -100,6 +100,10 @@ impl Simulator for Remembered<'_> {
         self.simulator.frames()
     }
 
+    fn begin(&self) -> &[Applied] {
+        self.simulator.begin()
+    }
+
     fn threads(&self) -> usize {
         self.simulator.threads()
     }

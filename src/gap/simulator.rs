@@ -47,6 +47,12 @@ pub trait Simulator: Sync {
         self.simulate_all(&[request]).pop().flatten()
     }
 
+    /// Effects with which the nominal model was fitted to the runs, with strengths that fit: where a search may begin.
+    /// Empty where it was fitted without.
+    fn begin(&self) -> &[Applied] {
+        &[]
+    }
+
     /// How many threads may work for it.
     fn threads(&self) -> usize {
         1

@@ -9,7 +9,7 @@ use lss::base::random::normal;
 use lss::base::trig;
 use lss::chain_input::{CentreLinePiece, Track};
 use lss::effects::RandomEffect;
-use lss::gap::{Amount, Bound, CandidateId, Diagnosis, Id, Settings, Verdict, diagnose};
+use lss::gap::{Amount, Applied, Bound, CandidateId, Diagnosis, Id, Settings, Verdict, diagnose};
 use std::collections::{BTreeMap, BTreeSet};
 
 fn found(truth: &[(usize, f64)], strange: f64, seed: u64) -> Diagnosis {
@@ -78,6 +78,26 @@ fn places_of_an_effect_have_shapes_of_their_own() {
     settings.selection.reshapings = 0;
     let one_by_one = diagnose(&made(&truth, 0.0, 22), &settings, &mut |_| {});
     assert!(!places(&one_by_one).keys().eq(own.keys()) && !one_by_one.explained(), "{}", one_by_one.summary);
+}
+
+#[test]
+fn a_search_begins_with_what_the_runs_were_fitted_with() {
+    // Of these places none is found in its own shape where they are looked for one by one.
+    let truth = [(bump(0, 2), 9.0), (bump(1, 1), -8.0), (bump(2, 2), 7.0)];
+    let mut settings = Settings::default();
+    settings.selection.reshapings = 0;
+    let mut made = made(&truth, 0.0, 22);
+    assert!(!diagnose(&made, &settings, &mut |_| {}).explained());
+    // Strengths that are half as large are enough, as they are fitted on from there.
+    let half = truth.map(|(k, size)| Applied { candidate: CandidateId::new(k), strengths: vec![0.5 * size] });
+    made.begin = half.to_vec();
+    let found = diagnose(&made, &settings, &mut |_| {});
+    let first = &found.effects[0];
+    assert!(found.explained() && first.elsewhere.len() == 2, "{}", found.summary);
+    for ((_, size), at) in truth.iter().zip(first.places()) {
+        let Amount { value, low, high, .. } = at.strength["size"];
+        assert!((value - size).abs() < high - low && high - low < 2.0, "{}: {value} [{low}, {high}]", at.place);
+    }
 }
 
 #[test]

@@ -24,6 +24,8 @@ pub struct Made {
     pub tells: bool,
     /// What the first run's nuisance does beside its slope, by its square.
     pub bent: f64,
+    /// What its nominal model was fitted with, and how strong.
+    pub begin: Vec<Applied>,
     /// A candidate that fails, and how.
     pub fails: Option<(usize, Failure)>,
     /// All strengths that were asked for, by candidate.
@@ -199,12 +201,17 @@ pub fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             }
         })
         .collect();
-    Made { candidates: candidates.into(), frames, tells: true, bent: 0.0, fails: None, asked: Mutex::default() }
+    let (begin, asked) = (Vec::new(), Mutex::default());
+    Made { candidates: candidates.into(), frames, tells: true, bent: 0.0, begin, fails: None, asked }
 }
 
 impl Simulator for Made {
     fn candidates(&self) -> &Candidates {
         &self.candidates
+    }
+
+    fn begin(&self) -> &[Applied] {
+        &self.begin
     }
 
     fn frames(&self) -> &PerRun<Frame> {

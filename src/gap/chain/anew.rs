@@ -6,7 +6,7 @@ use crate::chain_input::DeclaredEffect;
 use crate::effects::stiffness_temperature;
 use crate::gap::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::gap::settings::Settings;
-use crate::gap::simulator::Simulator;
+use crate::gap::simulator::{Applied, Candidate, Candidates, Simulator};
 use crate::identify::Counter;
 use crate::identify::study::Subject;
 use std::collections::BTreeSet;
@@ -45,7 +45,7 @@ impl Chains {
         if about.is_empty() {
             return None;
         }
-        let known = self.together(subjects, about, settings, tell)?;
+        let (known, effects) = self.together(subjects, about, settings, tell)?;
         let likeliest: BTreeSet<&str> =
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {
@@ -57,6 +57,28 @@ impl Chains {
             offered: &|effect| effect.is_sensor() || likeliest.contains(effect.name()),
             counter: Counter::after(self.effort()),
         };
-        Chains::fitted(subjects, fitting, tell).ok()
+        let mut next = Chains::fitted(subjects, fitting, tell).ok()?;
+        let begin = effects.iter().filter_map(|effect| next.offered_as(effect, &self.candidates)).collect();
+        next.begin = begin;
+        Some(next)
+    }
+
+    /// An effect as one of the candidates with its strengths. Where the gap no longer points to its place, the candidate
+    /// that it was before is one of these, too.
+    fn offered_as(&mut self, effect: &DeclaredEffect, before: &Candidates) -> Option<Applied> {
+        let same = |c: &Candidate| {
+            c.effect == effect.name && c.fixed.iter().all(|(name, x)| effect.strengths.get(name) == Some(x))
+        };
+        let known = self.candidates.with_ids().find(|(_, c)| same(c)).map(|(id, _)| id);
+        let candidate = match known {
+            Some(id) => id,
+            None => {
+                let own = before.iter().find(|c| same(c))?.clone();
+                self.candidates.push(Candidate { alternative_to: None, ..own })
+            }
+        };
+        let own = self.candidates[candidate].strengths.iter();
+        let strengths = own.map(|s| effect.strengths.get(&s.name).copied().unwrap_or_default()).collect();
+        Some(Applied { candidate, strengths })
     }
 }

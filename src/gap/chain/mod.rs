@@ -60,6 +60,8 @@ pub struct Chains {
     runs: PerRun<FittedRun>,
     frames: PerRun<Frame>,
     candidates: Candidates,
+    /// What runs were fitted with, where they were fitted with something.
+    begin: Vec<Applied>,
     settings: settings::Chain,
     fit: FitSettings,
     width: Width,
@@ -153,8 +155,8 @@ impl Chains {
             run.impacts = Impact::all(&suspects, run);
             force_slope::extend(frame, run);
         }
-        let (candidates, settings) = (Candidates::default(), settings.clone());
-        let mut out = Chains { frames, runs, candidates, settings, fit, width, threads, counter };
+        let (candidates, begin, settings) = (Candidates::default(), Vec::new(), settings.clone());
+        let mut out = Chains { frames, runs, candidates, begin, settings, fit, width, threads, counter };
         out.draw_as_built(threads);
         for effect in LIBRARY.into_iter().filter(|effect| offered(effect)) {
             for (site, known) in out.sites(effect, &suspects) {
@@ -379,6 +381,10 @@ impl Simulator for Chains {
             return Some(fitted.sensed_features(&fitted.with(effects), &self.frames[run].nominal));
         }
         self.simulated(run, step, effects, sensor)
+    }
+
+    fn begin(&self) -> &[Applied] {
+        &self.begin
     }
 
     fn threads(&self) -> usize {

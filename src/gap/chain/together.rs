@@ -26,19 +26,19 @@ struct Strength {
 }
 
 impl Chains {
-    /// Where the parameters of each run are, and its noise, with effects whose strengths are fitted with them. `None`
-    /// where runs cannot be fitted with the effects.
+    /// Where the parameters of each run are, and its noise, with effects whose strengths are fitted with them; and the
+    /// effects. `None` where runs cannot be fitted with them.
     pub(super) fn together(
         &self,
         subjects: &[Subject],
         mut effects: Vec<DeclaredEffect>,
         settings: &Settings,
         tell: &(dyn Fn(&str) + Sync),
-    ) -> Option<Vec<Known>> {
+    ) -> Option<(Vec<Known>, Vec<DeclaredEffect>)> {
         let ensembles = &self.settings.ensembles;
         let strengths = strengths(&effects);
         let bounds: Vec<(f64, f64)> = strengths.iter().map(|own| (own.low, own.high)).collect();
-        let mut best: Option<(f64, Vec<Known>)> = None;
+        let mut best: Option<(f64, Vec<Known>, Vec<DeclaredEffect>)> = None;
         let mut near: Option<Vec<Known>> = None;
         for round in 0..ensembles.together {
             let (runs, known) = self.fitted_with(subjects, &effects, near.as_deref(), tell)?;
@@ -49,8 +49,8 @@ impl Chains {
                 .collect();
             let left: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
             let square = norm_squared(&left);
-            if best.as_ref().is_none_or(|(least, _)| square < *least) {
-                best = Some((square, known.clone()));
+            if best.as_ref().is_none_or(|(least, ..)| square < *least) {
+                best = Some((square, known.clone(), effects.clone()));
             }
             if round + 1 == ensembles.together {
                 break;
@@ -71,7 +71,7 @@ impl Chains {
             }
             near = Some(known);
         }
-        best.map(|(_, known)| known)
+        best.map(|(_, known, effects)| (known, effects))
     }
 
     /// Each run, fitted with effects.

@@ -24,7 +24,7 @@ settings! {
         /// Deviation of a feature that is no more than rounding.
         rounding: f64 = 1e-9, "N, shares or logarithms", Chosen("far below every noise");
         /// Runs are fitted again with what was named where that leaves so much, over the limit of repeated measurements.
-        left_anew: f64 = 1.5, "–", Chosen("what leaves less has pulled parameters and noise little");
+        left_anew: f64 = 1.0, "–", Chosen("what leaves less has pulled parameters and noise little");
         /// How often runs are then fitted with what was named at most, its strengths moved along.
         together: usize = 3, "–", Chosen("the second step of strengths is a fifth of the first");
         /// How far strengths step at most, as a share of themselves.

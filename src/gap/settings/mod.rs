@@ -58,7 +58,7 @@ pub use chain::{Ensembles, ForceSlopes, Impacts};
 pub use outside::{Fitting, ModelError, Noise, OutsideComparison, Processes, Windows};
 pub use reporting::{Checks, Intervals, Reporting};
 pub use scoring::{Likelihood, Observations, Significance};
-pub use search::{RandomEffects, Refitting, Relinearisation, SHARES, Screening, Selection, SensorFits};
+pub use search::{GaussNewton, RandomEffects, Refitting, Relinearisation, SHARES, Screening, Selection, SensorFits};
 
 use crate::base::number::shortest;
 use std::ops::{Range, RangeInclusive};
@@ -115,6 +115,7 @@ pub struct Settings {
     pub sensor_fits: SensorFits,
     pub selection: Selection,
     pub refitting: Refitting,
+    pub gauss_newton: GaussNewton,
     pub random_effects: RandomEffects,
     pub likelihood: Likelihood,
     pub significance: Significance,
@@ -147,7 +148,17 @@ impl Settings {
     /// All of them, in the order of the steps of a diagnosis.
     pub fn table(&self) -> Vec<Setting> {
         let Settings { checks, observations, screening, relinearisation, sensor_fits, selection, refitting, .. } = self;
-        let Settings { random_effects, likelihood, significance, intervals, reporting, chain, outside, .. } = self;
+        let Settings {
+            gauss_newton,
+            random_effects,
+            likelihood,
+            significance,
+            intervals,
+            reporting,
+            chain,
+            outside,
+            ..
+        } = self;
         [
             checks.table(),
             observations.table(),
@@ -156,6 +167,7 @@ impl Settings {
             sensor_fits.table(),
             selection.table(),
             refitting.table(),
+            gauss_newton.table(),
             random_effects.table(),
             likelihood.table(),
             significance.table(),

@@ -132,6 +132,22 @@ settings! {
 }
 
 settings! {
+    /// Strengths of re-fitted hypotheses, fitted on by slopes taken where they are.
+    GaussNewton as "gauss_newton" {
+        /// Hypotheses that are fitted on at a time at most, each of other effects.
+        hypotheses: usize = 3, "–", Chosen("each costs simulations of every run for every strength");
+        /// Steps at most.
+        steps: usize = 5, "–", Chosen("a strength that is a third of what fits is there in three");
+        /// How far a strength steps at most, as a share of itself.
+        far: f64 = 0.6, "–", Chosen("few effects are linear farther than that");
+        /// How much less and more of a strength tells what it changes.
+        share: f64 = 0.2, "–", Chosen("clear of chaos, and nearly linear");
+        /// Share of the squares that another step is worth.
+        enough: f64 = 0.02, "–", Chosen("as `refitting.enough`");
+    }
+}
+
+settings! {
     /// Effects that differ by chance, found by how laps scatter.
     RandomEffects as "random_effects" {
         /// Strengths that are simulated at first, from the trial on.
