@@ -90,6 +90,10 @@ const LONG: &[Page] = &[
         path: "docs/outside-models.md",
         before: "",
         without: &[
+            (
+                "lss gap diagnose examples/outside --model \"python3 -m lss_model examples/outside/oven_matlab.py",
+                "it needs MATLAB or Octave",
+            ),
             ("lss gap diagnose examples/emps", "its measurements are others' and not in this repository"),
             ("python3 examples/outside/published", "its measurements are others' and not in this repository"),
         ],
@@ -161,7 +165,8 @@ fn wrong(page: &Page) -> Vec<String> {
     let path = format!("{}:{}", bin.path().display(), std::env::var("PATH").unwrap_or_default());
     let shell = |script: &str| {
         let mut bash = Command::new("bash");
-        bash.args(["-e", "-u", "-o", "pipefail", "-c", script]).current_dir(work.path()).env("PATH", &path);
+        bash.args(["-e", "-u", "-o", "pipefail", "-c", script]).current_dir(work.path());
+        bash.env("PATH", &path).env("PYTHONPATH", root.join("python"));
         bash.output().expect("bash")
     };
     for folder in ["examples", "benches/identify/layouts"] {
@@ -170,6 +175,8 @@ fn wrong(page: &Page) -> Vec<String> {
         let copied = Command::new("cp").arg("-r").arg(root.join(folder)).arg(&into).status().expect("cp");
         assert!(copied.success());
     }
+    // Files may name others as far as the project goes.
+    fs::create_dir(work.path().join(".git")).expect("a folder");
     let text = fs::read_to_string(root.join(page.path)).expect("the page");
     let mut left_out = BTreeSet::new();
     let mut wrong = Vec::new();
