@@ -3,7 +3,7 @@
 //! takes: of several strengths it stops short of what fits.
 
 use super::comparison::{Comparison, overall_mean_square};
-use super::hypothesis::{Fitted, Hypothesis, norm_squared, room, stepped};
+use super::hypothesis::{Fitted, Hypothesis, norm_squared, room_near, stepped};
 use super::ids::{PerRun, RunId};
 use super::observation::Observation;
 use super::scored::Scored;
@@ -110,7 +110,8 @@ impl Comparison<'_> {
 
     /// A hypothesis with the strengths that leave least of those that were simulated.
     fn descended(&self, start: Start) -> Option<Fitted> {
-        let GaussNewton { steps, far, enough, .. } = self.settings.gauss_newton;
+        let GaussNewton { steps, far, .. } = self.settings.gauss_newton;
+        let enough = self.settings.refitting.enough;
         let Start { hypothesis, strengths: mut at, mut offsets, moved } = start;
         let bounds = hypothesis.bounds(self.candidates(), &self.signatures);
         let mut best: Option<Fitted> = None;
@@ -122,13 +123,9 @@ impl Comparison<'_> {
                 continue;
             }
             let slopes = self.slopes(&hypothesis, &at, &offsets)?;
-            let room: Vec<(f64, f64)> = room(&bounds, &at)
-                .into_iter()
-                .zip(&at)
-                .map(|((low, high), x)| (low.max(-far * x.abs()), high.min(far * x.abs())))
-                .collect();
             let columns: Vec<PerRun<DVector<f64>>> = slopes.iter().map(|slope| slope.column.clone()).collect();
-            let step = explain(&here.residuals, &columns.iter().collect::<Vec<_>>(), &room, None);
+            let step =
+                explain(&here.residuals, &columns.iter().collect::<Vec<_>>(), &room_near(&bounds, &at, far), None);
             // Below the repeatability there is chance alone.
             let within = overall_mean_square(&self.observations, &here.residuals) <= 1.0;
             let gained = square - norm_squared(&step.residuals);

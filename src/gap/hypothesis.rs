@@ -136,6 +136,12 @@ pub fn room(bounds: &[(f64, f64)], at: &[f64]) -> Vec<(f64, f64)> {
     bounds.iter().zip(at).map(|((low, high), x)| (low - x, high - x)).collect()
 }
 
+/// The same, and no farther than a share of each.
+pub fn room_near(bounds: &[(f64, f64)], at: &[f64], share: f64) -> Vec<(f64, f64)> {
+    let room = room(bounds, at).into_iter().zip(at);
+    room.map(|((low, high), x)| (low.max(-share * x.abs()), high.min(share * x.abs()))).collect()
+}
+
 /// Strengths after a step. A sum may be beyond its bound by rounding.
 pub fn stepped(at: &[f64], step: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
     at.iter().zip(step).zip(bounds).map(|((x, more), (low, high))| (x + more).clamp(*low, *high)).collect()

@@ -8,7 +8,7 @@ use super::{Chains, FittedRun, at_a_time, frame};
 use crate::base::parallel;
 use crate::chain_input::DeclaredEffect;
 use crate::effects::{deviations_of, named};
-use crate::gap::hypothesis::{norm_squared, room, stepped};
+use crate::gap::hypothesis::{norm_squared, room_near, stepped};
 use crate::gap::ids::{List, PerRun, RunId};
 use crate::gap::observation::Observation;
 use crate::gap::screen::explain;
@@ -55,12 +55,9 @@ impl Chains {
             if round + 1 == ensembles.together {
                 break;
             }
-            let columns = self.columns(&runs, &observations, &effects, &strengths)?;
+            let columns = self.columns(&runs, &observations, (&effects, &strengths), settings.gauss_newton.share)?;
             let at: Vec<f64> = strengths.iter().map(|own| effects[own.effect].strengths[own.name]).collect();
-            let far = |(x, (low, high)): (&f64, (f64, f64))| {
-                (low.max(-ensembles.together_far * x.abs()), high.min(ensembles.together_far * x.abs()))
-            };
-            let room: Vec<(f64, f64)> = at.iter().zip(room(&bounds, &at)).map(far).collect();
+            let room = room_near(&bounds, &at, settings.gauss_newton.far);
             let step = explain(&left, &columns.iter().collect::<Vec<_>>(), &room, None).strengths;
             let short = |(x, step): (&f64, &f64)| step.abs() < ensembles.together_near * x.abs();
             if at.iter().zip(&step).all(short) {
@@ -104,10 +101,9 @@ impl Chains {
         &self,
         runs: &PerRun<FittedRun>,
         observations: &PerRun<Observation>,
-        effects: &[DeclaredEffect],
-        strengths: &[Strength],
+        (effects, strengths): (&[DeclaredEffect], &[Strength]),
+        share: f64,
     ) -> Option<Vec<PerRun<DVector<f64>>>> {
-        let share = self.settings.ensembles.together_share;
         let moved = |own: &Strength, by: f64| -> (f64, Vec<DeclaredEffect>) {
             let mut effects = effects.to_vec();
             let x = effects[own.effect].strengths.entry(own.name.to_owned()).or_default();

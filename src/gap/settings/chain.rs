@@ -24,15 +24,11 @@ settings! {
         /// Deviation of a feature that is no more than rounding.
         rounding: f64 = 1e-9, "N, shares or logarithms", Chosen("far below every noise");
         /// Runs are fitted again with what was named where that leaves so much, over the limit of repeated measurements.
-        left_anew: f64 = 1.0, "–", Chosen("what leaves less has pulled parameters and noise little");
+        left_anew: f64 = 1.0, "–", Chosen("what is within its limit leaves nothing to be found");
         /// How often runs are then fitted with what was named at most, its strengths moved along.
         together: usize = 3, "–", Chosen("the second step of strengths is a fifth of the first");
-        /// How far strengths step at most, as a share of themselves.
-        together_far: f64 = 0.6, "–", Chosen("few effects are linear farther than that");
         /// A shorter step ends it.
         together_near: f64 = 0.05, "–", Chosen("far below what a strength is known to");
-        /// How much less and more of a strength tells what it changes.
-        together_share: f64 = 0.2, "–", Chosen("clear of chaos, and nearly linear");
         /// The likeliest effects that are looked for again once the runs are fitted with what was named.
         offered_anew: usize = 10, "–", Chosen("twice as many as are ever likely");
         /// Fewer laps tell nothing of how they differ.

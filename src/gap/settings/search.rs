@@ -132,7 +132,8 @@ settings! {
 }
 
 settings! {
-    /// Strengths of re-fitted hypotheses, fitted on by slopes taken where they are.
+    /// Steps of strengths by slopes taken where they are: of re-fitted hypotheses, which are worth another step as
+    /// `refitting.enough` says, and of what runs are fitted with.
     GaussNewton as "gauss_newton" {
         /// Hypotheses that are fitted on at a time at most, each of other effects.
         hypotheses: usize = 3, "–", Chosen("each costs simulations of every run for every strength");
@@ -142,8 +143,6 @@ settings! {
         far: f64 = 0.6, "–", Chosen("few effects are linear farther than that");
         /// How much less and more of a strength tells what it changes.
         share: f64 = 0.2, "–", Chosen("clear of chaos, and nearly linear");
-        /// Share of the squares that another step is worth.
-        enough: f64 = 0.02, "–", Chosen("as `refitting.enough`");
     }
 }
 
