@@ -3,7 +3,8 @@
 #![cfg(unix)]
 #![allow(clippy::expect_used)]
 
-use crate::links::documents;
+use crate::links::{blocks, documents};
+use crate::route::HALL;
 use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -20,16 +21,12 @@ struct Page {
     refused: &'static [&'static str],
 }
 
-/// Drawings of a plan and of a hall.
-const HALL: &str = r"lss build examples/thesis10.lss -o drawn
+/// A drawing of a plan; that of a hall is there.
+const PLAN: &str = "lss build examples/thesis10.lss -o drawn
 cp drawn/drawing.dxf plan.dxf
-printf '0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n' > hall.dxf
-printf '0\nLWPOLYLINE\n8\nBUILDING\n90\n4\n70\n1\n10\n0\n20\n0\n10\n50000\n20\n0\n10\n50000\n20\n30000\n' >> hall.dxf
-printf '10\n0\n20\n30000\n0\nLINE\n8\nSECTIONS-INDUCTIONS\n10\n10000\n20\n3000\n11\n30000\n21\n3000\n' >> hall.dxf
-printf '0\nLINE\n8\nSECTIONS-CHUTES\n10\n40000\n20\n27000\n11\n12000\n21\n27000\n0\nENDSEC\n0\nEOF\n' >> hall.dxf
 ";
 
-/// A repository in which a layout differs from that of its main branch in its author's spelling alone.
+/// A repository in which a layout differs from that of its main branch in a note alone.
 const REPOSITORY: &str = "cp examples/thesis10.lss terminal_3.lss
 lss fmt terminal_3.lss
 mkdir bill
@@ -69,7 +66,7 @@ const PAGES: &[Page] = &[
         without: &[("cargo install", OF_ITS_OWN), ("lss build examples/route.lss", "a minute; it is in `LONG`")],
         refused: &["lss check examples/errors.lss"],
     },
-    Page { path: "docs/import.md", before: HALL, without: &[], refused: &[] },
+    Page { path: "docs/import.md", before: PLAN, without: &[], refused: &[] },
     Page { path: "docs/preview.md", before: "", without: &[], refused: &[] },
     Page { path: "docs/runs.md", before: RUNS, without: &[], refused: &[] },
     Page { path: "docs/simulation.md", before: "", without: &[], refused: &[] },
@@ -121,23 +118,6 @@ const NONE: &[(&str, &str)] = &[
     ("editors/README.md", "it needs Node.js and an editor"),
 ];
 
-/// The blocks of a shell, as they stand.
-fn blocks(text: &str) -> Vec<String> {
-    let mut blocks = Vec::new();
-    let mut open: Option<String> = None;
-    for line in text.lines() {
-        if line.trim() == "```" {
-            blocks.extend(open.take());
-        } else if let Some(block) = &mut open {
-            *block += line;
-            block.push('\n');
-        } else if matches!(line.trim(), "```sh" | "```bash" | "```console") {
-            open = Some(String::new());
-        }
-    }
-    blocks
-}
-
 /// Programs as a reader has them: `lss`, and `cargo run` as the same. A preview ends after a while.
 fn install(folder: &Path) {
     let binary = env!("CARGO_BIN_EXE_lss");
@@ -175,6 +155,7 @@ fn wrong(page: &Page) -> Vec<String> {
         let copied = Command::new("cp").arg("-r").arg(root.join(folder)).arg(&into).status().expect("cp");
         assert!(copied.success());
     }
+    fs::write(work.path().join("hall.dxf"), HALL).expect("written");
     // Files may name others as far as the project goes.
     fs::create_dir(work.path().join(".git")).expect("a folder");
     let text = fs::read_to_string(root.join(page.path)).expect("the page");

@@ -140,25 +140,35 @@ fn the_book_has_every_page_once() {
     assert!(missing.is_empty() && gone.is_empty(), "docs/book/SUMMARY.md lacks {missing:?}, and has {gone:?}");
 }
 
-/// Commands of a shell in blocks that say so, without comments, with lines that go on joined.
-fn commands(text: &str) -> Vec<String> {
-    let mut commands: Vec<String> = Vec::new();
-    let mut shell = false;
-    let mut goes_on = false;
+/// The blocks of a shell, as they stand.
+pub fn blocks(text: &str) -> Vec<String> {
+    let mut blocks = Vec::new();
+    // The block that is open, where it is one of a shell.
+    let mut open: Option<Option<String>> = None;
     for line in text.lines() {
-        let line = line.trim();
-        if let Some(language) = line.strip_prefix("```") {
-            (shell, goes_on) = (matches!(language, "sh" | "bash" | "console") && !shell, false);
-        } else if shell {
-            let (part, more) = line.strip_suffix('\\').map_or((line, false), |part| (part, true));
-            match commands.last_mut() {
-                Some(last) if goes_on => *last += part,
-                _ => commands.push(part.to_owned()),
+        match (line.trim().strip_prefix("```"), &mut open) {
+            (Some(_), Some(block)) => {
+                blocks.extend(block.take());
+                open = None;
             }
-            goes_on = more;
+            (Some(language), None) => {
+                open = Some(matches!(language, "sh" | "bash" | "console").then(String::new));
+            }
+            (None, Some(Some(block))) => {
+                *block += line;
+                block.push('\n');
+            }
+            (None, _) => {}
         }
     }
-    commands
+    blocks
+}
+
+/// Commands of a shell, without comments, with lines that go on joined.
+fn commands(text: &str) -> Vec<String> {
+    let joined = |block: String| block.replace("\\\n", "");
+    let lines = |block: String| block.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>();
+    blocks(text).into_iter().map(joined).flat_map(lines).collect()
 }
 
 /// Words of each `lss` in a command, up to what redirects or pipes it.

@@ -13,7 +13,7 @@ fn lss() -> Command {
 }
 
 /// A hall of 50 m by 30 m with a section along each long wall, in millimetres.
-const HALL: &str = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n\
+pub const HALL: &str = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n\
                     0\nLWPOLYLINE\n8\nBUILDING\n90\n4\n70\n1\n10\n0\n20\n0\n10\n50000\n20\n0\n10\n50000\n20\n30000\n\
                     10\n0\n20\n30000\n\
                     0\nLINE\n8\nSECTIONS-INDUCTIONS\n10\n10000\n20\n3000\n11\n30000\n21\n3000\n\
