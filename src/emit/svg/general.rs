@@ -228,9 +228,17 @@ fn entries(drawn: &Drawn, datum: bool) -> Vec<(Key, String)> {
     let any = |kind: MarkKind| marks.iter().any(|mark| mark.kind == kind);
     add(any(MarkKind::Start), Key::Mark(MarkKind::Start), "start of arc length s");
     add(any(MarkKind::Photocell), Key::Mark(MarkKind::Photocell), "photocell");
-    add(any(MarkKind::Induction), Key::Mark(MarkKind::Induction), "induction");
-    add(any(MarkKind::Chute), Key::Mark(MarkKind::Chute), "chute: row, count");
-    add(any(MarkKind::Station), Key::Mark(MarkKind::Station), "scanner, gate or lift");
+    let of =
+        |kind: MarkKind, covers: bool| marks.iter().any(|mark| mark.kind == kind && mark.covers.is_empty() != covers);
+    for (kind, text) in [
+        (MarkKind::Induction, "induction"),
+        (MarkKind::Chute, "chute: row, count"),
+        (MarkKind::Station, "scanner, gate or lift"),
+    ] {
+        add(of(kind, false), Key::Mark(kind), text);
+        add(of(kind, true), Key::Footprint(kind), &format!("{text}, with its footprint"));
+    }
+    add(marks.iter().any(|mark| mark.conveyor.is_some()), Key::Conveyor, "conveyor, from where items come");
     let motors = marks.iter().filter(|mark| mark.kind == MarkKind::Motor).count();
     add(motors > 0, Key::Mark(MarkKind::Motor), &format!("motor ({motors})"));
     let every = layout.equipment.supports.map_or(0.0, |every| every.value);

@@ -40,6 +40,9 @@ pub enum Key {
     Datum,
     GridAxis,
     Mark(MarkKind),
+    /// What equipment with a footprint covers.
+    Footprint(MarkKind),
+    Conveyor,
     /// Line of a stage, 0 for the written layout.
     Stage(usize),
 }
@@ -159,6 +162,12 @@ fn key_symbol(key: Key, at: PaperPoint) -> XmlElement {
                 + &path_line(along(0.0, drop + 0.7), along(12.0, drop + 0.7));
             XmlElement::group("key").with(path(&edges, "edge")).with(symbol::mark(kind, &spot, 10.0).0)
         }
+        Key::Footprint(kind) => {
+            let edges = path_line(along(0.0, 0.8), along(12.0, 0.8)) + &path_line(along(0.0, 2.2), along(12.0, 2.2));
+            let outline = polygon(&[along(3.0, 0.8), along(9.0, 0.8), along(9.0, -2.2), along(3.0, -2.2)]);
+            XmlElement::group("key").with(path(&edges, "edge")).with(super::track::footprint(kind, &outline))
+        }
+        Key::Conveyor => super::track::conveyor(along(0.0, 0.0), along(12.0, 0.0)),
         Key::Stage(i) => line(["stage-0", "stage-1", "stage-2", "stage-3"][i.min(3)]),
     }
 }

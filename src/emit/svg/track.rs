@@ -220,22 +220,29 @@ pub fn equipment(sheet: &Sheet, track: &Track, layout: &Layout, marks: &[Mark], 
 fn covered(sheet: &Sheet, mark: &Mark) -> XmlElement {
     let corners = |r: &[Point; 4]| polygon(&r.map(|p| sheet.at(p)));
     let outlines: String = mark.covers.iter().map(corners).collect();
-    let (class, style) = match mark.kind {
-        MarkKind::Induction => ("induction", "fill-opacity:.25;stroke:currentColor;stroke-width:.25"),
-        MarkKind::Chute => ("chute", ""),
-        _ => ("photocell", ""),
-    };
-    let mut shape = path(&outlines, class);
-    if !style.is_empty() {
-        shape = shape.attr("style", style);
-    }
-    let mut group = XmlElement::group("footprint").with(shape);
+    let mut group = XmlElement::group("footprint").with(footprint(mark.kind, &outlines));
     if let Some((from, to)) = mark.conveyor {
-        let (from, to) = (sheet.at(from), sheet.at(to));
-        group.push(path(&path_line(from, to), "dimension").attr("style", "stroke-width:.5;stroke-dasharray:3 1.2"));
-        group.push(symbol::circle(from, 1.0, "photocell"));
+        group.push(conveyor(sheet.at(from), sheet.at(to)));
     }
     group
+}
+
+/// Outlines that equipment covers.
+pub fn footprint(kind: MarkKind, outlines: &str) -> XmlElement {
+    match kind {
+        MarkKind::Induction => {
+            path(outlines, "induction").attr("style", "fill-opacity:.25;stroke:currentColor;stroke-width:.25")
+        }
+        MarkKind::Chute => path(outlines, "chute"),
+        _ => path(outlines, "photocell"),
+    }
+}
+
+/// A conveyor from where items come to the induction.
+pub fn conveyor(from: PaperPoint, to: PaperPoint) -> XmlElement {
+    XmlElement::group("conveyor")
+        .with(path(&path_line(from, to), "dimension").attr("style", "stroke-width:.5;stroke-dasharray:3 1.2"))
+        .with(symbol::circle(from, 1.0, "photocell"))
 }
 
 /// How far what a mark covers reaches from the band, mm.
