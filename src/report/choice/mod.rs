@@ -65,7 +65,7 @@ fn ways(simulation: &Simulation) -> Plan {
     };
     map.layers = vec![Layer {
         name: "way".to_owned(),
-        label: "way from the last motor".to_owned(),
+        label: "way from the last motor; motors are green beside the track".to_owned(),
         unit: "m".to_owned(),
         of: LayerOf::Amounts(Rounded::to((0..PIECES).map(behind).collect(), 2)),
     }];
