@@ -209,12 +209,15 @@ fn fitted(case: &Case, seed: u64) -> Option<(f64, [bool; COUNT])> {
     Some((found.objective, holds))
 }
 
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |n| n.get())
+}
+
 /// Objectives and what intervals hold, over runs of layouts.
 fn go_over(files: &[&'static str], seeds: std::ops::Range<u64>) -> Vec<(String, f64, [bool; COUNT])> {
     let layouts: Vec<_> = files.iter().map(|file| (*file, track::track(file))).collect();
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
     let seeds: Vec<u64> = seeds.collect();
-    let found = parallel::map(&seeds, threads, |&seed| {
+    let found = parallel::map(&seeds, threads(), |&seed| {
         let case = case(&layouts, seed);
         fitted(&case, seed).map(|(objective, holds)| (case.about, objective, holds))
     });
@@ -234,13 +237,12 @@ fn a_run_without_a_gap_fits_whatever_its_window_and_its_noise() {
     // A fit's draws of noise move the objective of a short record by a tenth to a fifth: where one is outside, the middle of
     // five is asked for.
     let layouts = [(SHORT, track::track(SHORT))];
-    for (seed, (about, objective, _)) in (0..).zip(&found) {
+    let off = (0..).zip(&found).filter(|(_, (_, objective, _))| !OBJECTIVE.contains(objective));
+    for (seed, (about, objective, _)) in off {
         let case = case(&layouts, seed);
-        let again = |k: u64| fitted(&case, seed + k).map_or(f64::INFINITY, |(objective, _)| objective);
-        let mut all = vec![*objective];
-        if !OBJECTIVE.contains(objective) {
-            all.extend((1..5).map(again));
-        }
+        let again = parallel::map(&[1, 2, 3, 4], threads(), |k| fitted(&case, seed + k));
+        let again = again.into_iter().map(|fit| fit.map_or(f64::INFINITY, |(objective, _)| objective));
+        let mut all: Vec<f64> = std::iter::once(*objective).chain(again).collect();
         all.sort_by(f64::total_cmp);
         println!("{about}: {all:.3?}");
         assert!(OBJECTIVE.contains(&all[all.len() / 2]), "{about}: {all:?}");
