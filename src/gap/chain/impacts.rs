@@ -143,17 +143,34 @@ fn worst(frames: &[Frame], runs: &[FittedRun], forces: &[usize]) -> Vec<f64> {
 
 /// Where an impact begins that is strongest in a cell in all runs, m; none where nothing strikes.
 fn struck(runs: &[FittedRun], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
-    let parts = runs.first()?.high_frequency_power.first()?.len();
-    let length = runs.first()?.model.spec.places.lap / parts as f64;
-    let of = |part: usize, force: usize| {
-        let each: Vec<f64> =
-            runs.iter().map(|r| r.high_frequency_power[force][part]).filter(|x| x.is_finite()).collect();
+    let first = runs.first()?;
+    let (lap, settings) = (first.model.spec.places.lap, &first.settings.impacts);
+    let power = in_all(runs, forces, |run| &run.high_frequency_power);
+    let centre = |part: usize| (part as f64 + 0.5) * lap / power.len() as f64;
+    let part = begins(&power, settings, |part| (from..from + cell).contains(&centre(part)))?;
+    let fine = in_all(runs, forces, |run| &run.fine_high_frequency_power);
+    let share = fine.len() / power.len();
+    Some(onset(&fine, settings, part * share, share) as f64 * lap / fine.len() as f64)
+}
+
+/// Of each part of the lap, the mean over the runs that know it of how much more power the loudest of some forces has.
+fn in_all(runs: &[FittedRun], forces: &[usize], of: fn(&FittedRun) -> &Vec<Vec<f64>>) -> Vec<f64> {
+    let mean = |part: usize, force: usize| {
+        let each: Vec<f64> = runs.iter().map(|r| of(r)[force][part]).filter(|x| x.is_finite()).collect();
         each.iter().sum::<f64>() / each.len().max(1) as f64
     };
-    let strongest = |part: usize| forces.iter().map(|force| of(part, *force)).fold(f64::MIN, f64::max);
-    let high_power: Vec<f64> = (0..parts).map(strongest).collect();
-    let at = |part: usize| (part as f64 + 0.5) * length;
-    begins(&high_power, &runs.first()?.settings.impacts, |part| (from..from + cell).contains(&at(part))).map(at)
+    let loudest = |part: usize| forces.iter().map(|force| mean(part, *force)).fold(f64::MIN, f64::max);
+    let parts = runs.first().and_then(|run| of(run).first()).map_or(0, Vec::len);
+    (0..parts).map(loudest).collect()
+}
+
+/// The fine part in which an impact begins that does so in a part, or half a part before it: the first of them that
+/// is loud, as an impact's force is quiet again wherever it turns. `from` is the part's first fine part, of `share`.
+fn onset(fine: &[f64], settings: &Impacts, from: usize, share: usize) -> usize {
+    let near = || (0..share + share / 2).map(|k| (fine.len() + from + k - share / 2) % fine.len());
+    let loudest = near().map(|part| fine[part]).fold(f64::MIN, f64::max);
+    let loud = trig::ln(settings.power).max(loudest - trig::ln(settings.rings));
+    near().find(|part| fine[*part] > loud).unwrap_or(from + share / 2)
 }
 
 /// The part of the lap in which the strongest impact inside begins, by the logarithm of how high-frequency power each is.
@@ -180,6 +197,20 @@ mod tests {
             suspect(2, 12.0, true),
         ];
         assert_eq!(both(&each, 0.5), [suspect(rail_step::BOTH, 30.2, true)]);
+    }
+
+    #[test]
+    fn an_impact_begins_where_it_is_first_loud() {
+        let settings = Impacts::default();
+        let mut fine = vec![0.2; 200];
+        fine[96..104].copy_from_slice(&[0.9, 0.4, 6.0, 1.0, 8.0, 0.5, 7.0, 2.0]);
+        assert_eq!(onset(&fine, &settings, 100, 10), 98, "a little before its part, though quiet in between");
+        fine[98] = 4.0;
+        assert_eq!(onset(&fine, &settings, 100, 10), 100, "what is a thirtieth as loud is not it");
+        // The lap is a circle.
+        fine[197..].fill(9.0);
+        assert_eq!(onset(&fine, &settings, 0, 10), 197);
+        assert_eq!(onset(&[0.2; 200], &settings, 100, 10), 105, "nothing loud: the middle of the part");
     }
 
     #[test]

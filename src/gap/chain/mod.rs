@@ -83,6 +83,8 @@ struct FittedRun {
     highs: [(f64, f64); FORCES],
     /// How much more high-frequency power than simulated parts of the lap are, of each channel.
     high_frequency_power: Vec<Vec<f64>>,
+    /// The same of finer parts, a whole number in each.
+    fine_high_frequency_power: Vec<Vec<f64>>,
     /// What was measured in each part of the lap, of each channel.
     profiles: Vec<Profile>,
     /// Impacts on the rails.

@@ -49,6 +49,8 @@ settings! {
         cells: usize = 2, "–", Chosen("each is one more candidate with places beside");
         /// Length of a part of the lap.
         part: f64 = 0.1, "m", Chosen("about how far an impact rings");
+        /// Length of a part in which the beginning of an impact is looked for.
+        fine: f64 = 0.01, "m", Chosen("as long as a sharp step is; two samples at 2 m/s and 400 Hz");
         /// An impact is where changes have so many times the power that is simulated.
         power: f64 = 3.0, "–", Chosen("what stands out of the scatter of parts");
         /// Changes are compared with no less than this share of the power that is simulated over the lap.
