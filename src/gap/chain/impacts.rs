@@ -30,38 +30,76 @@ pub fn part_of(station: f64, lap: f64, parts: usize) -> (usize, f64) {
     (part, along - part as f64)
 }
 
-/// Of each channel and part of the lap, the logarithm of the squared changes from sample to sample over those
-/// simulated; NaN where nothing was measured. `measured` begins with its trigger at `trigger`, m, and has noise of
-/// its sensors. Where the simulation is quieter than a share `quiet` of what it is on average, that share is what
-/// changes are compared with: next to nothing is a multiple of nothing.
-pub fn high_frequency_power(
-    landing: &Landing,
-    (lap, parts): (f64, usize),
-    (measured, trigger): (&Samples, f64),
-    noise: [Noise; FORCES],
-    quiet: f64,
-) -> Vec<Vec<f64>> {
-    let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
-        for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
-            let change = f64::from(two[1]) - f64::from(two[0]);
-            let part = part_of(f64::from(*station) + offset, lap, parts).0;
-            if change.is_finite() {
-                let sum = &mut sums[part];
-                *sum = (sum.0 + 1.0, sum.1 + change * change);
+/// How much more high-frequency power than simulated parts of the lap have: of each, the logarithm of the squared
+/// changes from sample to sample over those simulated; NaN where nothing was measured.
+#[derive(Clone, Debug)]
+pub struct HighFrequencyPower {
+    parts: Vec<f64>,
+    /// The same of finer parts, a whole number in each part.
+    fine: Vec<f64>,
+}
+
+impl HighFrequencyPower {
+    /// Of each channel. `measured` begins with its trigger at `trigger`, m, and has noise of its sensors. Where the
+    /// simulation is quieter than a share of what it is on average, that share is what changes are compared with: next
+    /// to nothing is a multiple of nothing.
+    pub fn each(
+        landing: &Landing,
+        lap: f64,
+        (measured, trigger): (&Samples, f64),
+        noise: [Noise; FORCES],
+        settings: &Impacts,
+    ) -> Vec<HighFrequencyPower> {
+        let share = parts(settings.part, settings.fine);
+        let fine = parts(lap, settings.part) * share;
+        let add = |sums: &mut [(f64, f64)], samples: &Samples, force: usize, offset: f64| {
+            for (two, station) in samples.forces[force].windows(2).zip(samples.station.iter().skip(1)) {
+                let change = f64::from(two[1]) - f64::from(two[0]);
+                let part = part_of(f64::from(*station) + offset, lap, fine).0;
+                if change.is_finite() {
+                    sums[part] = sum(sums[part], &(1.0, change * change));
+                }
             }
-        }
-    };
-    let of = |force: usize| {
-        let (mut real, mut simulated) = (vec![(0.0, 0.0); parts], vec![(0.0, 0.0); parts]);
-        add(&mut real, measured, force, trigger);
-        landing.centre.ensemble.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
-        let white = 2.0 * noise[force].white * noise[force].white;
-        let (changes, power) = simulated.iter().fold((0.0, 0.0), |(m, y), part| (m + part.0, y + part.1));
-        let least = quiet * power / changes;
-        let louder = |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / ((y / m).max(least) + white));
-        real.iter().zip(&simulated).map(louder).collect()
-    };
-    (0..FORCES).map(of).collect()
+        };
+        let of = |force: usize| {
+            let (mut real, mut simulated) = (vec![(0.0, 0.0); fine], vec![(0.0, 0.0); fine]);
+            add(&mut real, measured, force, trigger);
+            landing.centre.ensemble.carts.iter().for_each(|cart| add(&mut simulated, &samples(cart), force, 0.0));
+            let white = 2.0 * noise[force].white * noise[force].white;
+            let (changes, power) = simulated.iter().fold((0.0, 0.0), sum);
+            let least = settings.quiet * power / changes;
+            let louder =
+                |((n, x), (m, y)): (&(f64, f64), &(f64, f64))| trig::ln((x / n) / ((y / m).max(least) + white));
+            let together = |sums: &[(f64, f64)]| -> Vec<(f64, f64)> {
+                sums.chunks(share).map(|chunk| chunk.iter().fold((0.0, 0.0), sum)).collect()
+            };
+            HighFrequencyPower {
+                parts: together(&real).iter().zip(&together(&simulated)).map(louder).collect(),
+                fine: real.iter().zip(&simulated).map(louder).collect(),
+            }
+        };
+        (0..FORCES).map(of).collect()
+    }
+
+    /// The mean over the runs that know a part, of the loudest of some forces. What does not change at all is no louder
+    /// than simulated.
+    fn of_runs(runs: &[FittedRun], forces: &[usize]) -> HighFrequencyPower {
+        let in_all = |of: fn(&HighFrequencyPower) -> &Vec<f64>| -> Vec<f64> {
+            let mean = |part: usize, force: usize| {
+                let known = runs.iter().map(|run| of(&run.high_frequency_power[force])[part]).filter(|x| !x.is_nan());
+                let known: Vec<f64> = known.map(|x| if x.is_finite() { x } else { 0.0 }).collect();
+                known.iter().sum::<f64>() / known.len().max(1) as f64
+            };
+            let loudest = |part: usize| forces.iter().map(|force| mean(part, *force)).fold(f64::MIN, f64::max);
+            let parts = runs.first().and_then(|run| run.high_frequency_power.first()).map_or(0, |own| of(own).len());
+            (0..parts).map(loudest).collect()
+        };
+        HighFrequencyPower { parts: in_all(|own| &own.parts), fine: in_all(|own| &own.fine) }
+    }
+}
+
+fn sum(a: (f64, f64), b: &(f64, f64)) -> (f64, f64) {
+    (a.0 + b.0, a.1 + b.1)
 }
 
 /// Where a step of a rail may be.
@@ -85,15 +123,17 @@ impl Suspect {
 /// its channels, and in the cells in which these are worst; and of both running rails, where both are suspect.
 pub fn suspects(frames: &[Frame], runs: &[FittedRun]) -> Vec<Suspect> {
     let Some(first) = runs.first() else { return Vec::new() };
-    let places = &first.model.spec.places;
+    let (places, settings) = (&first.model.spec.places, &first.settings.impacts);
     let cell = places.lap / places.cells as f64;
     let mut all = Vec::new();
     for (rail, forces) in RAILS.into_iter().enumerate() {
-        let hardest = struck(runs, forces, 0.0, places.lap).map(|at| Suspect { rail, at, struck: true });
+        let power = HighFrequencyPower::of_runs(runs, forces);
+        let struck = |from: f64, length: f64| struck(&power, settings, places.lap, from, length);
+        let hardest = struck(0.0, places.lap).map(|at| Suspect { rail, at, struck: true });
         let mut found: Vec<Suspect> = hardest.into_iter().collect();
-        let most = found.len() + first.settings.impacts.cells;
+        let most = found.len() + settings.cells;
         for from in worst(frames, runs, forces) {
-            let impact = struck(runs, forces, from, cell);
+            let impact = struck(from, cell);
             let at = impact.unwrap_or(from);
             if found.len() < most && found.iter().all(|other| (at - other.at).abs() > 0.25 * cell) {
                 found.push(Suspect { rail, at, struck: impact.is_some() });
@@ -141,27 +181,13 @@ fn worst(frames: &[Frame], runs: &[FittedRun], forces: &[usize]) -> Vec<f64> {
     cells.into_iter().map(|(at, _)| at as f64 / 1e3).collect()
 }
 
-/// Where an impact begins that is strongest in a cell in all runs, m; none where nothing strikes.
-fn struck(runs: &[FittedRun], forces: &[usize], from: f64, cell: f64) -> Option<f64> {
-    let first = runs.first()?;
-    let (lap, settings) = (first.model.spec.places.lap, &first.settings.impacts);
-    let power = in_all(runs, forces, |run| &run.high_frequency_power);
-    let centre = |part: usize| (part as f64 + 0.5) * lap / power.len() as f64;
-    let part = begins(&power, settings, |part| (from..from + cell).contains(&centre(part)))?;
-    let fine = in_all(runs, forces, |run| &run.fine_high_frequency_power);
-    let share = fine.len() / power.len();
-    Some(onset(&fine, settings, part * share, share) as f64 * lap / fine.len() as f64)
-}
-
-/// Of each part of the lap, the mean over the runs that know it of how much more power the loudest of some forces has.
-fn in_all(runs: &[FittedRun], forces: &[usize], of: fn(&FittedRun) -> &Vec<Vec<f64>>) -> Vec<f64> {
-    let mean = |part: usize, force: usize| {
-        let each: Vec<f64> = runs.iter().map(|r| of(r)[force][part]).filter(|x| x.is_finite()).collect();
-        each.iter().sum::<f64>() / each.len().max(1) as f64
-    };
-    let loudest = |part: usize| forces.iter().map(|force| mean(part, *force)).fold(f64::MIN, f64::max);
-    let parts = runs.first().and_then(|run| of(run).first()).map_or(0, Vec::len);
-    (0..parts).map(loudest).collect()
+/// Where an impact begins that is strongest in a cell of the lap, m; none where nothing strikes.
+fn struck(power: &HighFrequencyPower, settings: &Impacts, lap: f64, from: f64, cell: f64) -> Option<f64> {
+    let HighFrequencyPower { parts, fine } = power;
+    let centre = |part: usize| (part as f64 + 0.5) * lap / parts.len() as f64;
+    let part = begins(parts, settings, |part| (from..from + cell).contains(&centre(part)))?;
+    let share = fine.len() / parts.len();
+    Some(onset(fine, settings, part * share, share) as f64 * lap / fine.len() as f64)
 }
 
 /// The fine part in which an impact begins that does so in a part, or half a part before it: the first of them that

@@ -33,7 +33,7 @@ use crate::model::effect_definitions::{PlaceKind, StrengthDefinition};
 use crate::signal::{Channel, FORCES};
 use crate::solve::Stop;
 use force_slope::{Impact, Profile};
-use impacts::Suspect;
+use impacts::{HighFrequencyPower, Suspect};
 use laps::observed;
 use nominal::{Known, fitted, repeated, set_tops};
 use std::collections::BTreeMap;
@@ -81,10 +81,8 @@ struct FittedRun {
     tops: [f64; FORCES],
     /// High forces of each channel, measured and simulated, N.
     highs: [(f64, f64); FORCES],
-    /// How much more high-frequency power than simulated parts of the lap are, of each channel.
-    high_frequency_power: Vec<Vec<f64>>,
-    /// The same of finer parts, a whole number in each.
-    fine_high_frequency_power: Vec<Vec<f64>>,
+    /// Of each channel.
+    high_frequency_power: Vec<HighFrequencyPower>,
     /// What was measured in each part of the lap, of each channel.
     profiles: Vec<Profile>,
     /// Impacts on the rails.

@@ -2,7 +2,7 @@
 
 use super::FittedRun;
 use super::force_slope::profiles;
-use super::impacts::{self, high_frequency_power};
+use super::impacts::{self, HighFrequencyPower};
 use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
@@ -101,18 +101,18 @@ fn of(model: Model, landing: Landing, measured: &Measured, fit: &FitSettings, se
     let trigger = landing.at[Parameter::TriggerPosition.index()];
     let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
     let parts = impacts::parts(lap, settings.impacts.part);
-    let fine = parts * impacts::parts(settings.impacts.part, settings.impacts.fine);
-    let power = |parts: usize| {
-        let noise = *model.spec.noise();
-        high_frequency_power(&landing, (lap, parts), (&samples, trigger), noise, settings.impacts.quiet)
-    };
     FittedRun {
         laps: measured.laps,
         begin,
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples, settings.ensembles.top_samples),
-        high_frequency_power: power(parts),
-        fine_high_frequency_power: power(fine),
+        high_frequency_power: HighFrequencyPower::each(
+            &landing,
+            lap,
+            (&samples, trigger),
+            *model.spec.noise(),
+            &settings.impacts,
+        ),
         profiles: profiles(&samples, (lap, parts), trigger),
         impacts: Vec::new(),
         settings: settings.clone(),
