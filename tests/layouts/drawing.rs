@@ -55,6 +55,23 @@ fn labels_count_what_the_bill_counts() {
 }
 
 #[test]
+fn the_legend_shows_equipment_as_the_plan_has_it() {
+    let legend = |name: &str| {
+        let svg = drawing(&compiled(name), Theme::Light).expect("drawn");
+        texts(svg.split_once("class=\"legend\"").expect("a legend").1)
+    };
+    let (with, without) = (legend("equipment"), legend("hub"));
+    for kind in ["induction", "chute: row, count", "scanner, gate or lift"] {
+        let covers = format!("{kind}, with its footprint");
+        assert!(with.contains(&covers) && !with.iter().any(|text| text == kind), "{kind}: {with:#?}");
+        assert!(!without.contains(&covers), "{without:#?}");
+    }
+    let conveyor = "conveyor, from where items come".to_owned();
+    assert!(with.contains(&conveyor) && !without.contains(&conveyor));
+    assert!(without.iter().any(|text| text == "induction"), "{without:#?}");
+}
+
+#[test]
 fn ramps_levels_and_spirals_are_marked_in_the_plan() {
     let svg = drawing(&compiled("spiral"), Theme::Light).expect("drawn");
     let marks = texts(&svg);

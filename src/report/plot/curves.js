@@ -137,7 +137,7 @@ class Curves {
       height: spec.height,
       legend: { show: false },
       // The last number on the axis is half beyond its place, and with a long unit farther than that.
-      padding: [8, (spec.x_unit ?? "").length > 2 ? Math.max(WIDE, 4 * (spec.x_unit.length + 4)) : WIDE, 0, 0],
+      padding: [8, Math.max(WIDE, 6 * (spec.x_unit ?? "").length), 0, 0],
       scales: {
         x: { time: false },
         y: { range: (u, low, high) => this.room(low, high) },
