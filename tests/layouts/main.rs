@@ -16,6 +16,7 @@ mod headings;
 mod hostile;
 mod import;
 mod levels;
+mod mutated;
 mod route;
 mod self_crossing;
 mod semantics;
