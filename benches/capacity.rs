@@ -11,8 +11,15 @@ use std::time::Instant;
 
 /// Two zones with fifteen chutes each and everything that a layout may say.
 fn sorter() -> Sorter {
-    let induction =
-        |s: &f64| Induction { name: String::new(), s: *s, demand: None, most: 5000.0, efficiency: 0.97, fails: None };
+    let induction = |s: &f64| Induction {
+        name: String::new(),
+        s: *s,
+        demand: None,
+        most: 5000.0,
+        efficiency: 0.97,
+        to: None,
+        fails: None,
+    };
     let chute = |k: u32| Chute {
         name: String::new(),
         s: 12.0 + 88.2 * f64::from(k % 2) + 2.4 * f64::from(k / 2),

@@ -79,14 +79,20 @@ class Capacity:
     def __repr__(self) -> str:
         return (
             f"<lss.Capacity {self.json['layout']!r}: {self.per_hour:.0f} ± {self.half_width:.0f} items an hour, "
-            f"at most {self.bound:.0f}>"
+            f"at most {self.bound_in_any_proportions:.0f}>"
         )
 
     @property
     def bound(self) -> float:
-        """Closed form: items an hour that fit, which no way of feeding beats unless chutes fail or full ones limit it; with waves the
-        mean over them."""
+        """Closed form: items an hour that fit in the proportions in which they come, or in any where an induction always has items; with
+        waves the mean over them. Simulations do not beat it unless chutes fail or full ones limit it."""
         return float(self.json["bound_per_hour"])
+
+    @property
+    def bound_in_any_proportions(self) -> float:
+        """The same however items come, so no less than `bound`."""
+        any_proportions = self.json.get("any_proportions") or self.json
+        return float(any_proportions["bound_per_hour"])
 
     @property
     def limited_by(self) -> str:

@@ -29,6 +29,7 @@ def test_capacity_of_two_infeeds() -> None:
     found = lss.capacity(layout, hours=2, replications=2)
     # 2 K / (K + 1) of the carriers that pass.
     assert found.bound == pytest.approx(4 / 3 * found.json["carriers_per_hour"])
+    assert found.bound_in_any_proportions == found.bound
     assert found.per_hour == pytest.approx(found.bound, rel=0.01)
 
 

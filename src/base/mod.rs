@@ -2,6 +2,7 @@
 
 pub mod digest;
 pub mod json;
+pub mod linear_program;
 pub mod number;
 pub mod parallel;
 mod program;

@@ -1,6 +1,6 @@
 //! Where carriers are in use along the loop, and what another speed or fewer inductions would give.
 
-use super::flow::bound;
+use super::bound::bound;
 use super::replicate::{Mean, Measured, Settings, measure};
 use super::sorter::{Sorter, Waves};
 
@@ -55,7 +55,7 @@ pub struct Changed {
 
 fn changed(of: f64, sorter: &Sorter, settings: &Settings) -> Option<Changed> {
     let sorter = sorter.always_fed();
-    let bound = bound(&sorter, &sorter.proportions())?.throughput;
+    let bound = bound(&sorter, None)?.throughput;
     Some(Changed { of, bound, simulated: measure(&sorter, settings).throughput })
 }
 

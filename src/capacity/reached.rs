@@ -1,6 +1,7 @@
 //! Whether a layout takes as many items an hour as it is asked to.
 
-use super::flow::{Bound, Limit, bound};
+use super::bound::{Bound, bound};
+use super::flow::Limit;
 use super::sorter::Sorter;
 use crate::base::number::fixed;
 use crate::diagnostic::{Code, Diagnostic};
@@ -50,7 +51,7 @@ pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<D
                 .help("place an `induction` and `chutes`, and carts that close the loop"),
         );
     };
-    let found = bound(sorter, &sorter.proportions())?;
+    let found = bound(sorter, sorter.proportions().as_deref())?;
     if found.throughput >= least {
         return None;
     }

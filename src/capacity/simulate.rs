@@ -151,8 +151,6 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
     (0..sorter.chutes.len()).for_each(|i| place(Kind::Chute(i), sorter.chutes[i].s));
     sorter.scanners.iter().for_each(|s| place(Kind::Scanner, *s));
     places.sort_by(|a, b| a.phase.total_cmp(&b.phase));
-    let mut shares: Vec<f64> = Vec::new();
-    running_sums(&sorter.shares(0), &mut shares);
     let outages = |cause: Cause, fails: &mut dyn Iterator<Item = Option<&Failures>>| -> Vec<Option<Outage>> {
         let one = |(k, fails): (usize, Option<&Failures>)| fails.map(|f| Outage::new(f, stream(plan.seed, cause, k)));
         fails.enumerate().map(one).collect()
@@ -170,7 +168,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
         counted: None,
         loads: vec![Load::Free; sorter.carriers],
         contents: vec![VecDeque::new(); sorter.chutes.len()],
-        shares,
+        shares: running_sums(sorter, &sorter.shares(0)),
         interval: plan.interval,
         seen: Seen {
             series: vec![0; (plan.duration / plan.interval).ceil() as usize],
@@ -210,7 +208,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
         }
         if let Some(turn) = &mut turn {
             while now >= turn.next() {
-                run.closed = turn.begin(&mut run.shares);
+                (run.closed, run.shares) = turn.begin();
                 run.contents.iter_mut().for_each(VecDeque::clear);
                 let (cycle, wave) = turn.at();
                 run.counted = (cycle > 0 && cycle < cycles).then_some(wave);
@@ -249,8 +247,8 @@ struct Run<'a> {
     loads: Vec<Load>,
     /// When the items of each chute are taken away, s.
     contents: Vec<VecDeque<f64>>,
-    /// Running sums of the chutes' shares.
-    shares: Vec<f64>,
+    /// Running sums of the chutes' shares, by induction.
+    shares: Vec<Vec<f64>>,
     interval: f64,
     seen: Seen,
 }
@@ -290,7 +288,7 @@ impl Run<'_> {
         if feed.double && self.loads[behind] != Load::Free {
             return;
         }
-        let chute = pick(&self.shares, self.destinations[i].uniform());
+        let chute = pick(&self.shares[i], self.destinations[i].uniform());
         self.loads[k] =
             Load::Item { chute, known: self.sorter.scanners.is_empty(), laps: 0, came, double: feed.double };
         if feed.double {

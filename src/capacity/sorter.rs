@@ -57,11 +57,9 @@ impl Sorter {
         })
     }
 
-    /// How the items are spread over the inductions: as they come, and alike where they always do.
-    pub fn proportions(&self) -> Vec<f64> {
-        let known: Vec<f64> = self.inductions.iter().filter_map(|i| i.demand).collect();
-        let alike = if known.is_empty() { 1.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
-        self.inductions.iter().map(|i| i.demand.unwrap_or(alike)).collect()
+    /// In which proportions items come to the inductions; `None` where one always has items, so that they may be any.
+    pub fn proportions(&self) -> Option<Vec<f64>> {
+        self.inductions.iter().map(|i| i.demand).collect()
     }
 
     /// The same with items at every induction at any time.
@@ -84,7 +82,19 @@ pub struct Induction {
     pub most: f64,
     /// Share of free carriers that it uses while there are items.
     pub efficiency: f64,
+    /// What the chutes' shares are multiplied with for its items, one a chute; `None` where its items are as all others.
+    pub to: Option<Vec<f64>>,
     pub fails: Option<Failures>,
+}
+
+impl Induction {
+    /// Shares of the chutes of its items, in relation to each other, where those of all items are these.
+    pub fn shares(&self, all: &[f64]) -> Vec<f64> {
+        match &self.to {
+            None => all.to_vec(),
+            Some(to) => all.iter().zip(to).map(|(share, factor)| share * factor).collect(),
+        }
+    }
 }
 
 /// Where items leave it.

@@ -1,7 +1,8 @@
 //! The simulation against closed forms, and both against each other.
 
+use super::bound::bound;
 use super::explore::{Cause, by_inductions, by_speed, costs, used_along, used_at};
-use super::flow::{Limit, bound};
+use super::flow::Limit;
 use super::reached::most_words;
 use super::replicate::{Mean, Settings, measure};
 use super::simulate::{Plan, simulate};
@@ -11,6 +12,7 @@ use crate::base::random::Random;
 
 mod failures;
 mod published;
+mod split;
 mod waves;
 
 /// A sorter of carts of 1.25 m at 2 m/s: 5760 carriers an hour.
@@ -21,6 +23,7 @@ fn sorter(carriers: usize, inductions: &[f64], chutes: &[f64]) -> Sorter {
         demand: None,
         most: f64::INFINITY,
         efficiency: 1.0,
+        to: None,
         fails: None,
     };
     let chute = |s: &f64| Chute { name: format!("at {s}"), s: *s, share: 1.0, storage: None, fails: None };
@@ -55,7 +58,7 @@ fn near(found: f64, expected: f64, share: f64) {
 fn one_induction_fills_every_carrier() {
     let sorter = sorter(100, &[0.0], &[30.3, 60.7, 90.1]);
     near(per_hour(&sorter, 3.0), Q, 1e-3);
-    let bound = bound(&sorter, &[1.0]).unwrap();
+    let bound = bound(&sorter, Some(&[1.0])).unwrap();
     near(bound.throughput, Q, 1e-12);
     assert_eq!(bound.limit, Limit::Stretch(0));
 }
@@ -73,7 +76,7 @@ fn zones_share_carriers() {
         let sorter = sorter(100, &inductions, &chutes);
         let expected = 2.0 * Q * zones as f64 / (zones as f64 + 1.0);
         near(per_hour(&sorter, 20.0), expected, 6e-3);
-        near(bound(&sorter, &vec![1.0; zones]).unwrap().throughput, expected, 1e-9);
+        near(bound(&sorter, Some(&vec![1.0; zones])).unwrap().throughput, expected, 1e-9);
     }
 }
 
@@ -83,12 +86,19 @@ fn readings_that_fail_cost_laps() {
     sorter.scanners = vec![5.0];
     sorter.items.no_read = 0.2;
     near(per_hour(&sorter, 30.0), 0.8 * Q, 5e-3);
-    near(bound(&sorter, &[1.0]).unwrap().throughput, 0.8 * Q, 1e-9);
+    near(bound(&sorter, Some(&[1.0])).unwrap().throughput, 0.8 * Q, 1e-9);
     // A chute before the scanner is reached a lap later.
     sorter.items.no_read = 0.0;
     sorter.scanners = vec![40.0];
     near(per_hour(&sorter, 10.0), Q / 1.5, 5e-3);
-    near(bound(&sorter, &[1.0]).unwrap().throughput, Q / 1.5, 1e-9);
+    near(bound(&sorter, Some(&[1.0])).unwrap().throughput, Q / 1.5, 1e-9);
+    // Another scanner on the way reads most of what the first one does not: u and u² of the items for either chute go round,
+    // 1/(1 - u²) laps each.
+    sorter.items.no_read = 0.3;
+    sorter.scanners = vec![5.0, 40.0];
+    let expected = Q / (1.0 + 0.5 * (0.3 + 0.09) / (1.0 - 0.09));
+    near(per_hour(&sorter, 30.0), expected, 5e-3);
+    near(bound(&sorter, Some(&[1.0])).unwrap().throughput, expected, 1e-9);
 }
 
 #[test]
@@ -96,7 +106,7 @@ fn items_on_two_carriers_halve_it() {
     let mut sorter = sorter(100, &[0.0], &[30.0, 60.0]);
     sorter.items.double = 1.0;
     near(per_hour(&sorter, 3.0), 0.5 * Q, 2e-3);
-    near(bound(&sorter, &[1.0]).unwrap().throughput, 0.5 * Q, 1e-9);
+    near(bound(&sorter, Some(&[1.0])).unwrap().throughput, 0.5 * Q, 1e-9);
 }
 
 #[test]
@@ -104,7 +114,7 @@ fn a_chute_gives_what_is_taken_from_it() {
     let mut sorter = sorter(100, &[0.0], &[30.0]);
     sorter.chutes[0].storage = Some((3, 2.0));
     near(per_hour(&sorter, 5.0), 1800.0, 1e-3);
-    assert_eq!(bound(&sorter, &[1.0]).unwrap().limit, Limit::Chute(0));
+    assert_eq!(bound(&sorter, Some(&[1.0])).unwrap().limit, Limit::Chute(0));
 }
 
 #[test]
@@ -112,13 +122,13 @@ fn stops_and_inductions_that_miss_carriers_cost_their_share() {
     let mut stopping = sorter(100, &[0.0], &[30.0]);
     stopping.stops = Some(Stops { between: 600.0, duration: 60.0 });
     near(per_hour(&stopping, 3000.0), Q / 1.1, 5e-3);
-    near(bound(&stopping, &[1.0]).unwrap().throughput, Q / 1.1, 1e-9);
+    near(bound(&stopping, Some(&[1.0])).unwrap().throughput, Q / 1.1, 1e-9);
     let mut missing = sorter(100, &[0.0], &[30.0]);
     missing.inductions[0].efficiency = 0.85;
     near(per_hour(&missing, 10.0), 0.85 * Q, 5e-3);
     let mut slow = sorter(100, &[0.0], &[30.0]);
     slow.inductions[0].most = 2000.0;
-    assert_eq!(bound(&slow, &[1.0]).unwrap().limit, Limit::Induction(0));
+    assert_eq!(bound(&slow, Some(&[1.0])).unwrap().limit, Limit::Induction(0));
     // Carriers pass every 0.625 s, an item is ready every 1.8 s.
     near(per_hour(&slow, 10.0), 2000.0, 1e-3);
 }
@@ -159,8 +169,9 @@ fn the_bound_holds_for_sorters_of_any_kind() {
         let mut pick = |low: f64, high: f64| low + (high - low) * random.uniform();
         let mut sorter = any_sorter(&mut pick);
         if pick(0.0, 1.0) < 0.5 {
-            sorter.scanners = vec![pick(0.0, sorter.length())];
-            sorter.items.no_read = pick(0.0, 0.1);
+            let count = 1 + pick(0.0, 3.0) as usize;
+            sorter.scanners = (0..count).map(|_| pick(0.0, sorter.length())).collect();
+            sorter.items.no_read = pick(0.0, 0.4);
         }
         for induction in &mut sorter.inductions {
             induction.demand = Some(pick(500.0, 6000.0));
@@ -171,7 +182,7 @@ fn the_bound_holds_for_sorters_of_any_kind() {
         let seen = simulate(&sorter, &Plan { duration: 3600.0 * 20.0, seed: 11, interval: 60.0 });
         // In the proportions in which items did get on.
         let taken: Vec<f64> = seen.inductions.iter().map(|i| i.items as f64).collect();
-        let bound = bound(&sorter, &taken).unwrap().throughput;
+        let bound = bound(&sorter, Some(&taken)).unwrap().throughput;
         let found = taken.iter().sum::<f64>() / 20.0;
         assert!(found <= 1.01 * bound, "{found} {bound} {sorter:?}");
     }

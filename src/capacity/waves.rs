@@ -1,6 +1,6 @@
 //! Waves: when one ends and the next begins, and the shares that are drawn for it.
 
-use super::sorter::{Sorter, Waves};
+use super::sorter::{Induction, Sorter, Waves};
 use crate::base::random::Random;
 use crate::base::trig;
 
@@ -24,14 +24,13 @@ impl<'a> Turn<'a> {
         self.begun as f64 * self.waves.every
     }
 
-    /// Begins it, writes the running sums of its shares, and says until when chutes are closed. Nothing has to be changed
-    /// over for the first.
-    pub(super) fn begin(&mut self, sums: &mut Vec<f64>) -> f64 {
+    /// Begins it, and says until when chutes are closed, s, and the running sums of its shares. Nothing has to be changed over
+    /// for the first.
+    pub(super) fn begin(&mut self) -> (f64, Vec<Vec<f64>>) {
         let closed = if self.begun == 0 { 0.0 } else { self.next() + self.waves.changeover };
         let shares = self.sorter.shares((self.begun % self.waves.count() as u64) as usize);
-        running_sums(&drawn(shares, self.waves.spread, &mut self.random), sums);
         self.begun += 1;
-        closed
+        (closed, running_sums(self.sorter, &drawn(shares, self.waves.spread, &mut self.random)))
     }
 
     /// The cycle of the wave that runs, and its number in it.
@@ -41,12 +40,17 @@ impl<'a> Turn<'a> {
     }
 }
 
-/// Sums of the first one, two, … shares.
-pub(super) fn running_sums(shares: &[f64], sums: &mut Vec<f64>) {
-    sums.clear();
-    for share in shares {
-        sums.push(sums.last().copied().unwrap_or(0.0) + share);
-    }
+/// Sums of the shares of the first one, two, … chutes, by induction.
+pub(super) fn running_sums(sorter: &Sorter, shares: &[f64]) -> Vec<Vec<f64>> {
+    let sums = |induction: &Induction| {
+        let mut sum = 0.0;
+        let mut next = |share: f64| {
+            sum += share;
+            sum
+        };
+        induction.shares(shares).into_iter().map(&mut next).collect()
+    };
+    sorter.inductions.iter().map(sums).collect()
 }
 
 /// Shares, each multiplied with a random number of mean 1 and this coefficient of variation, gamma distributed. With 1 it is

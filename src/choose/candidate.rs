@@ -159,7 +159,7 @@ impl Candidate {
         let needed = thrust.motors(kind.force, duty.spare);
         let capacity = on.sorter.as_ref().and_then(|sorter| {
             let sorter = Sorter { speed, ..sorter.clone() };
-            bound(&sorter, &sorter.proportions())
+            bound(&sorter, sorter.proportions().as_deref())
         });
         let mut shortfalls = Vec::new();
         let mut short = |requirement, found, wanted| shortfalls.push(Shortfall { requirement, found, wanted });

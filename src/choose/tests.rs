@@ -163,7 +163,7 @@ fn every_candidate_is_what_building_it_gives() {
         let beside: f64 = order::lines(&built).iter().filter_map(order::OrderLine::price).sum();
         assert!((c.price - built.bill.price - beside).abs() < 1e-6, "{} {beside}", c.price);
         let sorter = built.sorter().unwrap();
-        let found = bound(&sorter, &sorter.proportions()).unwrap();
+        let found = bound(&sorter, sorter.proportions().as_deref()).unwrap();
         near(c.capacity.as_ref().unwrap().throughput, found.throughput, 1e-12);
         // One zone: carriers that pass.
         let carts = fit(&built.space.line, cart.length).unwrap().carts;

@@ -4,7 +4,7 @@ use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, repor
 use crate::base::json::to_json;
 use crate::base::number::{duration, trimmed};
 use crate::capacity::explore::{Cost, by_inductions, by_speed, costs};
-use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, bound, measure};
+use crate::capacity::{Bounds, Mean, Measured, Settings, Sorter, measure};
 use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 use crate::emit::Files;
@@ -51,7 +51,7 @@ const SPEEDS: [f64; 8] = [0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3];
 pub struct Worked {
     layout: String,
     sorter: Sorter,
-    bound: Bound,
+    bounds: Bounds,
     required: Option<f64>,
     settings: Settings,
     /// With items at every induction at any time.
@@ -69,7 +69,7 @@ impl Worked {
         let Some(sorter) = compiled.sorter() else {
             return Err("a capacity needs carts that close the loop, an induction and chutes in the layout".to_owned());
         };
-        let Some(bound) = bound(&sorter, &sorter.proportions()) else {
+        let Some(bounds) = Bounds::of(&sorter) else {
             return Err("no items come to this layout's inductions".to_owned());
         };
         if let Some(waves) = &sorter.waves {
@@ -89,13 +89,13 @@ impl Worked {
         let costs = costs(&sorter, &always, &settings);
         let required = compiled.layout.capacity.required.as_ref().map(|required| required.least.value);
         let layout = compiled.layout.name.clone();
-        Ok(Worked { layout, sorter, bound, required, settings, always, fed, costs })
+        Ok(Worked { layout, sorter, bounds, required, settings, always, fed, costs })
     }
 
     /// As `capacity.json` has it.
     pub fn found(&self) -> Found<'_> {
         let measured = (self.fed.as_ref(), &self.always);
-        Found::new(&self.layout, &self.sorter, &self.bound, self.required, measured, &self.costs, &self.settings)
+        Found::new(&self.layout, &self.sorter, &self.bounds, self.required, measured, &self.costs, &self.settings)
     }
 
     /// `capacity.html` of the layout, for which other speeds and fewer inductions are simulated.
@@ -105,7 +105,7 @@ impl Worked {
             layout: &self.layout,
             track: &Simulation::new(compiled).track,
             sorter,
-            bound: &self.bound,
+            bounds: &self.bounds,
             required: self.required,
             always: &self.always,
             fed: self.fed.as_ref(),

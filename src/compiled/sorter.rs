@@ -13,6 +13,8 @@ impl Compiled {
         let Capacity { scanners, feeds, storages, items, stops, failures, .. } = &layout.capacity;
         let carriers = self.chain?.carts;
         let equipment = &layout.equipment;
+        // What waves say is of whole rows already.
+        let waves_say = !layout.capacity.each_wave.is_empty();
         let fails = |of: FailureOf, name: &str| {
             let found = failures.iter().find(|failure| failure.of == of)?;
             Some(Failures { name: name.to_owned(), between: found.every, duration: found.duration })
@@ -25,6 +27,7 @@ impl Compiled {
                 demand: feed.and_then(|feed| feed.rate),
                 most: feed.and_then(|feed| feed.most).unwrap_or(f64::INFINITY),
                 efficiency: feed.map_or(1.0, |feed| feed.efficiency),
+                to: feed.filter(|feed| !feed.shares.is_empty()).map(|feed| self.of_rows(&feed.shares, !waves_say)),
                 fails: fails(FailureOf::Induction(i), &induction.name),
             }
         };
@@ -54,18 +57,20 @@ impl Compiled {
         };
         (carriers > 0 && !sorter.inductions.is_empty() && !sorter.chutes.is_empty()).then_some(sorter)
     }
+
+    /// Shares of rows, one a chute: that of its row, or its part of it if the row's share is of all its chutes together.
+    fn of_rows(&self, shares: &[(usize, f64)], together: bool) -> Vec<f64> {
+        let of_row = |(i, row): (usize, &model::Chutes)| {
+            let said = shares.iter().find(|(of, _)| *of == i).map_or(0.0, |(_, share)| *share);
+            let count = row.count();
+            std::iter::repeat_n(if together { said / count.max(1) as f64 } else { said }, count)
+        };
+        self.layout.equipment.chutes.iter().enumerate().flat_map(of_row).collect()
+    }
+
     fn waves(&self) -> Option<Waves> {
         let Capacity { waves, each_wave, .. } = &self.layout.capacity;
-        let rows = &self.layout.equipment.chutes;
-        // A row's share is that of all its chutes together.
-        let shares = |wave: &model::Wave| {
-            let of_row = |(i, row): (usize, &model::Chutes)| {
-                let said = wave.shares.iter().find(|(of, _)| *of == i).map_or(0.0, |(_, share)| *share);
-                std::iter::repeat_n(said / row.count().max(1) as f64, row.count())
-            };
-            rows.iter().enumerate().flat_map(of_row).collect()
-        };
-        let wave = |wave: &model::Wave| Wave { name: wave.name.clone(), shares: shares(wave) };
+        let wave = |wave: &model::Wave| Wave { name: wave.name.clone(), shares: self.of_rows(&wave.shares, true) };
         waves.map(|w| Waves {
             every: w.every,
             changeover: w.changeover,

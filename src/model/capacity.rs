@@ -41,6 +41,8 @@ pub struct Feed {
     pub most: Option<f64>,
     /// Share of free carriers that it uses while there are items.
     pub efficiency: f64,
+    /// Indices of rows of chutes, and the share of each whole row of its items; none where they go wherever all do.
+    pub shares: Vec<(usize, f64)>,
     pub span: Span,
 }
 

@@ -334,6 +334,14 @@ impl Printer {
     }
 }
 
+/// Rows of chutes with their shares, if there are any.
+fn row_shares(layout: &Layout, shares: &[(usize, f64)]) -> String {
+    let names = layout.equipment.names(EquipmentKind::Chute);
+    let share = |(row, share): &(usize, f64)| format!("{} {}", names[*row], number(*share));
+    let shares: Vec<String> = shares.iter().map(share).collect();
+    if shares.is_empty() { String::new() } else { format!(" to {}", shares.join(", ")) }
+}
+
 impl Printer {
     fn capacity(&mut self, layout: &Layout) {
         let names = |section: usize| layout.section_name(section);
@@ -352,7 +360,7 @@ impl Printer {
                 let _ = write!(text, " up to {} per hour", number(most));
             }
             let _ = write!(text, " efficiency {}", number(feed.efficiency));
-            self.line(text);
+            self.line(text + &row_shares(layout, &feed.shares));
         }
         for storage in storages {
             let name = layout.equipment.names(EquipmentKind::Chute)[storage.chutes];
@@ -378,10 +386,7 @@ impl Printer {
             self.line(format!("waves every {every} changeover {changeover} spread {}", number(*spread)));
         }
         for wave in each_wave {
-            let names = layout.equipment.names(EquipmentKind::Chute);
-            let share = |(row, share): &(usize, f64)| format!("{} {}", names[*row], number(*share));
-            let shares: Vec<String> = wave.shares.iter().map(share).collect();
-            self.line(format!("wave {} to {}", wave.name, shares.join(", ")));
+            self.line(format!("wave {}{}", wave.name, row_shares(layout, &wave.shares)));
         }
         if let Some(required) = required {
             let reason = required.reason.as_ref().map_or_else(String::new, |why| format!(" {}", quoted(why)));

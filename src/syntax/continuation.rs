@@ -97,6 +97,7 @@ mod tests {
             ("storage row_a 12 ", "`every` Unit End"),
             ("waves every 30 min ", "`changeover` `spread` End"),
             ("wave a to row_a ", "Value"),
+            ("feed a efficiency 90 % to row_a ", "Value"),
             ("fails west ", "`every`"),
             ("optimise cost within ", "`cost` `length` `nothing` `polygon_action`"),
             ("let a = ", "Value"),

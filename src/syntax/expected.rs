@@ -421,6 +421,8 @@ pub fn value_example(begun: &str) -> &'static str {
     phrase.split('`').nth(1).unwrap_or("4 m")
 }
 
+const SHARE_OF_A_ROW: &str = "a share such as `2` or `60 %`";
+
 /// A value as the words before it suggest.
 fn value_phrase(text: &str, at: usize) -> &'static str {
     let before = text[..at].trim_end();
@@ -432,9 +434,10 @@ fn value_phrase(text: &str, at: usize) -> &'static str {
         ("stops" | "fails", _) | ("storage", "every") => "a time such as `40 s`",
         ("waves", "spread") => "a share such as `40 %`",
         ("waves", _) => "a time such as `30 min`",
-        ("wave", _) => "a share such as `2` or `60 %`",
+        ("wave", _) => SHARE_OF_A_ROW,
         ("storage", _) | ("items", "laps") => "a count such as `12`",
         ("items", _) | ("feed", "efficiency") => "a share such as `90 %`",
+        ("feed", last) if last != "to" && before.contains(" to ") => SHARE_OF_A_ROW,
         ("feed", _) | (_, "capacity") => "a number such as `3000`",
         ("turns", _) => "an angle such as `5 deg`",
         (_, "radius" | "clearance" | "width" | "at" | "from" | "every" | "radii" | "within") => {

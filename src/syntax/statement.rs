@@ -67,9 +67,11 @@ impl Builder<'_> {
             Rule::station_of | Rule::chutes_of => self.equipped(rule, parts)?,
             Rule::feed => {
                 let induction = self.next_name(parts)?;
+                let shares = take(&mut parts.clone(), Rule::row_shares);
+                let shares = shares.map_or(Some(Vec::new()), |shares| self.row_shares(shares))?;
                 let [rate, most, efficiency] =
                     self.clauses(parts, [Rule::feed_rate, Rule::feed_most, Rule::feed_efficiency])?;
-                Statement::Feed { induction, rate, most, efficiency }
+                Statement::Feed { induction, rate, most, efficiency, shares }
             }
             Rule::storage => Statement::Storage {
                 chutes: self.next_name(parts)?,
@@ -97,12 +99,7 @@ impl Builder<'_> {
             }
             Rule::wave => {
                 let name = self.next_name(parts)?;
-                let mut shares = Vec::new();
-                for share in parts.filter(|part| part.as_rule() == Rule::wave_share) {
-                    let mut of = share.into_inner();
-                    shares.push((self.next_name(&mut of)?, self.value(&mut of)?));
-                }
-                Statement::Wave { name, shares }
+                Statement::Wave { name, shares: self.row_shares(take(parts, Rule::row_shares)?)? }
             }
             Rule::require_capacity => Statement::RequireCapacity {
                 least: self.value(parts)?,
@@ -262,6 +259,15 @@ impl Builder<'_> {
 
     fn next_name(&mut self, parts: &mut Pairs<Rule>) -> Option<Name> {
         take(parts, Rule::name).map(|pair| self.name(&pair))
+    }
+
+    /// Rows of chutes with their shares.
+    fn row_shares(&mut self, shares: Pair<Rule>) -> Option<Vec<(Name, Expr)>> {
+        let one = |share: Pair<Rule>| {
+            let mut of = share.into_inner();
+            Some((self.next_name(&mut of)?, self.value(&mut of)?))
+        };
+        shares.into_inner().filter(|part| part.as_rule() == Rule::row_share).map(one).collect()
     }
 
     fn quoted(&mut self, parts: &mut Pairs<Rule>) -> Option<TextExpr> {

@@ -272,12 +272,14 @@ pub enum Statement {
     Scanner(PlaceExpr),
     /// `induction west of induction_45 anywhere`, `chutes row_a of chute at least 40 on P1..P2`
     Equipped(Box<EquippedExpr>),
-    /// `feed west 3000 per hour up to 4500 per hour efficiency 90 %`
+    /// `feed west 3000 per hour up to 4500 per hour efficiency 90 % to row_a 1, row_b 2`
     Feed {
         induction: Name,
         rate: Option<Expr>,
         most: Option<Expr>,
         efficiency: Option<Expr>,
+        /// None where its items go wherever all do.
+        shares: Vec<(Name, Expr)>,
     },
     /// `storage row_a 12 every 6 s`, `storage row_a 12`
     Storage {

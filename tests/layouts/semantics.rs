@@ -411,10 +411,11 @@ const SORTER: &str = "  induction west on A..B at 2 m\n  chutes row_a on A..B fr
 
 #[test]
 fn waves_and_failures_are_what_is_written() {
-    let said = "  fails west every 8 h for 10 min\n  fails row_b every 40 h for 15 min\n  storage row_a 40\n  \
+    let said = "  feed west 600 per hour up to 900 per hour to row_a 2, row_b 25 %\n  fails west every 8 h for 10 min\n  fails row_b every 40 h for 15 min\n  storage row_a 40\n  \
          waves every 30 min changeover 90 s spread 40 %\n  wave big to row_a 3, row_b 60 %\n  wave small to row_b 1";
     let text = with(&format!("{SORTER}{said}"));
     let capacity = built(&text).capacity;
+    assert_eq!((capacity.feeds[0].rate, &capacity.feeds[0].shares[..]), (Some(600.0), &[(0, 2.0), (1, 0.25)][..]));
     let failures: Vec<(FailureOf, f64, f64)> = capacity.failures.iter().map(|f| (f.of, f.every, f.duration)).collect();
     assert_eq!(failures, [(FailureOf::Induction(0), 28_800.0, 600.0), (FailureOf::Chutes(1), 144_000.0, 900.0)]);
     let waves = capacity.waves.unwrap();
@@ -456,6 +457,15 @@ fn waves_and_failures_that_cannot_be_are_told() {
         ("waves every 1 h\n  wave big to row_a -1", "E0306", "the share of a row"),
         ("waves every 1 h\n  wave big to row_a 1\n  wave big to row_b 1", "E0212", "wave `big`"),
         ("waves every 1 h\n  wave big to row_a", "E0101", "a share such as"),
+        ("feed west 600 per hour to row_c 1", "E0218", "there is no row of chutes `row_c`"),
+        ("feed west to row_a 1, row_a 2", "E0212", "share of `row_a`"),
+        ("feed west to row_a 0", "E0306", "the items of an induction go nowhere"),
+        ("feed west to row_a", "E0101", "a share such as"),
+        (
+            "waves every 1 h\n  wave big to row_b 1\n  feed west to row_a 1",
+            "E0306",
+            "items of the induction `west` go nowhere in the wave `big`",
+        ),
         (
             "induction row_a on C..D at 2 m\n  fails row_a every 8 h for 1 min",
             "E0218",

@@ -20,12 +20,12 @@ fn an_induction_works_for_its_availability() {
     let measured = measure(&sorter, &settings(250.0));
     near(measured.available[0], available, 8e-3);
     near(measured.throughput.value, available * Q, 8e-3);
-    let found = bound(&sorter, &[1.0]).unwrap();
+    let found = bound(&sorter, Some(&[1.0])).unwrap();
     near(found.throughput, available * Q, 1e-9);
     assert_eq!(found.limit, Limit::Induction(0));
     // A slow one loses the same share of what it can put on carriers.
     sorter.inductions[0].most = 2000.0;
-    near(bound(&sorter, &[1.0]).unwrap().throughput, available * 2000.0, 1e-9);
+    near(bound(&sorter, Some(&[1.0])).unwrap().throughput, available * 2000.0, 1e-9);
     near(measure(&sorter, &settings(250.0)).throughput.value, available * 2000.0, 8e-3);
 }
 
@@ -38,7 +38,7 @@ fn the_other_induction_uses_the_carriers() {
     let a = 6.0 / 7.0;
     let expected = a * a * 4.0 / 3.0 * Q + 2.0 * a * (1.0 - a) * Q;
     near(measure(&sorter, &settings(500.0)).throughput.value, expected, 0.01);
-    assert!(bound(&sorter, &[1.0, 1.0]).unwrap().throughput > expected);
+    assert!(bound(&sorter, Some(&[1.0, 1.0])).unwrap().throughput > expected);
 }
 
 /// Few items, which find carriers whatever goes round: each meets its chute down with probability 1 - A, and again after a
@@ -83,7 +83,7 @@ fn failing_chutes_cost_carriers() {
         let mut sorter = sorter(100, &[0.0], &places);
         sorter.chutes.iter_mut().for_each(|c| c.fails = fails(between, duration));
         let measured = measure(&sorter, &settings(600.0));
-        let found = bound(&sorter, &[1.0]).unwrap();
+        let found = bound(&sorter, Some(&[1.0])).unwrap();
         assert!(found.throughput < 0.99 * Q);
         near(measured.throughput.value, found.throughput, 0.02);
         // The lost carriers are those that go round.
@@ -134,7 +134,7 @@ fn costs_are_those_of_the_sorter_without() {
 #[test]
 fn a_mean_is_told_as_about() {
     let mut plain = sorter(100, &[0.0], &[30.0, 60.0]);
-    let words = |sorter: &Sorter| most_words(sorter, &bound(sorter, &[1.0]).unwrap());
+    let words = |sorter: &Sorter| most_words(sorter, &bound(sorter, Some(&[1.0])).unwrap());
     assert_eq!(words(&plain), "at most");
     plain.inductions[0].fails = fails(900.0, 100.0);
     assert_eq!(words(&plain), "at most");

@@ -34,7 +34,7 @@ fn a_changeover_costs_a_little_less_than_its_time() {
         assert_eq!((measured.refused, measured.misplaced), (0.0, 0.0));
         // What was on the sorter when it began is lost to any way of feeding.
         let due = changeover - changeover * changeover / (2.0 * lap);
-        near(bound(&sorter, &[1.0]).unwrap().throughput, Q / (1.0 + due / 600.0), 1e-3);
+        near(bound(&sorter, Some(&[1.0])).unwrap().throughput, Q / (1.0 + due / 600.0), 1e-3);
     }
     // After a lap every carrier is loaded: each second more is lost.
     let lost = |changeover: f64| {
@@ -68,7 +68,7 @@ fn the_busiest_chute_of_the_worst_wave_limits() {
     sorter.waves =
         Some(Waves { each: vec![wave("even", &[1.0, 1.0, 1.0]), wave("odd", &[3.0, 1.0, 1.0])], ..waves(30.0, 120.0) });
     sorter.chutes.iter_mut().for_each(|c| c.storage = Some((300, f64::INFINITY)));
-    let found = bound(&sorter, &[1.0]).unwrap();
+    let found = bound(&sorter, Some(&[1.0])).unwrap();
     let [even, odd] = &found.waves[..] else { panic!("{found:?}") };
     near(even.share, 1.0 / 3.0, 1e-12);
     near(even.fits, 2.0 * 900.0, 1e-12);
@@ -92,7 +92,7 @@ fn the_busiest_chute_of_the_worst_wave_limits() {
     }
     // Taken away in between, too: so much more fits.
     sorter.chutes.iter_mut().for_each(|c| c.storage = Some((300, 12.0)));
-    let found = bound(&sorter, &[1.0]).unwrap();
+    let found = bound(&sorter, Some(&[1.0])).unwrap();
     near(found.waves[1].fits, 2.0 * (300.0 + 1680.0 / 12.0) / 0.6, 1e-12);
 }
 
@@ -145,7 +145,7 @@ fn drawn_shares_cost_what_the_closed_form_says() {
     let mut sorter = sorter(100, &[0.0], &places);
     sorter.waves = Some(Waves { spread: 1.0, ..waves(30.0, 60.0) });
     sorter.chutes.iter_mut().for_each(|c| c.storage = Some((200, f64::INFINITY)));
-    let found = bound(&sorter, &[1.0]).unwrap();
+    let found = bound(&sorter, Some(&[1.0])).unwrap();
     let harmonic: f64 = (1..=25).map(|k| 1.0 / f64::from(k)).sum();
     near(found.waves[0].share, harmonic / 25.0, 0.05);
     // 200 items at most into the busiest chute: no wave takes more than 400 an hour over its share, so neither does the mean
@@ -205,7 +205,7 @@ fn the_bound_holds_with_waves_and_failures() {
         // What is left at the end, on carriers and in chutes, is not through.
         let left: usize = sorter.chutes.iter().filter_map(|c| c.storage).map(|(count, _)| count).sum();
         let found = (taken.iter().sum::<f64>() - (left + sorter.carriers) as f64) / hours;
-        let bound = bound(&sorter, &taken).unwrap().throughput;
+        let bound = bound(&sorter, Some(&taken)).unwrap().throughput;
         assert!(found <= 1.01 * bound, "{found} {bound} {sorter:?}");
     }
 }

@@ -236,7 +236,7 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         "feed" if bare => known.parts(out, &[NameKind::Induction]),
         "storage" if bare => known.parts(out, &[NameKind::Chutes]),
         "fails" if bare => known.parts(out, &[NameKind::Induction, NameKind::Chutes]),
-        "wave" if begun.trim_end().ends_with(',') || last_word(begun) == "to" => known.parts(out, &[NameKind::Chutes]),
+        "wave" | "feed" if names_row(begun) => known.parts(out, &[NameKind::Chutes]),
         "route" if bare || begun.trim_end().ends_with(',') => known.parts(out, &[NameKind::Section]),
         _ if component.is_some() && bare => component.iter().for_each(|k| known.named(out, &NameKind::Component(*k))),
         // A new name is the writer's own.
@@ -249,6 +249,12 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         }
         _ => rest(out, known, Context::Statement, cursor),
     }
+}
+
+/// Whether a row of chutes with its share comes next: behind `to`, but not `up to`, or behind a comma.
+fn names_row(begun: &str) -> bool {
+    let begun = begun.trim_end();
+    begun.ends_with(',') || last_word(begun) == "to" && !begun.ends_with("up to")
 }
 
 /// The kind of component that is named next behind `choose cart` or a comma there.

@@ -2,7 +2,7 @@
 
 use crate::base::number::{duration, fixed};
 use crate::capacity::explore::{Cause, Cost};
-use crate::capacity::{Bound, Mean, Measured, Settings, Sorter, limit_words, most_words};
+use crate::capacity::{Bounds, Mean, Measured, Settings, Sorter, limit_words, most_words};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -17,11 +17,15 @@ pub struct Found<'a> {
     pitch_m: f64,
     speed_m_s: f64,
     carriers_per_hour: f64,
-    /// Closed form, in the proportions in which items come; with waves the mean over them.
+    /// Closed form, in the proportions in which items come, or in any where an induction always has items; with waves the mean
+    /// over them.
     bound_per_hour: f64,
     limited_by: String,
     #[serde(skip)]
     most: &'static str,
+    /// Closed form in any proportions; absent where `bound_per_hour` is that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    any_proportions: Option<AnyProportions>,
     /// The waves until they repeat; absent where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     waves: Vec<WaveRow<'a>>,
@@ -59,6 +63,15 @@ struct Simulated<'a> {
     waves_per_hour: Vec<f64>,
     inductions: Vec<InductionRow<'a>>,
     chutes: Vec<ChuteRow<'a>>,
+}
+
+/// The most however items come.
+#[derive(Serialize, JsonSchema)]
+struct AnyProportions {
+    bound_per_hour: f64,
+    limited_by: String,
+    #[serde(skip)]
+    most: &'static str,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -256,7 +269,7 @@ impl<'a> Found<'a> {
     pub fn new(
         layout: &'a str,
         sorter: &'a Sorter,
-        bound: &Bound,
+        bounds: &Bounds,
         required: Option<f64>,
         (fed, always): (Option<&Measured>, &Measured),
         costs: &[Cost],
@@ -265,6 +278,12 @@ impl<'a> Found<'a> {
         let mut always_fed = Simulated::new(sorter, always);
         // Nobody waits where there always is an item.
         always_fed.inductions.iter_mut().for_each(|row| row.comes_per_hour = None);
+        let bound = bounds.own();
+        let any_proportions = bounds.as_fed.as_ref().map(|_| AnyProportions {
+            bound_per_hour: bounds.any.throughput,
+            limited_by: limit_words(sorter, bounds.any.limit),
+            most: most_words(sorter, &bounds.any),
+        });
         let each = sorter.waves.as_ref().map_or(&[][..], |waves| &waves.each);
         let waves = bound.waves.iter().enumerate().map(|(k, wave)| WaveRow {
             name: each.get(k).map(|wave| wave.name.as_str()),
@@ -283,6 +302,7 @@ impl<'a> Found<'a> {
             bound_per_hour: bound.throughput,
             limited_by: limit_words(sorter, bound.limit),
             most: most_words(sorter, bound),
+            any_proportions,
             waves: waves.collect(),
             required_per_hour: required,
             hours: settings.hours,
@@ -297,15 +317,20 @@ impl<'a> Found<'a> {
     /// For people.
     pub fn text(&self) -> String {
         let mut out = format!(
-            "{}\n  {} carriers at {} m/s: {} an hour pass a place\n  closed form: {} {} items an hour, limited by {}\n",
+            "{}\n  {} carriers at {} m/s: {} an hour pass a place\n  closed form: {} {} items an hour{}, limited by {}\n",
             self.layout,
             self.carriers,
             self.speed_m_s,
             fixed(self.carriers_per_hour, 0),
             self.most,
             fixed(self.bound_per_hour, 0),
+            if self.any_proportions.is_some() { " in the proportions in which they come" } else { "" },
             self.limited_by
         );
+        if let Some(any) = &self.any_proportions {
+            let most = fixed(any.bound_per_hour, 0);
+            let _ = writeln!(out, "    in any: {} {most}, limited by {}", any.most, any.limited_by);
+        }
         for wave in self.waves.iter().filter(|_| self.waves.len() > 1) {
             let _ = writeln!(
                 out,

@@ -10,7 +10,7 @@ use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Mark, Pictures, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::fixed;
 use crate::capacity::explore::{Changed, Cost, used_along, used_at};
-use crate::capacity::{Bound, Measured, Sorter, limit_words};
+use crate::capacity::{Bounds, Measured, Sorter, limit_words, most_words};
 use crate::chain_input::Track;
 use maud::{Markup, html};
 
@@ -19,7 +19,7 @@ pub struct CapacityPage<'a> {
     pub layout: &'a str,
     pub track: &'a Track,
     pub sorter: &'a Sorter,
-    pub bound: &'a Bound,
+    pub bounds: &'a Bounds,
     /// Items an hour that the layout requires.
     pub required: Option<f64>,
     /// With items at every induction at any time.
@@ -66,7 +66,7 @@ pub fn page(of: &CapacityPage) -> String {
         h2 { "Chutes" }
         (chutes(of, shown, &mut pictures))
         (down(of.sorter, shown))
-        @if !of.bound.waves.is_empty() {
+        @if !of.bounds.own().waves.is_empty() {
             h2 { "Waves" }
             (waves(of, shown))
         }
@@ -105,16 +105,26 @@ fn headline(of: &CapacityPage) -> String {
 
 fn lead(of: &CapacityPage) -> String {
     let Measured { throughput, time, warm_up, .. } = of.always;
+    let any = &of.bounds.any;
     let mut text = format!(
         "Simulated with items at every induction at any time: {} ± {} (95 %), the first {} min left out. {} {}, \
          limited by {}.",
         fixed(throughput.value, 0),
         fixed(throughput.half_width, 0),
         fixed(warm_up / 60.0, 0),
-        if of.bound.is_strict(of.sorter) { "No way of feeding takes more than" } else { "The closed form says about" },
-        fixed(of.bound.throughput, 0),
-        limit_words(of.sorter, of.bound.limit)
+        if any.is_strict(of.sorter) { "No way of feeding takes more than" } else { "The closed form says about" },
+        fixed(any.throughput, 0),
+        limit_words(of.sorter, any.limit)
     );
+    if let Some(as_fed) = &of.bounds.as_fed {
+        let limit =
+            if as_fed.limit == any.limit { "the same".to_owned() } else { limit_words(of.sorter, as_fed.limit) };
+        text += &format!(
+            " In the proportions in which items come it is {} {}, limited by {limit}.",
+            most_words(of.sorter, as_fed),
+            fixed(as_fed.throughput, 0),
+        );
+    }
     if let Some(fed) = of.fed {
         let comes: f64 = of.sorter.inductions.iter().filter_map(|i| i.demand).sum();
         text += &format!(
@@ -177,7 +187,7 @@ fn waves(of: &CapacityPage, measured: &Measured) -> Markup {
         div.scroll { table {
             thead { tr { th { "wave" } th { "busiest chute" } th { @if drawn { "largest share, mean" } @else { "its share" } } th { "a chute is full with, an hour" } th { "closed form, an hour" }
                 th { "given out an hour" } th { "limited by" } } }
-            tbody { @for (k, wave) in of.bound.waves.iter().enumerate() { tr {
+            tbody { @for (k, wave) in of.bounds.own().waves.iter().enumerate() { tr {
                 td { (waves.each.get(k).map_or("all", |wave| &wave.name)) }
                 td { (of.sorter.chutes[wave.busiest].name) }
                 td.number { (fixed(100.0 * wave.share, 1)) " %" }

@@ -40,7 +40,8 @@ impl<'t> Context<'t> {
         for placed in &draft.statements {
             sound &= self.say(draft, placed, geometry, equipment, &mut capacity).is_some();
         }
-        (sound && self.emptied(draft, equipment, &capacity)).then_some(capacity)
+        (sound && self.emptied(draft, equipment, &capacity) && self.lead_somewhere(equipment, &capacity))
+            .then_some(capacity)
     }
 
     /// Whether what is said of waves goes with the rest.
@@ -65,6 +66,24 @@ impl<'t> Context<'t> {
         true
     }
 
+    /// Whether every wave has chutes for the items of every induction.
+    fn lead_somewhere(&self, equipment: &Equipment, capacity: &Capacity) -> bool {
+        let takes = |shares: &[(usize, f64)], row: usize| shares.iter().any(|(of, share)| *of == row && *share > 0.0);
+        let mut sound = true;
+        for feed in capacity.feeds.iter().filter(|feed| !feed.shares.is_empty()) {
+            let goes_on =
+                |wave: &&Wave| !feed.shares.iter().any(|(row, share)| *share > 0.0 && takes(&wave.shares, *row));
+            let Some(wave) = capacity.each_wave.iter().find(goes_on) else { continue };
+            let induction = equipment.names(EquipmentKind::Induction).get(feed.induction).copied().unwrap_or_default();
+            let message = format!("items of the induction `{induction}` go nowhere in the wave `{}`", wave.name);
+            let diagnostic = Diagnostic::new(Code::E0306, message, feed.span, "goes to none of the wave's rows");
+            let help = "let the induction feed a row that the wave goes to, or let the wave go to one of its rows";
+            self.report(diagnostic.related(wave.span, "this wave").help(help));
+            sound = false;
+        }
+        sound
+    }
+
     /// Adds what one statement says; `None` is a mistake.
     fn say(
         &self,
@@ -87,14 +106,15 @@ impl<'t> Context<'t> {
         };
         match placed.statement {
             Statement::Scanner(place) => capacity.scanners.push(self.along(placed, geometry, place)?),
-            Statement::Feed { induction, rate: comes, most, efficiency } => {
+            Statement::Feed { induction, rate: comes, most, efficiency, shares } => {
                 let names = equipment.names(EquipmentKind::Induction).into_iter();
                 let index = self.named(draft, "induction", induction, names);
                 let rate_of = rate(comes, "the number of items an hour");
                 let most = rate(most, "the most items an hour");
                 let efficiency = share(efficiency, "the efficiency", USED, 1.0);
+                let shares = self.row_shares(draft, placed, equipment, shares, "an induction");
                 let (rate, most, efficiency, span) = (rate_of?, most?, efficiency?, placed.span);
-                capacity.feeds.push(Feed { induction: index?, rate, most, efficiency, span });
+                capacity.feeds.push(Feed { induction: index?, rate, most, efficiency, shares: shares?, span });
             }
             Statement::Storage { chutes, count, every } => {
                 let names = equipment.names(EquipmentKind::Chute).into_iter();
@@ -143,7 +163,7 @@ impl<'t> Context<'t> {
                 capacity.waves = Some(Waves { every, changeover, spread, span });
             }
             Statement::Wave { name, shares } => {
-                let shares = self.wave_shares(draft, placed, equipment, shares)?;
+                let shares = self.row_shares(draft, placed, equipment, shares, "a wave")?;
                 capacity.each_wave.push(Wave { name: name.text.clone(), shares, span: name.span });
             }
             Statement::RequireCapacity { least, reason } => {
@@ -176,13 +196,14 @@ impl<'t> Context<'t> {
         }
     }
 
-    /// Rows and their shares in a wave.
-    fn wave_shares(
+    /// Rows and their shares of the items of a wave or an induction.
+    fn row_shares(
         &self,
         draft: &Draft<'t>,
         placed: &Placed<'t>,
         equipment: &Equipment,
         shares: &'t [(Name, Expr)],
+        of: &str,
     ) -> Option<Vec<(usize, f64)>> {
         let names = equipment.names(EquipmentKind::Chute).into_iter();
         let mut found: Vec<Option<(usize, f64)>> = Vec::new();
@@ -197,9 +218,9 @@ impl<'t> Context<'t> {
             found.push(index.zip(share.map(|share| share.value)));
         }
         let found = found.into_iter().collect::<Option<Vec<(usize, f64)>>>()?;
-        if found.iter().all(|(_, share)| *share == 0.0) {
-            let diagnostic =
-                Diagnostic::new(Code::E0306, "the items of a wave go nowhere", placed.span, "all shares are 0");
+        if !found.is_empty() && found.iter().all(|(_, share)| *share == 0.0) {
+            let message = format!("the items of {of} go nowhere");
+            let diagnostic = Diagnostic::new(Code::E0306, message, placed.span, "all shares are 0");
             self.report(diagnostic.help("give a row of chutes a share above 0"));
             return None;
         }

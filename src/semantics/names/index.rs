@@ -195,6 +195,13 @@ impl Index<'_> {
         expressions.into_iter().for_each(|expr| self.expression(scope, expr));
     }
 
+    fn row_shares(&mut self, scope: &Scope, shares: &[(Name, Expr)]) {
+        for (row, share) in shares {
+            self.part(scope, Part::Chutes, row);
+            self.expression(scope, share);
+        }
+    }
+
     fn row(&mut self, scope: &Scope, row: &RowExpr) {
         self.section(scope, &row.section);
         self.all(scope, [&row.from, &row.every, &row.count]);
@@ -266,9 +273,10 @@ impl Index<'_> {
                 self.section(scope, section);
                 self.all(scope, [from, slope, radius].into_iter().flatten());
             }
-            Statement::Feed { induction, rate, most, efficiency } => {
+            Statement::Feed { induction, rate, most, efficiency, shares } => {
                 self.part(scope, Part::Induction, induction);
                 self.all(scope, [rate, most, efficiency].into_iter().flatten());
+                self.row_shares(scope, shares);
             }
             Statement::Storage { chutes, count, every } => {
                 self.part(scope, Part::Chutes, chutes);
@@ -287,12 +295,7 @@ impl Index<'_> {
             Statement::Waves { every, changeover, spread } => {
                 self.all(scope, std::iter::once(every).chain(changeover).chain(spread));
             }
-            Statement::Wave { shares, .. } => {
-                for (row, share) in shares {
-                    self.part(scope, Part::Chutes, row);
-                    self.expression(scope, share);
-                }
-            }
+            Statement::Wave { shares, .. } => self.row_shares(scope, shares),
             Statement::RequireCapacity { least, .. } => self.expression(scope, least),
             Statement::Start(place)
             | Statement::Photocell(place)

@@ -102,11 +102,12 @@ impl Writer<'_> {
                 self.place(place);
             }
             Statement::Equipped(equipped) => self.equipped(equipped),
-            Statement::Feed { induction, rate, most, efficiency } => {
+            Statement::Feed { induction, rate, most, efficiency, shares } => {
                 self.words(&["feed ", &induction.text]);
                 self.per_hour(" ", rate);
                 self.per_hour(" up to ", most);
                 self.clause(" efficiency ", efficiency);
+                self.row_shares(shares);
             }
             Statement::Storage { chutes, count, every } => {
                 self.words(&["storage ", &chutes.text]);
@@ -134,11 +135,8 @@ impl Writer<'_> {
                 self.clause(" spread ", spread);
             }
             Statement::Wave { name, shares } => {
-                self.words(&["wave ", &name.text, " to "]);
-                for (index, (row, share)) in shares.iter().enumerate() {
-                    self.words(&[if index > 0 { ", " } else { "" }, &row.text, " "]);
-                    self.expr(share);
-                }
+                self.words(&["wave ", &name.text]);
+                self.row_shares(shares);
             }
             Statement::RequireCapacity { least, reason } => {
                 self.word_value("require capacity >= ", least);
@@ -285,6 +283,14 @@ impl Writer<'_> {
     fn clause(&mut self, word: &str, value: &Option<Expr>) {
         if let Some(value) = value {
             self.word_value(word, value);
+        }
+    }
+
+    /// Rows of chutes with their shares, if there are any.
+    fn row_shares(&mut self, shares: &[(Name, Expr)]) {
+        for (index, (row, share)) in shares.iter().enumerate() {
+            self.words(&[if index > 0 { ", " } else { " to " }, &row.text, " "]);
+            self.expr(share);
         }
     }
 
