@@ -418,12 +418,13 @@ fn every_file_is_the_old_one_or_the_new_one_whenever_a_run_is_killed() {
     }
     let count: usize = std::thread::scope(|scope| {
         let files = scope.spawn(|| {
-            let quick = [fmt(), stiffness()].iter().map(|scene| scene.kill_in_turn(1)).sum::<usize>();
-            quick + challenge().kill_in_turn(3) + build().kill_in_turn(3)
+            let quick = [fmt(), stiffness(), challenge()];
+            let quick = quick.iter().map(|scene| scene.kill_in_turn(1)).sum::<usize>();
+            quick + build().kill_in_turn(2)
         });
         let models = scope.spawn(|| {
-            let kept = gap().kill_in_turn(3) + identify().kill_in_turn(6);
-            kept + new_challenge().kill_at_every(10, 2)
+            let kept = gap().kill_in_turn(1) + identify().kill_in_turn(4);
+            kept + new_challenge().kill_at_every(5, 3)
         });
         [files, models].map(|part| part.join().expect("no panic")).iter().sum()
     });
