@@ -14,21 +14,30 @@ pub struct Row {
 /// `None` where the rows contradict each other, do not bound the objective, or the numerics fail.
 pub fn maximise(objective: &[f64], rows: &[Row]) -> Option<Vec<f64>> {
     let n = objective.len();
-    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-    for (r, row) in rows.iter().enumerate() {
-        entries.extend(row.coefficients.iter().map(|(k, a)| (*k, r, *a)));
-    }
-    entries.extend((0..n).map(|k| (k, rows.len() + k, -1.0)));
-    entries.sort_unstable_by_key(|(column, row, _)| (*column, *row));
-    let mut starts = vec![0; n + 1];
-    entries.iter().for_each(|(column, ..)| starts[column + 1] += 1);
-    (0..n).for_each(|k| starts[k + 1] += starts[k]);
-    let (indices, values) = entries.iter().map(|(_, row, value)| (*row, *value)).unzip();
     let count = rows.len() + n;
-    let a = CscMatrix::new(count, n, starts, indices, values);
+    let (mut at, mut of, mut factors) = (Vec::new(), Vec::new(), Vec::new());
+    let mut push = |row: usize, variable: usize, factor: f64| {
+        at.push(row);
+        of.push(variable);
+        factors.push(factor);
+    };
+    for (r, row) in rows.iter().enumerate() {
+        row.coefficients.iter().for_each(|(k, a)| push(r, *k, *a));
+    }
+    (0..n).for_each(|k| push(rows.len() + k, k, -1.0));
+    let a = CscMatrix::new_from_triplets(count, n, at, of, factors);
     let b: Vec<f64> = rows.iter().map(|row| row.most).chain(std::iter::repeat_n(0.0, n)).collect();
     let linear: Vec<f64> = objective.iter().map(|c| -c).collect();
-    let settings = DefaultSettings::<f64> {
+    let cones = [SupportedConeT::NonnegativeConeT(count)];
+    let mut solver = DefaultSolver::new(&CscMatrix::zeros((n, n)), &linear, &a, &b, &cones, settings()).ok()?;
+    solver.solve();
+    let usable = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    usable.then(|| solver.solution.x.iter().map(|x| x.max(0.0)).collect())
+}
+
+/// Clarabel as it is used here: to 1e-10, on one thread, with nothing removed before.
+pub fn settings() -> DefaultSettings<f64> {
+    DefaultSettings {
         verbose: false,
         tol_gap_abs: 1e-10,
         tol_gap_rel: 1e-10,
@@ -36,13 +45,7 @@ pub fn maximise(objective: &[f64], rows: &[Row]) -> Option<Vec<f64>> {
         presolve_enable: false,
         direct_solve_method: "qdldl".into(),
         ..Default::default()
-    };
-    let none = CscMatrix::new(n, n, vec![0; n + 1], Vec::new(), Vec::new());
-    let mut solver =
-        DefaultSolver::new(&none, &linear, &a, &b, &[SupportedConeT::NonnegativeConeT(count)], settings).ok()?;
-    solver.solve();
-    let usable = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    usable.then(|| solver.solution.x.iter().map(|x| x.max(0.0)).collect())
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! some may be violated at a price.
 
 use super::convex::Quadratic;
+use crate::base::linear_program;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
@@ -61,16 +62,7 @@ pub fn solve(model: &Quadratic, box_low: &[f64], box_high: &[f64], rows: &[Linea
     let p = model.matrix.to_csc(linear.len() - n);
     let (a, b) = table.into_cone_program(linear.len());
     let cones = [SupportedConeT::ZeroConeT(equalities), SupportedConeT::NonnegativeConeT(inequalities)];
-    let settings = DefaultSettings::<f64> {
-        verbose: false,
-        max_iter: 100,
-        tol_gap_abs: 1e-10,
-        tol_gap_rel: 1e-10,
-        tol_feas: 1e-10,
-        presolve_enable: false,
-        direct_solve_method: "qdldl".into(),
-        ..Default::default()
-    };
+    let settings = DefaultSettings { max_iter: 100, ..linear_program::settings() };
     let mut solver = DefaultSolver::new(&p, &linear, &a, &b, &cones, settings).ok()?;
     solver.solve();
     let solution = &solver.solution;
