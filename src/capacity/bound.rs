@@ -20,7 +20,7 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Whether no way of feeding the sorter beats it. Where chutes fail it is a mean over which of them are down; and where
+    /// Whether no way of feeding the sorter beats it, in the proportions that it is of. Where chutes fail it is a mean over which of them are down; and where
     /// full chutes limit it, items that `items laps` lets leave anywhere come on top.
     pub fn is_strict(&self, sorter: &Sorter) -> bool {
         let full = |limit: Limit| matches!(limit, Limit::Chute(_)) && sorter.items.most_laps != usize::MAX;
@@ -73,8 +73,8 @@ const DRAWN: usize = 64;
 ///
 /// An item from an induction to a chute uses a carrier (two, if it is double) on every stretch between them, and on
 /// all stretches once more for each lap that it makes in vain: u^k/(1 − u^n) laps in the mean where it passes k of n scanners
-/// on its way, whose readings fail with probability u. An induction puts nothing on the carriers that pass while it is down. `None` without an induction or a
-/// chute.
+/// on its way, whose readings fail with probability u. An induction puts nothing on the carriers that pass while it is
+/// down. `None` without an induction or a chute.
 ///
 /// Where a chute with the share p of R items an hour fails, an item goes round for f laps in the mean
 /// ([`Failures::laps`](super::sorter::Failures::laps)), if it meets the chute down for g. What goes round leaves less room
@@ -100,7 +100,6 @@ pub fn bound(sorter: &Sorter, proportions: Option<&[f64]>) -> Option<Bound> {
         return Some(Bound { throughput: one.throughput, limit: one.limit, used: one.used, waves: Vec::new() });
     };
     let mut random = stream(0, Cause::Waves, 0);
-    let draws = if waves.spread > 0.0 { DRAWN } else { 1 };
     let mut least: Option<Most> = None;
     let mut rows = Vec::new();
     for wave in 0..waves.count() {
@@ -108,13 +107,20 @@ pub fn bound(sorter: &Sorter, proportions: Option<&[f64]>) -> Option<Bound> {
         let planned = most(&said)?;
         let largest = planned.shares.iter().copied().fold(0.0, f64::max);
         let busiest = planned.shares.iter().position(|share| *share == largest)?;
+        let each: Vec<Most> = match waves.spread > 0.0 {
+            true => {
+                let draw = |_| most(&drawn(said.clone(), waves.spread, &mut random));
+                (0..DRAWN).map(draw).collect::<Option<_>>()?
+            }
+            false => vec![planned],
+        };
         let (mut throughput, mut share, mut fits) = (0.0, 0.0, 0.0);
         let mut worst: Option<Most> = None;
-        for _ in 0..draws {
-            let most = most(&drawn(said.clone(), waves.spread, &mut random))?;
-            share += most.shares.iter().copied().fold(0.0, f64::max) / draws as f64;
-            fits += most.fits / draws as f64;
-            throughput += most.throughput / draws as f64;
+        let draws = each.len() as f64;
+        for most in each {
+            share += most.shares.iter().copied().fold(0.0, f64::max) / draws;
+            fits += most.fits / draws;
+            throughput += most.throughput / draws;
             keep_less(&mut worst, most);
         }
         let worst = worst?;

@@ -56,10 +56,11 @@ pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<D
         return None;
     }
     let most = fixed(found.throughput, 0);
-    let label = format!("{} {most} an hour", if found.is_strict(sorter) { "no more than" } else { "about" });
+    let of = if sorter.proportions().is_some() { " in the proportions in which they come" } else { "" };
+    let label = format!("{} {most} an hour{of}", if found.is_strict(sorter) { "no more than" } else { "about" });
     let diagnostic = Diagnostic::new(Code::E0604, message, span, label).expected(
         asked,
-        format!("{} {most}, limited by {}", most_words(sorter, &found), limit_words(sorter, found.limit)),
+        format!("{} {most}{of}, limited by {}", most_words(sorter, &found), limit_words(sorter, found.limit)),
     );
     Some(diagnostic.help(way_out(found.limit, sorter.speed * least / found.throughput)))
 }

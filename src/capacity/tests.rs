@@ -161,6 +161,15 @@ fn any_sorter(pick: &mut dyn FnMut(f64, f64) -> f64) -> Sorter {
     sorter
 }
 
+/// Up to three scanners with readings that fail, on every second sorter.
+fn scan(sorter: &mut Sorter, pick: &mut dyn FnMut(f64, f64) -> f64) {
+    if pick(0.0, 1.0) < 0.5 {
+        let count = 1 + pick(0.0, 3.0) as usize;
+        sorter.scanners = (0..count).map(|_| pick(0.0, sorter.length())).collect();
+        sorter.items.no_read = pick(0.0, 0.4);
+    }
+}
+
 /// No way of feeding beats the bound of its proportions.
 #[test]
 fn the_bound_holds_for_sorters_of_any_kind() {
@@ -168,11 +177,7 @@ fn the_bound_holds_for_sorters_of_any_kind() {
     for _ in 0..60 {
         let mut pick = |low: f64, high: f64| low + (high - low) * random.uniform();
         let mut sorter = any_sorter(&mut pick);
-        if pick(0.0, 1.0) < 0.5 {
-            let count = 1 + pick(0.0, 3.0) as usize;
-            sorter.scanners = (0..count).map(|_| pick(0.0, sorter.length())).collect();
-            sorter.items.no_read = pick(0.0, 0.4);
-        }
+        scan(&mut sorter, &mut pick);
         for induction in &mut sorter.inductions {
             induction.demand = Some(pick(500.0, 6000.0));
         }

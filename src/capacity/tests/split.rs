@@ -28,11 +28,7 @@ fn no_way_of_feeding_beats_the_most_of_all_proportions() {
     for trial in 0..80 {
         let mut pick = |low: f64, high: f64| low + (high - low) * random.uniform();
         let mut sorter = any_sorter(&mut pick);
-        if pick(0.0, 1.0) < 0.5 {
-            let count = 1 + pick(0.0, 3.0) as usize;
-            sorter.scanners = (0..count).map(|_| pick(0.0, sorter.length())).collect();
-            sorter.items.no_read = pick(0.0, 0.4);
-        }
+        scan(&mut sorter, &mut pick);
         let chutes = sorter.chutes.len();
         for induction in &mut sorter.inductions {
             let factor = |_| if pick(0.0, 1.0) < 0.4 { 0.0 } else { pick(0.2, 1.0) };
