@@ -1,10 +1,10 @@
 //! The most that goes over a sorter, in closed form.
 
-use super::flow::{Flow, Limit, Most};
+use super::flow::{Limit, Most};
 use super::sorter::Sorter;
-use super::split;
 use super::stream::{Cause, stream};
 use super::waves::drawn;
+use super::{scanners, split};
 
 /// The most that goes over a sorter.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +20,15 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Whether no way of feeding the sorter beats it, in the proportions that it is of. Where chutes fail it is a mean over which of them are down; and where
-    /// full chutes limit it, items that `items laps` lets leave anywhere come on top.
+    /// Whether no way of feeding the sorter beats it, in the proportions that it is of. Where chutes or scanners fail it is
+    /// a mean over which of them are down; and where full chutes limit it, items that `items laps` lets leave anywhere come
+    /// on top.
     pub fn is_strict(&self, sorter: &Sorter) -> bool {
         let full = |limit: Limit| matches!(limit, Limit::Chute(_)) && sorter.items.most_laps != usize::MAX;
         let limits = self.waves.iter().map(|wave| wave.limit).chain([self.limit]);
-        sorter.chutes.iter().all(|chute| chute.fails.is_none()) && !limits.into_iter().any(full)
+        let fails = sorter.chutes.iter().any(|chute| chute.fails.is_some())
+            || sorter.scanners.iter().any(|scanner| scanner.fails.is_some());
+        !fails && !limits.into_iter().any(full)
     }
 }
 
@@ -81,6 +84,9 @@ const DRAWN: usize = 64;
 /// for what follows: of N carriers, S with items for that chute, S grows by R p (1 - S/N), so that f is
 /// f / (1 + g p R/Q) after all.
 ///
+/// Scanners that fail make it a mean over which of them work, each as long as its availability says: repairs are taken to
+/// last long against a lap.
+///
 /// Waves that begin T apart close chutes for c. Of the items that are on the sorter then, those that are due within c
 /// make a lap more: with a time of travel τ, and in the mean over all items, they are E[min(c, τ)]/T of all. In what of c
 /// is beyond a lap, no carrier becomes free. A chute that holds H items takes H and what is taken away in T − c; what is
@@ -88,12 +94,12 @@ const DRAWN: usize = 64;
 ///
 /// In any proportions, the most is that of a linear program ([`split`](super::split)).
 pub fn bound(sorter: &Sorter, proportions: Option<&[f64]>) -> Option<Bound> {
+    let states = scanners::states(sorter);
     let most = |shares: &[f64]| {
-        let flow = Flow::new(sorter, shares)?;
-        match proportions {
+        scanners::mean(&states, shares, |flow| match proportions {
             Some(proportions) => flow.most(proportions),
-            None => split::most(&flow),
-        }
+            None => split::most(flow),
+        })
     };
     let Some(waves) = &sorter.waves else {
         let one = most(&sorter.shares(0))?;

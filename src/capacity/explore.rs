@@ -91,7 +91,7 @@ pub struct Cost {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cause {
     Stops,
-    /// Of an induction, or of all chutes of a row.
+    /// Of an induction, of all chutes of a row, or of all scanners.
     Failures(String),
     Changeover,
     /// Shares that differ from wave to wave.
@@ -113,8 +113,10 @@ pub fn costs(sorter: &Sorter, always: &Measured, settings: &Settings) -> Vec<Cos
 
 fn causes(sorter: &Sorter) -> Vec<Cause> {
     let mut all: Vec<Cause> = sorter.stops.iter().map(|_| Cause::Stops).collect();
-    let inductions = sorter.inductions.iter().filter_map(|i| i.fails.as_ref());
-    for fails in inductions.chain(sorter.chutes.iter().filter_map(|c| c.fails.as_ref())) {
+    let inductions = sorter.inductions.iter().map(|i| &i.fails);
+    let equipment =
+        inductions.chain(sorter.chutes.iter().map(|c| &c.fails)).chain(sorter.scanners.iter().map(|s| &s.fails));
+    for fails in equipment.flatten() {
         let cause = Cause::Failures(fails.name.clone());
         if !all.contains(&cause) {
             all.push(cause);
@@ -133,7 +135,9 @@ fn without(sorter: &Sorter, cause: &Cause) -> Sorter {
         Cause::Stops => spared.stops = None,
         Cause::Failures(name) => {
             let inductions = spared.inductions.iter_mut().map(|i| &mut i.fails);
-            for fails in inductions.chain(spared.chutes.iter_mut().map(|c| &mut c.fails)) {
+            let chutes = spared.chutes.iter_mut().map(|c| &mut c.fails);
+            let scanners = spared.scanners.iter_mut().map(|s| &mut s.fails);
+            for fails in inductions.chain(chutes).chain(scanners) {
                 if fails.as_ref().is_some_and(|fails| fails.name == *name) {
                     *fails = None;
                 }

@@ -53,16 +53,16 @@ pub(super) struct Flow<'a> {
 }
 
 impl<'a> Flow<'a> {
-    /// `shares` are those of the chutes, in relation to each other. `None` without an induction, or where the items of one have
-    /// nowhere to go.
-    pub fn new(sorter: &'a Sorter, shares: &[f64]) -> Option<Self> {
+    /// `shares` are those of the chutes, in relation to each other; `reads` says whether the scanners
+    /// work, all of them or none. `None` without an induction, or where the items of one have nowhere to go.
+    pub fn new(sorter: &'a Sorter, shares: &[f64], reads: bool) -> Option<Self> {
         let normalised = |induction: &Induction| {
             let shares = induction.shares(shares);
             let all: f64 = shares.iter().sum();
             (all > 0.0).then(|| shares.iter().map(|share| share / all).collect::<Vec<f64>>())
         };
         let to = sorter.inductions.iter().map(normalised).collect::<Option<Vec<_>>>()?;
-        let used = sorter.inductions.iter().zip(&to).map(|(from, to)| used(sorter, from, to)).collect();
+        let used = sorter.inductions.iter().zip(&to).map(|(from, to)| used(sorter, from, to, reads)).collect();
         (!sorter.inductions.is_empty()).then_some(Flow { sorter, to, used })
     }
 
@@ -177,26 +177,34 @@ impl<'a> Flow<'a> {
 }
 
 /// Carriers that an item of an induction uses behind each induction while no chute fails, if it goes to the chutes with these
-/// shares.
-fn used(sorter: &Sorter, from: &Induction, to: &[f64]) -> Vec<f64> {
+/// shares; `reads` as in [`Flow::new`].
+fn used(sorter: &Sorter, from: &Induction, to: &[f64], reads: bool) -> Vec<f64> {
     let length = sorter.length();
     let ahead = |from: f64, to: f64| (to - from).rem_euclid(length);
     let carriers = 1.0 + sorter.items.double;
-    let scanners = sorter.scanners.len();
-    let unread = |passed: usize| trig::pow(sorter.items.no_read, passed as f64);
+    let count = sorter.scanners.len();
+    let missed = |passed: usize| trig::pow(sorter.items.no_read, passed as f64);
     let mut used = vec![0.0; sorter.inductions.len()];
     for (chute, share) in sorter.chutes.iter().zip(to) {
         let direct = ahead(from.s, chute.s);
         // Laps until a scanner has read it: an item that passes a chute before any of them goes round for certain.
-        let passed = sorter.scanners.iter().filter(|s| ahead(from.s, **s) <= direct).count();
-        let round = if scanners == 0 { 0.0 } else { unread(passed) / (1.0 - unread(scanners)) };
+        let passed = sorter.scanners.iter().filter(|scanner| ahead(from.s, scanner.s) <= direct).count();
+        let round = match (count, reads) {
+            (0, _) => 0.0,
+            (_, true) => missed(passed) / (1.0 - missed(count)),
+            (_, false) => sorter.items.most_laps as f64 - if passed > 0 { 1.0 } else { 0.0 },
+        };
         let late = sorter.waves.as_ref().map_or(0.0, |waves| {
-            let travel = direct / sorter.speed + if scanners > 0 && passed == 0 { sorter.lap() } else { 0.0 };
+            let travel = direct / sorter.speed + if count > 0 && passed == 0 { sorter.lap() } else { 0.0 };
             waves.changeover.min(sorter.lap()).min(travel) / waves.every
         });
         let laps = round + late;
+        // An item that made its laps leaves at the next chute.
+        let next = || sorter.chutes.iter().map(|other| ahead(chute.s, other.s)).filter(|way| *way > 0.0);
+        let leaves = if reads { direct } else { direct + next().fold(length, f64::min) };
         for (at, used) in sorter.inductions.iter().zip(&mut used) {
-            let passes = laps + if ahead(from.s, at.s) < direct { 1.0 } else { 0.0 };
+            let behind = ahead(from.s, at.s);
+            let passes = laps + [behind, behind + length].into_iter().filter(|way| *way < leaves).count() as f64;
             *used += share * carriers * passes;
         }
     }

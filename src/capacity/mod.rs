@@ -2,6 +2,7 @@
 //!
 //! - [`sorter`]: what both know of a sorter,
 //! - [`bound`]: the most in closed form; [`flow`]: what is used up first; [`split`]: in which proportions most goes over it,
+//!   [`scanners`]: with scanners that fail,
 //! - [`simulate`]: carriers and items, carrier by carrier,
 //! - [`waves`], [`outage`]: waves of items and failures of equipment as they happen; [`stream`]: their random numbers,
 //! - [`warm_up`], [`replicate`]: where a simulation's beginning ends, and how sure its mean is,
@@ -14,6 +15,7 @@ pub mod flow;
 mod outage;
 mod reached;
 pub mod replicate;
+mod scanners;
 pub mod simulate;
 pub mod sorter;
 mod split;

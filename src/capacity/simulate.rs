@@ -34,7 +34,7 @@ pub struct Seen {
     pub misplaced: u64,
     /// Items given out in each wave until they repeat, in whole cycles behind the first.
     pub waves: Vec<u64>,
-    /// Laps that items made in vain: a reading failed, or a chute was full, down, or closed between two waves.
+    /// Laps that items made in vain: no scanner had read it, or a chute was full, down, or closed between two waves.
     pub unread: u64,
     pub refused: u64,
     pub down: u64,
@@ -77,6 +77,16 @@ impl ChuteSeen {
     }
 }
 
+/// Whether an item's chute is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Known {
+    Yes,
+    /// No scanner has had it yet.
+    NotYet,
+    /// One has, in vain.
+    Missed,
+}
+
 /// A carrier's load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Load {
@@ -84,7 +94,7 @@ enum Load {
     /// The index of a chute, whether it is known yet, laps in vain, and the time at which the item came.
     Item {
         chute: u32,
-        known: bool,
+        known: Known,
         laps: u32,
         came: f64,
         double: bool,
@@ -101,7 +111,7 @@ enum Load {
 enum Kind {
     Induction(usize),
     Chute(usize),
-    Scanner,
+    Scanner(usize),
 }
 
 /// A place on the track.
@@ -149,7 +159,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
     };
     (0..sorter.inductions.len()).for_each(|i| place(Kind::Induction(i), sorter.inductions[i].s));
     (0..sorter.chutes.len()).for_each(|i| place(Kind::Chute(i), sorter.chutes[i].s));
-    sorter.scanners.iter().for_each(|s| place(Kind::Scanner, *s));
+    (0..sorter.scanners.len()).for_each(|i| place(Kind::Scanner(i), sorter.scanners[i].s));
     places.sort_by(|a, b| a.phase.total_cmp(&b.phase));
     let outages = |cause: Cause, fails: &mut dyn Iterator<Item = Option<&Failures>>| -> Vec<Option<Outage>> {
         let one = |(k, fails): (usize, Option<&Failures>)| fails.map(|f| Outage::new(f, stream(plan.seed, cause, k)));
@@ -164,6 +174,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
         feeds: (0..sorter.inductions.len()).map(|i| Feed::new(sorter, plan.seed, i)).collect(),
         outages: outages(Cause::Inductions, &mut sorter.inductions.iter().map(|i| i.fails.as_ref())),
         chute_outages: outages(Cause::Chutes, &mut sorter.chutes.iter().map(|c| c.fails.as_ref())),
+        scanner_outages: outages(Cause::Scanners, &mut sorter.scanners.iter().map(|s| s.fails.as_ref())),
         closed: 0.0,
         counted: None,
         loads: vec![Load::Free; sorter.carriers],
@@ -221,7 +232,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
             match place.kind {
                 Kind::Induction(i) => run.induce(i, k, time),
                 Kind::Chute(c) => run.give_out(c, k, time),
-                Kind::Scanner => run.read(k),
+                Kind::Scanner(i) => run.read(i, k, time),
             }
         }
         shift = if shift + 1 == sorter.carriers { 0 } else { shift + 1 };
@@ -240,6 +251,7 @@ struct Run<'a> {
     feeds: Vec<Feed>,
     outages: Vec<Option<Outage>>,
     chute_outages: Vec<Option<Outage>>,
+    scanner_outages: Vec<Option<Outage>>,
     /// Until when chutes take nothing, s.
     closed: f64,
     /// The wave whose items are counted.
@@ -289,8 +301,8 @@ impl Run<'_> {
             return;
         }
         let chute = pick(&self.shares[i], self.destinations[i].uniform());
-        self.loads[k] =
-            Load::Item { chute, known: self.sorter.scanners.is_empty(), laps: 0, came, double: feed.double };
+        let known = if self.sorter.scanners.is_empty() { Known::Yes } else { Known::NotYet };
+        self.loads[k] = Load::Item { chute, known, laps: 0, came, double: feed.double };
         if feed.double {
             self.loads[behind] = Load::Second;
         }
@@ -304,29 +316,35 @@ impl Run<'_> {
         self.seen.events += 1;
     }
 
-    fn read(&mut self, k: usize) {
-        let Load::Item { known, laps, .. } = &mut self.loads[k] else { return };
-        if *known {
+    fn read(&mut self, i: usize, k: usize, now: f64) {
+        let Load::Item { known, .. } = &mut self.loads[k] else { return };
+        if *known == Known::Yes {
             return;
         }
         self.seen.events += 1;
-        if self.sorter.items.no_read > 0.0 && self.reads.uniform() < self.sorter.items.no_read {
-            *laps += 1;
-            self.seen.unread += 1;
-        } else {
-            *known = true;
-        }
+        let fails = self.sorter.items.no_read > 0.0 && self.reads.uniform() < self.sorter.items.no_read;
+        let down = self.scanner_outages[i].as_mut().is_some_and(|outage| outage.is_down(now));
+        *known = if fails || down { Known::Missed } else { Known::Yes };
     }
 
     fn give_out(&mut self, c: usize, k: usize, now: f64) {
         match &mut self.loads[k] {
             Load::Item { chute, known, laps, came, double } => {
                 let given_up = *laps as usize >= self.sorter.items.most_laps;
-                if !(*known && *chute as usize == c || given_up) {
+                let here = *chute as usize == c;
+                if here && *known == Known::Missed && !given_up {
+                    // It passes its chute, which no scanner could tell.
+                    *laps += 1;
+                    *known = Known::NotYet;
+                    self.seen.unread += 1;
+                    return;
+                }
+                let own = here && *known == Known::Yes;
+                if !(own || given_up) {
                     return;
                 }
                 self.seen.events += 1;
-                let (own, came, double) = (*chute as usize == c && *known, *came, *double);
+                let (came, double) = (*came, *double);
                 let closed = now < self.closed;
                 if closed || self.chute_outages[c].as_mut().is_some_and(|outage| outage.is_down(now)) {
                     // One that would leave anywhere goes on to the next chute.
@@ -361,7 +379,7 @@ impl Run<'_> {
                 }
                 self.seen.chutes[c].items += 1;
                 self.seen.items += 1;
-                self.seen.misplaced += u64::from(!own);
+                self.seen.misplaced += u64::from(!here);
                 self.seen.time += now - came;
                 if let Some(wave) = self.counted {
                     self.seen.waves[wave] += 1;

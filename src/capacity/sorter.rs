@@ -13,8 +13,8 @@ pub struct Sorter {
     pub speed: f64,
     pub inductions: Vec<Induction>,
     pub chutes: Vec<Chute>,
-    /// Where items are read, arc length, m; without any they are known when they come.
-    pub scanners: Vec<f64>,
+    /// Where items are read; without any they are known when they come.
+    pub scanners: Vec<Scanner>,
     pub items: Items,
     pub stops: Option<Stops>,
     pub waves: Option<Waves>,
@@ -112,6 +112,14 @@ pub struct Chute {
     pub fails: Option<Failures>,
 }
 
+/// Where items are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scanner {
+    /// Arc length, m.
+    pub s: f64,
+    pub fails: Option<Failures>,
+}
+
 /// What all items have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Items {
@@ -138,10 +146,10 @@ pub struct Stops {
     pub duration: f64,
 }
 
-/// Failures of an induction or a chute, both times exponential (s), whether the sorter runs or stops.
+/// Failures of an induction, a chute or a scanner, both times exponential (s), whether the sorter runs or stops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failures {
-    /// Of the induction, or the row of chutes: what is told together.
+    /// Of the induction, the row of chutes, or all scanners: what is told together.
     pub name: String,
     /// Mean time from a repair to the next failure.
     pub between: f64,

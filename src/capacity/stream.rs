@@ -15,6 +15,7 @@ pub(super) enum Cause {
     Inductions = 7,
     Chutes = 8,
     Waves = 9,
+    Scanners = 10,
 }
 
 /// The stream of a cause, of the piece of equipment with this index.

@@ -40,6 +40,10 @@ fn sorter(carriers: usize, inductions: &[f64], chutes: &[f64]) -> Sorter {
     }
 }
 
+fn scanners(at: &[f64]) -> Vec<Scanner> {
+    at.iter().map(|s| Scanner { s: *s, fails: None }).collect()
+}
+
 const Q: f64 = 5760.0;
 
 /// Items an hour, without the first ten minutes.
@@ -83,19 +87,19 @@ fn zones_share_carriers() {
 #[test]
 fn readings_that_fail_cost_laps() {
     let mut sorter = sorter(100, &[0.0], &[30.0, 60.0]);
-    sorter.scanners = vec![5.0];
+    sorter.scanners = scanners(&[5.0]);
     sorter.items.no_read = 0.2;
     near(per_hour(&sorter, 30.0), 0.8 * Q, 5e-3);
     near(bound(&sorter, Some(&[1.0])).unwrap().throughput, 0.8 * Q, 1e-9);
     // A chute before the scanner is reached a lap later.
     sorter.items.no_read = 0.0;
-    sorter.scanners = vec![40.0];
+    sorter.scanners = scanners(&[40.0]);
     near(per_hour(&sorter, 10.0), Q / 1.5, 5e-3);
     near(bound(&sorter, Some(&[1.0])).unwrap().throughput, Q / 1.5, 1e-9);
     // Another scanner on the way reads most of what the first one does not: u and u² of the items for either chute go round,
     // 1/(1 - u²) laps each.
     sorter.items.no_read = 0.3;
-    sorter.scanners = vec![5.0, 40.0];
+    sorter.scanners = scanners(&[5.0, 40.0]);
     let expected = Q / (1.0 + 0.5 * (0.3 + 0.09) / (1.0 - 0.09));
     near(per_hour(&sorter, 30.0), expected, 5e-3);
     near(bound(&sorter, Some(&[1.0])).unwrap().throughput, expected, 1e-9);
@@ -165,7 +169,7 @@ fn any_sorter(pick: &mut dyn FnMut(f64, f64) -> f64) -> Sorter {
 fn scan(sorter: &mut Sorter, pick: &mut dyn FnMut(f64, f64) -> f64) {
     if pick(0.0, 1.0) < 0.5 {
         let count = 1 + pick(0.0, 3.0) as usize;
-        sorter.scanners = (0..count).map(|_| pick(0.0, sorter.length())).collect();
+        sorter.scanners = (0..count).map(|_| Scanner { s: pick(0.0, sorter.length()), fails: None }).collect();
         sorter.items.no_read = pick(0.0, 0.4);
     }
 }
@@ -224,7 +228,7 @@ fn a_begin_that_differs_is_left_out() {
 #[test]
 fn intervals_hold_as_often_as_they_say() {
     let mut sorter = sorter(80, &[0.0], &[30.0, 60.0]);
-    sorter.scanners = vec![5.0];
+    sorter.scanners = scanners(&[5.0]);
     sorter.items.no_read = 0.1;
     let held = (0..120).filter(|seed| {
         let settings = Settings { hours: 2.0, replications: 5, seed: *seed, threads: 2 };

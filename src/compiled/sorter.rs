@@ -2,8 +2,8 @@
 
 use super::Compiled;
 use crate::capacity::Sorter;
-use crate::capacity::sorter::{Chute, Failures, Induction, Items, Stops, Wave, Waves};
-use crate::model::{self, Capacity, FailureOf};
+use crate::capacity::sorter::{Chute, Failures, Induction, Items, Scanner, Stops, Wave, Waves};
+use crate::model::{self, Capacity, FailureOf, SCANNERS};
 
 impl Compiled {
     /// The sorter of a layout: a carrier a cart, inductions, scanners and chutes where they stand along the track, and what
@@ -43,6 +43,7 @@ impl Compiled {
             };
             self.chutes(chutes).into_iter().enumerate().map(one).collect::<Vec<_>>()
         };
+        let scanner = |s: f64| Scanner { s, fails: fails(FailureOf::Scanners, SCANNERS) };
         let sorter = Sorter {
             carriers,
             // Carts that close the loop stand a little nearer or farther than their length.
@@ -50,7 +51,7 @@ impl Compiled {
             speed: layout.speed.value,
             inductions: equipment.inductions.iter().enumerate().map(induction).collect(),
             chutes: equipment.chutes.iter().enumerate().flat_map(row).collect(),
-            scanners: scanners.iter().map(|place| self.station(*place).s).collect(),
+            scanners: scanners.iter().map(|place| scanner(self.station(*place).s)).collect(),
             items: Items { double: items.double, no_read: items.unread, most_laps: items.laps.unwrap_or(usize::MAX) },
             stops: stops.map(|s| Stops { between: s.every, duration: s.duration }),
             waves: self.waves(),

@@ -82,7 +82,7 @@ pub struct Stops {
     pub duration: f64,
 }
 
-/// Failures of an induction, or of each chute of a row for itself; both times are means, s.
+/// Failures of an induction, or of each chute of a row or each scanner for itself; both times are means, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Failure {
     pub of: FailureOf,
@@ -92,12 +92,16 @@ pub struct Failure {
     pub span: Span,
 }
 
-/// What fails: an index into the layout's inductions, or into its rows of chutes.
+/// What fails: an index into the layout's inductions or into its rows of chutes, or each scanner for itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum FailureOf {
     Induction(usize),
     Chutes(usize),
+    Scanners,
 }
+
+/// What `fails` calls all scanners, which have no names.
+pub const SCANNERS: &str = "scanners";
 
 /// Items come in waves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

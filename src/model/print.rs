@@ -378,6 +378,7 @@ impl Printer {
             let name = match failure.of {
                 FailureOf::Induction(i) => layout.equipment.names(EquipmentKind::Induction)[i],
                 FailureOf::Chutes(i) => layout.equipment.names(EquipmentKind::Chute)[i],
+                FailureOf::Scanners => SCANNERS,
             };
             self.line(format!("fails {name} every {} for {}", unit(failure.every, "s"), unit(failure.duration, "s")));
         }

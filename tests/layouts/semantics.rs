@@ -411,13 +411,19 @@ const SORTER: &str = "  induction west on A..B at 2 m\n  chutes row_a on A..B fr
 
 #[test]
 fn waves_and_failures_are_what_is_written() {
-    let said = "  feed west 600 per hour up to 900 per hour to row_a 2, row_b 25 %\n  fails west every 8 h for 10 min\n  fails row_b every 40 h for 15 min\n  storage row_a 40\n  \
+    let said = "  feed west 600 per hour up to 900 per hour to row_a 2, row_b 25 %\n  fails west every 8 h for 10 min\n  fails row_b every 40 h for 15 min\n  \
+         scanner on A..B at 4 m\n  fails scanners every 200 h for 1 h\n  storage row_a 40\n  \
          waves every 30 min changeover 90 s spread 40 %\n  wave big to row_a 3, row_b 60 %\n  wave small to row_b 1";
     let text = with(&format!("{SORTER}{said}"));
     let capacity = built(&text).capacity;
     assert_eq!((capacity.feeds[0].rate, &capacity.feeds[0].shares[..]), (Some(600.0), &[(0, 2.0), (1, 0.25)][..]));
     let failures: Vec<(FailureOf, f64, f64)> = capacity.failures.iter().map(|f| (f.of, f.every, f.duration)).collect();
-    assert_eq!(failures, [(FailureOf::Induction(0), 28_800.0, 600.0), (FailureOf::Chutes(1), 144_000.0, 900.0)]);
+    let said = [
+        (FailureOf::Induction(0), 28_800.0, 600.0),
+        (FailureOf::Chutes(1), 144_000.0, 900.0),
+        (FailureOf::Scanners, 720_000.0, 3600.0),
+    ];
+    assert_eq!(failures, said);
     let waves = capacity.waves.unwrap();
     assert_eq!((waves.every, waves.changeover, waves.spread), (1800.0, 90.0, 0.4));
     let each: Vec<(&str, &[(usize, f64)])> =
@@ -431,7 +437,7 @@ fn waves_and_failures_are_what_is_written() {
     let other = analysis.layouts.iter().find(|layout| layout.name == "other").unwrap().capacity.clone();
     assert_eq!(other.each_wave[1].shares, [(0, 1.0)]);
     assert_eq!((other.waves.unwrap().changeover, other.failures[0].every), (0.0, 3600.0));
-    assert_eq!(other.failures.len(), 2);
+    assert_eq!(other.failures.len(), 3);
 }
 
 #[test]
@@ -471,6 +477,13 @@ fn waves_and_failures_that_cannot_be_are_told() {
             "E0218",
             "is an induction and a row of chutes",
         ),
+        ("fails scanners every 8 h for 1 min", "E0218", "there is no scanner"),
+        (
+            "scanner on A..B at 4 m\n  chutes scanners on C..D from 9 m every 1 m count 2\n  fails scanners every 8 h for 1 min",
+            "E0218",
+            "is a row of chutes and what all scanners are called",
+        ),
+        ("scanner on A..B at 4 m\n  fails scaners every 8 h for 1 min", "E0218", "did you mean `scanners`?"),
     ] {
         let (sources, analysis) = check(&[("main.lss", &with(&format!("{SORTER}  {statements}")))]);
         let said = report(&sources, &analysis);

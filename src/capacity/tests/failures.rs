@@ -1,4 +1,4 @@
-//! Inductions and chutes that fail.
+//! Inductions, chutes and scanners that fail.
 
 use super::*;
 use crate::base::trig;
@@ -89,6 +89,59 @@ fn failing_chutes_cost_carriers() {
         // The lost carriers are those that go round.
         near(measured.throughput.value * (1.0 + measured.down), Q, 2e-3);
     }
+}
+
+/// A sorter with one scanner takes nothing while that is down, whatever laps a repair takes.
+#[test]
+fn nothing_leaves_while_the_only_scanner_is_down() {
+    for (between, duration) in [(7200.0, 600.0), (7200.0, 60.0), (1800.0, 20.0)] {
+        let mut sorter = sorter(100, &[0.0], &[30.0, 60.0, 90.0]);
+        sorter.scanners = vec![Scanner { s: 5.0, fails: fails(between, duration) }];
+        let found = bound(&sorter, None).unwrap();
+        near(found.throughput, Q * between / (between + duration), 1e-9);
+        let measured = measure(&sorter, &settings(400.0));
+        near(measured.throughput.value, found.throughput, 0.01);
+        // Each item uses the carriers of the laps that it made.
+        near(measured.throughput.value * (1.0 + measured.unread), Q, 3e-3);
+        assert_eq!((measured.refused, measured.down, measured.misplaced), (0.0, 0.0, 0.0));
+    }
+}
+
+/// Two scanners behind each other read for each other; two of zones do so a zone later, so that a sorter of two zones takes
+/// 4/3 Q with both, Q/(1 + 1/4 + 1/2) ... with one, and nothing with none.
+#[test]
+fn other_scanners_read_what_one_that_is_down_does_not() {
+    let mut both = sorter(100, &[0.0], &[30.0, 60.0, 90.0]);
+    both.scanners = [5.0, 6.0].map(|s| Scanner { s, fails: fails(6000.0, 1000.0) }).into();
+    let none = 1.0 / 49.0;
+    near(bound(&both, None).unwrap().throughput, (1.0 - none) * Q, 1e-6);
+    near(measure(&both, &settings(400.0)).throughput.value, (1.0 - none) * Q, 0.01);
+    let mut zones = sorter(100, &[0.0, 62.5], &[20.0, 40.0, 80.0, 100.0]);
+    zones.scanners = [5.0, 67.5].map(|s| Scanner { s, fails: fails(6000.0, 1000.0) }).into();
+    let mut one = zones.clone();
+    one.scanners = scanners(&[67.5]);
+    let (works, with_one) = (6.0 / 7.0, bound(&one, None).unwrap().throughput);
+    let expected = works * works * 4.0 / 3.0 * Q + 2.0 * works * (1.0 - works) * with_one;
+    near(bound(&zones, None).unwrap().throughput, expected, 1e-6);
+    near(measure(&zones, &settings(500.0)).throughput.value, expected, 0.02);
+}
+
+/// Where items leave after some laps, they do so at any chute while nothing is read.
+#[test]
+fn items_that_nothing_reads_leave_after_their_laps() {
+    let mut sorter = sorter(100, &[0.0], &[30.0, 60.0, 90.0]);
+    sorter.scanners = vec![Scanner { s: 5.0, fails: fails(6000.0, 3000.0) }];
+    sorter.items.most_laps = 2;
+    let measured = measure(&sorter, &settings(500.0));
+    let found = bound(&sorter, None).unwrap().throughput;
+    // Then, items for the last chute pass the induction thrice, the others twice.
+    near(found, (2.0 / 3.0 + 1.0 / 7.0) * Q, 1e-6);
+    near(measured.throughput.value, found, 0.02);
+    assert!(measured.misplaced > 0.1);
+    // Both readings of a lap that fail are one lap in vain.
+    sorter.scanners = scanners(&[5.0, 6.0]);
+    sorter.items = Items { no_read: 0.5, ..Items::default() };
+    near(measure(&sorter, &settings(20.0)).unread, 0.25 / 0.75, 0.02);
 }
 
 /// The items that come do not depend on what fails, and what fails not on what comes.

@@ -8,6 +8,7 @@ use super::client::Client;
 use super::describe;
 use super::words;
 use super::workspace::Workspace;
+use crate::model::SCANNERS;
 use crate::semantics::Checked;
 use crate::semantics::names::NameKind;
 use crate::semantics::vocabulary;
@@ -235,7 +236,10 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         "pass" if bare => known.parts(out, &[NameKind::Obstacle]),
         "feed" if bare => known.parts(out, &[NameKind::Induction]),
         "storage" if bare => known.parts(out, &[NameKind::Chutes]),
-        "fails" if bare => known.parts(out, &[NameKind::Induction, NameKind::Chutes]),
+        "fails" if bare => {
+            known.parts(out, &[NameKind::Induction, NameKind::Chutes]);
+            out.push(SCANNERS, CompletionItemKind::KEYWORD, "each of them", None);
+        }
         "wave" | "feed" if names_row(begun) => known.parts(out, &[NameKind::Chutes]),
         "route" if bare || begun.trim_end().ends_with(',') => known.parts(out, &[NameKind::Section]),
         _ if component.is_some() && bare => component.iter().for_each(|k| known.named(out, &NameKind::Component(*k))),

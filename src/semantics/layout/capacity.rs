@@ -4,7 +4,8 @@ use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
-    Capacity, Equipment, EquipmentKind, Failure, FailureOf, Feed, Items, RequiredCapacity, Stops, Storage, Wave, Waves,
+    Capacity, Equipment, EquipmentKind, Failure, FailureOf, Feed, Items, RequiredCapacity, SCANNERS, Stops, Storage,
+    Wave, Waves,
 };
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
@@ -176,21 +177,34 @@ impl<'t> Context<'t> {
         Some(())
     }
 
-    /// What fails: the induction or the row of chutes of that name.
+    /// What fails: the induction or the row of chutes of that name, or all scanners.
     fn failing(&self, draft: &Draft<'t>, name: &Name, equipment: &Equipment) -> Option<FailureOf> {
         let (inductions, chutes) = (equipment.names(EquipmentKind::Induction), equipment.names(EquipmentKind::Chute));
         let of = |names: &[&str]| names.iter().position(|known| *known == name.text);
-        match (of(&inductions), of(&chutes)) {
-            (Some(_), Some(_)) => {
-                let message = format!("`{}` is an induction and a row of chutes", name.text);
+        let scanners = draft.has_scanner().then_some(SCANNERS);
+        let known = [
+            of(&inductions).map(|i| ("an induction", FailureOf::Induction(i))),
+            of(&chutes).map(|i| ("a row of chutes", FailureOf::Chutes(i))),
+            scanners.filter(|all| name.text == *all).map(|_| ("what all scanners are called", FailureOf::Scanners)),
+        ];
+        let mut known = known.into_iter().flatten();
+        match (known.next(), known.next()) {
+            (Some((first, _)), Some((second, _))) => {
+                let message = format!("`{}` is {first} and {second}", name.text);
                 let diagnostic = Diagnostic::new(Code::E0218, message, name.span, "which of them fails?");
                 self.report(diagnostic.help("give one of them another name"));
                 None
             }
-            (Some(i), None) => Some(FailureOf::Induction(i)),
-            (None, Some(i)) => Some(FailureOf::Chutes(i)),
-            (None, None) => {
-                let names = inductions.into_iter().chain(chutes);
+            (Some((_, of)), None) => Some(of),
+            (None, _) if name.text == SCANNERS && draft.base_known && !mentions(&draft.bad, "scanner") => {
+                let diagnostic = Diagnostic::new(Code::E0218, "there is no scanner", name.span, "nothing that fails");
+                self.report(
+                    diagnostic.help("say where items are read, with a line such as `scanner on P1..P2 at 6 m`"),
+                );
+                None
+            }
+            (None, _) => {
+                let names = inductions.into_iter().chain(chutes).chain(scanners);
                 self.named(draft, "induction or row of chutes", name, names).map(FailureOf::Induction)
             }
         }

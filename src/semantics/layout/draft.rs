@@ -71,6 +71,15 @@ impl<'t> Draft<'t> {
     pub fn once(&self, keyword: &'static str) -> Option<&Placed<'t>> {
         self.keys.get(&Key::Once(keyword)).map(|i| &self.statements[*i])
     }
+
+    /// Whether items are read somewhere.
+    pub fn has_scanner(&self) -> bool {
+        self.statements.iter().any(|placed| match placed.statement {
+            Statement::Scanner(_) => true,
+            Statement::Equipped(equipped) => equipped.word == StationWord::Scanner,
+            _ => false,
+        })
+    }
 }
 
 /// The words that a field of the title block begins with.

@@ -1,0 +1,58 @@
+//! Scanners that fail: while some are down, a sorter is one with those that work.
+
+use super::flow::{Flow, Most};
+use super::sorter::{Scanner, Sorter};
+
+/// States that are less likely are left out.
+const RARE: f64 = 1e-9;
+
+/// A sorter while some of its scanners are down.
+pub(super) struct State {
+    /// Share of time.
+    share: f64,
+    /// With the scanners that work; with all where none does.
+    sorter: Sorter,
+    /// Whether any works, if there are any.
+    reads: bool,
+}
+
+/// Its states, the one in which all scanners work first. Each scanner works for its availability, whatever the others do.
+pub(super) fn states(sorter: &Sorter) -> Vec<State> {
+    let mut states = vec![(1.0, Vec::<Scanner>::new())];
+    for scanner in &sorter.scanners {
+        let available = scanner.fails.as_ref().map_or(1.0, |fails| fails.available());
+        let mut down = Vec::new();
+        for (share, working) in &mut states {
+            if available < 1.0 && *share * (1.0 - available) > RARE {
+                down.push((*share * (1.0 - available), working.clone()));
+            }
+            *share *= available;
+            working.push(scanner.clone());
+        }
+        states.append(&mut down);
+    }
+    let all: f64 = states.iter().map(|(share, _)| share).sum();
+    let state = |(share, scanners): (f64, Vec<Scanner>)| {
+        let reads = !scanners.is_empty() || sorter.scanners.is_empty();
+        let scanners = if reads { scanners } else { sorter.scanners.clone() };
+        State { share: share / all, sorter: Sorter { scanners, ..sorter.clone() }, reads }
+    };
+    states.into_iter().map(state).collect()
+}
+
+/// What goes over a sorter with these shares of the chutes, in the mean over its states; the rest is that of the first.
+/// Where no scanner works, items leave after the laps that are allowed, or none does. `None` as in [`Flow::new`].
+pub(super) fn mean(states: &[State], shares: &[f64], most: impl Fn(&Flow) -> Option<Most>) -> Option<Most> {
+    let mut found: Option<Most> = None;
+    for State { share, sorter, reads } in states {
+        if !reads && sorter.items.most_laps == usize::MAX {
+            continue;
+        }
+        let own = most(&Flow::new(sorter, shares, *reads)?)?;
+        match &mut found {
+            None => found = Some(Most { throughput: share * own.throughput, ..own }),
+            Some(mean) => mean.throughput += share * own.throughput,
+        }
+    }
+    found
+}
