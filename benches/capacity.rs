@@ -5,7 +5,7 @@
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
-use lss::capacity::sorter::{Chute, Failures, Induction, Items, Stops, Waves};
+use lss::capacity::sorter::{Chute, Failures, Induction, Items, Scanner, Stops, Waves};
 use lss::capacity::{Settings, Sorter, measure};
 use std::time::Instant;
 
@@ -33,7 +33,7 @@ fn sorter() -> Sorter {
         speed: 2.2,
         inductions: [2.0, 90.0].iter().map(induction).collect(),
         chutes: (0..30).map(chute).collect(),
-        scanners: vec![6.0, 94.0],
+        scanners: [6.0, 94.0].map(|s| Scanner { s, fails: None }).into(),
         items: Items { double: 0.04, no_read: 0.01, most_laps: 6 },
         stops: Some(Stops { between: 14_400.0, duration: 240.0 }),
         waves: None,
