@@ -8,7 +8,8 @@
 //! maximise the likelihood of mean squares with so many degrees of freedom (Whittle 1953), found by multiplicative
 //! steps that keep them positive (Févotte, Bertin and Durrieu 2009).
 
-use super::noise::{DRIFTS, Grid, Noise, PROCESSES, Process, mean_variance};
+use super::grid::Grid;
+use super::noise::{DRIFTS, Noise, PROCESSES, Process, mean_variance};
 use super::sums::Sums;
 use crate::base::trig;
 

@@ -23,9 +23,10 @@ use crate::effects::sites::Site;
 use crate::effects::{
     AS_BUILT, Effect, LIBRARY, Sites, Start, StrengthSearch, deviations_of, named, stiffness_temperature,
 };
+use crate::identify::excess::Excess;
 use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan};
-use crate::identify::noise::{ChannelNoise, Excess, channel_noise};
+use crate::identify::noise::{ChannelNoise, channel_noise};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
 use crate::identify::{Counter, Effort, FitSettings, Model, Parameter};

@@ -5,10 +5,12 @@ use crate::base::random::{normal, uniform};
 use crate::base::trig;
 use crate::dynamics::{CartRecord, Ensemble};
 use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
+use crate::identify::excess::{BandPower, Excess};
+use crate::identify::grid::{Grid, Lap};
 use crate::identify::local::Centre;
 use crate::identify::measured::Measured;
 use crate::identify::model::{Coordinates, Model};
-use crate::identify::noise::{Excess, Grid, Lap, Noise};
+use crate::identify::noise::Noise;
 use crate::identify::parameter::Parameter;
 use crate::identify::repeatability::Repeatability;
 use crate::identify::scales::{Known, Power, Record, noise};
@@ -71,7 +73,15 @@ pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &E
     let trigger = at[Parameter::TriggerPosition.index()];
     let speed = measured.speed();
     let lap = Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts };
-    Excess::new((samples.station, samples.forces), trigger, lap, (ensemble.rate, &ensemble.carts))
+    let mut power = FeatureAccumulator::new(&model.spec);
+    power.add(&model.spec, &samples, 0.0, NoiseDraw::None);
+    let hz = |line: usize| line as f64 / model.spec.segment as f64 * ensemble.rate;
+    let bands = std::array::from_fn(|k| {
+        let each = power.band_power(k).into_iter().zip(model.spec.bands);
+        let known = each.filter(|(measured, _)| measured.is_finite() && !samples.forces[k].is_empty());
+        known.map(|(measured, (from, to))| BandPower { measured, band: (hz(from), hz(to)) }).collect()
+    });
+    Excess::new((samples.station, samples.forces), bands, trigger, lap, (ensemble.rate, &ensemble.carts))
 }
 
 impl Fitter<'_> {
