@@ -16,7 +16,7 @@ pub struct Answer {
 
 /// Fits the nominal model to each run, and diagnoses; where that names a cause, fits with it and diagnoses again. `tell`
 /// is told of each run that is fitted; `diagnose` is given the runs with the number of the round, 1 or 2. What is
-/// returned is the better answer with its runs.
+/// returned is the answer that leaves less, with its runs, but no unknown one where the first named something.
 ///
 /// # Errors
 ///
@@ -33,7 +33,8 @@ pub fn diagnose_runs(
     let mut answer = diagnose(&chains, 1);
     if let Some(next) = chains.anew(subjects, &answer.found, settings, tell) {
         let again = diagnose(&next, 2);
-        let better = again.found.left() < answer.found.left() && !again.found.named().is_empty();
+        let as_sure = !again.found.named().is_empty() || answer.found.named().is_empty();
+        let better = again.found.left() < answer.found.left() && as_sure;
         let cost = again.cost.clone();
         if better {
             (chains, answer) = (next, again);

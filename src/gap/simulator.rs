@@ -3,6 +3,7 @@
 
 use super::ids::{CandidateId, List, PerRun, RunId};
 use super::settings::Settings;
+use crate::chain_input::DeclaredEffect;
 use crate::effects::RandomEffect;
 use crate::identify::Effort;
 use crate::identify::noise::ChannelNoise;
@@ -162,6 +163,14 @@ pub struct Candidate {
     pub several: bool,
     /// The candidate whose alternative site this is: it is screened only where that one explains something.
     pub alternative_to: Option<CandidateId>,
+}
+
+impl Candidate {
+    /// Whether an effect as an input has it is this one, whatever its strengths.
+    pub fn is(&self, effect: &DeclaredEffect) -> bool {
+        let same = |(name, x): &(String, f64)| effect.strengths.get(name) == Some(x);
+        self.effect == effect.name && self.fixed.iter().all(same)
+    }
 }
 
 /// A strength of an effect.

@@ -1,7 +1,7 @@
 //! The runs fitted again once the cause is nearly known: what the nominal model lacks pulls its parameters to where they
 //! imitate it and counts in part as noise, and slopes reach no farther than they were taken.
 
-use super::{Chains, Fitting};
+use super::{Chains, Fitting, shapes};
 use crate::chain_input::DeclaredEffect;
 use crate::effects::stiffness_temperature;
 use crate::gap::diagnosis::{Diagnosis, Finding, Verdict};
@@ -45,7 +45,8 @@ impl Chains {
         if about.is_empty() {
             return None;
         }
-        let (known, effects) = self.together(subjects, about, settings, tell)?;
+        let begun = self.in_shape(shapes::Work { subjects, settings, tell }, about)?;
+        let (known, effects) = self.together(subjects, (begun.effects, &begun.known), settings, tell)?;
         let likeliest: BTreeSet<&str> =
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {
@@ -66,14 +67,11 @@ impl Chains {
     /// An effect as one of the candidates with its strengths. Where the gap no longer points to its place, the candidate
     /// that it was before is one of these, too.
     fn offered_as(&mut self, effect: &DeclaredEffect, before: &Candidates) -> Option<Applied> {
-        let same = |c: &Candidate| {
-            c.effect == effect.name && c.fixed.iter().all(|(name, x)| effect.strengths.get(name) == Some(x))
-        };
-        let known = self.candidates.with_ids().find(|(_, c)| same(c)).map(|(id, _)| id);
+        let known = self.candidates.with_ids().find(|(_, candidate)| candidate.is(effect)).map(|(id, _)| id);
         let candidate = match known {
             Some(id) => id,
             None => {
-                let own = before.iter().find(|c| same(c))?.clone();
+                let own = before.iter().find(|candidate| candidate.is(effect))?.clone();
                 self.candidates.push(Candidate { alternative_to: None, ..own })
             }
         };

@@ -9,6 +9,7 @@ mod impacts;
 mod laps;
 mod nominal;
 mod outline;
+mod shapes;
 mod together;
 mod warming;
 

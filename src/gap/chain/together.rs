@@ -27,11 +27,11 @@ struct Strength {
 
 impl Chains {
     /// Where the parameters of each run are, and its noise, with effects whose strengths are fitted with them; and the
-    /// effects. `None` where runs cannot be fitted with them.
+    /// effects. `None` where runs cannot be fitted with them. Parameters are known to be near to where they are given.
     pub(super) fn together(
         &self,
         subjects: &[Subject],
-        mut effects: Vec<DeclaredEffect>,
+        (mut effects, near): (Vec<DeclaredEffect>, &[Known]),
         settings: &Settings,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Option<(Vec<Known>, Vec<DeclaredEffect>)> {
@@ -39,9 +39,9 @@ impl Chains {
         let strengths = strengths(&effects);
         let bounds: Vec<(f64, f64)> = strengths.iter().map(|own| (own.low, own.high)).collect();
         let mut best: Option<(f64, Vec<Known>, Vec<DeclaredEffect>)> = None;
-        let mut near: Option<Vec<Known>> = None;
+        let mut near = near.to_vec();
         for round in 0..ensembles.together {
-            let (runs, known) = self.fitted_with(subjects, &effects, near.as_deref(), tell)?;
+            let (runs, known) = self.fitted_with(subjects, &effects, Some(&near), tell)?;
             let observations: PerRun<Observation> = subjects
                 .iter()
                 .zip(&runs)
@@ -66,13 +66,13 @@ impl Chains {
             for (own, x) in strengths.iter().zip(stepped(&at, &step, &bounds)) {
                 effects[own.effect].strengths.insert(own.name.to_owned(), x);
             }
-            near = Some(known);
+            near = known;
         }
         best.map(|(_, known, effects)| (known, effects))
     }
 
     /// Each run, fitted with effects.
-    fn fitted_with(
+    pub(super) fn fitted_with(
         &self,
         subjects: &[Subject],
         effects: &[DeclaredEffect],
@@ -135,7 +135,12 @@ impl Chains {
     }
 
     /// Features of a run with effects instead of those it was fitted with.
-    fn features_with(&self, runs: &PerRun<FittedRun>, run: RunId, effects: &[DeclaredEffect]) -> Option<Vec<f64>> {
+    pub(super) fn features_with(
+        &self,
+        runs: &PerRun<FittedRun>,
+        run: RunId,
+        effects: &[DeclaredEffect],
+    ) -> Option<Vec<f64>> {
         let fitted = &runs[run];
         let mut model = fitted.model.clone();
         model.simulation.effects = self.runs[run].with(effects.to_vec()).simulation.effects;

@@ -29,6 +29,17 @@ settings! {
         together: usize = 3, "–", Chosen("the second step of strengths is a fifth of the first");
         /// A shorter step ends it.
         together_near: f64 = 0.05, "–", Chosen("far below what a strength is known to");
+        /// How often one of their places gets another shape at most.
+        reshaped: usize = 3, "–", Chosen("most often one shape is wrong; each costs a simulation of a run for every \
+            shape of every place");
+        /// Shapes that are fitted with the parameters of the run of which most is left.
+        shapes_fitted: usize = 4, "–", Chosen("both signs of two shapes; each costs a fit of a run");
+        /// A shape leaves less by this share of the mean square at least, in that run and over all.
+        shape_worth: f64 = 0.1, "–", Chosen("what fits of a run with other chance differ by");
+        /// Shapes that leave so much more in that run than the one that leaves least are fitted to all runs.
+        shape_tie: f64 = 0.15, "–", Chosen("both signs of a step may leave as much in one run");
+        /// Other shapes do so many times as much at most as the one that was found.
+        shape_grows: f64 = 3.0, "–", Chosen("a wrong shape may have a third of the height");
         /// The likeliest effects that are looked for again once the runs are fitted with what was named.
         offered_anew: usize = 10, "–", Chosen("twice as many as are ever likely");
         /// Fewer laps tell nothing of how they differ.
