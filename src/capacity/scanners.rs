@@ -3,8 +3,8 @@
 use super::flow::{Flow, Most};
 use super::sorter::{Scanner, Sorter};
 
-/// States that are less likely are left out.
-const RARE: f64 = 1e-9;
+/// States that are thought of at most, the likeliest: with n scanners there are 2ⁿ, each of which costs a closed form.
+const MOST: usize = 64;
 
 /// A sorter while some of its scanners are down.
 pub(super) struct State {
@@ -20,16 +20,16 @@ pub(super) struct State {
 pub(super) fn states(sorter: &Sorter) -> Vec<State> {
     let mut states = vec![(1.0, Vec::<Scanner>::new())];
     for scanner in &sorter.scanners {
-        let available = scanner.fails.as_ref().map_or(1.0, |fails| fails.available());
         let mut down = Vec::new();
-        for (share, working) in &mut states {
-            if available < 1.0 && *share * (1.0 - available) > RARE {
-                down.push((*share * (1.0 - available), working.clone()));
-            }
-            *share *= available;
-            working.push(scanner.clone());
+        if let Some(fails) = &scanner.fails {
+            let available = fails.available();
+            down = states.iter().map(|(share, working)| (share * (1.0 - available), working.clone())).collect();
+            states.iter_mut().for_each(|(share, _)| *share *= available);
         }
+        states.iter_mut().for_each(|(_, working)| working.push(scanner.clone()));
         states.append(&mut down);
+        states[1..].sort_by(|a, b| b.0.total_cmp(&a.0));
+        states.truncate(MOST);
     }
     let all: f64 = states.iter().map(|(share, _)| share).sum();
     let state = |(share, scanners): (f64, Vec<Scanner>)| {

@@ -108,7 +108,7 @@ fn nothing_leaves_while_the_only_scanner_is_down() {
 }
 
 /// Two scanners behind each other read for each other; two of zones do so a zone later, so that a sorter of two zones takes
-/// 4/3 Q with both, Q/(1 + 1/4 + 1/2) ... with one, and nothing with none.
+/// 4/3 Q with both, less with one, and nothing with none.
 #[test]
 fn other_scanners_read_what_one_that_is_down_does_not() {
     let mut both = sorter(100, &[0.0], &[30.0, 60.0, 90.0]);
@@ -124,6 +124,16 @@ fn other_scanners_read_what_one_that_is_down_does_not() {
     let expected = works * works * 4.0 / 3.0 * Q + 2.0 * works * (1.0 - works) * with_one;
     near(bound(&zones, None).unwrap().throughput, expected, 1e-6);
     near(measure(&zones, &settings(500.0)).throughput.value, expected, 0.02);
+}
+
+/// A closed form of thirty scanners does not look at all their states.
+#[test]
+fn many_scanners_have_few_likely_states() {
+    let mut many = sorter(100, &[0.0], &[60.0, 90.0]);
+    many.scanners = (0..30).map(|k| Scanner { s: 5.0 + f64::from(k), fails: fails(6000.0, 1000.0) }).collect();
+    near(bound(&many, None).unwrap().throughput, Q, 1e-9);
+    many.scanners[1..].iter_mut().for_each(|scanner| scanner.fails = None);
+    near(bound(&many, None).unwrap().throughput, Q, 1e-9);
 }
 
 /// Where items leave after some laps, they do so at any chute while nothing is read.

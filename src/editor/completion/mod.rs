@@ -238,7 +238,7 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         "storage" if bare => known.parts(out, &[NameKind::Chutes]),
         "fails" if bare => {
             known.parts(out, &[NameKind::Induction, NameKind::Chutes]);
-            out.push(SCANNERS, CompletionItemKind::KEYWORD, "each of them", None);
+            out.push(SCANNERS, CompletionItemKind::KEYWORD, "each scanner for itself", None);
         }
         "wave" | "feed" if names_row(begun) => known.parts(out, &[NameKind::Chutes]),
         "route" if bare || begun.trim_end().ends_with(',') => known.parts(out, &[NameKind::Section]),
