@@ -1,7 +1,8 @@
 //! The runs fitted again once the cause is nearly known: what the nominal model lacks pulls its parameters to where they
 //! imitate it and counts in part as noise, and slopes reach no farther than they were taken.
 
-use super::{Chains, Fitting, shapes};
+use super::fitted_with::{Campaign, FittedWith};
+use super::{Chains, Fitting};
 use crate::chain_input::DeclaredEffect;
 use crate::effects::stiffness_temperature;
 use crate::gap::diagnosis::{Diagnosis, Finding, Verdict};
@@ -45,8 +46,8 @@ impl Chains {
         if about.is_empty() {
             return None;
         }
-        let begun = self.in_shape(shapes::Work { subjects, settings, tell }, about)?;
-        let (known, effects) = self.together(subjects, (begun.effects, &begun.known), settings, tell)?;
+        let campaign = Campaign { subjects, settings, tell };
+        let FittedWith { known, effects, .. } = self.together(campaign, self.in_shape(campaign, about)?)?;
         let likeliest: BTreeSet<&str> =
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {

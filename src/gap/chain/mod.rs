@@ -3,6 +3,7 @@
 
 mod anew;
 mod features;
+mod fitted_with;
 mod force_slope;
 mod frame;
 mod impacts;

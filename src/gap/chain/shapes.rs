@@ -2,54 +2,34 @@
 //! where it fits, and there the right one leaves more by its signature. So each other shape is simulated once the
 //! parameters know of all places, and the ones that leave least are fitted together with the parameters.
 
-use super::nominal::{Known, fitted_with};
-use super::{Chains, FittedRun, frame};
+use super::fitted_with::{Campaign, FittedWith};
+use super::nominal::fitted_with;
+use super::{Chains, frame};
 use crate::base::parallel;
 use crate::chain_input::DeclaredEffect;
 use crate::gap::hypothesis::norm_squared;
 use crate::gap::ids::{CandidateId, Id, PerRun, RunId};
 use crate::gap::observation::{Observation, most_off};
 use crate::gap::screen::explain;
-use crate::gap::settings::Settings;
-use crate::gap::simulator::{Frame, Strength};
-use crate::identify::study::Subject;
+use crate::gap::simulator::Strength;
 use nalgebra::DVector;
-
-/// What runs are fitted from, with which settings, and who is told.
-#[derive(Clone, Copy)]
-pub(super) struct Work<'a> {
-    pub subjects: &'a [Subject],
-    pub settings: &'a Settings,
-    pub tell: &'a (dyn Fn(&str) + Sync),
-}
-
-/// Runs that are fitted with effects.
-pub(super) struct FittedWith {
-    pub effects: Vec<DeclaredEffect>,
-    pub known: Vec<Known>,
-    runs: PerRun<FittedRun>,
-    frames: PerRun<Frame>,
-    observations: PerRun<Observation>,
-}
-
-impl FittedWith {
-    /// Of all runs together.
-    fn left(&self) -> f64 {
-        self.observations.iter().map(left).sum()
-    }
-}
 
 /// As a mean square.
 fn left(observation: &Observation) -> f64 {
     observation.mean_square(&observation.residual)
 }
 
+/// Of all runs together.
+fn left_in_all(own: &FittedWith) -> f64 {
+    own.observations.iter().map(left).sum()
+}
+
 impl Chains {
     /// Effects in the shapes of their places that leave least where runs are fitted with them, and where the parameters
     /// of each run are then. `None` where runs cannot be fitted with effects.
-    pub(super) fn in_shape(&self, work: Work, effects: Vec<DeclaredEffect>) -> Option<FittedWith> {
+    pub(super) fn in_shape(&self, campaign: Campaign, effects: Vec<DeclaredEffect>) -> Option<FittedWith> {
         let ensembles = &self.settings.ensembles;
-        let mut best = self.all_with(work, effects, None)?;
+        let mut best = self.all_with(campaign, effects, None)?;
         for _ in 0..ensembles.reshaped {
             let run = most_off(&best.observations, best.observations.iter().map(|own| &own.residual));
             let own = &best.observations[run];
@@ -60,9 +40,9 @@ impl Chains {
             let near = &best.known[run.index()];
             let mut fitted: Vec<(f64, Vec<DeclaredEffect>)> = parallel::map(&shapes, self.threads, |effects| {
                 let (fit, settings) = (&self.fit, &self.settings);
-                let subject = &work.subjects[run.index()];
+                let subject = &campaign.subjects[run.index()];
                 let (fitted, _) = fitted_with(subject, fit, settings, self.width, effects, Some(near)).ok()?;
-                let observation = Observation::new(&frame::frame(&subject.name, &fitted), &[], work.settings);
+                let observation = Observation::new(&frame::frame(&subject.name, &fitted), &[], campaign.settings);
                 Some((left(&observation), effects.clone()))
             })
             .into_iter()
@@ -75,22 +55,15 @@ impl Chains {
             }
             // One run may not tell two of them apart.
             fitted.retain(|own| own.0 <= (1.0 + ensembles.shape_tie) * least);
-            let of_all = fitted.into_iter().filter_map(|(_, effects)| self.all_with(work, effects, Some(&best.known)));
-            let Some(next) = of_all.min_by(|a, b| a.left().total_cmp(&b.left())) else { break };
-            if next.left() > (1.0 - ensembles.shape_worth) * best.left() {
+            let of_all =
+                fitted.into_iter().filter_map(|(_, effects)| self.all_with(campaign, effects, Some(&best.known)));
+            let Some(next) = of_all.min_by(|a, b| left_in_all(a).total_cmp(&left_in_all(b))) else { break };
+            if left_in_all(&next) > (1.0 - ensembles.shape_worth) * left_in_all(&best) {
                 break;
             }
             best = next;
         }
         Some(best)
-    }
-
-    fn all_with(&self, work: Work, effects: Vec<DeclaredEffect>, near: Option<&[Known]>) -> Option<FittedWith> {
-        let (runs, known) = self.fitted_with(work.subjects, &effects, near, work.tell)?;
-        let named = work.subjects.iter().zip(&runs);
-        let frames: PerRun<Frame> = named.map(|(subject, run)| frame::frame(&subject.name, run)).collect();
-        let observations = frames.map(|frame| Observation::new(frame, &[], work.settings));
-        Some(FittedWith { effects, known, runs, frames, observations })
     }
 
     /// Effects with another shape or sign of one of them, those that leave least of a run first, as many as are fitted:

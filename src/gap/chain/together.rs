@@ -3,18 +3,14 @@
 //! fitted with the effects, and strengths step by what of the residual parameters cannot take, as the columns of
 //! effects are without what parameters reach (variable projection: Golub and Pereyra 1973).
 
-use super::nominal::{Known, fitted_with};
-use super::{Chains, FittedRun, at_a_time, frame};
+use super::Chains;
+use super::fitted_with::{Campaign, FittedWith};
 use crate::base::parallel;
 use crate::chain_input::DeclaredEffect;
-use crate::effects::{deviations_of, named};
+use crate::effects::named;
 use crate::gap::hypothesis::{norm_squared, room_near, stepped};
-use crate::gap::ids::{List, PerRun, RunId};
-use crate::gap::observation::Observation;
+use crate::gap::ids::{List, PerRun};
 use crate::gap::screen::explain;
-use crate::gap::settings::Settings;
-use crate::identify::model::Plan;
-use crate::identify::study::Subject;
 use nalgebra::DVector;
 
 /// One of the strengths, in one of the effects.
@@ -26,86 +22,41 @@ struct Strength {
 }
 
 impl Chains {
-    /// Where the parameters of each run are, and its noise, with effects whose strengths are fitted with them; and the
-    /// effects. `None` where runs cannot be fitted with them. Parameters are known to be near to where they are given.
-    pub(super) fn together(
-        &self,
-        subjects: &[Subject],
-        (mut effects, near): (Vec<DeclaredEffect>, &[Known]),
-        settings: &Settings,
-        tell: &(dyn Fn(&str) + Sync),
-    ) -> Option<(Vec<Known>, Vec<DeclaredEffect>)> {
-        let ensembles = &self.settings.ensembles;
-        let strengths = strengths(&effects);
+    /// Runs fitted with effects, whose strengths are fitted on with the parameters. `None` where runs cannot be fitted
+    /// with them.
+    pub(super) fn together(&self, campaign: Campaign, begun: FittedWith) -> Option<FittedWith> {
+        let (ensembles, settings) = (&self.settings.ensembles, &campaign.settings.gauss_newton);
+        let strengths = strengths(&begun.effects);
         let bounds: Vec<(f64, f64)> = strengths.iter().map(|own| (own.low, own.high)).collect();
-        let mut best: Option<(f64, Vec<Known>, Vec<DeclaredEffect>)> = None;
-        let mut near = near.to_vec();
-        for round in 0..ensembles.together {
-            let (runs, known) = self.fitted_with(subjects, &effects, Some(&near), tell)?;
-            let observations: PerRun<Observation> = subjects
-                .iter()
-                .zip(&runs)
-                .map(|(s, run)| Observation::new(&frame::frame(&s.name, run), &[], settings))
-                .collect();
-            let left: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
-            let square = norm_squared(&left);
-            if best.as_ref().is_none_or(|(least, ..)| square < *least) {
-                best = Some((square, known.clone(), effects.clone()));
-            }
-            if round + 1 == ensembles.together {
-                break;
-            }
-            let columns = self.columns(&runs, &observations, (&effects, &strengths), settings.gauss_newton.share)?;
-            let at: Vec<f64> = strengths.iter().map(|own| effects[own.effect].strengths[own.name]).collect();
-            let room = room_near(&bounds, &at, settings.gauss_newton.far);
+        let mut now = begun;
+        let mut best: Option<FittedWith> = None;
+        for _ in 1..ensembles.together {
+            let left = now.observations.map(|own| own.residual.clone());
+            let columns = self.columns(&now, &strengths, settings.share)?;
+            let at: Vec<f64> = strengths.iter().map(|own| now.effects[own.effect].strengths[own.name]).collect();
+            let room = room_near(&bounds, &at, settings.far);
             let step = explain(&left, &columns.iter().collect::<Vec<_>>(), &room, None).strengths;
             let short = |(x, step): (&f64, &f64)| step.abs() < ensembles.together_near * x.abs();
             if at.iter().zip(&step).all(short) {
                 break;
             }
+            let mut effects = now.effects.clone();
             for (own, x) in strengths.iter().zip(stepped(&at, &step, &bounds)) {
                 effects[own.effect].strengths.insert(own.name.to_owned(), x);
             }
-            near = known;
+            let next = self.all_with(campaign, effects, Some(&now.known))?;
+            keep_less(&mut best, std::mem::replace(&mut now, next));
         }
-        best.map(|(_, known, effects)| (known, effects))
-    }
-
-    /// Each run, fitted with effects.
-    pub(super) fn fitted_with(
-        &self,
-        subjects: &[Subject],
-        effects: &[DeclaredEffect],
-        near: Option<&[Known]>,
-        tell: &(dyn Fn(&str) + Sync),
-    ) -> Option<(PerRun<FittedRun>, Vec<Known>)> {
-        let numbered: Vec<(usize, &Subject)> = subjects.iter().enumerate().collect();
-        let fitted = parallel::map(&numbered, at_a_time(self.threads), |&(k, subject)| {
-            let near = near.and_then(|near| near.get(k));
-            let found = fitted_with(subject, &self.fit, &self.settings, self.width, effects, near);
-            tell(&subject.name);
-            found.ok()
-        });
-        let (mut runs, mut known) = (List::default(), Vec::new());
-        for one in fitted {
-            let (run, own) = one?;
-            runs.push(run);
-            known.push(own);
-        }
-        Some((runs, known))
+        keep_less(&mut best, now);
+        best
     }
 
     /// What one more of each strength changes in each run, without what parameters reach: between a share less and as
     /// much more of it.
-    fn columns(
-        &self,
-        runs: &PerRun<FittedRun>,
-        observations: &PerRun<Observation>,
-        (effects, strengths): (&[DeclaredEffect], &[Strength]),
-        share: f64,
-    ) -> Option<Vec<PerRun<DVector<f64>>>> {
+    fn columns(&self, now: &FittedWith, strengths: &[Strength], share: f64) -> Option<Vec<PerRun<DVector<f64>>>> {
+        let FittedWith { effects, runs, observations, .. } = now;
         let moved = |own: &Strength, by: f64| -> (f64, Vec<DeclaredEffect>) {
-            let mut effects = effects.to_vec();
+            let mut effects = effects.clone();
             let x = effects[own.effect].strengths.entry(own.name.to_owned()).or_default();
             *x = (*x * by).clamp(own.low, own.high);
             (*x, effects)
@@ -133,22 +84,13 @@ impl Chains {
         }
         Some(columns)
     }
+}
 
-    /// Features of a run with effects instead of those it was fitted with.
-    pub(super) fn features_with(
-        &self,
-        runs: &PerRun<FittedRun>,
-        run: RunId,
-        effects: &[DeclaredEffect],
-    ) -> Option<Vec<f64>> {
-        let fitted = &runs[run];
-        let mut model = fitted.model.clone();
-        model.simulation.effects = self.runs[run].with(effects.to_vec()).simulation.effects;
-        let settled = &fitted.landing.centre.ensemble.settled;
-        let plan = Plan { passes: self.settings.ensembles.passes, from: Some(settled), ..Plan::default() };
-        let deviations = deviations_of(&model.simulation).ok()?.1;
-        let ensemble = model.run_ensemble(&fitted.landing.at, &plan)?;
-        Some(fitted.features(&model, &ensemble, &deviations, false, fitted.landing.at))
+/// Keeps what leaves less, or what was there first.
+fn keep_less(best: &mut Option<FittedWith>, next: FittedWith) {
+    let square = |own: &FittedWith| norm_squared(&own.observations.map(|run| run.residual.clone()));
+    if best.as_ref().is_none_or(|best| square(&next) < square(best)) {
+        *best = Some(next);
     }
 }
 
