@@ -123,6 +123,18 @@ impl Certificate {
         *self = Certificate { seconds, parts, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
     }
 
+    /// With a bound of another kind, where it is the better one, and what that takes for granted.
+    pub fn raise(&mut self, bound: f64, assumed: &str) {
+        if bound > self.lower_bound {
+            let seconds = self.seconds;
+            let mut words = std::mem::take(&mut self.assumed);
+            words.push(assumed.to_owned());
+            let parts = (self.parts.len() > 1).then(|| std::mem::take(&mut self.parts));
+            *self = Certificate { seconds, ..Self::new(self.counted, self.value, bound, self.nodes, words) };
+            self.parts = parts.unwrap_or_else(|| std::mem::take(&mut self.parts));
+        }
+    }
+
     /// What several searches prove together of the best of their layouts, which is this one's.
     pub fn combine(&mut self, all: &[Certificate]) {
         let bound = all.iter().map(|c| c.lower_bound).fold(f64::INFINITY, f64::min);

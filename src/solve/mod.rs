@@ -12,6 +12,7 @@ mod equipped;
 mod exact;
 mod freedom;
 mod goals;
+mod homotopy;
 mod hopping;
 mod left_over;
 mod multipliers;

@@ -4,7 +4,7 @@
 use super::options::{Discretise, Effort, Options, Progress, Solver, Tell};
 use super::sqp::{self, Solution, SqpSettings, Watch};
 use super::violations::{as_written, off_grid, stage};
-use super::{Stage, Status, complex, conflict, hopping};
+use super::{Stage, Status, complex, conflict, exact, homotopy, hopping};
 use crate::model::{Layout, Side};
 use crate::problem::{Problem, Scope, perturbed};
 use crate::solve::certificate::Certificate;
@@ -139,7 +139,10 @@ fn one_way(layout: &Layout, options: &Options, discretise: Discretise, watch: Te
     watch(Progress::Iteration { stage: "stage3", iteration: 0, length, max_violation });
     let mut third = discretise(layout, &full, &second, &settings, &options.effort, watch);
     let mut starts = 1;
-    if third.is_open() && !options.stop.now() && options.solver == Solver::Sqp {
+    let gap = options.effort.gap;
+    let enough =
+        gap > 0.0 && third.fits(settings.feasibility) && exact::near(layout, &full, &third.solution.variables, gap);
+    if third.is_open() && !enough && !options.stop.now() && options.solver == Solver::Sqp {
         // Only what is shorter than the layout on the grid leads to a shorter one there.
         let known = if third.fits(settings.feasibility) { third.solution.length } else { f64::INFINITY };
         let asked = (known, settings.feasibility, options.threads);
@@ -151,6 +154,10 @@ fn one_way(layout: &Layout, options: &Options, discretise: Discretise, watch: Te
         for other in others {
             third = third.or(discretise(layout, &full, &other, &settings, &effort, watch), settings.feasibility);
         }
+    }
+    if let Some(certificate) = third.certificate.as_mut().filter(|c| !c.proven) {
+        let bound = exact::of_class(layout, &full, &third.solution.variables);
+        bound.iter().for_each(|bound| certificate.raise(*bound, homotopy::CLASS));
     }
     let mut last = stage("stage3", &full, &third.solution, &settings, clock);
     last.starts = starts;

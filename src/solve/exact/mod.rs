@@ -10,6 +10,7 @@ mod alternative;
 mod apart;
 mod beside;
 mod choice;
+mod class;
 mod closes;
 mod enclosing;
 mod grid;
@@ -24,6 +25,7 @@ mod tariff;
 mod told;
 mod touched;
 
+pub use class::{near, of_class};
 pub use tariff::{least_price, worth};
 
 use super::options::Discretised;
@@ -202,6 +204,11 @@ impl Task<'_> {
         Found { variables, value, bound: bound.min(value), nodes, parts: Vec::new() }
     }
 
+    /// Whether a layout is near enough to the best of its class, so that none needs to be looked for.
+    fn suffices(&self, (x, _): &(Vec<f64>, f64)) -> bool {
+        self.effort.gap > 0.0 && near(self.layout, self.problem, x, self.effort.gap)
+    }
+
     /// The best layout, whether or not its chain closes: chain by chain where that is wanted.
     fn search(
         &self,
@@ -211,6 +218,9 @@ impl Task<'_> {
         effort: Effort,
     ) -> Found {
         let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
+        if let Some((x, value)) = incumbent.clone().filter(|known| self.suffices(known)) {
+            return Found { variables: Some(x), value, bound: 0.0, nodes: 0, parts: Vec::new() };
+        }
         let Some(incumbent) = incumbent else {
             let (mut setting, _) = self.setting(self.problem, grid, None, (detail, &value));
             setting.effort = effort;

@@ -1,0 +1,46 @@
+//! The class of a closed line among points: which rays from the points it crosses, in which order and way, without what
+//! it takes back. Two lines of the same word can be moved into each other without passing over a point.
+
+use crate::geometry::Point;
+
+/// Heading of all rays, rad: no edge of a drawing has it.
+const RAYS: f64 = 1.234_567;
+
+/// A ray that is crossed, and whether to the left as seen along the ray.
+type Crossing = (usize, bool);
+
+/// The word in the form that all lines of its class share: without neighbours that cancel each other, and begun at the
+/// place where it comes first in the order of its letters.
+pub fn cyclic(line: &[Point], points: &[Point]) -> Vec<Crossing> {
+    let ray = Point::unit(RAYS);
+    let mut word: Vec<Crossing> = Vec::new();
+    for (i, &a) in line.iter().enumerate() {
+        let b = line[(i + 1) % line.len()];
+        let mut crossed: Vec<(f64, Crossing)> = Vec::new();
+        for (k, &p) in points.iter().enumerate() {
+            let [from, to] = [a, b].map(|q| ray.cross(q - p));
+            if (from > 0.0) != (to > 0.0) {
+                let t = from / (from - to);
+                if ray.dot(a.lerp(b, t) - p) > 0.0 {
+                    crossed.push((t, (k, to > 0.0)));
+                }
+            }
+        }
+        crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, crossing) in crossed {
+            match word.last() {
+                Some(&last) if cancel(last, crossing) => drop(word.pop()),
+                _ => word.push(crossing),
+            }
+        }
+    }
+    let half = word.len() / 2;
+    let ends = (0..half).take_while(|&i| cancel(word[i], word[word.len() - 1 - i])).count();
+    let kept = &word[ends..word.len() - ends];
+    let turned = |from: usize| [&kept[from..], &kept[..from]].concat();
+    (0..kept.len()).map(turned).min().unwrap_or_default()
+}
+
+fn cancel(a: Crossing, b: Crossing) -> bool {
+    a.0 == b.0 && a.1 != b.1
+}
