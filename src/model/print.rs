@@ -2,7 +2,9 @@
 //!
 //! The text is a layout again: checked, it gives the same model (but for the spans).
 
+mod capacity;
 mod choice;
+mod components;
 mod equipment;
 mod formula;
 
@@ -53,163 +55,6 @@ impl Printer {
 
     fn field(&mut self, name: &str, value: impl AsRef<str>) {
         self.line(format!("{name} = {}", value.as_ref()));
-    }
-
-    fn catalog(&mut self, catalog: &Catalog) {
-        self.block(format!("catalog {}", catalog.name), |out| {
-            out.field("take_up", metres(catalog.take_up));
-            out.field("headroom", metres(catalog.headroom));
-            let straight = &catalog.straight;
-            out.block("straight", |out| {
-                out.field("article", quoted(&straight.article));
-                out.field("stock", list(&straight.stock));
-                if let Some(cut) = straight.cut {
-                    out.field("cut", range(cut, metres));
-                }
-                out.field("cut_price", unit(straight.cut_price, "EUR"));
-                out.field("shortest", metres(straight.shortest));
-                out.rates(straight.price, straight.mass);
-            });
-            let curve = &catalog.curve;
-            out.block("curve", |out| {
-                out.field("article", quoted(&curve.article));
-                out.field("radii", list(&curve.radii));
-                out.field("angle_step", degrees(curve.angle_step));
-                out.field("largest", degrees(curve.largest));
-                out.field("turns", range(curve.turns, degrees));
-                out.rates(curve.price, curve.mass);
-            });
-            if let Some(stock) = &catalog.vertical {
-                out.block("vertical", |out| {
-                    out.slopes(&stock.article, &stock.radii, stock.angle_step, stock.steepest);
-                    out.rates(stock.price, stock.mass);
-                });
-            }
-            if let Some(stock) = &catalog.spiral {
-                out.block("spiral", |out| {
-                    out.slopes(&stock.article, &stock.radii, stock.angle_step, stock.steepest);
-                    out.rates(stock.price, stock.mass);
-                });
-            }
-            if catalog.support != Article::default() {
-                out.block("support", |out| out.article(&catalog.support));
-            }
-        });
-        self.text.push('\n');
-    }
-
-    fn article(&mut self, article: &Article) {
-        if let Some(number) = &article.number {
-            self.field("article", quoted(number));
-        }
-        if let Some(price) = article.price {
-            self.field("price", unit(price, "EUR"));
-        }
-        if let Some(mass) = article.mass {
-            self.field("mass", unit(mass, "kg"));
-        }
-    }
-
-    fn slopes(&mut self, article: &str, radii: &[f64], step: f64, steepest: f64) {
-        self.field("article", quoted(article));
-        self.field("radii", list(radii));
-        self.field("angle_step", degrees(step));
-        self.field("steepest", number(steepest));
-    }
-
-    fn rates(&mut self, price: Rate, mass: Rate) {
-        self.field("piece_price", unit(price.per_piece, "EUR"));
-        self.field("metre_price", unit(price.per_metre, "EUR/m"));
-        self.field("piece_mass", unit(mass.per_piece, "kg"));
-        self.field("metre_mass", unit(mass.per_metre, "kg/m"));
-    }
-
-    fn cart(&mut self, cart: &Cart, name: &str) {
-        self.wheel(&cart.steering, &cart.steering.name);
-        // One declaration may serve both with different arguments.
-        let running = if cart.running.name == cart.steering.name && !same_wheel(&cart.running, &cart.steering) {
-            format!("{}_running", cart.running.name)
-        } else {
-            cart.running.name.clone()
-        };
-        if running != cart.steering.name {
-            self.wheel(&cart.running, &running);
-        }
-        self.joint(&cart.joint);
-        self.block(format!("cart {name}"), |out| {
-            out.field("length", metres(cart.length));
-            if !cart.lengths.is_empty() {
-                out.field("lengths", list(&cart.lengths));
-            }
-            out.field("mass", unit(cart.mass, "kg"));
-            out.field("inertia", format!("({})", cart.inertia.map(|i| unit(i, "kg*m^2")).join(", ")));
-            out.field("centre_of_mass", format!("({})", cart.centre_of_mass.map(metres).join(", ")));
-            out.field("steering", &cart.steering.name);
-            out.field("running", &running);
-            out.field("joint", &cart.joint.name);
-            out.field("motor_height", metres(cart.motor_height));
-            if let Some(drag) = cart.drag {
-                out.field("drag", unit(drag, "kg/m"));
-            }
-            out.article(&cart.article);
-        });
-        self.text.push('\n');
-    }
-
-    fn joint(&mut self, joint: &Joint) {
-        if !self.printed.insert(format!("joint {}", joint.name)) {
-            return;
-        }
-        self.block(format!("joint {}", joint.name), |out| {
-            out.field("approach_floor", unit(joint.approach_floor, "m/s"));
-            out.block("axial", |out| out.contact(&joint.axial));
-            out.block("radial", |out| out.contact(&joint.radial));
-            out.strength(&joint.strength);
-            out.article(&joint.article);
-        });
-        self.text.push('\n');
-    }
-
-    fn wheel(&mut self, wheel: &Wheel, name: &str) {
-        if !self.printed.insert(format!("wheel {name}")) {
-            return;
-        }
-        self.block(format!("wheel {name}"), |out| {
-            out.field("radius", metres(wheel.radius));
-            out.field("half_spacing", metres(wheel.half_spacing));
-            out.field("height", metres(wheel.height));
-            out.field("gap", metres(wheel.gap));
-            out.contact(&wheel.contact);
-            out.field("rolling_resistance", number(wheel.rolling_resistance));
-            out.strength(&wheel.strength);
-        });
-        self.text.push('\n');
-    }
-
-    fn contact(&mut self, contact: &ContactParameters) {
-        let exponent = if contact.exponent == 1.0 { String::new() } else { format!("^{}", contact.exponent) };
-        self.field("stiffness", unit(contact.stiffness, &format!("N/m{exponent}")));
-        self.field("exponent", number(contact.exponent));
-        self.field("restitution", number(contact.restitution));
-    }
-
-    fn drive(&mut self, layout: &Layout) {
-        let (motor, controller, sensor) = (&layout.drive.motor, &layout.drive.controller, &layout.sensor);
-        self.motor(motor);
-        self.block(format!("controller {}", controller.name), |out| {
-            out.field("proportional", unit(controller.proportional, "N*s/m"));
-            out.field("integral", unit(controller.integral, "N/m"));
-            out.field("derivative", unit(controller.derivative, "N*s^2/m"));
-            out.field("period", unit(controller.period, "s"));
-        });
-        self.text.push('\n');
-        self.block(format!("sensor {}", sensor.name), |out| {
-            out.field("lowpass", unit(sensor.lowpass, "Hz"));
-            out.field("rate", unit(sensor.rate, "Hz"));
-            out.field("trigger_length", metres(sensor.trigger_length));
-            out.article(&sensor.article);
-        });
-        self.text.push('\n');
     }
 
     fn layout(&mut self, layout: &Layout) {
@@ -334,68 +179,6 @@ impl Printer {
     }
 }
 
-/// Rows of chutes with their shares, if there are any.
-fn row_shares(layout: &Layout, shares: &[(usize, f64)]) -> String {
-    let names = layout.equipment.names(EquipmentKind::Chute);
-    let share = |(row, share): &(usize, f64)| format!("{} {}", names[*row], number(*share));
-    let shares: Vec<String> = shares.iter().map(share).collect();
-    if shares.is_empty() { String::new() } else { format!(" to {}", shares.join(", ")) }
-}
-
-impl Printer {
-    fn capacity(&mut self, layout: &Layout) {
-        let names = |section: usize| layout.section_name(section);
-        let Capacity { scanners, feeds, storages, items, stops, failures, waves, each_wave, required } =
-            &layout.capacity;
-        let declared = &layout.equipment.declared;
-        for place in scanners.iter().filter(|place| declared.iter().all(|d| d.span != place.span)) {
-            self.line(format!("scanner on {} at {}", names(place.section), metres(place.at)));
-        }
-        for feed in feeds {
-            let mut text = format!("feed {}", layout.equipment.names(EquipmentKind::Induction)[feed.induction]);
-            if let Some(rate) = feed.rate {
-                let _ = write!(text, " {} per hour", number(rate));
-            }
-            if let Some(most) = feed.most {
-                let _ = write!(text, " up to {} per hour", number(most));
-            }
-            let _ = write!(text, " efficiency {}", number(feed.efficiency));
-            self.line(text + &row_shares(layout, &feed.shares));
-        }
-        for storage in storages {
-            let name = layout.equipment.names(EquipmentKind::Chute)[storage.chutes];
-            let every = storage.every.map_or_else(String::new, |every| format!(" every {}", unit(every, "s")));
-            self.line(format!("storage {name} {}{every}", storage.count));
-        }
-        if *items != Items::default() {
-            let laps = items.laps.map_or_else(String::new, |laps| format!(" laps {laps}"));
-            self.line(format!("items{laps} double {} unread {}", number(items.double), number(items.unread)));
-        }
-        if let Some(stops) = stops {
-            self.line(format!("stops every {} for {}", unit(stops.every, "s"), unit(stops.duration, "s")));
-        }
-        for failure in failures {
-            let name = match failure.of {
-                FailureOf::Induction(i) => layout.equipment.names(EquipmentKind::Induction)[i],
-                FailureOf::Chutes(i) => layout.equipment.names(EquipmentKind::Chute)[i],
-                FailureOf::Scanners => SCANNERS,
-            };
-            self.line(format!("fails {name} every {} for {}", unit(failure.every, "s"), unit(failure.duration, "s")));
-        }
-        if let Some(Waves { every, changeover, spread, .. }) = waves {
-            let (every, changeover) = (unit(*every, "s"), unit(*changeover, "s"));
-            self.line(format!("waves every {every} changeover {changeover} spread {}", number(*spread)));
-        }
-        for wave in each_wave {
-            self.line(format!("wave {}{}", wave.name, row_shares(layout, &wave.shares)));
-        }
-        if let Some(required) = required {
-            let reason = required.reason.as_ref().map_or_else(String::new, |why| format!(" {}", quoted(why)));
-            self.line(format!("require capacity >= {} per hour{reason}", number(required.least.value)));
-        }
-    }
-}
-
 impl Printer {
     fn drawing(&mut self, drawing: &DrawingSettings) {
         for axis in &drawing.axes {
@@ -500,11 +283,6 @@ fn section_text(from: usize, names: &[&str]) -> String {
 fn target_text(target: Target, names: &[&str]) -> String {
     let section = section_text(target.from, names);
     if target.straight { format!("straight({section})") } else { section }
-}
-
-fn same_wheel(a: &Wheel, b: &Wheel) -> bool {
-    let numbers = |w: &Wheel| [w.radius, w.half_spacing, w.height, w.gap, w.rolling_resistance];
-    numbers(a) == numbers(b) && a.contact == b.contact
 }
 
 /// The shortest digits that give the same number again; no negative zero.
