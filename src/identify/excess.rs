@@ -12,7 +12,7 @@ use crate::signal::FORCES;
 use nalgebra::{DMatrix, DVector};
 
 /// Over how many carts' passing means are taken: what repeats with each cart is none of them.
-const OVER: [f64; 3] = [1.0, 2.0, 4.0];
+pub(super) const OVER: [f64; 3] = [1.0, 2.0, 4.0];
 
 /// Correlation times that are thought of, s: the first, their ratio, and how many.
 const TIMES: (f64, f64, usize) = (0.08, 1.2, 22);
@@ -25,6 +25,10 @@ const KNOWN: f64 = 0.1;
 
 /// A variance is believed from so many of its deviations on.
 const SURE: f64 = 2.0;
+
+/// A run has noise of its own where twice the logarithm of the likelihood is larger by this, which a level and a time of
+/// its own add by chance on average (Wilks 1938).
+const UNLIKE: f64 = 2.0;
 
 /// As many variances of means over different times tell as much as one would.
 const ALIKE: f64 = OVER.len() as f64;
@@ -42,6 +46,8 @@ struct OfForce {
     rows: Vec<Row>,
     /// What was measured in bands: noise has no more there.
     bands: Vec<BandPower>,
+    /// Its variance is no more than this, N²; of what passes of one place differ by there is no such limit.
+    most: Option<f64>,
 }
 
 /// The power that was measured in a band, N².
@@ -54,7 +60,7 @@ pub struct BandPower {
 
 /// A variance beyond that of simulated passes: of means of half the difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Row {
+pub(super) struct Row {
     /// Time over which means are taken, s.
     over: f64,
     /// Time of the difference from which a straight line was taken, s.
@@ -65,6 +71,16 @@ struct Row {
 }
 
 impl Row {
+    /// Of means over a time in a record of some length, both s.
+    pub(super) fn new((over, length): (f64, f64), (excess, deviation): (f64, f64)) -> Row {
+        Row { over, length, excess, deviation }
+    }
+
+    /// What the variance of noise with a correlation time, s, scatters by in such a record, as a share.
+    fn sampled(&self, time: f64) -> f64 {
+        (2.0 * (self.over + 2.0 * time) / self.length).sqrt()
+    }
+
     /// The variance of means of noise of unit variance with a correlation time, s.
     fn of(&self, time: f64) -> f64 {
         let share = self.over / self.length;
@@ -181,29 +197,69 @@ impl Excess {
                 .collect()
         };
         let mut force = 0..;
-        Excess(bands.map(|bands| OfForce { rows: force.next().map_or_else(Vec::new, of), bands }))
+        Excess(bands.map(|bands| OfForce { rows: force.next().map_or_else(Vec::new, of), bands, most: None }))
     }
 
-    /// Whether any force passed a place twice.
-    pub fn is_known(&self) -> bool {
-        self.0.iter().any(|own| !own.rows.is_empty())
+    /// Of variances that are known from elsewhere.
+    pub(super) fn known(each: [(Vec<Row>, Vec<BandPower>, f64); FORCES]) -> Excess {
+        Excess(each.map(|(rows, bands, most)| OfForce { rows, bands, most: Some(most) }))
     }
 
-    /// The correlated noise of each force that runs with the same sensors have.
-    pub fn noise(runs: &[Excess]) -> [Noise; FORCES] {
-        std::array::from_fn(|force| {
-            let rows: Vec<Row> = runs.iter().flat_map(|run| &run.0[force].rows).copied().collect();
-            let bands: Vec<BandPower> = runs.iter().flat_map(|run| &run.0[force].bands).copied().collect();
-            let Some((variance, time)) = exponential(&rows, &bands) else { return Noise::default() };
-            Process { variance, time }.into()
-        })
+    /// For how long places were passed again, s.
+    pub fn length(&self) -> f64 {
+        self.0.iter().flat_map(|own| &own.rows).map(|row| row.length).fold(0.0, f64::max)
+    }
+
+    /// Adds what is known from elsewhere.
+    pub fn add(&mut self, other: Excess) {
+        for (own, other) in self.0.iter_mut().zip(other.0) {
+            own.rows.extend(other.rows);
+            if own.bands.is_empty() {
+                own.bands = other.bands;
+            }
+            own.most = own.most.or(other.most);
+        }
+    }
+
+    /// The correlated noise of each force in each run. Runs of a campaign have the same sensors, so what all tell of a
+    /// force holds of each run, but of one that is unlike the others.
+    pub fn noise(runs: &[Excess]) -> Vec<[Noise; FORCES]> {
+        let together: [Option<Process>; FORCES] =
+            std::array::from_fn(|force| exponential(&runs.iter().map(|run| &run.0[force]).collect::<Vec<_>>()));
+        let of = |own: &OfForce, together: Option<Process>| {
+            let alone = exponential(&[own]);
+            let [alike, apart] = [together, alone].map(|noise| own.unlikely(noise.unwrap_or_default()));
+            if alike - apart > UNLIKE { alone } else { together }
+        };
+        let noise = |run: &Excess| {
+            std::array::from_fn(|force| of(&run.0[force], together[force]).map_or_else(Noise::default, Noise::from))
+        };
+        runs.iter().map(noise).collect()
+    }
+}
+
+impl OfForce {
+    /// Less twice the logarithm of the likelihood of its variances with a noise.
+    fn unlikely(&self, noise: Process) -> f64 {
+        let of = |row: &Row| {
+            let shape = if noise.variance > 0.0 { row.of(noise.time) } else { 0.0 };
+            let sampled = noise.variance * shape * row.sampled(noise.time);
+            let deviation = trig::hypot(row.deviation, sampled);
+            let off = (row.excess - noise.variance * shape) / deviation;
+            off * off + 2.0 * trig::ln(deviation)
+        };
+        self.rows.iter().map(of).sum::<f64>() / ALIKE
     }
 }
 
 /// The variance and the time of σ² exp(−t/τ) of noise that has no more in any band than was measured there, if there is
 /// any beyond doubt. Means over carts' passing hardly tell short times from still shorter ones, so that the time is the
 /// mean of its logarithm over all that are thought of, by how likely each is.
-fn exponential(rows: &[Row], bands: &[BandPower]) -> Option<(f64, f64)> {
+fn exponential(known: &[&OfForce]) -> Option<Process> {
+    let rows: Vec<Row> = known.iter().flat_map(|own| &own.rows).copied().collect();
+    let bands: Vec<BandPower> = known.iter().flat_map(|own| &own.bands).copied().collect();
+    let limit = known.iter().filter_map(|own| own.most).fold(f64::INFINITY, f64::min);
+    let (rows, bands) = (rows.as_slice(), (bands.as_slice(), limit));
     // No moment is known much better than the others, as no noise is quite of this kind.
     let clear = rows.iter().filter(|row| row.excess > SURE * row.deviation);
     let most = clear.map(|row| row.excess).fold(0.0, f64::max);
@@ -221,7 +277,7 @@ fn exponential(rows: &[Row], bands: &[BandPower]) -> Option<(f64, f64)> {
         sure |= own.unlikely == least && own.variance > SURE * own.deviation;
     }
     let mean = OfTime::new(rows, bands, trig::exp(sum / all), most);
-    (sure && mean.variance > 0.0).then_some((mean.variance, mean.time))
+    (sure && mean.variance > 0.0).then_some(Process { variance: mean.variance, time: mean.time })
 }
 
 /// Noise of one correlation time.
@@ -236,8 +292,8 @@ struct OfTime {
 
 impl OfTime {
     /// `most` is the largest excess that is clear.
-    fn new(rows: &[Row], bands: &[BandPower], time: f64, most: f64) -> OfTime {
-        let limit = bands.iter().map(|own| own.all_of(time)).fold(f64::INFINITY, f64::min);
+    fn new(rows: &[Row], (bands, limit): (&[BandPower], f64), time: f64, most: f64) -> OfTime {
+        let limit = bands.iter().map(|own| own.all_of(time)).fold(limit, f64::min);
         let shapes: Vec<f64> = rows.iter().map(|row| row.of(time)).collect();
         let fitted = |deviations: &[f64]| {
             let (mut square, mut along) = (0.0, 0.0);
@@ -251,7 +307,7 @@ impl OfTime {
         let (first, square) = fitted(&alike);
         // A length has so many independent means of noise that lasts.
         let sampled = |(row, shape): (&Row, &f64)| {
-            let scatter = first * shape * (2.0 * (row.over + 2.0 * time) / row.length).sqrt();
+            let scatter = first * shape * row.sampled(time);
             trig::hypot(row.deviation, scatter.max(KNOWN * KNOWN * most))
         };
         let deviations: Vec<f64> = rows.iter().zip(&shapes).map(sampled).collect();
@@ -376,8 +432,8 @@ mod tests {
             Lap { length: 80.0, speed: 2.0, carts: 64 },
             (500.0, &ensemble()),
         );
-        assert_eq!(excess.is_known(), share > 0.0);
-        Excess::noise(&[excess])[2]
+        assert_eq!(excess.length() > 0.0, share > 0.0);
+        Excess::noise(&[excess])[0][2]
     }
 
     #[test]
@@ -425,12 +481,17 @@ mod tests {
         let rows = [0.6, 1.2, 2.4].map(row);
         let scattered = [1.2, 1.0, 0.7].into_iter().zip(rows).map(|(by, row)| Row { excess: by * row.excess, ..row });
         let scattered: Vec<Row> = scattered.collect();
-        let free = exponential(&scattered, &[]).unwrap();
+        let of =
+            |bands: Vec<BandPower>| exponential(&[&OfForce { rows: scattered.clone(), bands, most: None }]).unwrap();
+        let free = of(Vec::new());
         let band = (10.0, 40.0);
         let turn = |hz: f64| trig::atan(trig::TAU * hz * 0.3);
         let measured = 0.36 * 2.0 / trig::PI * (turn(band.1) - turn(band.0));
-        let (variance, time) = exponential(&scattered, &[BandPower { measured, band }]).unwrap();
-        assert!((0.15..0.8).contains(&time) && time > free.1 && (0.25..0.6).contains(&variance), "{variance} {time}");
+        let Process { variance, time } = of(vec![BandPower { measured, band }]);
+        assert!(
+            (0.15..0.8).contains(&time) && time > free.time && (0.25..0.6).contains(&variance),
+            "{variance} {time}"
+        );
         assert!(variance <= BandPower { measured, band }.all_of(time));
         let whole = BandPower { measured: 1.0, band: (0.0, 1e9) };
         assert!((whole.all_of(0.3) - 1.0).abs() < 1e-6);

@@ -38,6 +38,7 @@ mod steady;
 pub mod stiffness;
 pub mod study;
 mod sums;
+pub mod unshared;
 mod words;
 
 pub use effort::{Counter, Effort};

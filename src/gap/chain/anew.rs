@@ -52,6 +52,7 @@ impl Chains {
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {
             fit: self.fit,
+            correlated: Vec::new(),
             settings: &self.settings,
             threads: self.threads,
             width: self.width,

@@ -39,10 +39,10 @@ impl Chains {
         near: Option<&[Known]>,
     ) -> Option<FittedWith> {
         let Campaign { subjects, settings, tell } = campaign;
-        let numbered: Vec<(usize, &Subject)> = subjects.iter().enumerate().collect();
-        let fitted = parallel::map(&numbered, at_a_time(self.threads), |&(k, subject)| {
+        let numbered: Vec<(usize, (RunId, &Subject))> = self.runs.ids().zip(subjects).enumerate().collect();
+        let fitted = parallel::map(&numbered, at_a_time(self.threads), |&(k, (run, subject))| {
             let near = near.and_then(|near| near.get(k));
-            let found = fitted_with(subject, &self.fit, &self.settings, self.width, &effects, near);
+            let found = fitted_with(subject, &self.fit_of(run), &self.settings, self.width, &effects, near);
             tell(&subject.name);
             found.ok()
         });

@@ -28,7 +28,7 @@ use crate::effects::{
 use crate::identify::excess::Excess;
 use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan};
-use crate::identify::noise::{ChannelNoise, channel_noise};
+use crate::identify::noise::{ChannelNoise, Noise, channel_noise};
 use crate::identify::repeatability::RAN_BEFORE;
 use crate::identify::study::Subject;
 use crate::identify::{Counter, Effort, FitSettings, Model, Parameter};
@@ -38,7 +38,7 @@ use crate::solve::Stop;
 use force_slope::{Impact, Profile};
 use impacts::{HighFrequencyPower, Suspect};
 use laps::observed;
-use nominal::{Known, fitted, repeated, set_tops};
+use nominal::{Known, compare, fitted, repeated, set_tops};
 use std::collections::BTreeMap;
 
 /// How many runs are fitted at a time: more than threads, so that none is left to a single one in the end.
@@ -101,6 +101,8 @@ struct FittedRun {
 /// How runs are fitted, and which effects are offered.
 struct Fitting<'a> {
     fit: FitSettings,
+    /// Of each run's sensors, where it is known.
+    correlated: Vec<[Noise; FORCES]>,
     settings: &'a settings::Chain,
     threads: usize,
     width: Width,
@@ -125,14 +127,13 @@ impl Chains {
         let Work { seed, threads, width, stop } = work;
         let settings = &settings.chain;
         let steps = settings.ensembles.nominal_steps;
-        // A campaign's runs have the same sensors.
         let counter = Counter::default();
-        let repeated: Vec<Option<Excess>> =
-            parallel::map(subjects, threads, |subject| repeated(subject, width, stop, &counter));
-        let repeated: Vec<Excess> = repeated.into_iter().flatten().collect();
-        let correlated = Some(Excess::noise(&repeated));
-        let fit = FitSettings { seed, steps, threads: 1, correlated, stop, ..FitSettings::default() };
-        let fitting = Fitting { fit, settings, threads, width, known: None, offered: &|_| true, counter };
+        let mut excess: Vec<Excess> =
+            parallel::map(subjects, threads, |subject| repeated(subject, width, stop, &counter).unwrap_or_default());
+        let fit = FitSettings { seed, steps, threads: 1, stop, ..FitSettings::default() };
+        compare(&mut excess, subjects, (&fit, width), at_a_time(threads));
+        let correlated = Excess::noise(&excess);
+        let fitting = Fitting { fit, correlated, settings, threads, width, known: None, offered: &|_| true, counter };
         Chains::fitted(subjects, fitting, tell)
     }
 
@@ -142,10 +143,11 @@ impl Chains {
         fitting: Fitting,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Result<Chains, (String, String)> {
-        let Fitting { fit, settings, threads, width, known, offered, counter } = fitting;
+        let Fitting { fit, correlated, settings, threads, width, known, offered, counter } = fitting;
         let known = |k: usize| known.and_then(|known| known.get(k));
         let numbered: Vec<(usize, &Subject)> = subjects.iter().enumerate().collect();
         let fitted = parallel::map(&numbered, at_a_time(threads), |&(k, subject)| {
+            let fit = fit.knowing(correlated.get(k).copied());
             let found = fitted(subject, &fit, settings, width, known(k)).map_err(|why| (subject.name.clone(), why));
             tell(&subject.name);
             found
@@ -174,6 +176,11 @@ impl Chains {
             }
         }
         Ok(out)
+    }
+
+    /// How a run is fitted again.
+    fn fit_of(&self, run: RunId) -> FitSettings {
+        self.fit.knowing(Some(*self.runs[run].model.spec.noise()))
     }
 
     /// Draws chains as they are built.

@@ -3,7 +3,7 @@
 use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::{self, HighFrequencyPower};
-use crate::base::trig;
+use crate::base::{parallel, trig};
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
 use crate::effects::{is_of_machine, stiffness_temperature};
@@ -11,11 +11,12 @@ use crate::gap::settings;
 use crate::gap::simulator::Band;
 use crate::identify::excess::Excess;
 use crate::identify::feature_spec::Samples;
-use crate::identify::fit::{Landing, excess, land};
+use crate::identify::fit::{Landing, excess, land, residuals};
 use crate::identify::model::Coordinates;
 use crate::identify::noise::Noise;
 use crate::identify::repeatability::Repeatability;
 use crate::identify::study::Subject;
+use crate::identify::unshared::unshared;
 use crate::identify::{Counter, FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
 use crate::solve::Stop;
@@ -45,6 +46,29 @@ fn without_sensors_effects(simulation: &Simulation) -> Simulation {
 pub struct Known {
     pub at: Coordinates,
     noise: [Noise; FORCES],
+}
+
+/// Share of a lap that has to be passed again for a run to tell its noise by that alone.
+const REPEATED: f64 = 0.5;
+
+/// Has runs that pass few places again tell their noise by what they do not share with the others, too.
+pub fn compare(excess: &mut [Excess], subjects: &[Subject], (fit, width): (&FitSettings, Width), at_once: usize) {
+    let duration =
+        |subject: &Subject| subject.simulation.track.centre_line().length / subject.simulation.chain.speed_m_s;
+    let short: Vec<bool> = excess.iter().zip(subjects).map(|(own, s)| own.length() < REPEATED * duration(s)).collect();
+    if !short.contains(&true) {
+        return;
+    }
+    let correlated = Excess::noise(excess);
+    let numbered: Vec<(&Subject, [Noise; FORCES])> = subjects.iter().zip(correlated).collect();
+    let left = parallel::map(&numbered, at_once, |&(subject, correlated)| {
+        let (measured, mut model) = ready(subject, width).ok()?;
+        let landing = land(&mut model, &measured, None, &fit.knowing(Some(correlated))).ok()?.1;
+        Some(residuals(&model, &measured, &landing.at, &landing.centre.ensemble))
+    });
+    let Some(left) = left.into_iter().collect::<Option<Vec<_>>>() else { return };
+    let each = excess.iter_mut().zip(unshared(&left)).zip(short);
+    each.filter(|(_, short)| *short).for_each(|((own, unshared), _)| own.add(unshared));
 }
 
 /// Fits the nominal model to a run, or takes it where its parameters are known to be.

@@ -39,7 +39,7 @@ impl Chains {
             let shapes = self.ranked(&best, run);
             let near = &best.known[run.index()];
             let mut fitted: Vec<(f64, Vec<DeclaredEffect>)> = parallel::map(&shapes, self.threads, |effects| {
-                let (fit, settings) = (&self.fit, &self.settings);
+                let (fit, settings) = (&self.fit_of(run), &self.settings);
                 let subject = &campaign.subjects[run.index()];
                 let (fitted, _) = fitted_with(subject, fit, settings, self.width, effects, Some(near)).ok()?;
                 let observation = Observation::new(&frame::frame(&subject.name, &fitted), &[], campaign.settings);

@@ -6,6 +6,7 @@ use crate::base::trig;
 use crate::dynamics::{CartRecord, Ensemble};
 use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
 use crate::identify::excess::{BandPower, Excess};
+use crate::identify::feature_spec::Samples;
 use crate::identify::grid::{Grid, Lap};
 use crate::identify::local::Centre;
 use crate::identify::measured::Measured;
@@ -14,6 +15,7 @@ use crate::identify::noise::Noise;
 use crate::identify::parameter::Parameter;
 use crate::identify::repeatability::Repeatability;
 use crate::identify::scales::{Known, Power, Record, noise};
+use crate::identify::unshared::Residuals;
 use crate::signal::FORCES;
 
 /// The channel whose mean tells the tension: joint_xi.
@@ -71,17 +73,34 @@ impl MisplacedBy {
 pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Excess {
     let samples = measured.samples();
     let trigger = at[Parameter::TriggerPosition.index()];
-    let speed = measured.speed();
-    let lap = Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts };
+    let bands = bands(model, &samples, ensemble.rate);
+    let records = (ensemble.rate, ensemble.carts.as_slice());
+    Excess::new((samples.station, samples.forces), bands, trigger, lap(model, measured), records)
+}
+
+/// What a run's means along the track are off those of an ensemble at a point.
+pub fn residuals(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Residuals {
+    let samples = measured.samples();
+    let trigger = at[Parameter::TriggerPosition.index()];
+    let noise = (model.spec.noise(), bands(model, &samples, ensemble.rate));
+    let records = (ensemble.rate, ensemble.carts.as_slice());
+    Residuals::new((samples.station, samples.forces), noise, trigger, lap(model, measured), records)
+}
+
+fn lap(model: &Model, measured: &Measured) -> Lap {
+    Lap { length: model.spec.places.lap, speed: measured.speed(), carts: model.simulation.chain.carts }
+}
+
+/// The power in each band of each force that was measured, at a rate, Hz.
+fn bands(model: &Model, samples: &Samples, rate: f64) -> [Vec<BandPower>; FORCES] {
     let mut power = FeatureAccumulator::new(&model.spec);
-    power.add(&model.spec, &samples, 0.0, NoiseDraw::None);
-    let hz = |line: usize| line as f64 / model.spec.segment as f64 * ensemble.rate;
-    let bands = std::array::from_fn(|k| {
+    power.add(&model.spec, samples, 0.0, NoiseDraw::None);
+    let hz = |line: usize| line as f64 / model.spec.segment as f64 * rate;
+    std::array::from_fn(|k| {
         let each = power.band_power(k).into_iter().zip(model.spec.bands);
         let known = each.filter(|(measured, _)| measured.is_finite() && !samples.forces[k].is_empty());
         known.map(|(measured, (from, to))| BandPower { measured, band: (hz(from), hz(to)) }).collect()
-    });
-    Excess::new((samples.station, samples.forces), bands, trigger, lap, (ensemble.rate, &ensemble.carts))
+    })
 }
 
 impl Fitter<'_> {
@@ -109,10 +128,11 @@ impl Fitter<'_> {
         }
         let samples = self.measured.samples();
         let trigger = at[Parameter::TriggerPosition.index()];
-        let grid = Grid::new(self.lap(model), ensemble.rate);
+        let grid = Grid::new(lap(model, self.measured), ensemble.rate);
         let own = ensemble.carts.first().map_or(0.0, |cart| variance_of_steps(&cart.speed));
         let white_speed = (variance_of_steps(samples.speed) - own).max(0.0).sqrt();
-        let places = MisplacedBy { step: white_speed / ensemble.rate, sample: self.lap(model).speed / ensemble.rate };
+        let places =
+            MisplacedBy { step: white_speed / ensemble.rate, sample: lap(model, self.measured).speed / ensemble.rate };
         let stations: Vec<Vec<f32>> =
             ensemble.carts.iter().zip(0..).map(|(cart, seed)| places.of(&cart.station, seed)).collect();
         let of = |values: &[f32],
@@ -146,11 +166,6 @@ impl Fitter<'_> {
             let once = |cart: &CartRecord, station: &[f32]| grid.once(station, &cart.speed);
             model.spec.set_speed_noise(of(samples.speed, &once, (white_speed, LEAST_SPEED), None, Vec::new()));
         }
-    }
-
-    fn lap(&self, model: &Model) -> Lap {
-        let speed = self.measured.speed();
-        Lap { length: model.spec.places.lap, speed, carts: model.simulation.chain.carts }
     }
 
     /// The global stage for the trigger: where the means along the track fit best, whatever their level. What a channel

@@ -4,7 +4,7 @@
 mod global;
 mod residuals;
 
-pub use self::global::excess;
+pub use self::global::{excess, residuals};
 
 use super::goodness::{Goodness, Left};
 use super::local::{Centre, Sensitivity};
@@ -53,6 +53,13 @@ impl Default for FitSettings {
             numerics: false,
             stop: Stop::NEVER,
         }
+    }
+}
+
+impl FitSettings {
+    /// With the sensors' correlated noise, where it is known.
+    pub fn knowing(self, correlated: Option<[Noise; FORCES]>) -> Self {
+        FitSettings { correlated, ..self }
     }
 }
 
