@@ -5,6 +5,9 @@ use serde::Serialize;
 /// A bound that comes so close to the value is a proof, m: rows hold to as much. In EUR it is a tenth of a cent.
 const PROVEN: (f64, f64) = (1e-6, 1e-3);
 
+/// By what share a layout may be below a bound as its rows hold to a tolerance.
+const HELD: f64 = 1e-6;
+
 /// What a certificate speaks of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Counted {
@@ -123,9 +126,12 @@ impl Certificate {
         *self = Certificate { seconds, parts, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
     }
 
-    /// With a bound of another kind, where it is the better one, and what that takes for granted.
+    /// With a bound of another kind, where it is the better one, and what that takes for granted. One that the layout
+    /// itself is below by more than rows are held to is none.
     pub fn raise(&mut self, bound: f64, assumed: &str) {
-        if bound > self.lower_bound {
+        let holds = bound <= self.value * (1.0 + HELD);
+        debug_assert!(holds, "a bound of {bound} for a layout of {}", self.value);
+        if holds && bound > self.lower_bound {
             let seconds = self.seconds;
             let mut words = std::mem::take(&mut self.assumed);
             words.push(assumed.to_owned());
