@@ -49,7 +49,7 @@ pub struct Known {
 }
 
 /// Share of a lap that has to be passed again for a run to tell its noise by that alone.
-const REPEATED: f64 = 0.5;
+const REPEATED: f64 = 0.1;
 
 /// Has runs that pass few places again tell their noise by what they do not share with the others, too.
 pub fn compare(excess: &mut [Excess], subjects: &[Subject], (fit, width): (&FitSettings, Width), at_once: usize) {
