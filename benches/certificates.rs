@@ -1,5 +1,5 @@
 //! What stage 3 proves of all examples and of free loops of 4 to 20 vertices: `cargo bench --bench certificates`. With
-//! arguments, only layouts whose names contain one of them.
+//! arguments, only layouts whose names contain one of them; `-- --write DIR` leaves the free loops' texts as files.
 
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
@@ -18,6 +18,15 @@ use std::time::Instant;
 const FREE: [usize; 7] = [4, 6, 8, 10, 12, 16, 20];
 
 fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    if let Some(folder) = arguments.iter().position(|a| a == "--write").and_then(|i| arguments.get(i + 1)) {
+        std::fs::create_dir_all(folder).expect("a folder");
+        for n in FREE {
+            let path = Path::new(folder).join(format!("free_{n}.lss"));
+            std::fs::write(path, families::staircase(n, false)).expect("written");
+        }
+        return;
+    }
     let chosen: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let is_chosen = |name: &str| chosen.is_empty() || chosen.iter().any(|part| name.contains(part.as_str()));
     println!("layout               vertices  obstacles      value      bound    gap %     nodes  seconds");
