@@ -131,7 +131,7 @@ impl Chains {
         let mut excess: Vec<Excess> =
             parallel::map(subjects, threads, |subject| repeated(subject, width, stop, &counter).unwrap_or_default());
         let fit = FitSettings { seed, steps, threads: 1, stop, ..FitSettings::default() };
-        compare(&mut excess, subjects, (&fit, width), at_a_time(threads));
+        compare(&mut excess, subjects, (&fit, width), (at_a_time(threads), &counter));
         let correlated = Excess::noise(&excess);
         let fitting = Fitting { fit, correlated, settings, threads, width, known: None, offered: &|_| true, counter };
         Chains::fitted(subjects, fitting, tell)

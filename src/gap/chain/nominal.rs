@@ -52,7 +52,12 @@ pub struct Known {
 const REPEATED: f64 = 0.1;
 
 /// Has runs that pass few places again tell their noise by what they do not share with the others, too.
-pub fn compare(excess: &mut [Excess], subjects: &[Subject], (fit, width): (&FitSettings, Width), at_once: usize) {
+pub fn compare(
+    excess: &mut [Excess],
+    subjects: &[Subject],
+    (fit, width): (&FitSettings, Width),
+    (at_once, counter): (usize, &Counter),
+) {
     let duration =
         |subject: &Subject| subject.simulation.track.centre_line().length / subject.simulation.chain.speed_m_s;
     let short: Vec<bool> = excess.iter().zip(subjects).map(|(own, s)| own.length() < REPEATED * duration(s)).collect();
@@ -63,6 +68,7 @@ pub fn compare(excess: &mut [Excess], subjects: &[Subject], (fit, width): (&FitS
     let numbered: Vec<(&Subject, [Noise; FORCES])> = subjects.iter().zip(correlated).collect();
     let left = parallel::map(&numbered, at_once, |&(subject, correlated)| {
         let (measured, mut model) = ready(subject, width).ok()?;
+        model.counter = counter.clone();
         let landing = land(&mut model, &measured, None, &fit.knowing(Some(correlated))).ok()?.1;
         Some(residuals(&model, &measured, &landing.at, &landing.centre.ensemble))
     });
