@@ -119,7 +119,7 @@ impl Built {
             return Err(Failure::Layout(Said::new(&sources, &said)));
         }
         let stop = limits.time.map_or_else(|| Stop::when(ended), |time| Stop::after_or(time, ended));
-        let effort = Effort { gap: limits.gap, nodes: limits.nodes };
+        let effort = Effort { gap: limits.gap, nodes: limits.nodes, ..Effort::default() };
         let options = Options { solver: Solver::Sqp, perturb: None, threads: limits.threads, effort, stop };
         let tell = |progress: Progress| {
             let (done, total) = match progress {
@@ -303,7 +303,7 @@ pub fn simulation_of(
         return super::simulate::read(path);
     }
     let source = Source { path: path.to_owned(), text: None, layout: layout.map(str::to_owned), lets: Vec::new() };
-    let Effort { gap, nodes } = Effort::default();
+    let Effort { gap, nodes, .. } = Effort::default();
     Built::new(&source, Limits { nodes, gap, time: None, threads }, ended, board)?.simulation()
 }
 

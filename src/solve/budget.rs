@@ -71,8 +71,9 @@ impl Budget {
 
     /// Solves in stages; the last stage has a certificate of the goal within the budget.
     pub fn solve(&self, layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
+        let of_all = options.of_all();
         let seek = |layout: &Layout, weights: Weights| {
-            let stages = solve_in_stages(&weighted(layout, weights), options, discretise, watch);
+            let stages = solve_in_stages(&weighted(layout, weights), &of_all, discretise, watch);
             measured(layout, stages)
         };
         let alone = match self.limited {

@@ -111,17 +111,27 @@ impl From<Solution> for Discretised {
     }
 }
 
-/// When a search ends.
+impl Options {
+    /// For one of several solves that prove something together.
+    pub fn of_all(&self) -> Options {
+        Options { effort: Effort { class: false, ..self.effort }, ..*self }
+    }
+}
+
+/// When a search ends, and what it may prove.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Relative gap that is good enough; 0 for the optimum.
     pub gap: f64,
     /// Most nodes.
     pub nodes: usize,
+    /// Whether a bound of the loops that can be moved from the built one is enough. Several solves that prove something
+    /// together may build loops of several classes, so they need bounds of all.
+    pub class: bool,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Effort { gap: 0.0, nodes: 6_000 }
+        Effort { gap: 0.0, nodes: 6_000, class: true }
     }
 }

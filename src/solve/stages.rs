@@ -30,6 +30,7 @@ fn ways(layout: &Layout, options: &Options, discretise: Discretise, watch: Tell)
         return one_way(layout, options, discretise, watch);
     }
     let count = 1u32 << open.len().min(MOST_OPEN);
+    let options = &options.of_all();
     let mut ways: Vec<Vec<Stage>> = Vec::new();
     for way in 0..count {
         if ways.iter().any(|stages| ended_well(stages)) && options.stop.now() {
@@ -139,9 +140,8 @@ fn one_way(layout: &Layout, options: &Options, discretise: Discretise, watch: Te
     watch(Progress::Iteration { stage: "stage3", iteration: 0, length, max_violation });
     let mut third = discretise(layout, &full, &second, &settings, &options.effort, watch);
     let mut starts = 1;
-    let gap = options.effort.gap;
     let enough =
-        gap > 0.0 && third.fits(settings.feasibility) && exact::near(layout, &full, &third.solution.variables, gap);
+        third.fits(settings.feasibility) && exact::suffices(layout, &full, &third.solution.variables, &options.effort);
     if third.is_open() && !enough && !options.stop.now() && options.solver == Solver::Sqp {
         // Only what is shorter than the layout on the grid leads to a shorter one there.
         let known = if third.fits(settings.feasibility) { third.solution.length } else { f64::INFINITY };
@@ -155,7 +155,7 @@ fn one_way(layout: &Layout, options: &Options, discretise: Discretise, watch: Te
             third = third.or(discretise(layout, &full, &other, &settings, &effort, watch), settings.feasibility);
         }
     }
-    if let Some(certificate) = third.certificate.as_mut().filter(|c| !c.proven) {
+    if let Some(certificate) = third.certificate.as_mut().filter(|c| options.effort.class && !c.proven) {
         let bound = exact::of_class(layout, &full, &third.solution.variables);
         bound.iter().for_each(|bound| certificate.raise(*bound, homotopy::CLASS));
     }

@@ -126,7 +126,7 @@ fn no_choice_of_turns_radii_and_straights_is_cheaper() {
         let certificate = stage.certificate.clone().expect("a certificate");
         assert_eq!(certificate.counted, Counted::Price { metre });
         assert!(certificate.lower_bound <= best + 1e-4, "{case}: {certificate:?} {best}\n{}", text(&small, &asked));
-        if let Some(hasty) = last(&small, &asked, Effort { nodes: 3, gap: 0.0 }) {
+        if let Some(hasty) = last(&small, &asked, Effort { nodes: 3, ..Effort::default() }) {
             assert!(hasty.certificate.expect("a certificate").lower_bound <= best + 1e-4);
         }
         // A track's own width may forbid what is cheapest without it.
@@ -231,7 +231,7 @@ fn no_layout_whose_chain_closes_is_cheaper_than_the_bound() {
     for case in 0..count {
         let small = random(&mut seeds, 4);
         let asked = Asked { goal: Some("cost"), closes: true, ..Asked::default() };
-        let Some(stage) = last(&small, &asked, Effort { nodes: 3000, gap: 0.0 }) else { continue };
+        let Some(stage) = last(&small, &asked, Effort { nodes: 3000, ..Effort::default() }) else { continue };
         let certificate = stage.certificate.clone().expect("a certificate");
         let best = cheapest_within(&small, &asked, &fewest, &closing);
         assert!(certificate.lower_bound <= best + 1e-4, "{case}: {certificate:?} {best}\n{}", text(&small, &asked));
@@ -261,7 +261,7 @@ fn no_layout_within_a_budget_is_better_than_the_bound() {
         let Some(shortest) = last(&small, &shortest, Effort::default()) else { continue };
         let limit = 1.02 * shortest.length;
         let asked = Asked { goal: Some("cost within length + 2 %"), ..Asked::default() };
-        let Some(stage) = last(&small, &asked, Effort { nodes: 3000, gap: 0.0 }) else { continue };
+        let Some(stage) = last(&small, &asked, Effort { nodes: 3000, ..Effort::default() }) else { continue };
         let certificate = stage.certificate.clone().expect("a certificate");
         assert!(certificate.budget.is_some() && stage.length <= limit + 1e-6, "{certificate:?}");
         let best = cheapest_within(&small, &asked, &fewest, &|_| vec![(0.0, limit)]);

@@ -97,7 +97,7 @@ fn the_way_out_works() {
         let (mut loader, main) = Loader::memory(&mut sources, &[("hall.lss", text.as_bytes())]).expect("text");
         let analysis = analyse(&mut sources, &mut loader, main, None);
         let layout = analysis.chosen().expect("one layout").expect("no mistakes");
-        let options = Options { effort: Effort { nodes: 50, gap: 0.0 }, ..Options::default() };
+        let options = Options { effort: Effort { nodes: 50, ..Effort::default() }, ..Options::default() };
         let stages = solve(layout, &options, &|_| {});
         let last = stages.last().unwrap();
         assert!(last.name == "stage3" && last.status != Status::Infeasible, "{place}: {:?}", last.violations);

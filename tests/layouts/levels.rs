@@ -147,7 +147,7 @@ fn climbs_cost() {
     );
     let few = |text: &str| {
         let layout = check(text).0.expect("a layout");
-        let effort = Effort { nodes: 100, gap: 0.0 };
+        let effort = Effort { nodes: 100, ..Effort::default() };
         let stages = solve::solve(&layout, &Options { effort, ..Options::default() }, &|_| ());
         Compiled::new(layout, stages)
     };

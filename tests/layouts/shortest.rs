@@ -41,7 +41,7 @@ fn no_choice_of_turns_and_radii_is_shorter() {
         let certificate = stage.certificate.expect("a certificate");
         assert!(certificate.lower_bound <= best + 1e-9, "{case}: {certificate:?} {best}\n{}", text(&small, &asked));
         // Out of nodes, the bound is still one.
-        if let Some(hasty) = last(&small, &asked, Effort { nodes: 2, gap: 0.0 }) {
+        if let Some(hasty) = last(&small, &asked, Effort { nodes: 2, ..Effort::default() }) {
             assert!(hasty.certificate.expect("a certificate").lower_bound <= best + 1e-9);
         }
         // A track's own width may forbid what is shortest without it.
@@ -93,7 +93,7 @@ fn no_sampled_layout_beside_an_obstacle_is_shorter() {
         let Some(inside) = inside else { continue };
         cases += 1;
         let asked = Asked { obstacles: vec![obstacle.clone()], ..Asked::default() };
-        let Some(stage) = last(&small, &asked, Effort { nodes: 1_000, gap: 0.0 }) else { continue };
+        let Some(stage) = last(&small, &asked, Effort { nodes: 1_000, ..Effort::default() }) else { continue };
         let certificate = stage.certificate.expect("a certificate");
         proven += usize::from(certificate.proven);
         choices(&small, &asked, &mut |choice| {

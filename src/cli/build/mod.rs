@@ -219,7 +219,7 @@ impl Build {
             },
             perturb: self.perturb.map(|size| (size, self.seed)),
             threads: limits::threads(),
-            effort: Effort { gap: self.gap, nodes: self.nodes as usize },
+            effort: Effort { gap: self.gap, nodes: self.nodes as usize, ..Effort::default() },
             stop: limits::stop(),
         }
     }

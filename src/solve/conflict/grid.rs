@@ -130,7 +130,7 @@ impl GridStage<'_> {
             &problem,
             &start,
             &SqpSettings::default(),
-            &Effort { nodes: NODES, gap: 1.0 },
+            &Effort { nodes: NODES, gap: 1.0, class: false },
             &|_| (),
         )
     }

@@ -254,7 +254,7 @@ impl<'a> Search<'a> {
         }
         let effort = self.options.effort;
         let nodes = if tracks == 0 { effort.nodes } else { effort.nodes / PART };
-        let options = Options { effort: Effort { nodes, ..effort }, ..*self.options };
+        let options = Options { effort: Effort { nodes, class: false, ..effort }, ..*self.options };
         let stages = goals::solve(&layout, &options, self.watch);
         (layout, stages)
     }

@@ -9,7 +9,7 @@ use super::grid::{Grid, track};
 use super::tariff::{Aim, Detail, Tariff, unit, worth};
 use crate::model::Layout;
 use crate::problem::Problem;
-use crate::solve::homotopy;
+use crate::solve::{Effort, homotopy};
 
 /// Narrowings of the range of λ, each by a third.
 const NARROWINGS: usize = 60;
@@ -23,13 +23,16 @@ pub fn of_class(layout: &Layout, problem: &Problem, x: &[f64]) -> Option<f64> {
     at_length(layout, problem, x, homotopy::shortest(problem, &track(x), smallest)?)
 }
 
-/// Whether a layout is worth no more than this share of it above the bound of its class.
-pub fn near(layout: &Layout, problem: &Problem, x: &[f64], gap: f64) -> bool {
+/// Whether a layout is so near the best of its class that none needs to be looked for.
+pub fn suffices(layout: &Layout, problem: &Problem, x: &[f64], effort: &Effort) -> bool {
+    if !effort.class || effort.gap <= 0.0 {
+        return false;
+    }
     let value = match Aim::of(layout) {
         Aim::Length => track(x).length,
         Aim::Price { metre } => worth(layout, &track(x), metre),
     };
-    of_class(layout, problem, x).is_some_and(|bound| value - bound <= gap * value)
+    of_class(layout, problem, x).is_some_and(|bound| value - bound <= effort.gap * value)
 }
 
 /// A bound for all layouts that are at least so long, m, and turn around as `x` does.

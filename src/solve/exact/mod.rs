@@ -25,7 +25,7 @@ mod tariff;
 mod told;
 mod touched;
 
-pub use class::{near, of_class};
+pub use class::{of_class, suffices};
 pub use tariff::{least_price, worth};
 
 use super::options::Discretised;
@@ -89,9 +89,12 @@ pub fn discretise(
                       them in the written or the built layout";
         assumed.push(beside.to_owned());
     }
-    let mut found = match aim {
-        Aim::Length => task.search(&grid, incumbent, (Detail::Envelope, true), *effort),
-        Aim::Price { .. } => task.cheapest(&grid, incumbent),
+    let near = incumbent.as_ref().filter(|(x, _)| suffices(layout, problem, x, effort)).cloned();
+    let mut found = match (near, aim) {
+        // The bound of its class is told of the layout that is built in the end.
+        (Some((x, value)), _) => Found { variables: Some(x), value, bound: 0.0, nodes: 0, parts: Vec::new() },
+        (None, Aim::Length) => task.search(&grid, incumbent, (Detail::Envelope, true), *effort),
+        (None, Aim::Price { .. }) => task.cheapest(&grid, incumbent),
     };
     if let Some(closes) = Closes::new(layout) {
         found = match aim {
@@ -204,11 +207,6 @@ impl Task<'_> {
         Found { variables, value, bound: bound.min(value), nodes, parts: Vec::new() }
     }
 
-    /// Whether a layout is near enough to the best of its class, so that none needs to be looked for.
-    fn suffices(&self, (x, _): &(Vec<f64>, f64)) -> bool {
-        self.effort.gap > 0.0 && near(self.layout, self.problem, x, self.effort.gap)
-    }
-
     /// The best layout, whether or not its chain closes: chain by chain where that is wanted.
     fn search(
         &self,
@@ -218,9 +216,6 @@ impl Task<'_> {
         effort: Effort,
     ) -> Found {
         let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
-        if let Some((x, value)) = incumbent.clone().filter(|known| self.suffices(known)) {
-            return Found { variables: Some(x), value, bound: 0.0, nodes: 0, parts: Vec::new() };
-        }
         let Some(incumbent) = incumbent else {
             let (mut setting, _) = self.setting(self.problem, grid, None, (detail, &value));
             setting.effort = effort;

@@ -40,7 +40,7 @@ pub fn shortest(problem: &Problem, track: &Track, radius: f64) -> Option<f64> {
     let points: Vec<Point> = pegs.iter().map(|peg| peg.at).collect();
     let taut = taut::pulled(&line, &points)?;
     let same = word::cyclic(&line, &points) == word::cyclic(&taut.beside(), &points);
-    same.then(|| turning::longest_bound(&taut, &pegs, radius))
+    same.then(|| turning::longest_bound(&taut, &pegs, radius)).filter(|bound| bound.is_finite())
 }
 
 /// The corners that can hold a line: where less than a half turn of the region lies between its edges.

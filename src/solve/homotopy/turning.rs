@@ -85,7 +85,7 @@ fn rays(taut: &Taut, pegs: &[Peg]) -> (Vec<Ray>, Vec<Ray>) {
         bends.push(Ray { at: bend.at, side: bend.side, distance, across, heading, place: (k, 0.0) });
         let (edge, next) = (taut.edge(k), taut.bends[(k + 1) % n].point);
         let (length, along) = (edge.norm(), edge * (1.0 / edge.norm()));
-        for (_, peg) in pegs.iter().enumerate().filter(|(i, _)| *i != bend.point && *i != next) {
+        for peg in (0..pegs.len()).filter(|i| *i != bend.point && *i != next).map(|i| pegs[i]) {
             let from = peg.at - bend.at;
             let (foot, off) = (along.dot(from), along.cross(from));
             if foot > 0.0 && foot < length && off.abs() < peg.distance + NEAR {
