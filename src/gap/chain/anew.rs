@@ -47,11 +47,15 @@ impl Chains {
             return None;
         }
         let campaign = Campaign { subjects, settings, tell };
-        let FittedWith { known, effects, .. } = self.together(campaign, self.in_shape(campaign, about)?)?;
+        let FittedWith { mut known, effects, runs, .. } = self.together(campaign, self.in_shape(campaign, about)?)?;
+        // What runs do not share of a gap counts as noise until they are fitted with it.
+        let correlated = self.of_passes.with_fitted(subjects, &runs).unwrap_or_default();
+        known.iter_mut().zip(&correlated).for_each(|(own, correlated)| own.quieter(correlated));
         let likeliest: BTreeSet<&str> =
             found.effects.iter().take(self.settings.ensembles.offered_anew).map(|f| f.name.as_str()).collect();
         let fitting = Fitting {
             fit: self.fit,
+            of_passes: self.of_passes.clone(),
             correlated: Vec::new(),
             settings: &self.settings,
             threads: self.threads,

@@ -8,6 +8,7 @@ mod force_slope;
 mod frame;
 mod impacts;
 mod laps;
+mod noise;
 mod nominal;
 mod outline;
 mod shapes;
@@ -25,7 +26,6 @@ use crate::effects::sites::Site;
 use crate::effects::{
     AS_BUILT, Effect, LIBRARY, Sites, Start, StrengthSearch, deviations_of, named, stiffness_temperature,
 };
-use crate::identify::excess::Excess;
 use crate::identify::fit::Landing;
 use crate::identify::model::{Coordinates, Plan};
 use crate::identify::noise::{ChannelNoise, Noise, channel_noise};
@@ -38,7 +38,8 @@ use crate::solve::Stop;
 use force_slope::{Impact, Profile};
 use impacts::{HighFrequencyPower, Suspect};
 use laps::observed;
-use nominal::{Known, compare, fitted, repeated, set_tops};
+use noise::OfPasses;
+use nominal::{Known, fitted, set_tops};
 use std::collections::BTreeMap;
 
 /// How many runs are fitted at a time: more than threads, so that none is left to a single one in the end.
@@ -67,6 +68,7 @@ pub struct Chains {
     begin: Vec<Applied>,
     settings: settings::Chain,
     fit: FitSettings,
+    of_passes: OfPasses,
     width: Width,
     threads: usize,
     /// Of what was simulated before the runs were fitted.
@@ -101,6 +103,7 @@ struct FittedRun {
 /// How runs are fitted, and which effects are offered.
 struct Fitting<'a> {
     fit: FitSettings,
+    of_passes: OfPasses,
     /// Of each run's sensors, where it is known.
     correlated: Vec<[Noise; FORCES]>,
     settings: &'a settings::Chain,
@@ -128,12 +131,11 @@ impl Chains {
         let settings = &settings.chain;
         let steps = settings.ensembles.nominal_steps;
         let counter = Counter::default();
-        let mut excess: Vec<Excess> =
-            parallel::map(subjects, threads, |subject| repeated(subject, width, stop, &counter).unwrap_or_default());
+        let of_passes = OfPasses::new(subjects, threads, (width, stop), &counter);
         let fit = FitSettings { seed, steps, threads: 1, stop, ..FitSettings::default() };
-        compare(&mut excess, subjects, (&fit, width), (at_a_time(threads), &counter));
-        let correlated = Excess::noise(&excess);
-        let fitting = Fitting { fit, correlated, settings, threads, width, known: None, offered: &|_| true, counter };
+        let correlated = of_passes.with_nominal(subjects, (&fit, width, threads), &counter);
+        let (known, offered) = (None, &|_: &Effect| true);
+        let fitting = Fitting { fit, of_passes, correlated, settings, threads, width, known, offered, counter };
         Chains::fitted(subjects, fitting, tell)
     }
 
@@ -143,7 +145,7 @@ impl Chains {
         fitting: Fitting,
         tell: &(dyn Fn(&str) + Sync),
     ) -> Result<Chains, (String, String)> {
-        let Fitting { fit, correlated, settings, threads, width, known, offered, counter } = fitting;
+        let Fitting { fit, of_passes, correlated, settings, threads, width, known, offered, counter } = fitting;
         let known = |k: usize| known.and_then(|known| known.get(k));
         let numbered: Vec<(usize, &Subject)> = subjects.iter().enumerate().collect();
         let fitted = parallel::map(&numbered, at_a_time(threads), |&(k, subject)| {
@@ -161,7 +163,7 @@ impl Chains {
             force_slope::extend(frame, run);
         }
         let (candidates, begin, settings) = (Candidates::default(), Vec::new(), settings.clone());
-        let mut out = Chains { frames, runs, candidates, begin, settings, fit, width, threads, counter };
+        let mut out = Chains { frames, runs, candidates, begin, settings, fit, of_passes, width, threads, counter };
         out.draw_as_built(threads);
         for effect in LIBRARY.into_iter().filter(|effect| offered(effect)) {
             for (site, known) in out.sites(effect, &suspects) {

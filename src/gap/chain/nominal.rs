@@ -3,39 +3,23 @@
 use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::{self, HighFrequencyPower};
-use crate::base::{parallel, trig};
+use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
 use crate::effects::{is_of_machine, stiffness_temperature};
 use crate::gap::settings;
 use crate::gap::simulator::Band;
-use crate::identify::excess::Excess;
 use crate::identify::feature_spec::Samples;
-use crate::identify::fit::{Landing, excess, land, residuals};
+use crate::identify::fit::{Landing, land};
 use crate::identify::model::Coordinates;
 use crate::identify::noise::Noise;
-use crate::identify::repeatability::Repeatability;
 use crate::identify::study::Subject;
-use crate::identify::unshared::unshared;
-use crate::identify::{Counter, FitSettings, Measured, Model, Parameter};
+use crate::identify::{FitSettings, Measured, Model, Parameter};
 use crate::signal::FORCES;
-use crate::solve::Stop;
-
-/// What a run's passes of the same places differ by beyond simulated ones, where it has some.
-pub fn repeated(subject: &Subject, width: Width, stop: Stop, counter: &Counter) -> Option<Excess> {
-    let lap = subject.simulation.track.centre_line().length;
-    let measured = Measured::new(&subject.run, &subject.simulation, lap).ok().filter(|run| run.laps > 1.0)?;
-    let simulation = without_sensors_effects(&subject.simulation);
-    let mut model = Model::new(&simulation, simulation.contact_law, &measured, width);
-    (model.counter, model.stop) = (counter.clone(), stop);
-    let at = Parameter::ALL.map(|p| model.coordinate(p, model.nominal[p.index()]));
-    let ensemble = Repeatability::run_ensemble(&model, &at, None)?;
-    Some(excess(&model, &measured, &at, &ensemble))
-}
 
 /// What the nominal model is made of. Effects of the machine that a layout has are part of it; those of sensors are left
 /// out, as the diagnosis looks for them anyway.
-fn without_sensors_effects(simulation: &Simulation) -> Simulation {
+pub(super) fn without_sensors_effects(simulation: &Simulation) -> Simulation {
     let mut simulation = simulation.clone();
     simulation.effects.retain(is_of_machine);
     simulation
@@ -48,33 +32,15 @@ pub struct Known {
     noise: [Noise; FORCES],
 }
 
-/// Share of a lap that has to be passed again for a run to tell its noise by that alone.
-const REPEATED: f64 = 0.1;
-
-/// Has runs that pass few places again tell their noise by what they do not share with the others, too.
-pub fn compare(
-    excess: &mut [Excess],
-    subjects: &[Subject],
-    (fit, width): (&FitSettings, Width),
-    (at_once, counter): (usize, &Counter),
-) {
-    let duration =
-        |subject: &Subject| subject.simulation.track.centre_line().length / subject.simulation.chain.speed_m_s;
-    let short: Vec<bool> = excess.iter().zip(subjects).map(|(own, s)| own.length() < REPEATED * duration(s)).collect();
-    if !short.contains(&true) {
-        return;
+impl Known {
+    /// With so much correlated noise of those sensors that had more.
+    pub fn quieter(&mut self, correlated: &[Noise; FORCES]) {
+        for (own, less) in self.noise.iter_mut().zip(correlated) {
+            if less.correlated_variance() < own.correlated_variance() {
+                own.processes = less.processes;
+            }
+        }
     }
-    let correlated = Excess::noise(excess);
-    let numbered: Vec<(&Subject, [Noise; FORCES])> = subjects.iter().zip(correlated).collect();
-    let left = parallel::map(&numbered, at_once, |&(subject, correlated)| {
-        let (measured, mut model) = ready(subject, width).ok()?;
-        model.counter = counter.clone();
-        let landing = land(&mut model, &measured, None, &fit.knowing(Some(correlated))).ok()?.1;
-        Some(residuals(&model, &measured, &landing.at, &landing.centre.ensemble))
-    });
-    let Some(left) = left.into_iter().collect::<Option<Vec<_>>>() else { return };
-    let each = excess.iter_mut().zip(unshared(&left)).zip(short);
-    each.filter(|(_, short)| *short).for_each(|((own, unshared), _)| own.add(unshared));
 }
 
 /// Fits the nominal model to a run, or takes it where its parameters are known to be.
@@ -113,7 +79,7 @@ pub fn fitted_with(
 }
 
 /// A run made ready, and the nominal model with the features that a diagnosis compares.
-fn ready(subject: &Subject, width: Width) -> Result<(Measured, Model), String> {
+pub(super) fn ready(subject: &Subject, width: Width) -> Result<(Measured, Model), String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let simulation = without_sensors_effects(&subject.simulation);
