@@ -35,6 +35,8 @@ pub fn closing(line: &CentreLine, joints: usize, front: f64) -> Result<Closing, 
     if joints < 3 || line.length <= 0.0 {
         return Err(failed);
     }
+    // Each chord is placed to its rounding.
+    let near = f64::max(1e-10, f64::EPSILON * line.length * joints as f64);
     let mut pitch = line.length / joints as f64;
     for _ in 0..ITERATIONS {
         let mut stations = Vec::with_capacity(joints);
@@ -49,7 +51,7 @@ pub fn closing(line: &CentreLine, joints: usize, front: f64) -> Result<Closing, 
             (ahead, at_ahead) = (behind, at_behind);
         }
         let gap = ahead - (front - line.length);
-        if gap.abs() < 1e-10 {
+        if gap.abs() < near {
             return Ok(Closing { pitch, stations });
         }
         pitch -= gap / slope;
@@ -67,6 +69,8 @@ const ITERATIONS: usize = 50;
 fn follow(line: &CentreLine, ahead: f64, pitch: f64) -> Option<(f64, crate::geometry::Frame)> {
     let from = line.at(ahead).position;
     let mut s = ahead - pitch;
+    // Positions are good to some units of their last place; convergence is quadratic.
+    let near = f64::max(1e-12, 4.0 * f64::EPSILON * line.length.max(from.norm()));
     for _ in 0..ITERATIONS {
         let at = line.at(s);
         let chord = from - at.position;
@@ -76,8 +80,7 @@ fn follow(line: &CentreLine, ahead: f64, pitch: f64) -> Option<(f64, crate::geom
         if !s.is_finite() {
             return None;
         }
-        // Positions are good to some 1e-14 m; convergence is quadratic.
-        if step.abs() < 1e-12 {
+        if step.abs() < near {
             return Some((s, line.at(s)));
         }
     }

@@ -31,11 +31,19 @@ pub fn fit(line: &CentreLine, length: f64) -> Option<Fit> {
     if length.is_nan() || length <= 0.0 {
         return None;
     }
-    // Chords cut corners: the whole number is that of the centre line, or one or two below it.
-    let most = (line.length / length).round() as usize;
     let of = |carts: usize| Some(Fit { carts, left_over: left_over(line, carts, length)? });
-    let near = (most.saturating_sub(2)..=most).filter_map(of);
-    near.min_by(|a, b| a.left_over.abs().total_cmp(&b.left_over.abs()))
+    // Chords cut corners: where there are many, by several carts.
+    let most = (line.length / length).round() as usize;
+    let mut best = (most.saturating_sub(2)..=most).rev().find_map(of)?;
+    loop {
+        // The next one on the side of what is left over at least.
+        let whole = (best.left_over / length).round();
+        let more = if whole == 0.0 { best.left_over.signum() } else { whole };
+        match of(best.carts.saturating_add_signed(more as isize)) {
+            Some(next) if next.left_over.abs() < best.left_over.abs() => best = next,
+            _ => return Some(best),
+        }
+    }
 }
 
 /// What so many carts of this length, m, lack to close, as [`Fit::left_over`]. `None` where they do not close at all.
@@ -103,6 +111,28 @@ mod tests {
             assert!(fit.left_over.abs() <= 0.63);
         }
     }
+
+    /// A track of very many curves, whose chords cut off several carts, and one that is very long.
+    #[test]
+    fn no_other_number_of_carts_leaves_less() {
+        let corner = |x, y| Corner { point: Point::new(x, y), radius: 3.0 };
+        let teeth = (0..40).flat_map(|k| {
+            let x = 14.0 * f64::from(k);
+            [corner(x, 8.0), corner(x, 20.0), corner(x + 7.0, 20.0), corner(x + 7.0, 8.0)]
+        });
+        let mut comb: Vec<Corner> = teeth.collect();
+        comb.extend([corner(570.0, 8.0), corner(570.0, 0.0), corner(-10.0, 0.0), corner(-10.0, 8.0)]);
+        let long = [corner(0.0, 0.0), corner(1990.3, 0.0), corner(1990.3, 10.0), corner(0.0, 10.0)];
+        for corners in [&comb[..], &long] {
+            let line = level(&Track::new(corners));
+            let found = fit(&line, 1.25).unwrap();
+            assert!(found.left_over.abs() <= 0.63, "{found:?}");
+            for carts in [found.carts - 1, found.carts + 1] {
+                assert!(left_over(&line, carts, 1.25).unwrap().abs() >= found.left_over.abs());
+            }
+        }
+    }
+
     #[test]
     fn another_length_is_the_nearest_that_fits_or_the_one_that_leaves_least() {
         let corner = |x, y| Corner { point: Point::new(x, y), radius: 5.0 };
