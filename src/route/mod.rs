@@ -22,7 +22,7 @@ pub use write::text;
 use crate::base::{parallel, trig};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Goal, Layout};
-use crate::solve::{self, Effort, Options, Progress, Stage, Status, Tell};
+use crate::solve::{self, Counted, Effort, Options, Progress, Stage, Status, Tell};
 use bound::{Bounds, Places};
 use loops::{Loop, Maker};
 use plane::Plane;
@@ -40,6 +40,8 @@ const ROUNDS: usize = 60;
 /// Of these, how many go to the catalogue's grid, with how many nodes each.
 const ON_GRID: usize = 4;
 const GRID_NODES: usize = 150;
+/// Sections that are tried at both ends of their ranges.
+const SPREAD: usize = 3;
 
 /// A loop that was found.
 #[derive(Clone, Debug)]
@@ -95,7 +97,7 @@ pub fn find(layout: &Layout, options: &Options, watch: Tell) -> Result<Found, Ve
     let maker = Maker { layout, plane: &plane, radius };
     let search = Search { layout, options, watch, rounds: &rounds };
     let (found, tried) = search.run(&maker, &best_first);
-    let Some((layout, stages)) = found else {
+    let Some((layout, mut stages)) = found else {
         return Err(vec![refuse::no_loop(layout, tried)]);
     };
     let length = stages.last().map_or(f64::INFINITY, |s| s.length);
@@ -104,15 +106,23 @@ pub fn find(layout: &Layout, options: &Options, watch: Tell) -> Result<Found, Ve
         _ => None,
     });
     let shortest = bounds.of_all(length, NODES);
-    let summary = Summary {
-        order: order.collect(),
-        rounds: rounds.len(),
-        tried,
-        shortest,
-        cheapest: cheapest(&layout, radius, shortest),
-        value: value(&stages),
-    };
+    let cheapest = cheapest(&layout, radius, shortest);
+    if let Some(last) = stages.last_mut() {
+        raise(last, shortest, cheapest);
+    }
+    let (order, value) = (order.collect(), value(&stages));
+    let summary = Summary { order, rounds: rounds.len(), tried, shortest, cheapest, value };
     Ok(Found { layout, stages, summary })
+}
+
+/// Where the bound of all loops is better than that of loops with these vertices, it holds for the latter, too.
+fn raise(stage: &mut Stage, shortest: f64, cheapest: Option<f64>) {
+    let Some(certificate) = &mut stage.certificate else { return };
+    let bound = if certificate.counted == Counted::Length { Some(shortest) } else { cheapest };
+    bound.into_iter().for_each(|bound| certificate.raise(bound, "no curve is tighter than the smallest radius"));
+    if certificate.proven && stage.status == Status::BestFound {
+        stage.status = Status::Proven;
+    }
 }
 
 /// What a loop of at least this length is worth at least, EUR, where cost is optimised. A closed line without crossings
@@ -158,12 +168,16 @@ impl Search<'_> {
                 break;
             }
             let round = &self.rounds[*round];
-            let loops: Vec<Loop> = maker.loops(round, places, LOOPS_OF_ROUND.min(LOOPS - tried));
-            let candidates: Vec<Layout> =
-                loops.iter().filter_map(|made| candidate::layout(self.layout, round, made)).collect();
-            tried += candidates.len();
-            if let Some(found) = self.best_of(&candidates, best.as_ref().map(|b| value(&b.1))) {
-                best = Some(found);
+            for places in std::iter::once(places.clone()).chain(spread(round)) {
+                let loops: Vec<Loop> = maker.loops(round, &places, LOOPS_OF_ROUND.min(LOOPS.saturating_sub(tried)));
+                let candidates: Vec<Layout> =
+                    loops.iter().filter_map(|made| candidate::layout(self.layout, round, made)).collect();
+                tried += candidates.len();
+                let found = self.best_of(&candidates, best.as_ref().map(|b| value(&b.1)));
+                best = found.or(best);
+                if best.is_some() {
+                    break;
+                }
             }
         }
         while let Some((layout, stages)) = best.take_if(|_| !self.options.stop.now()) {
@@ -210,6 +224,22 @@ impl Search<'_> {
         }
         best.map(|(_, k)| (chosen[k].1.clone(), solved[k].clone()))
     }
+}
+
+/// Places all over the ranges of a round's sections, their middles first: where its bound is the lowest there may be no
+/// room to turn, as at the end of a hall.
+fn spread(round: &Round) -> impl Iterator<Item = Places> {
+    let free: Vec<usize> = (0..round.sections.len()).filter(|&k| round.sections[k].freedom() > 0.0).collect();
+    let tries = if free.is_empty() { 0 } else { 1 + (1 << free.len().min(SPREAD)) };
+    (0..tries).map(move |number: usize| {
+        let place = |k: usize| {
+            let bit = free.iter().take(SPREAD).position(|&f| f == k).filter(|_| number > 0);
+            let share = bit.map_or(0.5, |bit| 0.25 + 0.5 * ((number - 1) >> bit & 1) as f64);
+            let at = share * round.sections[k].freedom();
+            (at, at)
+        };
+        (0..round.sections.len()).map(place).collect()
+    })
 }
 
 /// Whether a solve came to a layout on the grid.

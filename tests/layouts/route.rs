@@ -286,3 +286,20 @@ fn a_drawn_hall_asks_for_its_loop() {
     assert!(none.is_none());
     assert_eq!(said[0].code.as_str(), "E0803");
 }
+
+/// Two sections that may slide along opposite walls, around racks: where the loop is the shortest there is nothing to choose,
+/// and at the ends of the walls there is no room to turn.
+#[test]
+fn sections_that_slide_leave_room_to_turn() {
+    let lines = "  building [(0 m, 0 m), (80 m, 0 m), (80 m, 40 m), (0 m, 40 m)] clearance 0.2 m\n  \
+                 obstacle rack [(20 m, 14 m), (60 m, 14 m), (60 m, 24 m), (20 m, 24 m)] clearance 0.5 m\n  \
+                 section a 24 m within (2 m, 2 m)..(78 m, 2 m)\n  section b 24 m within (78 m, 38 m)..(2 m, 38 m)\n  \
+                 route a, b\n";
+    let found = found(&hall("standard", lines));
+    sound(&found);
+    let stage = found.stages.last().unwrap();
+    // The same hall with four vertices drawn by hand, by the solver.
+    assert!(stage.length < 142.7, "{}", stage.length);
+    let certificate = stage.certificate.as_ref().unwrap();
+    assert!(certificate.lower_bound >= found.summary.shortest, "{certificate:?}");
+}
