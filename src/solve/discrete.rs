@@ -151,8 +151,8 @@ impl Search<'_> {
         let rank = |s: &(Headings, Solution)| self.grid.rank(&s.1);
         while let Some(next) = (0..self.open.len()).min_by(|&a, &b| rank(&self.open[a]).total_cmp(&rank(&self.open[b])))
         {
-            // Before that there would be nothing to keep.
-            if self.is_feasible() && self.grid.settings.stop.now() {
+            let over = self.grid.settings.stop.now();
+            if over && self.best.is_some() {
                 break;
             }
             let (headings, relaxed) = self.open.swap_remove(next);
@@ -165,6 +165,10 @@ impl Search<'_> {
                 if self.grid.rank(&rounded) < self.rank_of_best() {
                     self.best = Some(rounded);
                 }
+            }
+            // Without any there would be nothing to keep.
+            if over {
+                break;
             }
             for neighbour in self.grid.neighbours(&headings) {
                 self.look(neighbour, &relaxed.variables);
@@ -263,7 +267,7 @@ impl<'a> Grid<'a> {
     }
 
     /// Holds the radii one by one at the better of their two neighbours on the grid, the farthest from it first; of many
-    /// all at once, where that leaves a layout.
+    /// all at once, where that leaves a layout, and what is left of them once time is over.
     fn round_radii(&self, turns: &[i64], mut solution: Solution, iterations: &mut usize) -> Solution {
         // A radius that the layout fixes stays: off the grid it is reported when elements are chosen.
         let fixed = |i: usize| self.problem.bounds[radius(i)].low == self.problem.bounds[radius(i)].high;
@@ -290,6 +294,12 @@ impl<'a> Grid<'a> {
                 } else if farthest.is_none_or(|(d, _)| (value - nearest).abs() > d) {
                     farthest = Some(((value - nearest).abs(), i));
                 }
+            }
+            if self.settings.stop.now() {
+                for i in (0..self.len()).filter(|&i| !fixed(i)) {
+                    held[i] = held[i].or(Some(self.radii_by_distance(solution.variables[radius(i)])[0]));
+                }
+                farthest = None;
             }
             let Some((_, i)) = farthest else {
                 let last = self.repair(turns, &held, &solution.variables);
