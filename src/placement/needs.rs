@@ -19,7 +19,8 @@ type Member<'a> = (&'a Declared, (Vec<usize>, f64, f64));
 
 /// Footprints on one side of the track do not overlap, so that the straights of a side are no shorter in all than what has
 /// to stand on them, with the room between two and to curves. With n on k of m straights there are n − k gaps and 2 k ends;
-/// the least of that over k counts, which is at one end of its range. One row for each set of straights that a declaration
+/// the least of that over k counts, which is at one end of its range. What chooses its side has both of each straight, and half
+/// of that is enough. One row for each set of straights that a declaration
 /// names. The written layout says which way the loop turns, as ever.
 pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     let all: Vec<usize> = (0..layout.vertices.len()).collect();
@@ -59,8 +60,10 @@ pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
             rows.push((side_by_side(&members, set.len()), members));
         }
         if within.iter().any(|(_, (_, l, r))| l + r == 0.0) {
-            let sum = |(d, (_, l, r)): &&Member| d.count() as f64 * d.of.stretch * if l + r > 1.0 { 1.0 } else { 0.5 };
-            rows.push((within.iter().map(sum).sum(), within.iter().map(|(d, _)| *d).collect()));
+            let members: Vec<&Declared> = within.iter().map(|(d, _)| *d).collect();
+            let on_both = within.iter().filter(|(_, (_, l, r))| l + r > 1.0).map(|(d, _)| *d);
+            let on_sides: Vec<&Declared> = members.iter().copied().chain(on_both).collect();
+            rows.push((0.5 * side_by_side(&on_sides, 2 * set.len()), members));
         }
         let is_free = |d: &&Declared| matches!(d.stands, Stands::Free { .. });
         rows.retain(|(low, members)| *low > 0.0 && members.iter().any(is_free));
@@ -78,8 +81,8 @@ pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     needs
 }
 
-/// What equipment takes on one side of so many straights at least, m.
-fn side_by_side(members: &[&Declared], straights: usize) -> f64 {
+/// What equipment takes on so many sides of straights at least, m.
+fn side_by_side(members: &[&Declared], sides: usize) -> f64 {
     let n: usize = members.iter().map(|d| d.count()).sum();
     if n == 0 {
         return 0.0;
@@ -88,7 +91,7 @@ fn side_by_side(members: &[&Declared], straights: usize) -> f64 {
     let least = |of: fn(&Declared) -> f64| members.iter().map(|d| of(d)).fold(f64::INFINITY, f64::min);
     let (service, from_curve) = (least(|d| d.of.service), least(|d| d.of.from_curve));
     let between = |k: usize| (n - k) as f64 * service + 2.0 * from_curve * k as f64;
-    stretches + between(1).min(between(straights.min(n)))
+    stretches + between(1).min(between(sides.min(n)))
 }
 
 /// The least length of a straight on which one more of a kind finds room on a side than on one of `length`, m.

@@ -12,12 +12,15 @@
 //!   interval, which is halved: a node has the rows of its upper end ([`near::rows`]), and the price of its lower one beside
 //!   the track's bound. That takes a section whose heading is fixed; of others, all lengths of conveyors stay open.
 //!
-//! Each node is solved with the certificate of its track, and the least bound of what is left holds for all.
+//! Each node is solved with the certificate of its track, and the least bound of what is left holds for all. The written
+//! layout counts among what is found, and what a longer straight made room for is tried with shorter ones ([`shorter`]).
 
 mod near;
+mod shorter;
 
 use super::options::{Effort, Options, Tell};
-use super::{Certificate, Counted, Stage, Status, goals, report};
+use super::violations::off_grid;
+use super::{Certificate, Counted, Stage, Status, exact, goals, report};
 use crate::geometry::{Corner, Point, Track};
 use crate::model::{Constraint, ConstraintKind, EquipmentSide, Formula, Goal, Layout, Objective, Stands, Target, Unit};
 use crate::placement::{self, Placement};
@@ -25,9 +28,10 @@ use crate::problem::measures::to_variables;
 use crate::problem::{Problem, Scope};
 use crate::solve::conflict::Proof;
 use near::Fed;
+use shorter::Halved;
 
 /// Most tracks that are solved, beside the first.
-const MOST_TRACKS: usize = 48;
+const MOST_TRACKS: usize = 240;
 /// Of the nodes of the first track's search, each other one has this part; all others together have as many as the first.
 const PART: usize = 4;
 /// Conveyors' intervals are halved until what they leave open is this part of the value.
@@ -71,6 +75,8 @@ struct Node {
     complete: bool,
     /// Of a parent with the same rows: its track's bound, and the lengths of its conveyors.
     solved: Option<(f64, Vec<f64>)>,
+    /// Where the length of a straight is halved.
+    halved: Option<Halved>,
 }
 
 /// A track with its equipment.
@@ -118,7 +124,7 @@ impl<'a> Search<'a> {
     fn run(mut self) -> Vec<Stage> {
         let least = placement::least_conveyors(self.layout, &self.written);
         let fed = self.fed.iter().map(|f| (self.only_section(f), least[f.declared], f64::INFINITY)).collect();
-        let root = Node { straights: Vec::new(), fed, bound: 0.0, complete: true, solved: None };
+        let root = Node { straights: Vec::new(), fed, bound: 0.0, complete: true, solved: None, halved: None };
         let mut open = vec![root];
         // The same layouts need no second node, unless the first one was only tried.
         let mut seen: Vec<Seen> = Vec::new();
@@ -151,10 +157,11 @@ impl<'a> Search<'a> {
                 continue;
             };
             self.nodes += certificate.nodes;
+            counted = certificate.counted;
             if tracks == 1 {
                 first = self.nodes;
+                self.keep_written(&stages, &certificate);
             }
-            counted = certificate.counted;
             for words in &certificate.assumed {
                 if !assumed.contains(words) {
                     assumed.push(words.clone());
@@ -175,7 +182,8 @@ impl<'a> Search<'a> {
             }
             let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
             next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
-            self.keep(&layout, stages, &certificate, &placement, lacking);
+            let better = self.keep(&layout, stages, &certificate, &placement, lacking);
+            open.extend(next.shorter(&track, lacking == 0, better));
             if lacking == 0 {
                 let length = |f: &Fed| placement.placed.iter().find(|p| p.declared == f.declared)?.conveyor;
                 let lengths: Vec<f64> = self.fed.iter().map(|f| length(f).unwrap_or(0.0)).collect();
@@ -266,7 +274,7 @@ impl<'a> Search<'a> {
         let child = |i: usize, of: (Option<usize>, f64, f64), solved| {
             let mut fed = node.fed.clone();
             fed[i] = of;
-            let mut child = Node { fed, bound: own, solved, ..node.clone() };
+            let mut child = Node { fed, bound: own, solved, halved: None, ..node.clone() };
             child.bound = own.max(self.bound(&child, counted, track));
             child
         };
@@ -302,7 +310,7 @@ impl<'a> Search<'a> {
         certificate: &Certificate,
         placement: &Placement,
         lacking: usize,
-    ) {
+    ) -> bool {
         // Whatever section was chosen here, the result is placed anew on all of them.
         let free =
             placement::place(self.layout, &Track::new(&stages.last().map_or(layout.corners(), |s| s.corners.clone())));
@@ -325,6 +333,32 @@ impl<'a> Search<'a> {
         if better {
             self.best = Some(Whole { stages, lacking, value });
         }
+        better
+    }
+
+    /// Takes the written layout if it meets every row, is of the catalogue and has room for everything.
+    fn keep_written(&mut self, stages: &[Stage], certificate: &Certificate) {
+        let problem = Problem::new(self.layout, Scope::Obstacles);
+        let corners = self.layout.corners();
+        let of_catalogue = off_grid(self.layout, &problem, &to_variables(&corners), 1e-6).is_empty();
+        if !of_catalogue || !meets_all(&problem, &corners) {
+            return;
+        }
+        let placement = placement::place(self.layout, &self.written);
+        let value = match certificate.counted {
+            Counted::Length => self.written.length,
+            Counted::Price { metre } => exact::worth(self.layout, &self.written, metre),
+        };
+        if !placement.is_whole() || !value.is_finite() {
+            return;
+        }
+        let mut stages = stages.to_vec();
+        if let Some(last) = stages.last_mut() {
+            let rows = problem.evaluate(&to_variables(&corners), 0.0).rows;
+            last.max_violation = rows.iter().map(|row| row.violation()).fold(0.0, f64::max);
+            (last.corners, last.length, last.violations) = (corners, self.written.length, Vec::new());
+        }
+        self.keep(self.layout, stages, &Certificate { value, ..certificate.clone() }, &placement, 0);
     }
 
     /// A track of the same shape where conveyors are cheaper, if one is found that meets every row: pattern search (Hooke
@@ -410,7 +444,7 @@ impl<'a> Search<'a> {
                 node.straights.iter().copied().filter(|(s, _)| *s != section).collect();
             straights.push((section, low));
             straights.sort_by_key(|a| a.0);
-            Node { straights, complete, solved: None, ..node.clone() }
+            Node { straights, complete, solved: None, halved: None, ..node.clone() }
         };
         let declared = |i: usize| &self.layout.equipment.declared[i];
         for &(i, _) in &placement.missing {
@@ -429,9 +463,9 @@ impl<'a> Search<'a> {
             let more = lacking as f64 * (of.stretch + of.service);
             for s in self.sections(i) {
                 let length = track.straight(s).length.max(0.0);
-                tried.push(longer(s, length + more, false));
+                tried.push(longer(s, length + more, false).halving(s, length));
                 // Where nothing stands yet, all of it with its distances from curves.
-                tried.push(longer(s, length.max(more + 2.0 * of.from_curve), false));
+                tried.push(longer(s, length.max(more + 2.0 * of.from_curve), false).halving(s, length));
             }
         }
         (tried, false)
@@ -475,11 +509,15 @@ fn is_refuted(layout: &Layout, stages: &[Stage]) -> bool {
         || report::conflicts(layout, stages).iter().any(|conflict| proven(conflict.proof))
 }
 
-/// The node with the least bound, the first of those alike; what is only tried comes last.
+/// The node with the least bound, the first of those alike; halved straights come before, and what is only tried last.
 fn take(open: &mut Vec<Node>) -> Option<Node> {
     let order = |a: &usize, b: &usize| {
         let (a, b) = (&open[*a], &open[*b]);
-        b.complete.cmp(&a.complete).then(a.bound.total_cmp(&b.bound)).then(a.straights.len().cmp(&b.straights.len()))
+        let halved = b.is_halved().cmp(&a.is_halved());
+        halved
+            .then(b.complete.cmp(&a.complete))
+            .then(a.bound.total_cmp(&b.bound))
+            .then(a.straights.len().cmp(&b.straights.len()))
     };
     let best = (0..open.len()).min_by(order)?;
     Some(open.remove(best))
