@@ -50,7 +50,7 @@ enum FailOn {
     Any,
     /// What is built.
     Built,
-    /// The bill of elements.
+    /// The bill: elements of the track, and what is ordered beside it.
     Bill,
 }
 

@@ -7,9 +7,11 @@ pub mod order;
 mod solved;
 mod sorter;
 mod station;
+mod takes;
 
 pub use solved::solved;
 pub use station::Station;
+pub use takes::Takes;
 
 use crate::diagnostic::Diagnostic;
 use crate::elements::{self, Bill, OrderedPiece, Sequence, Space};

@@ -9,10 +9,11 @@ use crate::gap::Diagnosis;
 use crate::report::capacity;
 use crate::report::choice;
 use crate::report::polygon::{PolygonReport, Verification};
+use crate::review::Comparison;
 use crate::study;
 
 /// Names and contents of `docs/schemas/`.
-pub fn schemas() -> [(&'static str, Vec<u8>); 10] {
+pub fn schemas() -> [(&'static str, Vec<u8>); 11] {
     [
         ("layout.schema.json", json::schema::<LayoutFile>()),
         ("simulation.schema.json", json::schema::<Simulation>()),
@@ -22,6 +23,7 @@ pub fn schemas() -> [(&'static str, Vec<u8>); 10] {
         ("verify.schema.json", json::schema::<Verification>()),
         ("capacity.schema.json", json::schema::<capacity::Found>()),
         ("choice.schema.json", json::schema::<choice::Found>()),
+        ("change.schema.json", json::schema::<Comparison>()),
         ("study.schema.json", json::to_json(&study::schema())),
         ("gap.schema.json", json::schema::<Diagnosis>()),
     ]
@@ -59,7 +61,7 @@ mod tests {
             let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
             assert_eq!(names, ["layout.json", "simulation.json", "bom.csv", "bom.json"]);
             for (name, schema) in schemas() {
-                // Of `lss polygon`, `lss study`, `lss capacity`, `lss choose`, `lss gap` and `--emit pareto`, not of every build.
+                // Of `lss polygon`, `lss study`, `lss capacity`, `lss choose`, `lss gap`, `lss diff` and `--emit pareto`, not of every build.
                 let Some((_, content)) = files.iter().find(|(n, _)| *n == name.replace(".schema", "")) else {
                     continue;
                 };
@@ -72,6 +74,21 @@ mod tests {
                 assert!(!validator.is_valid(&serde_json::json!({ "name": 1 })));
             }
         }
+    }
+
+    #[test]
+    fn a_change_is_valid() {
+        let schema = json::schema::<Comparison>();
+        let validator = jsonschema::validator_for(&serde_json::from_slice(&schema).unwrap()).unwrap();
+        let mut layout = fixture::rectangle(22.0, 12.0, 4.0);
+        layout.equipment.motors = crate::model::Motors::Evenly { count: 6 };
+        let (before, after) = (compile(fixture::rectangle(20.0, 12.0, 4.0)), compile(layout));
+        let found = Comparison::new(("a", &before), ("b", &after));
+        assert!(!found.bill.is_empty() && !found.beside.is_empty() && !found.lines.is_empty());
+        let document: Value = serde_json::from_slice(&json::to_json(&found)).unwrap();
+        let errors: Vec<String> = validator.iter_errors(&document).map(|e| e.to_string()).collect();
+        assert!(errors.is_empty(), "{errors:?}\n{document}");
+        assert!(!validator.is_valid(&serde_json::json!({ "before": 1 })));
     }
 
     #[test]

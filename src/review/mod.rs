@@ -1,17 +1,25 @@
 //! What changed between two solved layouts: in what they mean, not in how their text stands.
 
+mod beside;
+mod equipment;
 mod lines;
 mod words;
+
+pub use beside::BesideChange;
+pub use equipment::{EquipmentChange, Standing};
 
 use crate::base::number::tidy;
 use crate::compiled::Compiled;
 use crate::elements::{self, BillLine, OrderedPiece};
 use crate::geometry::Point;
 use crate::solve::Status;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Two solved layouts beside each other: `lss diff --format json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "lss change")]
+#[serde(deny_unknown_fields)]
 pub struct Comparison {
     pub before: Version,
     pub after: Version,
@@ -24,12 +32,17 @@ pub struct Comparison {
     pub vertices: Vec<VertexChange>,
     /// Straights and curves whose length, heading or turn changed, as they are built.
     pub sections: Vec<SectionChange>,
-    /// Articles of which there are more or fewer, or which have another price.
+    /// Articles of the track of which there are more or fewer, or which have another price.
     pub bill: Vec<ArticleChange>,
+    /// The same of what is ordered beside the track: carts, joints, motors, sensors, supports, equipment, conveyors.
+    pub beside: Vec<BesideChange>,
+    /// Equipment that stands elsewhere, is of another kind, came or went.
+    pub equipment: Vec<EquipmentChange>,
 }
 
 /// One of the two.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Version {
     /// Where it comes from, as the reader named it.
     pub source: String,
@@ -38,13 +51,14 @@ pub struct Version {
 }
 
 /// A figure of both layouts.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Quantity {
     pub name: &'static str,
     pub unit: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub before: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub after: Option<f64>,
     /// Differences from here on are told.
     #[serde(skip)]
@@ -55,16 +69,17 @@ pub struct Quantity {
 }
 
 /// A statement that came or went.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Line {
     pub change: Change,
     /// The blocks that it stands in, `catalog standard / straight`; empty within the layout itself.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", default)]
     pub within: String,
     pub text: String,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
     Removed,
@@ -72,35 +87,39 @@ pub enum Change {
 }
 
 /// Where a vertex is built, or `None` where a layout lacks it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct VertexChange {
     pub name: String,
     /// [x, y, radius], m.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub before_m: Option<[f64; 3]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub after_m: Option<[f64; 3]>,
 }
 
 /// The straight of a section, as it is built.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct SectionChange {
     /// `P4..P5`
     pub name: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub before: Option<Straight>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub after: Option<Straight>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Straight {
     pub length_m: f64,
     pub heading_deg: f64,
 }
 
 /// An article on both bills.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ArticleChange {
     pub article: String,
     pub description: String,
@@ -127,6 +146,8 @@ impl Comparison {
             vertices: vertices(before, after),
             sections: sections(before, after),
             bill: bill(before, after),
+            beside: beside::changed(before, after),
+            equipment: equipment::changed(before, after),
         }
     }
 
@@ -138,11 +159,13 @@ impl Comparison {
     /// Whether what is built is the same, whatever is written.
     pub fn is_built_alike(&self) -> bool {
         let moved = self.quantities.iter().any(Quantity::is_changed);
-        !moved && self.vertices.is_empty() && self.sections.is_empty() && self.is_billed_alike()
+        let is_placed_alike = self.vertices.is_empty() && self.sections.is_empty() && self.equipment.is_empty();
+        !moved && is_placed_alike && self.is_billed_alike()
     }
 
+    /// Whether the same is ordered, of the track and beside it.
     pub fn is_billed_alike(&self) -> bool {
-        self.bill.is_empty()
+        self.bill.is_empty() && self.beside.is_empty()
     }
 }
 
@@ -172,6 +195,7 @@ fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
     let equipped = |c: &Compiled| !c.layout.equipment.declared.is_empty();
     let conveyors = |c: &Compiled| c.placement.placed.iter().filter_map(|p| p.conveyor).sum();
     let mut equipment = vec![
+        of("capacity in closed form", "items/h", (0.5, 0), &|c| c.takes().map(|takes| takes.most)),
         of("pieces of equipment", "", count, &|c| equipped(c).then_some(c.placement.placed.len() as f64)),
         of("equipment and conveyors", "EUR", (0.005, 2), &|c| equipped(c).then(|| c.placement.price())),
         of("conveyors", "m", (TOLD, 3), &|c| equipped(c).then(|| conveyors(c))),
@@ -272,8 +296,9 @@ fn bill(before: &Compiled, after: &Compiled) -> Vec<ArticleChange> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compiled::fixture::compile;
+    use crate::compiled::fixture::{compile, on};
     use crate::model::fixture::rectangle;
+    use crate::model::{Chutes, Motors, PlaceRow};
 
     #[test]
     fn the_same_layout_is_the_same() {
@@ -301,6 +326,35 @@ mod tests {
         assert_eq!(straights, ["P1..P2", "P2..P3", "P3..P4"]);
         let longer = found.quantities[0].after.unwrap() - found.quantities[0].before.unwrap();
         assert!((longer - (after.length() - before.length())).abs() < 1e-9);
+    }
+
+    /// What stands beside the track is on the bill, too.
+    #[test]
+    fn motors_and_a_longer_row_are_billed() {
+        let before = compile(rectangle(20.0, 12.0, 4.0));
+        let mut layout = rectangle(20.0, 12.0, 4.0);
+        layout.equipment.motors = Motors::Evenly { count: 6 };
+        let place = |at: f64| on(0, at);
+        layout.equipment.chutes.push(Chutes {
+            name: "row_a".to_owned(),
+            row: PlaceRow { place: place(2.0), every: 1.5, count: 3 },
+            more: Vec::new(),
+        });
+        let after = compile(layout.clone());
+        let found = Comparison::new(("a", &before), ("b", &after));
+        let told: Vec<(&str, usize, usize)> =
+            found.beside.iter().map(|c| (c.group, c.before, c.after)).collect();
+        assert_eq!(told, [("drive", 4, 6), ("stations", 0, 3)]);
+        assert!(found.bill.is_empty() && !found.is_billed_alike() && !found.is_built_alike());
+        let came = &found.equipment[0];
+        assert_eq!((came.name.as_str(), &came.before, came.moved_m), ("row_a", &None, None));
+        assert_eq!(came.after.as_ref().map(|row| row.places_m.len()), Some(3));
+        // What only moves is built otherwise, and ordered alike.
+        layout.equipment.chutes[0].row.place = place(2.5);
+        let found = Comparison::new(("b", &after), ("c", &compile(layout)));
+        assert!(found.is_billed_alike() && !found.is_built_alike());
+        assert_eq!(found.equipment.iter().map(|e| e.moved_m).collect::<Vec<_>>(), [Some(0.5)]);
+        assert!(found.text().contains("3 chutes, from"), "{}", found.text());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A comparison as text and as Markdown.
 
-use super::{Change, Comparison, Line, Quantity, Straight};
+use super::{BesideChange, Change, Comparison, EquipmentChange, Line, Quantity, Standing, Straight};
 use crate::base::number::{self, trimmed};
 use crate::solve::Status;
 use std::fmt::Write;
@@ -110,6 +110,13 @@ impl Comparison {
         if moved > 0 {
             parts.push(format!("{moved} {} moved", if moved == 1 { "vertex" } else { "vertices" }));
         }
+        if parts.is_empty() && !self.is_billed_alike() {
+            let what = if self.bill.is_empty() { "what is ordered beside the track changed" } else { "the bill changed" };
+            parts.push(what.to_owned());
+        }
+        if parts.is_empty() && !self.equipment.is_empty() {
+            parts.push("equipment moved".to_owned());
+        }
         if parts.is_empty() {
             parts.push("small changes".to_owned());
         }
@@ -163,7 +170,57 @@ impl Comparison {
         });
         let heads = vec!["element", "article", "before", "after", "difference", "price"];
         let bill = Table { title: "bill of elements", heads, rows: bill.collect() };
-        [measured, bill, sections, vertices].into_iter().filter(|table| !table.rows.is_empty()).collect()
+        let heads = vec!["component", "article", "before", "after", "difference", "price"];
+        let rows = self.beside.iter().map(BesideChange::cells).collect();
+        let beside = Table { title: "ordered beside the track", heads, rows };
+        let heads = vec!["equipment", "before", "after", "moved by"];
+        let rows = self.equipment.iter().map(EquipmentChange::cells).collect();
+        let equipment = Table { title: "equipment, as placed", heads, rows };
+        [measured, bill, beside, equipment, sections, vertices].into_iter().filter(|table| !table.rows.is_empty()).collect()
+    }
+}
+
+impl BesideChange {
+    fn cells(&self) -> Vec<String> {
+        let price = match (self.before_eur, self.after_eur) {
+            (Some(before), Some(after)) => {
+                format!("{}{} EUR", sign(after - before), fixed((after - before).abs(), 2))
+            }
+            _ => "–".to_owned(),
+        };
+        vec![
+            self.description.clone(),
+            self.article.clone().unwrap_or_default(),
+            self.before.to_string(),
+            self.after.to_string(),
+            format!("{:+}", self.after as i64 - self.before as i64),
+            price,
+        ]
+    }
+}
+
+impl EquipmentChange {
+    fn cells(&self) -> Vec<String> {
+        let standing = |s: &Option<Standing>| s.as_ref().map_or_else(|| "–".to_owned(), Standing::shown);
+        let moved = self.moved_m.map_or_else(String::new, |by| {
+            let one = self.after.as_ref().is_some_and(|s| s.places_m.len() == 1);
+            format!("{}{} m", if one { "" } else { "up to " }, fixed(by, 3))
+        });
+        vec![self.name.clone(), standing(&self.before), standing(&self.after), moved]
+    }
+}
+
+impl Standing {
+    /// `induction at (3.000, 8.500) m`, `40 chute_narrow, from (3.000, 8.500) m`
+    fn shown(&self) -> String {
+        let count = self.places_m.len();
+        let several = if count == 1 { "" } else { "s" };
+        let what = self.of.clone().unwrap_or_else(|| format!("{}{several}", self.kind));
+        match self.places_m.as_slice() {
+            [] => format!("no {what}"),
+            [[x, y]] => format!("{what} at ({}, {}) m", fixed(*x, 3), fixed(*y, 3)),
+            [[x, y], ..] => format!("{count} {what}, from ({}, {}) m", fixed(*x, 3), fixed(*y, 3)),
+        }
     }
 }
 

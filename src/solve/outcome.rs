@@ -3,10 +3,11 @@
 use super::{Certificate, Cut};
 use crate::geometry::Corner;
 use crate::source::Span;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How a stage ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// A local optimum, feasible to 1e-6: nothing near it is better.

@@ -109,6 +109,29 @@ fn what_changed_since_a_revision_is_told_with_its_imports() {
     assert!(markdown.contains("| length | ") && markdown.contains("```diff\n- "), "{markdown}");
 }
 
+/// What is ordered beside the track is on the bill: motors, and a chute.
+#[test]
+fn motors_and_chutes_change_the_bill() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let with = |motors: usize, chutes: usize| {
+        let text = LAYOUT.replace("use \"parts/size.lss\"\n", "").replace("width band", "width 1.2 m");
+        let row = format!("chutes row_a on A..B from 2 m every 1.5 m count {chutes}");
+        text.replace("  fix all A..B\n", &format!("  motors {motors}\n  {row}\n  fix all A..B\n"))
+    };
+    for (name, motors, chutes) in [("a", 8, 4), ("b", 10, 4), ("c", 8, 5)] {
+        fs::write(folder.path().join(format!("{name}.lss")), with(motors, chutes)).expect("written");
+    }
+    for (after, row) in [("b.lss", "+2"), ("c.lss", "+1")] {
+        let assert = lss(folder.path()).args(["a.lss", after, "--fail-on", "bill"]).assert().code(1);
+        let said = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+        assert!(said.contains("ordered beside the track") && said.contains(row), "{said}");
+    }
+    let found = json(lss(folder.path()).args(["a.lss", "c.lss"]));
+    let beside = &found["beside"][0];
+    assert_eq!((beside["group"].as_str(), beside["before"].as_u64()), (Some("stations"), Some(4)), "{found}");
+    assert_eq!(found["equipment"][0]["after"]["places_m"].as_array().map(Vec::len), Some(5), "{found}");
+}
+
 #[test]
 fn what_is_not_there_is_said() {
     let Some(folder) = repository() else { return };
