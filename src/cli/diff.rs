@@ -1,10 +1,13 @@
 //! `lss diff`: what changed between two layouts, or in one since a revision.
 
+use super::compare::simulation_of;
 use super::{MessageFormat, Outcome, could_not, limits, read, report};
 use crate::base::json;
+use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 use crate::emit::{DrawError, Files, change_png, change_svg};
-use crate::review::Comparison;
+use crate::review::{Comparison, Forces};
+use crate::signal::Run;
 use crate::source::shown;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
@@ -12,7 +15,7 @@ use std::time::Duration;
 
 /// Show what changed between two layouts: length, price, chain, bill, what is built where, and what is written.
 ///
-/// Both are solved. With --git the layout is compared with what it was in a revision, with the files that it imported
+/// Both are solved. With --runs, runs that were simulated of both are compared, too. With --git the layout is compared with what it was in a revision, with the files that it imported
 /// then. With --output it writes change.json, change.md, change.svg and change.png, both tracks over each other.
 #[derive(Debug, clap::Args)]
 pub struct Diff {
@@ -30,6 +33,10 @@ pub struct Diff {
     /// End with exit code 1 where this changed.
     #[arg(long, value_name = "WHAT", value_enum)]
     fail_on: Option<FailOn>,
+    /// Runs of the layout before and of the layout after, as `lss simulate` writes them: mean, standard deviation and
+    /// peak of each channel are told, too.
+    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
+    runs: Vec<PathBuf>,
     /// Folder for the outputs; created if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -72,7 +79,12 @@ impl Diff {
             Ok(both) => both,
             Err(outcome) => return outcome,
         };
-        let comparison = Comparison::new((&before_name, &before.0), (&after_name, &after.0));
+        let forces = match self.forces([&before.0, &after.0]) {
+            Ok(forces) => forces,
+            Err(outcome) => return outcome,
+        };
+        let comparison =
+            Comparison::new((&before_name, &before.0), (&after_name, &after.0)).with_forces(forces);
         if let Some(folder) = &self.output {
             let files = match files(&comparison, &before.0, &after.0) {
                 Ok(files) => files,
@@ -95,6 +107,38 @@ impl Diff {
         };
         // What is wrong with the layout before is no reason to refuse what comes after it.
         if changed { Outcome::Problems } else { after.1 }
+    }
+
+    /// The runs that are given, each of which has to be of its layout's track.
+    fn forces(&self, layouts: [&Compiled; 2]) -> Result<Option<Forces>, Outcome> {
+        let [before, after] = self.runs.as_slice() else { return Ok(None) };
+        let read = |path: &PathBuf, compiled: &Compiled| {
+            let run = Run::read(path).map_err(|why| {
+                report::error(&why.to_string());
+                if why.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
+            })?;
+            match simulation_of(path, &run) {
+                Some((_, Ok(of))) if of.track != Simulation::new(compiled).track => {
+                    let name = &compiled.layout.name;
+                    report::error(&format!("{} is of another track than that of `{name}`", shown(path)));
+                    report::note("  help: simulate the layout as it is now with `lss simulate`, and give that run");
+                    return Err(Outcome::Problems);
+                }
+                Some((_, Ok(_))) => {}
+                Some((file, Err(why))) => {
+                    let (run, file) = (shown(path), shown(&file));
+                    report::warning(&format!("whether {run} is of this track is not known: {file}: {why}"));
+                }
+                None => report::warning(&format!(
+                    "whether {} is of this track is not known: its sidecar names no simulation.json",
+                    shown(path)
+                )),
+            }
+            Ok(run)
+        };
+        let runs = [read(before, layouts[0])?, read(after, layouts[1])?];
+        let names = [before, after].map(|path| shown(path).to_string());
+        Ok(Some(Forces::new((&names[0], &runs[0]), (&names[1], &runs[1]))))
     }
 
     /// Both layouts, solved, with their names and whether they can be built.

@@ -2,11 +2,13 @@
 
 mod beside;
 mod equipment;
+mod forces;
 mod lines;
 mod words;
 
 pub use beside::BesideChange;
 pub use equipment::{EquipmentChange, Standing};
+pub use forces::{ChannelChange, Forces, Moments};
 
 use crate::base::number::tidy;
 use crate::compiled::Compiled;
@@ -38,6 +40,9 @@ pub struct Comparison {
     pub beside: Vec<BesideChange>,
     /// Equipment that stands elsewhere, is of another kind, came or went.
     pub equipment: Vec<EquipmentChange>,
+    /// Runs of both, where they are given.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub forces: Option<Forces>,
 }
 
 /// One of the two.
@@ -148,7 +153,14 @@ impl Comparison {
             bill: bill(before, after),
             beside: beside::changed(before, after),
             equipment: equipment::changed(before, after),
+            forces: None,
         }
+    }
+
+    /// The same with runs of both, which change nothing of what the layouts are.
+    #[must_use]
+    pub fn with_forces(self, forces: Option<Forces>) -> Self {
+        Comparison { forces, ..self }
     }
 
     /// Whether both mean the same and come out the same.

@@ -1,6 +1,7 @@
 //! A comparison as text and as Markdown.
 
-use super::{BesideChange, Change, Comparison, EquipmentChange, Line, Quantity, Standing, Straight};
+use super::{BesideChange, Change, ChannelChange, Comparison, EquipmentChange, Line, Moments, Quantity};
+use super::{Standing, Straight};
 use crate::base::number::{self, trimmed};
 use crate::solve::Status;
 use std::fmt::Write;
@@ -176,7 +177,10 @@ impl Comparison {
         let heads = vec!["equipment", "before", "after", "moved by"];
         let rows = self.equipment.iter().map(EquipmentChange::cells).collect();
         let equipment = Table { title: "equipment, as placed", heads, rows };
-        [measured, bill, beside, equipment, sections, vertices].into_iter().filter(|table| !table.rows.is_empty()).collect()
+        let heads = vec!["channel", "mean", "standard deviation", "peak"];
+        let rows = self.forces.iter().flat_map(|forces| &forces.channels).map(ChannelChange::cells).collect();
+        let forces = Table { title: "runs, before → after", heads, rows };
+        [measured, forces, bill, beside, equipment, sections, vertices].into_iter().filter(|table| !table.rows.is_empty()).collect()
     }
 }
 
@@ -221,6 +225,20 @@ impl Standing {
             [[x, y]] => format!("{what} at ({}, {}) m", fixed(*x, 3), fixed(*y, 3)),
             [[x, y], ..] => format!("{count} {what}, from ({}, {}) m", fixed(*x, 3), fixed(*y, 3)),
         }
+    }
+}
+
+impl ChannelChange {
+    fn cells(&self) -> Vec<String> {
+        // Two decimals for forces of hundreds, more for angles of thousandths.
+        let size = [self.before, self.after].into_iter().flatten().map(|m| m.peak.abs()).fold(0.0, f64::max);
+        let decimals = [(10.0, 2), (0.1, 4)].into_iter().find(|(from, _)| size >= *from || size == 0.0).map_or(6, |d| d.1);
+        let cell = |of: fn(&Moments) -> f64| {
+            let [before, after] = [&self.before, &self.after].map(|m| m.as_ref().map(of));
+            let shown = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| fixed(x, decimals));
+            format!("{} → {} {}", shown(before), shown(after), self.unit)
+        };
+        vec![self.channel.to_owned(), cell(|m| m.mean), cell(|m| m.sd), cell(|m| m.peak)]
     }
 }
 

@@ -11,6 +11,7 @@ use crate::signal::measures::Statistics;
 use crate::signal::{Channel, Run};
 use crate::source::shown;
 use scale::Known;
+pub use scale::simulation_of;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -6,7 +6,7 @@ use crate::chain_input::Simulation;
 use crate::signal::compare::Scale;
 use crate::signal::{Run, position};
 use crate::source::{Root, input, shown};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Lap and pitch in metres, each with where it was found.
 pub struct Known {
@@ -23,10 +23,9 @@ impl Known {
         let mut warnings = Vec::new();
         let mut layouts = Vec::new();
         for (data, run) in sides {
-            let path = beside(data, &run.sidecar.layout);
-            if path.extension().is_some_and(|e| e == "json") {
+            if let Some((path, read)) = simulation_of(data, run) {
                 let name = shown(&path);
-                match read(data, &path) {
+                match read {
                     Ok(layout) => layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, name, layout)),
                     Err(why) => {
                         let warning = format!("{name} is not taken into account: {why}");
@@ -69,6 +68,13 @@ impl Known {
     pub fn scale(&self, exponent: f64) -> Scale {
         Scale { lap: self.lap(), pitch: self.pitch.as_ref().map(|p| p.0), exponent }
     }
+}
+
+/// The input of the simulation that a run's sidecar names, if it names one: its file, and what it says.
+pub fn simulation_of(data: &Path, run: &Run) -> Option<(PathBuf, Result<Simulation, String>)> {
+    let path = beside(data, &run.sidecar.layout);
+    let read = path.extension().is_some_and(|e| e == "json").then(|| read(data, &path))?;
+    Some((path, read))
 }
 
 /// The layout that the sidecar of some data names.
