@@ -2,6 +2,7 @@
 //! verbs that need one.
 
 use super::check::{Opened, open};
+use super::progress::Solving;
 use super::{MessageFormat, Outcome, could_not, foreign, report};
 use crate::chain_input::Simulation;
 use crate::cli::limits;
@@ -178,15 +179,12 @@ pub fn solved(read: Read, format: MessageFormat) -> Result<(Compiled, Outcome), 
     if said.iter().any(Diagnostic::is_error) {
         return Err(tell(&sources, &said, format));
     }
-    let compiled = match layout.route {
-        None => solve_quietly(&layout),
-        Some(_) => match route::find(&layout, &options(), &|_| ()) {
-            Ok(found) => Compiled::new(found.layout, found.stages),
-            Err(why) => {
-                said.extend(why);
-                return Err(tell(&sources, &said, format));
-            }
-        },
+    let compiled = match solve(&layout, format) {
+        Ok(compiled) => compiled,
+        Err(why) => {
+            said.extend(why);
+            return Err(tell(&sources, &said, format));
+        }
     };
     said.extend(crate::solve::diagnose(&compiled.layout, &compiled.stages));
     // The bill does not matter here.
@@ -206,10 +204,16 @@ pub fn tell(sources: &SourceMap, said: &[Diagnostic], format: MessageFormat) -> 
     if said.iter().any(Diagnostic::is_error) { Outcome::Problems } else { Outcome::Clean }
 }
 
-/// Solves with the default options, without a word.
-pub(super) fn solve_quietly(layout: &Layout) -> Compiled {
-    let stages = solve::solve(layout, &options(), &|_| ());
-    Compiled::new(layout.clone(), stages)
+/// Solves with the default options, and finds the vertices that a layout asks for; shows meanwhile how far it is.
+fn solve(layout: &Layout, format: MessageFormat) -> Result<Compiled, Vec<Diagnostic>> {
+    let line = Solving::new(format);
+    let solved = match layout.route {
+        None => Ok(Compiled::new(layout.clone(), solve::solve(layout, &options(), &|progress| line.show(progress)))),
+        Some(_) => route::find(layout, &options(), &|progress| line.show(progress))
+            .map(|found| Compiled::new(found.layout, found.stages)),
+    };
+    line.finish();
+    solved
 }
 
 fn options() -> Options {

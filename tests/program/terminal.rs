@@ -45,6 +45,24 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
     at
 }
 
+/// On a terminal, a verb that solves a layout first shows how far that is.
+#[test]
+fn verbs_that_solve_say_how_far_they_are() {
+    let is_there = std::process::Command::new("script").arg("--version").output().is_ok();
+    if !cfg!(target_os = "linux") || !is_there {
+        eprintln!("SKIPPED: there is no `script` here, which makes a terminal");
+        return;
+    }
+    let layout = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/thesis10.lss");
+    let layout = layout.to_str().unwrap();
+    for verb in [format!("polygon {layout}"), format!("simulate {layout} --list-parameters"), format!("diff {layout} {layout}")] {
+        let command = format!("{} {verb}", env!("CARGO_BIN_EXE_lss"));
+        let output = std::process::Command::new("script").args(["-qec", &command, "/dev/null"]).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(said.contains("stage 3, node "), "{verb}: {said}");
+    }
+}
+
 #[test]
 fn hostile_names_of_layouts_are_escaped_by_every_verb() {
     let smallest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/smallest.lss")).unwrap();
