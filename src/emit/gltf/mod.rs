@@ -1,5 +1,5 @@
 //! `track.glb`: the layout in space as glTF 2.0 in one binary file (Khronos Group 2021), for CAD and viewers: a node a
-//! piece of track with its article, supports, motors, stations, the clearance volume, building and obstacles.
+//! piece of track with its article, supports, motors, stations, conveyors, the clearance volume, building and obstacles.
 //!
 //! glTF has y up: x is x, y is the height, and z points against the layout's y. Lengths are metres.
 
@@ -8,9 +8,11 @@ mod mesh;
 mod tests;
 
 use crate::base::number::tidy;
+use crate::base::trig;
 use crate::compiled::{Compiled, Station};
 use crate::geometry::Point;
 use crate::model::Chutes;
+use crate::placement::Placed;
 use mesh::{Mesh, Section};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -22,15 +24,18 @@ const DEPTH: f64 = 0.16;
 const POST: f64 = 0.10;
 /// What stands along the track is drawn as deep and as high as this, m; layouts do not give its size.
 const STATION: [f64; 3] = [0.8, 1.2, 1.0];
+/// A conveyor is drawn as wide and as high as this, m; layouts give neither.
+const CONVEYOR: [f64; 2] = [0.6, 0.1];
 /// Height of walls, m; layouts do not give it.
 const WALLS: f64 = 3.0;
 
 /// Looks: name, colour and opacity.
-const LOOKS: [(&str, [f64; 4]); 7] = [
+const LOOKS: [(&str, [f64; 4]); 8] = [
     ("track", [0.55, 0.58, 0.62, 1.0]),
     ("support", [0.30, 0.33, 0.38, 1.0]),
     ("motor", [0.85, 0.45, 0.10, 1.0]),
     ("station", [0.15, 0.45, 0.75, 1.0]),
+    ("conveyor", [0.45, 0.60, 0.30, 1.0]),
     ("clearance", [0.20, 0.65, 0.35, 0.18]),
     ("building", [0.75, 0.75, 0.75, 0.25]),
     ("obstacle", [0.75, 0.25, 0.25, 0.6]),
@@ -44,6 +49,7 @@ pub fn scene(compiled: &Compiled) -> Vec<u8> {
         scene.group("supports", supports(compiled)),
         scene.group("motors", motors(compiled)),
         scene.group("stations", stations(compiled)),
+        scene.group("conveyors", conveyors(compiled)),
         scene.group("clearance volume", clearance(compiled)),
         scene.group("hall", hall(compiled)),
     ];
@@ -89,10 +95,6 @@ fn track(compiled: &Compiled) -> Vec<Thing> {
     compiled.pieces.iter().enumerate().map(piece).collect()
 }
 
-fn at(station: &Station) -> Vector3<f64> {
-    Vector3::new(station.point.x, station.point.y, station.z)
-}
-
 /// Posts from the floor to the track; none where the track lies on the floor, as in a layout without levels.
 fn supports(compiled: &Compiled) -> Vec<Thing> {
     let under = below(compiled) + DEPTH;
@@ -121,6 +123,12 @@ fn motors(compiled: &Compiled) -> Vec<Thing> {
     compiled.motors().into_iter().enumerate().map(one).collect()
 }
 
+/// Where a block of this height beside the track stands, m: under a raised track it hangs with its top at the track's
+/// height, and nowhere does it reach below the hall's floor, which is at 0.
+fn foot(z: f64, up: f64) -> f64 {
+    (z - up).max(z.min(0.0))
+}
+
 /// Inductions, chutes and the photocell, as blocks beside the track: to the right, where layouts say nothing else.
 fn stations(compiled: &Compiled) -> Vec<Thing> {
     let equipment = &compiled.layout.equipment;
@@ -128,7 +136,7 @@ fn stations(compiled: &Compiled) -> Vec<Thing> {
     let up = STATION[2];
     let sized = |name: String, station: &Station, (along, across, side): (f64, f64, f64)| {
         let aside = Point::unit(station.heading).left() * (side * (compiled.layout.width.value / 2.0 + across / 2.0));
-        let foot = at(station) + Vector3::new(aside.x, aside.y, -up);
+        let foot = Vector3::new(station.point.x + aside.x, station.point.y + aside.y, foot(station.z, up));
         let mesh = Mesh::block(foot, station.heading, [along, across, up]);
         Thing { extras: json!({ "s_m": station.s }), ..Thing::new(name, "station", mesh) }
     };
@@ -154,6 +162,29 @@ fn stations(compiled: &Compiled) -> Vec<Thing> {
     }
     things.extend(equipment.photocell.map(|place| block("photocell".into(), &compiled.station(place), 0.1)));
     things
+}
+
+/// The conveyors that feed equipment, straight from where they begin, on top of the height of the block that they end at.
+fn conveyors(compiled: &Compiled) -> Vec<Thing> {
+    let declared = &compiled.layout.equipment.declared;
+    let [across, up] = CONVEYOR;
+    let one = |placed: &Placed| {
+        let declared = &declared[placed.declared];
+        let from = declared.fed?;
+        // The rectangles' third and fourth corners are the outer ones.
+        let ends = placed.footprint.covers.iter().map(|r| r[2].lerp(r[3], 0.5));
+        let to = ends.min_by(|a, b| a.distance(from).total_cmp(&b.distance(from)))?;
+        let length = from.distance(to);
+        let top = foot(compiled.station(placed.place).z, STATION[2]) + STATION[2];
+        (length > 1e-6).then(|| {
+            let (middle, way) = (from.lerp(to, 0.5), to - from);
+            let base = Vector3::new(middle.x, middle.y, top - up);
+            let mesh = Mesh::block(base, trig::atan2(way.y, way.x), [length, across, up]);
+            let name = format!("conveyor to {}", declared.one(placed.number));
+            Thing { extras: json!({ "length_m": tidy(length) }), ..Thing::new(name, "conveyor", mesh) }
+        })
+    };
+    compiled.placement.placed.iter().filter_map(one).collect()
 }
 
 /// What carts with their load may fill: as wide as the layout says, from the rails up to the beams of a section that

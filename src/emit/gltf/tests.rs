@@ -87,6 +87,35 @@ fn another_reader_finds_every_piece() {
     assert!((f64::from(highest) - (top - below(&compiled))).abs() < 1e-3, "{highest} {top}");
 }
 
+/// Stations stand on the hall's floor, and a conveyor is as long as it is billed.
+#[test]
+fn stations_stand_on_the_floor_and_are_fed() {
+    let compiled = samples::equipped();
+    let bytes = scene(&compiled);
+    let file = gltf::Gltf::from_slice(&bytes).expect("valid glTF");
+    let group = |name: &str| {
+        let nodes: Vec<_> = file.nodes().filter(|node| node.name() == Some(name)).collect();
+        nodes[0].children().map(|node| (node.name().unwrap().to_owned(), node.mesh().unwrap())).collect::<Vec<_>>()
+    };
+    let bounds = |mesh: &gltf::Mesh| mesh.primitives().next().unwrap().bounding_box();
+    let stations = group("stations");
+    assert!(stations.len() >= 15, "{}", stations.len());
+    for (name, mesh) in &stations {
+        let bounds = bounds(mesh);
+        assert_eq!((bounds.min[1], bounds.max[1]), (0.0, 1.0), "{name}");
+    }
+    let conveyors = group("conveyors");
+    let [(name, mesh)] = conveyors.as_slice() else { panic!("{} conveyors", conveyors.len()) };
+    assert_eq!(name, "conveyor to west");
+    let bounds = bounds(mesh);
+    let billed = compiled.placement.placed.iter().find_map(|placed| placed.conveyor).unwrap();
+    // It comes straight from the south, where z is against y.
+    assert!((f64::from(bounds.max[2] - bounds.min[2]) - billed).abs() < 1e-3, "{bounds:?} {billed}");
+    assert!((f64::from(bounds.max[2]) - 7.6).abs() < 1e-3, "{bounds:?}");
+    // Beside a raised track blocks end at its height, and no block reaches below the floor.
+    assert_eq!([foot(3.0, 1.0), foot(0.4, 1.0), foot(0.0, 1.0), foot(-0.5, 1.0)], [2.0, 0.0, 0.0, -0.5]);
+}
+
 #[test]
 fn a_layout_on_the_floor_has_no_posts_and_gives_the_same_bytes() {
     let mut layout = fixture::rectangle(20.0, 10.5, 4.0);
