@@ -4,6 +4,7 @@ use super::known::Known;
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
+use crate::compiled::order::{self, OrderLine};
 use crate::emit::freedom::limit;
 use crate::kinematics::polygon::PolygonObjective;
 use crate::report::polygon::{Names, PolygonReport};
@@ -20,6 +21,7 @@ pub fn html(known: &Known, compiled: &Compiled) -> String {
         (numbers(compiled))
         (stages(known, compiled))
         (chain(compiled))
+        (capacity(compiled))
         (held(known, compiled))
         (bill(compiled))
         (polygon_action(compiled))
@@ -29,15 +31,27 @@ pub fn html(known: &Known, compiled: &Compiled) -> String {
 
 fn numbers(compiled: &Compiled) -> Markup {
     let proof = compiled.stages.last().and_then(|stage| stage.certificate.as_ref()).map(Certificate::words);
+    let (placement, equipped) = (&compiled.placement, !compiled.layout.equipment.declared.is_empty());
+    let missing: usize = placement.missing.iter().map(|(_, count)| count).sum();
     html! {
         section {
             dl.numbers {
                 div { dt { "length" } dd { (fixed(compiled.length(), 3)) " m" } }
-                div { dt { "price" } dd { (thousands(compiled.bill.price)) " EUR" } }
+                div {
+                    dt { @if equipped { "price of the track" } @else { "price" } }
+                    dd { (thousands(compiled.bill.price)) " EUR" }
+                }
                 div { dt { "elements" } dd { (compiled.bill.count) } }
                 div { dt { "mass" } dd { (fixed(compiled.bill.mass, 0)) " kg" } }
                 div { dt { "floor" } dd { (fixed(compiled.footprint, 1)) " m²" } }
+                @if equipped {
+                    div { dt { "pieces of equipment" } dd { (placement.placed.len()) } }
+                    div { dt { "price of equipment" } dd { (thousands(placement.equipment)) " EUR" } }
+                    div { dt { "price of conveyors" } dd { (thousands(placement.conveyors)) " EUR" } }
+                    div { dt { "all three" } dd { (thousands(compiled.price_with_equipment())) " EUR" } }
+                }
             }
+            @if missing > 0 { p { span.bad { "✗ no room for " (missing) " more of the equipment" } } }
             @for line in proof.iter().flatten() { p.proof { (line) } }
             @if compiled.raised() { p.note { "The length is along the slope; stages count the plan." } }
         }
@@ -121,6 +135,26 @@ fn chain(compiled: &Compiled) -> Markup {
     }
 }
 
+/// What the layout takes in closed form, where it is a sorter, against what it is asked to.
+fn capacity(compiled: &Compiled) -> Markup {
+    let Some(takes) = compiled.takes() else { return html! {} };
+    html! {
+        section {
+            h2 { "Capacity" }
+            p {
+                b { (takes.words) }
+                @if let Some(required) = takes.required {
+                    @let asked = format!("the {} an hour that it has to reach", fixed(required, 0));
+                    @if takes.is_enough() { " " span.good { "✓ as much as " (asked) } } @else {
+                        " " span.bad { "✗ less than " (asked) }
+                    }
+                }
+            }
+            p.note { "In closed form, limited by " (one_line(&takes.limit)) ". " code { "lss capacity" } " simulates it." }
+        }
+    }
+}
+
 /// The rows at their limits, those with a price first.
 fn held(known: &Known, compiled: &Compiled) -> Markup {
     let is_continuous = |stage: &&Stage| matches!(stage.name, "stage1" | "stage2" | "written");
@@ -168,6 +202,10 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
 
 fn bill(compiled: &Compiled) -> Markup {
     let bill = &compiled.bill;
+    let beside = order::lines(compiled);
+    let sum: f64 = beside.iter().filter_map(OrderLine::price).sum();
+    let unpriced = beside.iter().filter(|line| line.unit_price.is_none()).count();
+    let euros = |price: Option<f64>| price.map_or_else(|| "–".to_owned(), |price| fixed(price, 2));
     html! {
         section {
             h2 { "Bill of elements" }
@@ -182,6 +220,28 @@ fn bill(compiled: &Compiled) -> Markup {
                 tfoot { tr { td { "in all" } td.number { (bill.count) } td {} td.number { (fixed(bill.price, 2)) } } }
             } }
         }
+        @if !beside.is_empty() { section {
+            h2 { "Ordered beside the track" }
+            div.scroll { table {
+                thead { tr { th { "component" } th.number { "count" } th.number { "each, EUR" } th.number { "EUR" } } }
+                tbody { @for line in &beside { tr {
+                    td title=(line.article.as_deref().unwrap_or("no article number")) { (one_line(&line.description)) }
+                    td.number { (line.count) }
+                    td.number { (euros(line.unit_price)) }
+                    td.number { (euros(line.price())) }
+                } } }
+                tfoot {
+                    tr { td { "in all" } td {} td {} td.number { (fixed(sum, 2)) } }
+                    tr { td { "with the track" } td {} td {} td.number { (fixed(sum + bill.price, 2)) } }
+                }
+            } }
+            @if unpriced > 0 {
+                p.note {
+                    @if unpriced == 1 { "One line has no price" } @else { (unpriced) " lines have no price" }
+                    (if unpriced == 1 { " and is not in the sums." } else { " and are not in the sums." })
+                }
+            }
+        } }
     }
 }
 
@@ -221,4 +281,47 @@ fn polygon_action(compiled: &Compiled) -> Markup {
         }
     };
     html! { section { h2 { "Polygon action" } (body) } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compiled::fixture::{compile, on};
+    use crate::model::fixture::{anywhere, equipment_type, rectangle};
+    use crate::model::{Article, Chutes, EquipmentKind, EquipmentSide, EquipmentType, Induction, PlaceRow};
+    use crate::model::{RequiredCapacity, fixture};
+    use crate::source::Spanned;
+
+    #[test]
+    fn equipment_is_counted_priced_and_billed() {
+        let plain = compile(rectangle(40.0, 20.0, 4.0));
+        assert!(!numbers(&plain).into_string().contains("equipment") && capacity(&plain).into_string().is_empty());
+        let mut layout = rectangle(40.0, 20.0, 4.0);
+        (layout.obstacles, layout.building) = (Vec::new(), None);
+        let of = equipment_type(EquipmentKind::Chute, 1.5, 2.0, EquipmentSide::Outer);
+        let of = EquipmentType { article: Article { price: Some(1234.0), ..Article::default() }, ..of };
+        layout.equipment.declared = vec![anywhere("row_a", of, 5)];
+        let compiled = compile(layout);
+        let found = numbers(&compiled).into_string();
+        assert!(found.contains("<dt>pieces of equipment</dt><dd>5</dd>"), "{found}");
+        assert!(found.contains("6\u{202f}170 EUR"), "{found}");
+        assert!(found.contains(&thousands(compiled.bill.price + 6170.0)), "{found}");
+        let found = bill(&compiled).into_string();
+        assert!(found.contains("of row_a") && found.contains("6170.00") && found.contains("motor "), "{found}");
+    }
+
+    #[test]
+    fn capacity_is_held_against_what_is_required() {
+        let mut layout = rectangle(40.0, 20.0, 4.0);
+        layout.equipment.inductions = vec![Induction { name: "west".into(), place: on(0, 1.0) }];
+        let row = PlaceRow { place: on(0, 5.0), every: 1.5, count: 4 };
+        layout.equipment.chutes = vec![Chutes { name: "row_a".into(), row, more: Vec::new() }];
+        for (least, told) in [(10.0, "✓ as much as the 10"), (1e6, "✗ less than the 1000000")] {
+            layout.capacity.required =
+                Some(RequiredCapacity { least: Spanned::new(least, fixture::span()), reason: None });
+            let compiled = compile(layout.clone());
+            let found = capacity(&compiled).into_string();
+            assert!(found.contains(told) && found.contains("behind induction west"), "{found}");
+        }
+    }
 }
