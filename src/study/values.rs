@@ -67,10 +67,12 @@ fn put(out: &mut Values, name: &str, value: Option<f64>) {
     }
 }
 
-/// The summary without its stages.
+/// The summary without its stages, and without the names of files and folders, which differ with where a study is done.
 fn build(summary: &Value) -> Values {
     let mut out = Values::new();
     flatten("build", summary, &mut out);
+    out.remove("build.file");
+    out.remove("build.output");
     out
 }
 
@@ -180,6 +182,13 @@ mod tests {
         assert_eq!(found["simulate.joint_xi.rms"], 5.0);
         assert_eq!(found["simulate.carts"], 3);
         assert!(!found.contains_key("simulate.wall_s"), "no times");
+    }
+
+    #[test]
+    fn a_build_tells_nothing_of_where_it_was_done() {
+        let summary = json!({"file": "a.lss", "output": "x/tasks/1/build", "layout": "a", "length_m": 40.0});
+        let found = values(Verb::Build, &summary.to_string(), Path::new(".")).unwrap();
+        assert_eq!(found.keys().map(String::as_str).collect::<Vec<_>>(), ["build.layout", "build.length_m"]);
     }
 
     #[test]

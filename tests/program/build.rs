@@ -54,6 +54,39 @@ fn without_a_folder_outputs_go_to_one_of_the_files_name() {
 }
 
 #[test]
+fn two_layouts_of_a_file_have_folders_of_their_own() {
+    let plant = plant();
+    let (_, body) = layout(8.0).split_once("layout hall").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    let both =
+        layout(8.0).replace("layout hall", "layout old") + "\nlayout new" + &body.replace("P2 (17 m", "P2 (19 m");
+    fs::write(plant.path().join("two.lss"), both).unwrap();
+    for name in ["old", "new"] {
+        let (code, said, wrong) = build(plant.path(), &["two.lss", "--layout", name, "--format", "json"]);
+        assert_eq!(code, 0, "{said}{wrong}");
+        let summary: serde_json::Value = serde_json::from_str(&said).unwrap();
+        let folder = format!("out/two-{name}");
+        assert_eq!((summary["file"].as_str(), summary["output"].as_str()), (Some("two.lss"), Some(folder.as_str())));
+        let written = fs::read_to_string(plant.path().join(&folder).join("layout.json")).unwrap();
+        assert!(written.contains(&format!("\"name\": \"{name}\"")), "{written}");
+    }
+    assert!(!plant.path().join("out/two").exists());
+}
+
+#[test]
+fn what_emit_does_not_take_names_what_does() {
+    let plant = plant();
+    for (what, instead) in
+        [("gltf", "use --gltf"), ("step", "use --gltf"), ("xlsx", "use --xlsx"), ("pdf", "use --pdf")]
+    {
+        let (code, _, wrong) = build(plant.path(), &["hook.lss", "--emit", what]);
+        assert_eq!(code, 2, "{wrong}");
+        assert!(wrong.contains(instead) && wrong.contains(&format!("--emit {what}")), "{wrong}");
+    }
+    let (code, _, wrong) = build(plant.path(), &["hook.lss", "--emit", "nonsense"]);
+    assert!(code == 2 && wrong.contains("possible values: model"), "{wrong}");
+}
+
+#[test]
 fn each_of_several_files_is_built_and_the_worst_decides() {
     let plant = plant();
     let files = ["hook.lss", "broken.lss", "a/oval.lss", "b/oval.lss"];

@@ -1,5 +1,6 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
+mod emit;
 pub mod routed;
 pub mod summary;
 mod written;
@@ -9,14 +10,15 @@ use super::read::{Read, given_let, read_any, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, report};
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
-use crate::emit;
 use crate::emit::OwnNumbers;
+use crate::emit::freedom::Table;
 use crate::emit::pareto::Pareto;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::given::GivenLet;
 use crate::solve::{self, Effort, Options, Solver, unsupported};
 use clap::ValueEnum;
+use emit::{Emit, EmitParser};
 use routed::Routed;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -33,8 +35,8 @@ pub struct Build {
     /// Layout files.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Folder for the outputs, out/NAME when not given, NAME being the file's; created if it is missing. Of several
-    /// files each has a folder of its name in it.
+    /// Folder for the outputs, out/NAME when not given, NAME being the file's, or out/NAME-LAYOUT with --layout; created
+    /// if it is missing. Of several files each has a folder of its name in it.
     ///
     /// With --emit only what it prints is made unless a folder is given; `nl` and `mps` are files in any case.
     #[arg(short, long, value_name = "DIR")]
@@ -52,7 +54,7 @@ pub struct Build {
     #[arg(long, value_enum, default_value_t)]
     message_format: MessageFormat,
     /// Print a stage of the compiler instead of building (`model`, `problem`), or write more about the result.
-    #[arg(long, value_enum, value_name = "WHAT")]
+    #[arg(long, value_parser = EmitParser, value_name = "WHAT")]
     emit: Option<Emit>,
     #[command(flatten)]
     more: More,
@@ -77,22 +79,6 @@ pub struct Build {
     time_limit: Option<Duration>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Emit {
-    /// The checked layout with every default filled in.
-    Model,
-    /// The optimisation problem, each row with its source line.
-    Problem,
-    /// What the layout is still free to do, and what each row at its limit costs; with -o freedom.txt and freedom.json.
-    Freedom,
-    /// Length against cost: layouts that are best for one price of a metre or another; with -o pareto.json and pareto.html.
-    Pareto,
-    /// The continuous stages for other solvers, with the build: stage1.nl, stage2.nl, names in .row and .col.
-    Nl,
-    /// The discrete stage without building and obstacles for other solvers, with the build: stage3.mps.
-    Mps,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
 enum SolverName {
     /// Sequential quadratic programming.
@@ -115,7 +101,10 @@ impl Build {
                 (Some(folder), _) if self.files.len() > 1 => Some(folder.join(name)),
                 (Some(folder), _) => Some(folder.clone()),
                 (None, Some(Emit::Model | Emit::Problem | Emit::Freedom | Emit::Pareto)) if !self.more.any() => None,
-                (None, _) => Some(Path::new("out").join(name)),
+                (None, _) => Some(Path::new("out").join(match &self.layout {
+                    Some(layout) => format!("{name}-{layout}"),
+                    None => name.clone(),
+                })),
             };
             worst = worst.max(self.build(file, folder.as_deref(), &own));
         }
@@ -174,8 +163,7 @@ impl Build {
         if output.is_some() && !compiled.failed() {
             said.extend(solve::implied(&compiled.layout, &compiled.stages));
         }
-        let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed())
-            .then(|| emit::freedom::Table::new(&compiled, &sources));
+        let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed()).then(|| Table::new(&compiled, &sources));
         let pareto = (self.emit == Some(Emit::Pareto) && !compiled.failed()).then(|| {
             let line = Solving::new(self.message_format);
             let trades = solve::pareto(layout, &self.options(), &|progress| line.show(progress));
@@ -203,7 +191,7 @@ impl Build {
         }
         match &freedom {
             Some(table) if self.format == OutputFormat::Text => report::print(&table.text),
-            _ => self.summarise(&compiled, pareto.as_ref(), routed.as_ref(), output),
+            _ => self.summarise(Summary::new(&compiled, pareto.as_ref(), routed.as_ref()).of(file, output), output),
         }
         if let (Some(pareto), OutputFormat::Text) = (&pareto, self.format) {
             report::print(&pareto.text());
@@ -231,11 +219,10 @@ impl Build {
         Compiled::new(layout.clone(), stages)
     }
 
-    fn summarise(&self, compiled: &Compiled, pareto: Option<&Pareto>, routed: Option<&Routed>, output: Option<&Path>) {
-        let summary = Summary::new(compiled, pareto, routed);
+    fn summarise(&self, summary: Summary, output: Option<&Path>) {
         let text = match self.format {
             OutputFormat::Json => serde_json::to_string(&summary).unwrap_or_default() + "\n",
-            OutputFormat::Text => summary.text(compiled.raised(), output),
+            OutputFormat::Text => summary.text(output),
         };
         report::print(&text);
     }

@@ -13,9 +13,17 @@ use std::path::Path;
 /// The summary in JSON.
 #[derive(Serialize)]
 pub struct Summary<'a> {
+    /// The layout's file, and the folder of its outputs, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: Option<String>,
     layout: &'a str,
     stages: Vec<StageSummary<'a>>,
     length_m: f64,
+    /// Whether the layout has heights, so that this is along the slope.
+    #[serde(skip)]
+    raised: bool,
     footprint_m2: f64,
     element_count: usize,
     closure_m: f64,
@@ -138,9 +146,12 @@ impl<'a> Summary<'a> {
         };
         let proven = compiled.stages.last().and_then(|s| s.certificate.as_ref());
         Summary {
+            file: None,
+            output: None,
             layout: &compiled.layout.name,
             stages: compiled.stages.iter().map(stage).collect(),
             length_m: compiled.length(),
+            raised: compiled.raised(),
             footprint_m2: compiled.footprint,
             element_count: compiled.bill.count,
             closure_m: compiled.sequence.closure,
@@ -158,8 +169,15 @@ impl<'a> Summary<'a> {
         }
     }
 
+    /// The same of a file whose outputs go to a folder.
+    #[must_use]
+    pub fn of(self, file: &Path, output: Option<&Path>) -> Self {
+        let path = |path: &Path| path.to_string_lossy().into_owned();
+        Summary { file: Some(path(file)), output: output.map(path), ..self }
+    }
+
     /// The summary for people.
-    pub fn text(&self, raised: bool, output: Option<&Path>) -> String {
+    pub fn text(&self, output: Option<&Path>) -> String {
         let mut out = format!("{}\n", self.layout);
         for stage in &self.stages {
             let state = stage.status.words(self.cut.is_some());
@@ -191,7 +209,7 @@ impl<'a> Summary<'a> {
             self.element_count, self.price_eur, self.mass_kg, self.footprint_m2, self.closure_m
         );
         out += &self.equipment.as_ref().map_or_else(String::new, EquipmentSummary::text);
-        if raised {
+        if self.raised {
             out += &format!("  {:.5} m along the slope; stages count the plan\n", self.length_m);
         }
         if let Some(folder) = output {

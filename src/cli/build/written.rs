@@ -1,6 +1,6 @@
 //! What a build writes, and what it says of the folder that it writes to.
 
-use super::Emit;
+use super::emit::Emit;
 use crate::cli::{Outcome, could_not, report};
 use crate::compiled::Compiled;
 use crate::emit::freedom::Table;
