@@ -25,7 +25,7 @@ pub fn line(sources: &SourceMap, diagnostic: &Diagnostic) -> String {
         inner.insert("replacement".into(), json!(fix.replacement));
         object.insert("fix".into(), Value::Object(inner));
     }
-    let related = diagnostic.related.iter().map(|label| {
+    let related = diagnostic.others().map(|label| {
         let mut inner = Map::new();
         place(&mut inner, sources, label.span);
         inner.insert("message".into(), json!(label.text));

@@ -83,6 +83,11 @@ impl Diagnostic {
         self
     }
 
+    /// The other places that take part, without what only says again what is said of the main one.
+    pub fn others(&self) -> impl Iterator<Item = &Label> {
+        self.related.iter().filter(|label| **label != self.label)
+    }
+
     pub fn severity(&self) -> Severity {
         self.code.severity()
     }

@@ -61,10 +61,9 @@ impl Report {
     /// The report itself, then one for each other file that takes part.
     fn of(sources: &SourceMap, diagnostic: &Diagnostic) -> Vec<Report> {
         let home = diagnostic.label.span.file;
-        let shown = &diagnostic.related[..diagnostic.related.len().min(MOST_RELATED)];
+        let shown: Vec<&Label> = diagnostic.others().take(MOST_RELATED).collect();
         let mut labels = vec![&diagnostic.label];
-        // The main place is not said twice where it stands among the others, too.
-        labels.extend(shown.iter().filter(|l| l.span.file == home && **l != diagnostic.label));
+        labels.extend(shown.iter().filter(|l| l.span.file == home));
         let mut reports = vec![Report {
             code: Some(format!("{} {}", diagnostic.code.as_str(), diagnostic.code.name())),
             severity: match diagnostic.severity() {
@@ -79,7 +78,7 @@ impl Report {
         others.sort();
         others.dedup();
         for file in others {
-            let labels: Vec<&Label> = shown.iter().filter(|l| l.span.file == file).collect();
+            let labels: Vec<&Label> = shown.iter().copied().filter(|l| l.span.file == file).collect();
             reports.push(Report {
                 message: format!("in {}", one_line(&sources.file(file).name)),
                 ..Report::excerpt(sources, file, &labels, false)
@@ -130,8 +129,9 @@ fn help(sources: &SourceMap, diagnostic: &Diagnostic) -> Option<String> {
             });
         }
     }
-    if diagnostic.related.len() > MOST_RELATED {
-        lines.push(format!("{} more places take part", diagnostic.related.len() - MOST_RELATED));
+    let others = diagnostic.others().count();
+    if others > MOST_RELATED {
+        lines.push(format!("{} more places take part", others - MOST_RELATED));
     }
     (!lines.is_empty()).then(|| lines.join("\n"))
 }

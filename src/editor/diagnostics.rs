@@ -41,7 +41,7 @@ pub fn of(workspace: &Workspace, client: &Client, checked: &Checked, diagnostic:
     let span = diagnostic.label.span;
     let mut message = said(diagnostic);
     let mut related = Vec::new();
-    for label in &diagnostic.related {
+    for label in diagnostic.others() {
         match workspace.location(checked, label.span).filter(|_| client.related) {
             Some(location) => {
                 related.push(lsp::DiagnosticRelatedInformation { location, message: label.text.clone() });

@@ -35,7 +35,7 @@ fn one(sources: &SourceMap, diagnostic: &Diagnostic) -> Markup {
                 (one_line(&diagnostic.message))
             }
             (place(sources, &diagnostic.label))
-            @for label in diagnostic.related.iter().take(8) { (place(sources, label)) }
+            @for label in diagnostic.others().take(8) { (place(sources, label)) }
             @if let (Some(expected), Some(found)) = (&diagnostic.expected, &diagnostic.found) {
                 p.note { "expected " (visible(expected)) ", found " (visible(found)) }
             }
