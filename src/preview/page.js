@@ -76,19 +76,27 @@ function showStatus() {
   sheet.classList.toggle("stale", Boolean(status?.stale) && !moving?.svg);
   // What is told of a layout is of the one before until the new one is solved.
   by("facts").classList.toggle("before", Boolean(status?.stale || near));
-  tell(moving?.problem ?? null);
+  stand();
 }
 
 // A sentence over the plan; `null` takes it away.
-function tell(words) {
+function tell(words, quiet = false) {
   note.textContent = words ?? "";
   note.hidden = !words;
+  note.classList.toggle("quiet", quiet);
+}
+
+// What the server says of what is shown: what is wrong with a movement, else what a drag came to.
+function stand() {
+  const { plan, moving } = parts;
+  const problem = moving?.problem ?? null;
+  tell(problem ?? (moving?.svg ? null : (plan?.remark ?? null)), !problem);
 }
 
 // The same, for what one page has done and the server says nothing of.
 function remark(words) {
   tell(words);
-  setTimeout(() => note.textContent === words && tell(null), 6000);
+  setTimeout(() => note.textContent === words && stand(), 6000);
 }
 
 let later = 0;

@@ -55,8 +55,10 @@ pub fn html(file: &Path) -> String {
                         div #tip hidden {}
                         p #note role="alert" hidden {}
                     }
-                    div #messages aria-live="polite" {}
-                    div #facts {}
+                    div #beside {
+                        div #messages aria-live="polite" {}
+                        div #facts {}
+                    }
                     section #source {
                         h2 { code #file {} }
                         ol {}

@@ -21,6 +21,8 @@ pub struct Subject<'a> {
     pub forces: Option<&'a Forces>,
     /// Whether it is not on the catalogue's grid yet.
     pub near: bool,
+    /// What came before it; `None` where nothing did.
+    pub before: Option<&'a Compiled>,
 }
 
 /// The sheet and all that a page shows of a plan.
@@ -42,8 +44,32 @@ pub fn part(subject: &Subject) -> Result<(Sheet, Value), DrawError> {
         "tips": tips(subject),
         "lines": lines_of_sections(known, compiled),
     });
+    if let Some(remark) = subject.before.filter(|_| !near).and_then(|before| unmoved(before, compiled)) {
+        plan["remark"] = json!(remark);
+    }
     place(&mut plan, &sheet);
     Ok((sheet, plan))
+}
+
+/// Tracks whose corners lie no farther apart than this are the same, m.
+const SAME: f64 = 1e-4;
+
+/// What is said where vertices are written elsewhere than before, and the optimiser came to the same track.
+fn unmoved(before: &Compiled, after: &Compiled) -> Option<String> {
+    let (written, now) = (&before.layout.vertices, &after.layout.vertices);
+    let (corners, same) = (&before.track.corners, &after.track.corners);
+    if written.len() != now.len() || corners.len() != same.len() || after.failed() || before.failed() {
+        return None;
+    }
+    let is_same = |(a, b): (&Corner, &Corner)| a.point.distance(b.point) < SAME && (a.radius - b.radius).abs() < SAME;
+    let moved = written.iter().zip(now).filter(|(a, b)| a.name == b.name && a.point.distance(b.point) > SAME);
+    let moved: Vec<&str> = moved.map(|(_, vertex)| vertex.name.as_str()).collect();
+    let first = moved.first().filter(|_| corners.iter().zip(same).all(is_same))?;
+    let was =
+        if let [one] = moved.as_slice() { format!("{one} was") } else { format!("{} vertices were", moved.len()) };
+    Some(format!(
+        "{was} moved, and the optimiser came to the same track: `fix {first}` or `optimise nothing` keeps it there"
+    ))
 }
 
 /// The same of a picture that will not stay: lines alone, on the sheet of the plan before.

@@ -279,7 +279,7 @@ impl Worker {
 
     fn subject<'a>(&'a self, known: &'a Known, compiled: &'a Compiled) -> Subject<'a> {
         let (sheet, forces) = (self.sheet.as_ref(), self.settings.forces.as_deref());
-        Subject { known, compiled, sheet, forces, near: false }
+        Subject { known, compiled, sheet, forces, near: false, before: None }
     }
 
     /// Shows a picture that will not stay.
@@ -344,7 +344,8 @@ impl Worker {
             }
         };
         self.moving = false;
-        match plan::part(&self.subject(known, &compiled)) {
+        let before = self.solved.as_ref().map(|(_, compiled)| compiled);
+        match plan::part(&Subject { before, ..self.subject(known, &compiled) }) {
             Ok((sheet, plan)) => {
                 self.sheet = Some(sheet);
                 let (facts, status) =

@@ -68,6 +68,49 @@ fn dragging_a_vertex_changes_its_numbers_and_the_drawing() {
     assert_eq!(browser.complaints(), [""; 0]);
 }
 
+/// A layout that is optimised comes to the same track wherever the optimiser begins; the page says so.
+#[test]
+fn a_drag_that_changes_nothing_says_what_would() {
+    let Some(browser) = Browser::start() else { return };
+    let preview = Preview::new(&optimised());
+    let tab = opened(&browser, &preview, WIDE);
+    let (before, metre) = (drawn(&tab), pixels(&tab));
+    assert_eq!(tab.text("#note"), "");
+    let from = tab.middle(&handle(1));
+    tab.mouse("mouseMoved", from, false);
+    tab.mouse("mousePressed", from, true);
+    tab.mouse("mouseMoved", (from.0 - 0.5 * metre, from.1), true);
+    tab.mouse("mouseMoved", (from.0 - metre, from.1), true);
+    tab.mouse("mouseReleased", (from.0 - metre, from.1), false);
+    preview.until("the written vertex", |parts| parts["plan"]["vertices"][1]["x"] == 36.0);
+    tab.until("document.getElementById('note').textContent.includes('came to the same track')");
+    let said = tab.text("#note");
+    assert!(said.starts_with("P2 was moved") && said.contains("`fix P2` or `optimise nothing`"), "{said}");
+    assert_eq!(drawn(&tab), before);
+    // What changes the track takes the words away.
+    preview.save(&optimised().replace(">= 12 m", ">= 15 m"));
+    tab.until("document.getElementById('note').hidden");
+    tab.until(&format!("document.querySelector('#drawing path.band').getAttribute('d') !== '{before}'"));
+    assert_eq!(browser.complaints(), [""; 0]);
+}
+
+/// Long messages stand beside the plan and do not push the text away from it.
+#[test]
+fn messages_leave_the_text_under_the_plan() {
+    let Some(browser) = Browser::start() else { return };
+    let statements: String = (0..12).map(|k| format!("  sped{k} 2.0 m/s\n")).collect();
+    let preview = Preview::new(HALL);
+    let tab = opened(&browser, &preview, WIDE);
+    preview.save(&HALL.replace("  width 1.2 m\n", &format!("  width 1.2 m\n{statements}")));
+    tab.until("document.querySelectorAll('#messages article.error').length >= 12");
+    let edge = |of: &str| tab.value(of).as_f64().unwrap();
+    let messages = edge("document.getElementById('messages').offsetHeight");
+    let sheet = edge("document.getElementById('sheet').getBoundingClientRect().bottom");
+    let source = edge("document.getElementById('source').getBoundingClientRect().top");
+    assert!(messages > edge("document.getElementById('sheet').offsetHeight"), "{messages}");
+    assert!((source - sheet).abs() < 30.0, "the text begins at {source}, and the plan ends at {sheet}");
+}
+
 #[test]
 fn a_drag_that_is_given_up_writes_nothing_and_a_formula_is_not_dragged() {
     let Some(browser) = Browser::start() else { return };
