@@ -67,7 +67,7 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
         ),
     };
     let bill = &compiled.bill;
-    pages.facts(&[
+    let mut facts = vec![
         ("length of track", metres(compiled.length())),
         ("carts", chain),
         ("speed", format!("{} m/s", trimmed(layout.speed.value, 3))),
@@ -76,7 +76,35 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
         ("vertices", layout.vertices.len().to_string()),
         ("elements", format!("{}, {} EUR, {} kg", bill.count, fixed(bill.price, 2), fixed(bill.mass, 1))),
         ("catalogue", layout.catalog.name.clone()),
-    ]);
+    ];
+    let placement = &compiled.placement;
+    if !layout.equipment.declared.is_empty() {
+        let missing: usize = placement.missing.iter().map(|(_, count)| count).sum();
+        let lacking = if missing > 0 { format!("; NO ROOM FOR {missing} MORE") } else { String::new() };
+        let conveyors: f64 = placement.placed.iter().filter_map(|placed| placed.conveyor).sum();
+        facts.extend([
+            ("equipment", format!("{}, {} EUR{lacking}", placement.placed.len(), fixed(placement.equipment, 2))),
+            ("conveyors", format!("{} m, {} EUR", fixed(conveyors, 2), fixed(placement.conveyors, 2))),
+            ("track, equipment, conveyors", format!("{} EUR", fixed(compiled.price_with_equipment(), 2))),
+        ]);
+    }
+    let lines = BillRow::all(compiled);
+    let unpriced = lines.iter().filter(|line| line.price.is_none()).count();
+    let without = match unpriced {
+        0 => String::new(),
+        1 => "; one line of the bill has no price".to_owned(),
+        n => format!("; {n} lines of the bill have no price"),
+    };
+    facts.push(("all that has a price", format!("{} EUR{without}", fixed(BillRow::sums(&lines).0, 2))));
+    if let Some(takes) = compiled.takes() {
+        let required = takes.required.map_or_else(String::new, |required| {
+            let short = if takes.is_enough() { "" } else { ": NOT REACHED" };
+            format!("; {} have to be reached{short}", fixed(required, 0))
+        });
+        facts.push(("capacity in closed form", format!("{}{required}", takes.words)));
+        facts.push(("limited by", takes.limit));
+    }
+    pages.facts(&facts);
     pages.heading("How it was found");
     let cut = compiled.stages.last().is_some_and(|s| s.cut.is_some());
     let stage = |s: &Stage| {
@@ -84,7 +112,7 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
             s.name.replace("stage", "stage "),
             fixed(s.length, 5),
             s.status.words(cut).to_owned(),
-            format!("{:.1e}", s.max_violation),
+            violation(s.max_violation),
         ]
     };
     let rows: Vec<Vec<String>> = compiled.stages.iter().map(stage).collect();
@@ -101,6 +129,11 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
         let words = format!("{} is missed by {} {}", violation.row, trimmed(violation.amount, 4), violation.unit);
         pages.words(&words, "warn");
     }
+}
+
+/// The largest violation of a stage, m: what is less than a micrometre is none that anybody could build or measure.
+fn violation(metres: f64) -> String {
+    if metres < 1e-6 { "none".to_owned() } else { trimmed(metres, 6) }
 }
 
 /// With a capital and a full stop.
@@ -221,4 +254,38 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
         rows.iter_mut().for_each(|row| drop(row.remove(1)));
     }
     pages.table(&columns, &rows);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emit::plan::samples;
+    use crate::model::RequiredCapacity;
+    use crate::source::Spanned;
+
+    fn front(compiled: &Compiled) -> String {
+        let mut pages = Pages::new();
+        summary(&mut pages, compiled);
+        pages.finish("title", "foot", (1, 0)).concat()
+    }
+
+    #[test]
+    fn the_front_page_has_prices_and_capacity() {
+        let mut compiled = samples::equipped();
+        compiled.layout.capacity.required =
+            Some(RequiredCapacity { least: Spanned::new(2e6, crate::model::fixture::span()), reason: None });
+        let text = front(&compiled);
+        let (track, placement) = (compiled.bill.price, &compiled.placement);
+        for price in [placement.equipment, placement.conveyors, track + placement.equipment + placement.conveyors] {
+            assert!(price > 0.0 && text.contains(&format!("{price:.2} EUR")), "{price} in {text}");
+        }
+        let takes = compiled.takes().expect("a sorter");
+        assert!(text.contains(&takes.words) && text.contains("2000000 have to be reached: NOT REACHED"), "{text}");
+    }
+
+    #[test]
+    fn what_nobody_could_measure_is_no_violation() {
+        assert_eq!([violation(4.4e-16), violation(9.9e-7), violation(1.5e-3)], ["none", "none", "0.0015"]);
+        assert!(front(&samples::rectangle()).contains(">none<"));
+    }
 }
