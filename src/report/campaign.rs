@@ -2,7 +2,7 @@
 
 use super::plot::{Axis, Curve, Pictures, Plot, Rounded, cells, document, how, middles};
 use super::rows::{self, RowScale, row};
-use crate::base::number::{decimal, tick_labels, ticks};
+use crate::base::number::{decimal, fixed, tick_labels, ticks};
 use crate::signal::measures::Statistics;
 use crate::signal::{Channel, Run, position};
 use maud::{Markup, html};
@@ -24,6 +24,8 @@ pub struct Glance {
     pub name: String,
     /// What it is, in a few words: laps, rate, speed.
     pub about: String,
+    /// m/s, as the trigger has it, else as it was set; `None` where neither is known.
+    pub speed: Option<f64>,
     pub channels: BTreeMap<Channel, Statistics>,
     /// Means of forces along the track; empty where places cannot be told.
     pub along: BTreeMap<Channel, Vec<f64>>,
@@ -96,26 +98,83 @@ fn headline(runs: &[Glance], refused: &[(String, String)]) -> String {
     text
 }
 
-/// The force whose means differ most between runs.
+/// Speeds that differ by less than this share are one.
+const SPEED: f64 = 0.005;
+/// Swings and peaks that differ by less than this share are not told: two runs of one lap differ by so much.
+const TOLD: f64 = 0.05;
+
+/// How runs differ: by their speeds, and by the forces whose means, swings and peaks differ most.
 fn lead(runs: &[Glance]) -> String {
+    if runs.len() < 2 {
+        return String::new();
+    }
+    let told = [speeds(runs), means(runs)];
+    let swing = |s: &Statistics| s.sd;
+    let peak = |s: &Statistics| s.max.abs().max(s.min.abs());
+    let more = [most(runs, "standard deviations", &swing), most(runs, "peaks", &peak)];
+    told.into_iter().chain(more).flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// A force of each run that has it.
+fn of(channel: Channel, runs: &[Glance]) -> Vec<(&str, &Statistics)> {
+    runs.iter().filter_map(|run| Some((run.name.as_str(), run.channels.get(&channel)?))).collect()
+}
+
+/// The runs with the least and the largest of something.
+fn ends<'a>(all: impl Iterator<Item = (&'a str, f64)> + Clone) -> Option<[(&'a str, f64); 2]> {
+    let low = all.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some([low, all.max_by(|a, b| a.1.total_cmp(&b.1))?])
+}
+
+/// That speeds differ, which explains differing forces.
+fn speeds(runs: &[Glance]) -> Option<String> {
+    let [low, high] = ends(runs.iter().filter_map(|run| Some((run.name.as_str(), run.speed?))))?;
+    (low.1 > 0.0 && high.1 / low.1 - 1.0 >= SPEED).then(|| {
+        let ((low, from), (high, to)) = (low, high);
+        let [from, to] = [from, to].map(|speed| fixed(speed, 3));
+        format!(
+            "The runs have different speeds, from {from} m/s in {low} to {to} m/s in {high}; forces differ with that."
+        )
+    })
+}
+
+/// The force whose means differ most, seen against its least swing.
+fn means(runs: &[Glance]) -> Option<String> {
     let spread = |channel: Channel| {
-        let own: Vec<(&str, &Statistics)> =
-            runs.iter().filter_map(|run| Some((run.name.as_str(), run.channels.get(&channel)?))).collect();
-        let low = own.iter().min_by(|a, b| a.1.mean.total_cmp(&b.1.mean))?;
-        let high = own.iter().max_by(|a, b| a.1.mean.total_cmp(&b.1.mean))?;
+        let own = of(channel, runs);
+        let [low, high] = ends(own.iter().map(|(name, s)| (*name, s.mean)))?;
         let swing = own.iter().map(|run| run.1.sd).fold(f64::INFINITY, f64::min).max(1e-9);
-        Some(((high.1.mean - low.1.mean) / swing, channel, low.0, low.1.mean, high.0, high.1.mean))
+        Some(((high.1 - low.1) / swing, channel, low, high))
     };
-    let most = Channel::FORCES.into_iter().filter_map(spread).max_by(|a, b| a.0.total_cmp(&b.0));
-    match most {
-        Some((share, channel, low, from, high, to)) if runs.len() > 1 && share > 0.0 => format!(
+    let all = Channel::FORCES.into_iter().filter_map(spread);
+    let (share, channel, (low, from), (high, to)) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (share > 0.0).then(|| {
+        format!(
             "The means differ most in {}, seen against its swing: from {} N in {low} to {} N in {high}.",
             channel.name(),
             decimal(from, 4),
             decimal(to, 4)
-        ),
-        _ => String::new(),
-    }
+        )
+    })
+}
+
+/// The force of which a size above zero differs most, as a share of the least.
+fn most(runs: &[Glance], what: &str, size: &dyn Fn(&Statistics) -> f64) -> Option<String> {
+    let spread = |channel: Channel| {
+        let own = of(channel, runs);
+        let [low, high] = ends(own.iter().map(|(name, s)| (*name, size(s))))?;
+        Some((high.1 / low.1.max(1e-9) - 1.0, channel, low, high))
+    };
+    let all = Channel::FORCES.into_iter().filter_map(spread);
+    let (share, channel, (low, from), (high, to)) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (share >= TOLD).then(|| {
+        format!(
+            "The {what} differ most in {}: from {} N in {low} to {} N in {high}.",
+            channel.name(),
+            decimal(from, 4),
+            decimal(to, 4)
+        )
+    })
 }
 
 fn warnings(runs: &[Glance], refused: &[(String, String)]) -> Markup {
@@ -132,8 +191,7 @@ fn warnings(runs: &[Glance], refused: &[(String, String)]) -> Markup {
 }
 
 fn levels(channel: Channel, runs: &[Glance]) -> Markup {
-    let own: Vec<(&str, &Statistics)> =
-        runs.iter().filter_map(|run| Some((run.name.as_str(), run.channels.get(&channel)?))).collect();
+    let own = of(channel, runs);
     let low = own.iter().map(|run| run.1.min).fold(f64::INFINITY, f64::min);
     let high = own.iter().map(|run| run.1.max).fold(f64::NEG_INFINITY, f64::max);
     // A force that is the same all the time has some width, too.
@@ -207,5 +265,41 @@ fn table(runs: &[Glance]) -> Markup {
             } } }
         } }
         p.note { "Mean and standard deviation." }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(name: &str, speed: f64, steer: (f64, f64, f64)) -> Glance {
+        let (mean, sd, max) = steer;
+        let level = Statistics { count: 10, mean, sd, min: 0.0, max, rms: mean };
+        let same = Statistics { count: 10, mean: 500.0, sd: 40.0, min: 400.0, max: 600.0, rms: 500.0 };
+        Glance {
+            name: name.into(),
+            about: String::new(),
+            speed: Some(speed),
+            channels: [(Channel::SteerLeft, level), (Channel::JointXi, same)].into(),
+            along: BTreeMap::new(),
+            lap: 0.0,
+            warnings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn speeds_come_first_and_swings_and_peaks_count() {
+        let runs = [run("a", 2.0, (100.0, 20.0, 300.0)), run("b", 1.9, (110.0, 30.0, 450.0))];
+        assert_eq!(
+            lead(&runs),
+            "The runs have different speeds, from 1.900 m/s in b to 2.000 m/s in a; forces differ with that. The means \
+             differ most in steer_left, seen against its swing: from 100 N in a to 110 N in b. The standard deviations \
+             differ most in steer_left: from 20 N in a to 30 N in b. The peaks differ most in steer_left: from 300 N in \
+             a to 450 N in b."
+        );
+        // What two runs of one lap differ by is not told, nor a speed that is the same.
+        let alike = lead(&[run("a", 2.0, (100.0, 20.0, 300.0)), run("b", 2.001, (101.0, 20.5, 310.0))]);
+        assert!(alike.starts_with("The means differ most") && !alike.contains("peaks"), "{alike}");
+        assert_eq!(lead(&runs[..1]), "");
     }
 }

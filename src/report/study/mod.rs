@@ -1,7 +1,10 @@
-//! The page of a study: every result against every parameter in small pictures, and the table.
+//! The page of a study: which result changes most, every result against every parameter in small pictures, and the table.
+
+mod lead;
 
 use crate::base::number::{fixed, significant, tick_labels, ticks};
 use crate::report::style::document;
+use crate::signal::Channel;
 use crate::study::State;
 use crate::study::table::{Cells, Column, Role, Table};
 use maud::{Markup, html};
@@ -17,11 +20,11 @@ const POINTS: usize = 400;
 
 /// Size of a picture, px, and its margins.
 const WIDTH: f64 = 320.0;
-const HEIGHT: f64 = 190.0;
+const HEIGHT: f64 = 215.0;
 const LEFT: f64 = 58.0;
 const RIGHT: f64 = 12.0;
-const TOP: f64 = 8.0;
-const BELOW: f64 = 24.0;
+const TOP: f64 = 20.0;
+const BELOW: f64 = 40.0;
 
 /// Rules beyond the house style sheet.
 const STYLE: &str = ".small { display: grid; grid-template-columns: repeat(auto-fill, minmax(280px, 1fr)); gap: 8px 20px; } \
@@ -47,7 +50,8 @@ pub fn page(table: &Table) -> String {
     }
     let body = html! {
         h1 { (table.name) }
-        p.lead { (table.rows) @if table.rows == 1 { " task: " } @else { " tasks: " } (counts.join(", ")) }
+        p.lead { (table.rows) @if table.rows == 1 { " task: " } @else { " tasks: " } (counts.join(", ")) "." }
+        @for sentence in lead::sentences(&parameters, &results) { p { (sentence) } }
         @if !parameters.is_empty() && !results.is_empty() { (pictures(&parameters, &results)) }
         (rows(table, &parameters, &results, &states))
         (constant(table))
@@ -56,7 +60,33 @@ pub fn page(table: &Table) -> String {
 }
 
 fn with_unit(column: &Column) -> String {
-    if column.unit.is_empty() { column.name.clone() } else { format!("{}, {}", column.name, column.unit) }
+    let unit = unit(column);
+    if unit.is_empty() { column.name.clone() } else { format!("{}, {unit}", column.name) }
+}
+
+/// The unit of a column: its own, else that of the channel in its name, else the one that its name ends with.
+fn unit(column: &Column) -> &str {
+    const ENDS: [(&str, &str); 13] = [
+        ("_m2", "m²"),
+        ("_mm", "mm"),
+        ("_kg", "kg"),
+        ("_eur", "EUR"),
+        ("_rad", "rad"),
+        ("_deg", "°"),
+        ("_hz", "Hz"),
+        ("_db", "dB"),
+        ("_m", "m"),
+        ("_n", "N"),
+        ("_N", "N"),
+        ("_s", "s"),
+        ("_h", "h"),
+    ];
+    if !column.unit.is_empty() {
+        return &column.unit;
+    }
+    let channel = column.name.split('.').find_map(Channel::from_name).map(Channel::unit);
+    let end = || ENDS.iter().find(|(end, _)| column.name.ends_with(end)).map(|(_, unit)| *unit);
+    channel.or_else(end).unwrap_or_default()
 }
 
 fn pictures(parameters: &[&Column], results: &[&Column]) -> Markup {
@@ -77,12 +107,11 @@ fn pictures(parameters: &[&Column], results: &[&Column]) -> Markup {
             }
             @for (k, parameter) in parameters.iter().enumerate() {
                 div class=(format!("view by-{k}")) {
-                    p.note { "Across: " (with_unit(parameter)) }
                     div.small {
                         @for (column, cells) in drawn.iter().take(PICTURES) {
                             figure {
                                 figcaption { b { (column.name) } }
-                                (picture(parameter, cells))
+                                (picture(parameter, cells, unit(column)))
                             }
                         }
                     }
@@ -153,7 +182,7 @@ fn shortened(text: &str, most: usize) -> String {
     }
 }
 
-fn picture(parameter: &Column, cells: &[Option<f64>]) -> Markup {
+fn picture(parameter: &Column, cells: &[Option<f64>], unit: &str) -> Markup {
     let across = Across::new(parameter);
     let points: Vec<(f64, f64)> =
         across.at.iter().zip(cells).filter_map(|(x, y)| Some(((*x)?, (*y)?))).filter(|p| p.1.is_finite()).collect();
@@ -192,7 +221,11 @@ fn picture(parameter: &Column, cells: &[Option<f64>]) -> Markup {
                 text.tick x=(LEFT - 5.0) y=(fixed(y(*mark) + 4.0, 1)) text-anchor="end" { (label) }
             }
             @for (at, label) in &across.labels {
-                text.tick x=(fixed(x(*at), 1)) y=(HEIGHT - 7.0) text-anchor="middle" { (label) }
+                text.tick x=(fixed(x(*at), 1)) y=(HEIGHT - 24.0) text-anchor="middle" { (label) }
+            }
+            text.tick x=(LEFT - 5.0) y=(TOP - 8.0) text-anchor="end" { (unit) }
+            text.tick x=((LEFT + WIDTH - RIGHT) / 2.0) y=(HEIGHT - 6.0) text-anchor="middle" {
+                (shortened(&with_unit(parameter), 44))
             }
             @for g in groups.values().filter(|g| g.2 > g.1) {
                 line.range x1=(fixed(x(g.0), 1)) x2=(fixed(x(g.0), 1)) y1=(fixed(y(g.1), 1)) y2=(fixed(y(g.2), 1)) {}
@@ -305,10 +338,24 @@ mod tests {
     fn places_go_from_left_to_right_also_below_zero() {
         let table = table();
         let Cells::Numbers(cells) = &table.columns[6].cells else { panic!() };
-        let svg = picture(&table.columns[4], cells).into_string();
+        let svg = picture(&table.columns[4], cells, "N").into_string();
+        assert!(svg.contains(">N<") && svg.contains(">simulate.speed<"), "{svg}");
         let path = svg.split("d=\"M").nth(1).unwrap().split('"').next().unwrap();
         let xs: Vec<f64> = path.split('L').map(|p| p.split(',').next().unwrap().parse().unwrap()).collect();
         assert!(xs.len() == 2 && xs[0] < xs[1], "{path}");
+    }
+
+    #[test]
+    fn units_are_those_of_columns_channels_and_names() {
+        let of = |name: &str, own: &str| {
+            let column = Column { unit: own.into(), ..column(name, Role::Result, Cells::Numbers(Vec::new())) };
+            unit(&column).to_owned()
+        };
+        assert_eq!(of("simulate.speed", "m/s"), "m/s");
+        assert_eq!(of("simulate.fork_left.sd", ""), "rad");
+        assert_eq!(of("build.chain.left_over_mm", ""), "mm");
+        assert_eq!(of("build.footprint_m2", ""), "m²");
+        assert_eq!(of("build.carts", ""), "");
     }
 
     #[test]
