@@ -210,12 +210,17 @@ fn two_laps_are_laid_over_each_other() {
         "<body><script>window.strange = 1</script><img src=x onerror=\"window.strange = 1\">",
         1,
     );
-    browser.ask(&format!(
-        "(() => {{ const t = new DataTransfer(); t.items.add(new File([{}], 'b.html')); const i = document.getElementById('other-page');
-          i.files = t.files; i.dispatchEvent(new Event('change')); }})()",
-        json!(other)
-    ));
+    let lay = |other: &str| {
+        browser.ask(&format!(
+            "(() => {{ const t = new DataTransfer(); t.items.add(new File([{}], 'b.html')); const i = document.getElementById('other-page');
+              i.files = t.files; i.dispatchEvent(new Event('change')); }})()",
+            json!(other)
+        ))
+    };
+    lay(&other);
     browser.wait("page.curves.get('along-joint_xi').others.length === 1");
+    let warned = "document.getElementById('other-said').textContent.includes('different tracks')";
+    assert_eq!(browser.ask(warned), json!(false));
     assert_eq!(browser.ask("typeof window.strange"), json!("undefined"));
     let laid = "(() => { const c = page.curves.get('along-joint_xi'); const y = c.others[0].y.filter(v => v !== null);
         return y.reduce((a, b) => a + b, 0) / y.length; })()";
@@ -226,6 +231,9 @@ fn two_laps_are_laid_over_each_other() {
     };
     assert!(mean(&b) > 1.2 * mean(&a), "{} against {}", mean(&a), mean(&b));
     near(browser.number(laid), mean(&b), 0.02 * mean(&b));
+    // A lap of another track is told as such: here one that is 100 m longer.
+    lay(&other.replacen("\"lap_m\":", "\"lap_m\":1", 1));
+    browser.wait(warned);
     // As pages of their own.
     let (run_a, run_b) = (a.join("run-01.csv"), b.join("run-01.csv"));
     let out = folder.path().join("compare");

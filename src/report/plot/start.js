@@ -81,6 +81,14 @@ if (other) {
       laid += 1;
     }
     said.textContent = laid ? `B is ${file.name}: ${laid} pictures have its curves.` : `${file.name} has no curves that this page has, too.`;
+    const laps = [data.plan?.lap_m, read.plan?.lap_m];
+    const differ = laid > 0 && laps.every(lap => lap > 0) && Math.abs(laps[0] - laps[1]) > 1e-3 * laps[0];
+    if (differ) {
+      const [a, b] = laps.map(lap => lap.toFixed(3));
+      const warning = element("b", { class: "warned" });
+      warning.textContent = ` The runs are of different tracks: a lap is ${a} m here and ${b} m in B, so one place is not the same of both.`;
+      said.append(warning);
+    }
   });
 }
 
