@@ -2,7 +2,7 @@
 
 use super::{MessageFormat, Outcome, could_not, foreign, report};
 use crate::semantics::{self, analyse};
-use crate::source::{InputError, LoadError, Loader, SourceMap};
+use crate::source::{InputError, LoadError, Loader, SourceMap, layouts_in, shown};
 use std::path::{Path, PathBuf};
 
 /// Report every mistake in layouts, without solving them.
@@ -53,10 +53,27 @@ pub enum Opened {
     Problem(Box<crate::diagnostic::Diagnostic>),
 }
 
+/// What is said of a folder that was given for a layout.
+fn folder(path: &Path) -> String {
+    /// Names that are told.
+    const MOST: usize = 5;
+    let inside: Vec<PathBuf> = layouts_in(path);
+    let names: Vec<String> = inside.iter().take(MOST).map(|file| shown(file).to_string()).collect();
+    match inside.len() {
+        0 => "it is a folder, without a layout (.lss) in it".to_owned(),
+        1 => format!("it is a folder: name the layout in it, {}", names[0]),
+        n if n > MOST => format!("it is a folder: name layouts in it, of which there are {n}: {}, …", names.join(", ")),
+        _ => format!("it is a folder: name layouts in it: {}", names.join(", ")),
+    }
+}
+
 /// Opens a main file.
 pub fn open(sources: &mut SourceMap, path: &Path) -> Result<(Loader, crate::source::FileId), Opened> {
     if let Some(what) = foreign::not_a_layout(path).filter(|_| path.is_file()) {
         return Err(Opened::Unreadable(what));
+    }
+    if path.is_dir() {
+        return Err(Opened::Unreadable(folder(path)));
     }
     Loader::open(sources, path).map_err(|error| match semantics::unreadable(sources, &error, &path.to_string_lossy()) {
         Some(diagnostic) => Opened::Problem(Box::new(diagnostic)),

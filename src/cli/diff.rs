@@ -83,8 +83,7 @@ impl Diff {
             Ok(forces) => forces,
             Err(outcome) => return outcome,
         };
-        let comparison =
-            Comparison::new((&before_name, &before.0), (&after_name, &after.0)).with_forces(forces);
+        let comparison = Comparison::new((&before_name, &before.0), (&after_name, &after.0)).with_forces(forces);
         if let Some(folder) = &self.output {
             let files = match files(&comparison, &before.0, &after.0) {
                 Ok(files) => files,

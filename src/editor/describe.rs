@@ -88,6 +88,14 @@ fn comment(checked: &Checked, definition: Span) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
+/// `a cart`; equipment is not counted.
+fn with_article(kind: DeclarationKind) -> String {
+    match kind {
+        DeclarationKind::Equipment => kind.word().to_owned(),
+        _ => format!("a {}", kind.word()),
+    }
+}
+
 /// A field or a group of fields.
 pub fn field(owner: DeclarationKind, path: &str) -> String {
     let group = format!("{path}.");
@@ -95,13 +103,13 @@ pub fn field(owner: DeclarationKind, path: &str) -> String {
         Some(field) => {
             let needed = if field.required { "required" } else { "may be left out" };
             let bounds = field.bounds.map(|b| format!(", {b}")).unwrap_or_default();
-            format!("`{path}` of a {}: {}\n\n{}{bounds}; {needed}", owner.word(), field.about, field.form)
+            format!("`{path}` of {}: {}\n\n{}{bounds}; {needed}", with_article(owner), field.about, field.form)
         }
         None => {
             let inside: Vec<String> = vocabulary::fields(owner)
                 .filter_map(|f| Some(format!("- `{}`: {}", f.path.strip_prefix(&group)?, f.about)))
                 .collect();
-            format!("fields `{path}` of a {}:\n\n{}", owner.word(), inside.join("\n"))
+            format!("fields `{path}` of {}:\n\n{}", with_article(owner), inside.join("\n"))
         }
     }
 }

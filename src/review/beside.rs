@@ -40,9 +40,8 @@ impl BesideChange {
 /// What there are more or fewer of, or what has another price, by group in the order of bills.
 pub fn changed(before: &Compiled, after: &Compiled) -> Vec<BesideChange> {
     let [before, after] = [before, after].map(order::lines);
-    let is_same = |a: &OrderLine, b: &OrderLine| {
-        (a.group, &a.article, &a.description) == (b.group, &b.article, &b.description)
-    };
+    let is_same =
+        |a: &OrderLine, b: &OrderLine| (a.group, &a.article, &a.description) == (b.group, &b.article, &b.description);
     let gone = before.iter().filter(|own| !after.iter().any(|line| is_same(line, own)));
     let mut all: Vec<&OrderLine> = after.iter().chain(gone).collect();
     // What went stands behind what is there, group by group.

@@ -60,7 +60,11 @@ impl Forces {
             let is_there = before.is_some() || after.is_some();
             is_there.then_some(ChannelChange { channel: channel.name(), unit: channel.unit(), before, after })
         };
-        Forces { before: before_name.to_owned(), after: after_name.to_owned(), channels: told.filter_map(change).collect() }
+        Forces {
+            before: before_name.to_owned(),
+            after: after_name.to_owned(),
+            channels: told.filter_map(change).collect(),
+        }
     }
 }
 

@@ -354,8 +354,7 @@ mod tests {
         });
         let after = compile(layout.clone());
         let found = Comparison::new(("a", &before), ("b", &after));
-        let told: Vec<(&str, usize, usize)> =
-            found.beside.iter().map(|c| (c.group, c.before, c.after)).collect();
+        let told: Vec<(&str, usize, usize)> = found.beside.iter().map(|c| (c.group, c.before, c.after)).collect();
         assert_eq!(told, [("drive", 4, 6), ("stations", 0, 3)]);
         assert!(found.bill.is_empty() && !found.is_billed_alike() && !found.is_built_alike());
         let came = &found.equipment[0];

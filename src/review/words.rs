@@ -112,7 +112,8 @@ impl Comparison {
             parts.push(format!("{moved} {} moved", if moved == 1 { "vertex" } else { "vertices" }));
         }
         if parts.is_empty() && !self.is_billed_alike() {
-            let what = if self.bill.is_empty() { "what is ordered beside the track changed" } else { "the bill changed" };
+            let what =
+                if self.bill.is_empty() { "what is ordered beside the track changed" } else { "the bill changed" };
             parts.push(what.to_owned());
         }
         if parts.is_empty() && !self.equipment.is_empty() {
@@ -180,7 +181,10 @@ impl Comparison {
         let heads = vec!["channel", "mean", "standard deviation", "peak"];
         let rows = self.forces.iter().flat_map(|forces| &forces.channels).map(ChannelChange::cells).collect();
         let forces = Table { title: "runs, before → after", heads, rows };
-        [measured, forces, bill, beside, equipment, sections, vertices].into_iter().filter(|table| !table.rows.is_empty()).collect()
+        [measured, forces, bill, beside, equipment, sections, vertices]
+            .into_iter()
+            .filter(|table| !table.rows.is_empty())
+            .collect()
     }
 }
 
@@ -232,7 +236,8 @@ impl ChannelChange {
     fn cells(&self) -> Vec<String> {
         // Two decimals for forces of hundreds, more for angles of thousandths.
         let size = [self.before, self.after].into_iter().flatten().map(|m| m.peak.abs()).fold(0.0, f64::max);
-        let decimals = [(10.0, 2), (0.1, 4)].into_iter().find(|(from, _)| size >= *from || size == 0.0).map_or(6, |d| d.1);
+        let decimals =
+            [(10.0, 2), (0.1, 4)].into_iter().find(|(from, _)| size >= *from || size == 0.0).map_or(6, |d| d.1);
         let cell = |of: fn(&Moments) -> f64| {
             let [before, after] = [&self.before, &self.after].map(|m| m.as_ref().map(of));
             let shown = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| fixed(x, decimals));

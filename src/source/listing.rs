@@ -39,6 +39,14 @@ pub fn layouts(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
+/// The layouts in a folder itself, in order of their names, as that folder is named.
+pub fn layouts_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().take(MOST).map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "lss")).collect();
+    found.sort_unstable();
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,7 +13,7 @@ mod stamp;
 mod visible;
 
 pub use input::InputError;
-pub use listing::layouts;
+pub use listing::{layouts, layouts_in};
 pub use loader::{DRAWING_LIMIT, LoadError, Loader, Overlay, SIZE_LIMIT, STDLIB, drawing};
 pub use root::Root;
 pub use stamp::Stamp;

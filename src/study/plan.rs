@@ -234,7 +234,9 @@ impl Planner<'_> {
         let label = lines.next().unwrap_or_default().to_owned();
         let more: Vec<&str> = lines.collect();
         let diagnostic = Diagnostic::new(Code::E0904, message, value.span, label);
-        let help = "paths are seen from the study's folder, and stay within the project";
+        let help = "paths are seen from the study's folder, and stay within the project, whose root is the nearest folder \
+                    upwards with an `lss.toml` or `.git`, else the study's own folder: an empty `lss.toml` further up \
+                    widens it, and `--root DIR` says another";
         self.said.push(diagnostic.help([more.join("\n").as_str(), help].join("\n").trim().to_owned()));
     }
 

@@ -97,6 +97,23 @@ fn a_file_that_is_no_layout_is_named_with_the_verb_that_reads_it() {
 }
 
 #[test]
+fn a_folder_is_named_with_the_layouts_in_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    fs::create_dir(at.join("plant")).expect("a folder");
+    assert!(refused(at, &["build", "plant"]).contains("plant: it is a folder, without a layout (.lss) in it"));
+    fs::write(at.join("plant/ring.lss"), LAYOUT).expect("written");
+    for verb in ["build", "check", "diff"] {
+        let words = [&[verb, "plant/"][..], if verb == "diff" { &["plant/ring.lss"] } else { &[] }].concat();
+        let said = refused(at, &words);
+        assert!(said.contains("it is a folder: name the layout in it, plant/ring.lss"), "{said}");
+    }
+    fs::write(at.join("plant/hall.lss"), LAYOUT).expect("written");
+    let said = refused(at, &["build", "plant"]);
+    assert!(said.contains("name layouts in it: plant/hall.lss, plant/ring.lss"), "{said}");
+}
+
+#[test]
 fn a_layout_given_for_a_run_or_a_campaign_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("hall.lss"), LAYOUT).expect("written");

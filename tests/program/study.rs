@@ -113,6 +113,7 @@ fn a_study_that_was_killed_again_and_again_ends_with_the_same_table() {
     assert!(text.starts_with("small loops: 6 tasks, ") && text.contains(" done"), "{text}");
     let (code, text) = scene.said(&["run", "study.toml", "-o", "out", "--jobs", "2"]);
     assert!(code == Some(0) && text.contains("6 tasks, 6 done"), "{text}");
+    assert!(text.contains("`lss study collect study.toml -o out` makes a table"), "{text}");
     assert!(scene.collected("out") == whole);
     // Nothing is left to do.
     let before = fs::metadata(scene.path("out/study.csv")).unwrap().modified().unwrap();

@@ -55,7 +55,9 @@ fn verbs_that_solve_say_how_far_they_are() {
     }
     let layout = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/thesis10.lss");
     let layout = layout.to_str().unwrap();
-    for verb in [format!("polygon {layout}"), format!("simulate {layout} --list-parameters"), format!("diff {layout} {layout}")] {
+    for verb in
+        [format!("polygon {layout}"), format!("simulate {layout} --list-parameters"), format!("diff {layout} {layout}")]
+    {
         let command = format!("{} {verb}", env!("CARGO_BIN_EXE_lss"));
         let output = std::process::Command::new("script").args(["-qec", &command, "/dev/null"]).output().unwrap();
         let said = String::from_utf8_lossy(&output.stdout);

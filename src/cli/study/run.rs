@@ -69,7 +69,10 @@ impl Run {
         let line = Line::resumed(plan.unique().len() as u64, known.count(State::Done) as u64, "tasks");
         let all = runner.all(jobs, &|task, did| told(&line, task, did));
         line.finish();
-        summary(&plan, &place, &all)
+        let outcome = summary(&plan, &place, &all);
+        let (study, folder) = (shown(&self.studied.study), shown(place.folder()));
+        report::note(&format!("`lss study collect {study} -o {folder}` makes a table and a page of what is there"));
+        outcome
     }
 }
 

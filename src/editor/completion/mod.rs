@@ -246,7 +246,7 @@ fn statement(out: &mut Proposals, known: &Known, cursor: &Cursor) {
         // A new name is the writer's own.
         "vertex" | "obstacle" | "induction" | "chutes" | "gate" | "lift" | "section" | "wave" | "let" if bare => {}
         "induction" | "chutes" | "scanner" | "gate" | "lift" if begun.trim_end().ends_with(" of") => {
-            known.named(out, &NameKind::Component(DeclarationKind::Equipment));
+            known.equipment(out, if word == "chutes" { "chute" } else { word });
         }
         _ if matches!(last_word(begun), "after" | "before") => {
             known.parts(out, &[NameKind::Induction, NameKind::Chutes, NameKind::Station]);

@@ -7,9 +7,9 @@ use crate::model::effect_definitions::{EFFECTS, spelled};
 use crate::semantics::names::{NameKind, Visible};
 use crate::semantics::vocabulary;
 use crate::semantics::{Checked, Home};
-use crate::source::{self, FileId, STDLIB};
+use crate::source::{self, FileId, STDLIB, Span};
 use crate::syntax;
-use crate::syntax::tree::{Block, DeclarationKind, Item, Param};
+use crate::syntax::tree::{Block, DeclarationKind, Field, Item, Param, Tree};
 use lsp_types::{CompletionItemKind, CompletionTextEdit, TextEdit};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -46,6 +46,48 @@ fn standard() -> &'static [Standard] {
         };
         STDLIB.iter().flat_map(of).collect()
     })
+}
+
+/// A declaration of equipment: its name, its kind where it says one, and what it is from.
+struct Equipment {
+    name: String,
+    kind: Option<String>,
+    from: Option<String>,
+}
+
+/// The declarations of equipment in a tree, whose text is that of spans.
+fn equipment<'a>(tree: &Tree, text: &dyn Fn(Span) -> &'a str) -> Vec<Equipment> {
+    let declarations = tree.items.iter().filter_map(|item| match item {
+        Item::Declaration(declaration) if declaration.kind == DeclarationKind::Equipment => Some(declaration),
+        _ => None,
+    });
+    let kind = |field: &Field| match field {
+        Field::Value { name, value } if name.text == "kind" => Some(text(value.span).trim().to_owned()),
+        _ => None,
+    };
+    declarations
+        .map(|declaration| Equipment {
+            name: declaration.name.text.clone(),
+            kind: declaration.fields.iter().find_map(kind),
+            from: declaration.from.as_ref().map(|from| from.name.text.clone()),
+        })
+        .collect()
+}
+
+/// The kind of equipment of a name, through what it is from; `None` where nothing says it.
+fn kind_of<'a>(all: &'a [Equipment], name: &str) -> Option<&'a str> {
+    // A declaration that is from itself ends somewhere.
+    const DEEPEST: usize = 16;
+    let mut name = name;
+    for _ in 0..DEEPEST {
+        let found = all.iter().find(|own| own.name == name)?;
+        match (&found.kind, &found.from) {
+            (Some(kind), _) => return Some(kind),
+            (None, Some(from)) => name = from,
+            (None, None) => return None,
+        }
+    }
+    None
 }
 
 fn shown(kind: &NameKind) -> CompletionItemKind {
@@ -88,15 +130,42 @@ impl Known<'_> {
 
     /// Declarations of a kind; those of the standard library that are not imported come with their import.
     pub fn named(&self, out: &mut Proposals, kind: &NameKind) {
+        self.named_where(out, kind, &|_| true);
+    }
+
+    /// Declarations of equipment of a kind: `chute`.
+    pub fn equipment(&self, out: &mut Proposals, kind: &str) {
+        let kinds = self.kinds();
+        self.named_where(out, &NameKind::Component(DeclarationKind::Equipment), &|name| {
+            kind_of(&kinds, name).is_none_or(|found| found == kind)
+        });
+    }
+
+    /// What declarations of equipment say of their kind. Those of the text come before those of the standard library.
+    fn kinds(&self) -> Vec<Equipment> {
+        let own = self.checked.study.iter().flat_map(|study| &study.files).map(|file| &file.tree);
+        let own = own.flat_map(|tree| equipment(tree, &|span| self.checked.sources.text(span)));
+        let own: Vec<Equipment> = own.collect();
+        let library = STDLIB.iter().flat_map(|(_, text)| {
+            let (tree, _) = syntax::parse(FileId(0), text);
+            equipment(&tree, &|span| text.get(span.start as usize..span.end as usize).unwrap_or_default())
+        });
+        own.into_iter().chain(library).collect()
+    }
+
+    fn named_where(&self, out: &mut Proposals, kind: &NameKind, is_meant: &dyn Fn(&str) -> bool) {
         let mut seen = BTreeSet::new();
-        for name in self.visible().iter().filter(|name| name.kind == *kind) {
+        for name in self.visible().iter().filter(|name| name.kind == *kind && is_meant(&name.name)) {
             seen.insert(name.name.as_str());
             self.propose(out, name);
         }
         let NameKind::Component(kind) = kind else { return };
         let Some(import) = self.checked.tree(self.checked.main).map(|tree| tree.import_place()) else { return };
         let lines = self.workspace.lines_of(self.checked, self.checked.main);
-        for item in standard().iter().filter(|item| item.kind == *kind && !seen.contains(item.name.as_str())) {
+        for item in standard().iter().filter(|item| item.kind == *kind && is_meant(&item.name)) {
+            if seen.contains(item.name.as_str()) {
+                continue;
+            }
             let path = format!("std.{}.{}", item.module, item.name);
             let edit = TextEdit::new(lines.of_span(import.span), import.text(&path));
             let detail = format!("use {path}");

@@ -55,7 +55,7 @@ pub fn probabilities(diagnosis: &Diagnosis) -> Markup {
         (chart(&bars))
         @if !rest.is_empty() {
             p.note { (rest.len()) @if rest.len() == 1 { " more effect, " } @else { " more effects, each " }
-                (percent(highest)) " or less. "
+                @if highest < 0.005 { "less than 0.5 %. " } @else { (percent(highest)) " or less. " }
                 "Several effects can be present, so that the bars need not add to 100 %." }
         } @else {
             p.note { "Several effects can be present, so that the bars need not add to 100 %." }

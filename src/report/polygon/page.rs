@@ -23,6 +23,15 @@ const COLUMNS: usize = 1000;
 /// Colours of the cases in the style sheet: before, then the objectives.
 const COLOURS: [&str; 4] = ["soft", "trace", "gap", "motor"];
 
+/// Words with what stands between backticks as code.
+fn with_code(words: &str) -> Markup {
+    html! {
+        @for (k, part) in words.split('`').enumerate() {
+            @if k % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
+}
+
 /// The page: `laps` are the inputs and runs of the cases, in their order.
 pub fn page(v: &Verification, laps: &[(&Simulation, &Run)]) -> String {
     let mut pictures = Pictures::new(&v.layout);
@@ -31,7 +40,7 @@ pub fn page(v: &Verification, laps: &[(&Simulation, &Run)]) -> String {
     let along = best.map_or_else(|| html! {}, |(simulation, run)| on_track(v, simulation, run, &mut pictures));
     let body = html! {
         h1 { (v.layout) ": polygon action and forces" }
-        p.lead { (v.summary) }
+        p.lead { (with_code(&v.summary)) }
         @if pictures.data.plan.is_some() {
             p.note { "The plan shows the layout optimised for " code { (v.best) } ":" }
             (plan_place())

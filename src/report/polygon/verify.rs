@@ -127,7 +127,11 @@ fn words(cases: &[Case], best: &str) -> String {
     let Some((before, after)) = cases.split_first() else { return String::new() };
     let Some(winner) = after.iter().find(|c| c.name == best) else { return String::new() };
     let percent = |ratio: f64| format!("{} %", fixed(100.0 * (ratio - 1.0).abs(), 0));
-    let mut out = if winner.ratio < 1.0 {
+    // What would be told as 0 % is no change.
+    let is_alike = |ratio: f64| 100.0 * (ratio - 1.0).abs() < 0.5;
+    let mut out = if is_alike(winner.ratio) {
+        format!("No objective lowers the swing of the forces; `{best}` leaves it as it is, to within half a percent")
+    } else if winner.ratio < 1.0 {
         format!(
             "Optimising `{best}` lowers the swing of the forces most, by {} in the mean of the channels",
             percent(winner.ratio)
@@ -138,7 +142,11 @@ fn words(cases: &[Case], best: &str) -> String {
     let others: Vec<String> = after
         .iter()
         .filter(|c| c.name != best)
-        .map(|c| format!("`{}` {} it by {}", c.name, if c.ratio < 1.0 { "lowers" } else { "raises" }, percent(c.ratio)))
+        .map(|c| match (is_alike(c.ratio), c.ratio < 1.0) {
+            (true, _) => format!("`{}` leaves it as it is", c.name),
+            (false, true) => format!("`{}` lowers it by {}", c.name, percent(c.ratio)),
+            (false, false) => format!("`{}` raises it by {}", c.name, percent(c.ratio)),
+        })
         .collect();
     if !others.is_empty() {
         out += &format!("; {}", others.join(", "));

@@ -55,7 +55,10 @@ fn what_may_follow_is_proposed_with_units_and_docs() {
     assert!(labels(&inside("width ")).contains(&"aisle"));
     assert!(labels(&inside("require length(")).contains(&"straight"));
     assert!(labels(&inside("effect ")).contains(&"joint_clearance"));
-    assert!(labels(&inside("gate crossing of ")).contains(&"gate_walkway"));
+    // Equipment of the line's kind alone, also where it has its kind from what it is from.
+    assert_eq!(labels(&inside("gate crossing of ")), ["gate_walkway"]);
+    assert_eq!(labels(&inside("chutes row_a of ")), ["chute", "chute_spiral"]);
+    assert_eq!(labels(&inside("induction west of ")), ["induction_45", "induction_manual"]);
     let all = inside("induction west of induction_45 ");
     assert_eq!(labels(&all), ["anywhere", "on"]);
     assert!(inside("// fix ").is_empty());
@@ -85,6 +88,18 @@ fn a_place_says_what_it_is() {
     assert!(client.hover(&path, position(&base, "length(", 0)).contains("length(straight(P1..P2))"));
     let said = client.hover(&path, position(&base, "P1..P2", 0));
     assert!(said.contains("| length | 38 m | – |") && said.contains("not solved yet"), "{said}");
+    assert_eq!(client.shut_down(), (Some(0), String::new()));
+}
+
+#[test]
+fn a_field_of_equipment_is_told_in_plain_english() {
+    let text = "equipment ours {\n  kind = chute\n  stretch = 1.4 m\n}\n";
+    let (_folder, root) = project(&[("ours.lss", text)]);
+    let path = root.join("ours.lss");
+    let mut client = Client::new();
+    client.open(&path, text);
+    let said = client.hover(&path, position(text, "stretch", 0));
+    assert!(said.contains("`stretch` of equipment:"), "{said}");
     assert_eq!(client.shut_down(), (Some(0), String::new()));
 }
 
