@@ -20,10 +20,10 @@
 //! - [`solve`]: solvers, stages, the search on the catalogue's grid with bounds, explanations of conflicts,
 //! - [`route`]: the vertices of a loop from the sections that it has to pass: orders, ways around obstacles, bounds,
 //! - [`compiled`]: a solved layout with everything that its readers need worked out once,
-//! - [`review`]: what changed between two solved layouts, as text, Markdown and JSON,
 //! - [`chain_input`]: the input of a simulation, `simulation.json`, and the deviations that a built machine may have
 //!   from it,
 //! - [`signal`]: runs and campaigns, filters, spectra, load cycles, deviations between runs,
+//! - [`review`]: what changed between two solved layouts and their runs, as text, Markdown and JSON,
 //! - [`dynamics`]: bodies, contacts, motors, control, integration, the sensor cart; deviations, but no effects,
 //! - [`effects`]: one file an effect: what it does to the chain or to its sensors, and how it is told from others,
 //! - [`choose`]: which components a layout is built with: every candidate, the cheapest checked, trades,

@@ -116,7 +116,7 @@ fn motors_and_chutes_change_the_bill() {
     let with = |motors: usize, chutes: usize| {
         let text = LAYOUT.replace("use \"parts/size.lss\"\n", "").replace("width band", "width 1.2 m");
         let row = format!("chutes row_a on A..B from 2 m every 1.5 m count {chutes}");
-        text.replace("  fix all A..B\n", &format!("  motors {motors}\n  {row}\n  fix all A..B\n"))
+        text.replace("  fix all A..B\n", &format!("  motors {motors} evenly\n  {row}\n  fix all A..B\n"))
     };
     for (name, motors, chutes) in [("a", 8, 4), ("b", 10, 4), ("c", 8, 5)] {
         fs::write(folder.path().join(format!("{name}.lss")), with(motors, chutes)).expect("written");
