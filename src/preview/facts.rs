@@ -48,7 +48,7 @@ fn numbers(compiled: &Compiled) -> Markup {
                     div { dt { "pieces of equipment" } dd { (placement.placed.len()) } }
                     div { dt { "price of equipment" } dd { (thousands(placement.equipment)) " EUR" } }
                     div { dt { "price of conveyors" } dd { (thousands(placement.conveyors)) " EUR" } }
-                    div { dt { "all three" } dd { (thousands(compiled.price_with_equipment())) " EUR" } }
+                    div { dt { "sum of the three" } dd { (thousands(compiled.price_with_equipment())) " EUR" } }
                 }
             }
             @if missing > 0 { p { span.bad { "✗ no room for " (missing) " more of the equipment" } } }
@@ -223,16 +223,15 @@ fn bill(compiled: &Compiled) -> Markup {
         @if !beside.is_empty() { section {
             h2 { "Ordered beside the track" }
             div.scroll { table {
-                thead { tr { th { "component" } th.number { "count" } th.number { "each, EUR" } th.number { "EUR" } } }
+                thead { tr { th { "component" } th.number { "count" } th.number { "EUR" } } }
                 tbody { @for line in &beside { tr {
                     td title=(line.article.as_deref().unwrap_or("no article number")) { (one_line(&line.description)) }
                     td.number { (line.count) }
-                    td.number { (euros(line.unit_price)) }
-                    td.number { (euros(line.price())) }
+                    td.number title=(format!("{} EUR each", euros(line.unit_price))) { (euros(line.price())) }
                 } } }
                 tfoot {
-                    tr { td { "in all" } td {} td {} td.number { (fixed(sum, 2)) } }
-                    tr { td { "with the track" } td {} td {} td.number { (fixed(sum + bill.price, 2)) } }
+                    tr { td { "in all" } td {} td.number { (fixed(sum, 2)) } }
+                    tr { td { "with the track" } td {} td.number { (fixed(sum + bill.price, 2)) } }
                 }
             } }
             @if unpriced > 0 {
