@@ -70,7 +70,7 @@ impl Run {
         let all = runner.all(jobs, &|task, did| told(&line, task, did));
         line.finish();
         let outcome = summary(&plan, &place, &all);
-        let (study, folder) = (shown(&self.studied.study), shown(place.folder()));
+        let (study, folder) = (shown(&self.studied.study), shown(&self.studied.output));
         report::note(&format!("`lss study collect {study} -o {folder}` makes a table and a page of what is there"));
         outcome
     }

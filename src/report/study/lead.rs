@@ -41,7 +41,7 @@ fn most<'a>(parameter: &'a Column, results: &[&'a Column]) -> Option<Change<'a>>
 
 fn change<'a>(parameter: &'a Column, result: &'a Column) -> Option<Change<'a>> {
     let Cells::Numbers(cells) = &result.cells else { return None };
-    if result.name.rsplit('.').next().is_some_and(|last| WORK.contains(&last)) {
+    if result.name.rsplit('.').next().is_some_and(|last| UNTOLD.contains(&last)) {
         return None;
     }
     // By the parameter's value: where it stands, how it is told, the sum and the number of results.
