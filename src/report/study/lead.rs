@@ -11,8 +11,10 @@ const TOLD: usize = 4;
 const NOTHING: f64 = 1e-6;
 /// Changes of less than this share are not told.
 const LEAST: f64 = 1e-3;
-/// Results of the work or the precision of a search, which are not about the layout; by the last part of their names.
-const WORK: [&str; 8] = ["nodes", "iterations", "starts", "gap", "closure_m", "closure_rad", "max_violation_m", "seed"];
+/// Results that are not told, by the last part of their names: the work or the precision of a search, which is not about
+/// the layout, and least and largest values, of which `peak` is the one that counts.
+const UNTOLD: [&str; 10] =
+    ["min", "max", "nodes", "iterations", "starts", "gap", "closure_m", "closure_rad", "max_violation_m", "seed"];
 
 /// How the mean of a result over tasks differs between values of a parameter.
 struct Change<'a> {
