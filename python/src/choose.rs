@@ -37,11 +37,12 @@ fn chosen(
     }
     let options = Options { threads, stop: Stop::when(ended), ..Options::default() };
     let settings = Settings { options, width: Width::used(), checks };
-    let (tracks, checked) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let (tracks, simulated, checked) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let one_more = |count: &AtomicUsize| count.fetch_add(1, Ordering::Relaxed) + 1;
     let chosen = lss::choose::choose(&layout, &settings, &|told| {
         let (done, words) = match told {
             Told::Track => (one_more(&tracks), "tracks solved"),
+            Told::Capacity => (one_more(&simulated), "candidates with their capacity simulated"),
             Told::Check => (one_more(&checked), "candidates in the dynamic model"),
         };
         board.tell(done as f64, None, words.to_owned());

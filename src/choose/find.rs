@@ -4,8 +4,10 @@ use super::candidate::{Candidate, Fitted, Requirement, Room};
 use super::check::{self, Check};
 use super::places;
 use super::settings::{Settings, Tell, Told};
+use super::simulated::{self, Simulated};
 use super::tracks::{self, NoTrack, Track};
 use crate::base::parallel;
+use crate::capacity::{Mean, Sorter};
 use crate::compiled::Compiled;
 use crate::model::{Cart, Layout, Motor, Motors};
 
@@ -31,9 +33,13 @@ pub struct Chosen {
     pub order: Vec<usize>,
     /// How many did in closed form.
     pub feasible: usize,
-    /// Candidates that were checked, with what was found, in the order of `order`.
+    /// Sorters whose capacity was simulated, where one is required.
+    pub simulated: Vec<Simulated>,
+    /// Candidates that surely take too little in that simulation, in the order of `order`.
+    pub short: Vec<usize>,
+    /// Candidates that were checked in the dynamic model, with what was found, in the order of `order`.
     pub checked: Vec<(usize, Result<Check, String>)>,
-    /// The first of `order` that passed its check.
+    /// The first of `order` that passed its checks.
     pub winner: Option<usize>,
     /// What each requirement adds to the least total, EUR, before any check; `None` where there is none without it either.
     pub costs: Vec<(Requirement, Option<f64>)>,
@@ -71,6 +77,8 @@ pub fn choose(layout: &Layout, settings: &Settings, told: Tell) -> Result<Chosen
         candidates,
         feasible: order.len(),
         order,
+        simulated: Vec::new(),
+        short: Vec::new(),
         checked: Vec::new(),
         winner: None,
     };
@@ -156,6 +164,24 @@ impl Chosen {
         self.candidates[..self.worked_out].iter().filter(falls).count()
     }
 
+    /// The sorter of a candidate.
+    pub fn sorter(&self, candidate: &Candidate) -> Option<Sorter> {
+        let sorter = self.fitted[candidate.fitted].sorter.as_ref()?;
+        Some(Sorter { speed: candidate.speed, ..sorter.clone() })
+    }
+
+    /// What the simulation says that a candidate takes, items an hour, where it was simulated.
+    pub fn takes(&self, candidate: &Candidate) -> Option<Mean> {
+        let own = |s: &&Simulated| s.fitted == candidate.fitted && s.speed == candidate.speed;
+        self.simulated.iter().find(own).map(|simulated| simulated.found)
+    }
+
+    /// Items an hour that a candidate takes and that are required of it, where it surely falls short in the simulation.
+    pub fn falls_short(&self, candidate: &Candidate) -> Option<(Mean, f64)> {
+        let required = self.layout.capacity.required.as_ref()?.least.value;
+        self.takes(candidate).filter(|found| simulated::is_short(*found, required)).map(|found| (found, required))
+    }
+
     /// The layout that a candidate is, with its motors in their places. `None` where they do not fit.
     pub fn built(&self, candidate: &Candidate) -> Option<Compiled> {
         let on = &self.fitted[candidate.fitted];
@@ -180,8 +206,8 @@ impl Chosen {
         Some(compiled)
     }
 
-    /// Checks candidates in their order until one passes. One that fails may pass with another motor, which is then a
-    /// candidate of its own.
+    /// Checks candidates in their order until one passes, its capacity first, which takes less time. One that fails in the
+    /// dynamic model may pass with another motor, which is then a candidate of its own.
     fn check(&mut self, settings: &Settings, told: Tell) {
         let years = self.layout.choice.energy.map(|energy| (energy.running, energy.years));
         while let Some(k) = self.order.first().copied() {
@@ -191,6 +217,14 @@ impl Chosen {
             }
             if self.checked.len() == settings.checks {
                 return;
+            }
+            if !self.simulate(k, settings, told) {
+                return;
+            }
+            if self.falls_short(&self.candidates[k]).is_some() {
+                self.short.push(k);
+                self.order.remove(0);
+                continue;
             }
             told(Told::Check);
             let found = match self.built(&self.candidates[k]) {
@@ -206,6 +240,22 @@ impl Chosen {
             self.order.remove(0);
             self.add(k);
         }
+    }
+
+    /// Simulates a candidate's sorter, where a capacity is required, unless that is done. `false` where no more are simulated.
+    fn simulate(&mut self, k: usize, settings: &Settings, told: Tell) -> bool {
+        let candidate = &self.candidates[k];
+        if self.layout.capacity.required.is_none() || self.takes(candidate).is_some() {
+            return true;
+        }
+        let Some(sorter) = self.sorter(candidate) else { return true };
+        if self.simulated.len() == simulated::MOST {
+            return false;
+        }
+        told(Told::Capacity);
+        let found = simulated::simulate(&sorter, settings.options.threads);
+        self.simulated.push(Simulated { fitted: candidate.fitted, speed: candidate.speed, found });
+        true
     }
 
     /// Adds a candidate with one motor more than another, where there is room for it.

@@ -3,7 +3,7 @@
 use super::candidate::{Candidate, Requirement, Shortfall};
 use super::find::Chosen;
 use crate::base::number::{fixed, trimmed};
-use crate::capacity::{Sorter, limit_words, way_out};
+use crate::capacity::{Mean, limit_words, way_out};
 use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::solve;
@@ -29,6 +29,9 @@ pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
     }
     if !chosen.checked.is_empty() {
         return vec![failed_checks(chosen)];
+    }
+    if !chosen.short.is_empty() {
+        return short_in_simulation(chosen).into_iter().collect();
     }
     let kinds = [Requirement::Capacity, Requirement::Closes, Requirement::Room];
     let never: Vec<Requirement> =
@@ -124,9 +127,41 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
 
 /// What limits a candidate's capacity, in words.
 pub fn limited(chosen: &Chosen, candidate: &Candidate) -> Option<String> {
-    let sorter = chosen.fitted[candidate.fitted].sorter.as_ref()?;
-    let sorter = Sorter { speed: candidate.speed, ..sorter.clone() };
-    Some(limit_words(&sorter, candidate.capacity.as_ref()?.limit))
+    Some(limit_words(&chosen.sorter(candidate)?, candidate.capacity.as_ref()?.limit))
+}
+
+/// `7454 ± 11`
+pub fn mean_words(mean: Mean) -> String {
+    format!("{} ± {}", fixed(mean.value, 0), fixed(mean.half_width, 0))
+}
+
+/// `simulated, 7454 ± 11 items an hour of 7500`
+pub fn simulated_words((found, required): (Mean, f64)) -> String {
+    format!("simulated, {} items an hour of {}", mean_words(found), fixed(required, 0))
+}
+
+/// By the closed form there is enough, but none takes it.
+fn short_in_simulation(chosen: &Chosen) -> Option<Diagnostic> {
+    let required = chosen.layout.capacity.required.as_ref()?;
+    let of = |k: &usize| Some((chosen.takes(&chosen.candidates[*k])?, &chosen.candidates[*k]));
+    let (found, near) = chosen.short.iter().filter_map(of).max_by(|a, b| a.0.value.total_cmp(&b.0.value))?;
+    let message = match (chosen.short.len(), chosen.order.is_empty()) {
+        (1, true) => "the choice does not take the items an hour that are required".to_owned(),
+        (n, true) => format!("none of {n} choices takes the items an hour that are required"),
+        (n, false) => format!("none of the {n} cheapest choices takes the items an hour that are required"),
+    };
+    let percent = fixed(100.0 * (1.0 - found.value / required.least.value), 1);
+    let label = format!("simulated, {} an hour, {percent} % less", mean_words(found));
+    let said = Diagnostic::new(Code::E0605, message, required.least.span, label).expected(
+        format!("at least {} items an hour", fixed(required.least.value, 0)),
+        format!("{} at the most, with {}", simulated_words((found, required.least.value)), words(chosen, near)),
+    );
+    let said = chosen.layout.choice.statements.free.iter().fold(said, |d, s| d.related(*s, "chosen from here"));
+    let speed = near.speed * required.least.value / found.value.max(f64::MIN_POSITIVE);
+    Some(match near.capacity.as_ref().filter(|_| found.value > 0.0) {
+        Some(bound) => said.help(way_out(bound.limit, speed)),
+        None => said,
+    })
 }
 
 /// Each requirement is met by some candidate, all of them by none.

@@ -8,7 +8,8 @@ use crate::solve::Options;
 pub struct Settings {
     pub options: Options,
     pub width: Width,
-    /// Candidates that are checked in the dynamic model until one passes, at most; 0 leaves the check out.
+    /// Candidates that are checked in the dynamic model until one passes, at most; 0 leaves this check and that of the
+    /// simulated capacity out.
     pub checks: usize,
 }
 
@@ -17,6 +18,8 @@ pub struct Settings {
 pub enum Told {
     /// A track was solved.
     Track,
+    /// The capacity of a candidate is simulated.
+    Capacity,
     /// A candidate is checked in the dynamic model.
     Check,
 }

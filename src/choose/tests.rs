@@ -233,6 +233,40 @@ fn what_none_reaches_is_said() {
     assert!(said[0].message.contains("room for the motors"), "{}", said[0].message);
 }
 
+/// Two zones: the closed form is reached by no simulation, so that of what it allows the cheapest takes too little.
+#[test]
+fn what_takes_too_little_in_the_simulation_is_not_chosen() {
+    let mut layout = open_layout();
+    layout.equipment.inductions.push(Induction { name: "north".into(), place: on(2, 14.0) });
+    let row = PlaceRow { place: on(0, 6.0), every: 1.0, count: 10 };
+    layout.equipment.chutes.push(Chutes { name: "row_north".into(), row, more: Vec::new() });
+    // Half of all items pass a place: twice as many fit as carriers, less what chance leaves empty.
+    let closed = choose(&layout, &settings(), &|_| ()).unwrap();
+    let cheapest = closed.candidates[closed.order[0]].capacity.clone().unwrap().throughput;
+    require(&mut layout, 0.995 * cheapest);
+    let chosen = choose(&layout, &Settings { checks: 5, ..settings() }, &|_| ()).unwrap();
+    let winner = &chosen.candidates[chosen.winner.unwrap()];
+    assert!(!chosen.short.is_empty(), "{:?}", chosen.simulated);
+    for short in &chosen.short {
+        let (found, required) = chosen.falls_short(&chosen.candidates[*short]).unwrap();
+        assert!(found.value + found.half_width < required);
+        assert!(chosen.candidates[*short].total <= winner.total);
+    }
+    assert!(chosen.falls_short(winner).is_none() && chosen.takes(winner).is_some());
+    // So much is built: the same sorter, simulated by itself.
+    let built = chosen.built(winner).unwrap().sorter().unwrap();
+    let alone = super::simulated::simulate(&built, 1);
+    near(alone.value, chosen.takes(winner).unwrap().value, 1e-9);
+    // What no choice takes is told.
+    let most = closed.candidates.iter().map(|c| c.capacity.as_ref().unwrap().throughput).fold(0.0, f64::max);
+    require(&mut layout, 0.995 * most);
+    let chosen = choose(&layout, &Settings { checks: 5, ..settings() }, &|_| ()).unwrap();
+    assert_eq!(chosen.winner, None);
+    let said = super::refused(&chosen);
+    assert!(said[0].message.contains("items an hour that are required"), "{}", said[0].message);
+    assert!(said[0].label.text.starts_with("simulated, "), "{}", said[0].label.text);
+}
+
 #[test]
 fn motors_stand_on_straights_where_they_may() {
     let mut layout = open_layout();

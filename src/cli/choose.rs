@@ -16,8 +16,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Choose carts, speed, motors and radii that do what a layout requires, at the least price with energy.
 ///
 /// `choose` lines of the layout say what is free. Every candidate is worked out: carts that close the loop, items an hour,
-/// thrust to run, start and stop, motors and room for them, price and energy. The cheapest is checked in the dynamic model;
-/// where its joints or wheels carry too much, the next one is. Prints the lines that say the choice; with --output it writes
+/// thrust to run, start and stop, motors and room for them, price and energy. Of the cheapest, the capacity that is required
+/// is simulated, and forces in the dynamic model; where it takes too little, or its joints or wheels carry too much, the next
+/// one is looked at. Prints the lines that say the choice; with --output it writes
 /// choice.json, choice.html, candidates.csv, and the layout with the choice as layout.lss.
 #[derive(Debug, clap::Args)]
 pub struct Choose {
@@ -32,7 +33,8 @@ pub struct Choose {
     /// Show the candidates that no other one beats in two or three measures: --pareto price,capacity.
     #[arg(long, value_enum, value_name = "MEASURES", value_delimiter = ',')]
     pareto: Vec<Measure>,
-    /// Candidates that are checked in the dynamic model until one passes, at most; 0 leaves the check out.
+    /// Candidates that are checked in the dynamic model until one passes, at most; 0 leaves this check and that of the
+    /// simulated capacity out.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(0..=1000))]
     checks: u32,
     /// Folder for the outputs; created if it is missing.
@@ -76,6 +78,7 @@ impl Choose {
                 let solved = one_more(&tracks);
                 line.say(|| format!("{solved} tracks solved"));
             }
+            Told::Capacity => line.say(|| "capacity of a candidate".to_owned()),
             Told::Check => {
                 let check = one_more(&checks);
                 line.say(|| format!("candidate {check} in the dynamic model"));

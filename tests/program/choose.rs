@@ -45,6 +45,15 @@ fn what_is_written_is_what_was_promised() {
     assert!((price - choice["price_eur"].as_f64().expect("a price")).abs() < 0.005, "{price}");
     let motors: usize = text.lines().filter_map(|line| line.trim().strip_prefix("motors on ")).map(count).sum();
     assert_eq!(choice["motors"], motors);
+
+    // And it takes what is required, in the same simulation.
+    let out = lss().arg("capacity").arg(&written).args(["--format", "json"]).assert().success();
+    let capacity: Value = serde_json::from_slice(&out.get_output().stdout).expect("JSON");
+    let (alone, told) = (&capacity["always_fed"]["per_hour"], &choice["simulated_per_hour"]);
+    for (alone, told) in [(&alone["value"], &told["value"]), (&alone["half_width"], &told["half_width"])] {
+        let (alone, told) = (alone.as_f64().expect("a mean"), told.as_f64().expect("a mean"));
+        assert!((alone - told).abs() < 0.01 * alone, "{alone} {told}");
+    }
 }
 
 /// Of `P1..P2 from 1 m every 2 m count 3`.

@@ -1,7 +1,8 @@
 //! What a choice says of its result, for people, in JSON and as a table.
 
 use crate::base::number::{fixed, normal, trimmed};
-use crate::choose::refused::{failures, limited, short_words, words};
+use crate::capacity::Mean;
+use crate::choose::refused::{failures, limited, mean_words, short_words, simulated_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure, Requirement, write};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -29,7 +30,7 @@ pub struct Found {
     lines: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     check: Option<Checked>,
-    /// Cheaper ones that failed their check.
+    /// Cheaper ones that failed their checks: in the simulation of the capacity, and in the dynamic model.
     failed_checks: Vec<FailedCheck>,
     /// The cheapest ones by closed form.
     cheapest: Vec<Row>,
@@ -51,6 +52,10 @@ struct Row {
     least_radius_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     capacity_per_hour: Option<f64>,
+    /// Simulated, with items at every induction at any time: a mean and half its interval of 95 %. Absent where no
+    /// capacity is required, and where it was not simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulated_per_hour: Option<Mean>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limited_by: Option<String>,
     length_m: f64,
@@ -156,6 +161,9 @@ impl Row {
             motors: c.motors,
             least_radius_m: track.radius,
             capacity_per_hour: c.capacity.as_ref().map(|bound| rounded(bound.throughput)),
+            simulated_per_hour: chosen
+                .takes(c)
+                .map(|mean| Mean { value: rounded(mean.value), half_width: rounded(mean.half_width) }),
             limited_by: limited(chosen, c),
             length_m: rounded(track.compiled.length()),
             footprint_m2: rounded(track.compiled.footprint),
@@ -194,17 +202,23 @@ impl Checked {
     }
 }
 
+/// Candidates that failed a check, with why, in the order in which they were checked.
+pub(super) fn failed(chosen: &Chosen) -> Vec<(String, String)> {
+    let of = |k: &usize| &chosen.candidates[*k];
+    let short = chosen.short.iter().filter_map(|k| Some((*k, simulated_words(chosen.falls_short(of(k))?))));
+    let dynamic = chosen.checked.iter().filter_map(|(k, found)| match found {
+        Err(why) => Some((*k, why.clone())),
+        Ok(check) if check.passes() => None,
+        Ok(check) => Some((*k, failures(check).join("; "))),
+    });
+    let mut all: Vec<(usize, String)> = short.chain(dynamic).collect();
+    all.sort_by(|a, b| of(&a.0).total.total_cmp(&of(&b.0).total).then(a.0.cmp(&b.0)));
+    all.into_iter().map(|(k, why)| (words(chosen, of(&k)), why)).collect()
+}
+
 impl Found {
     pub fn new(chosen: &Chosen, measures: &[Measure], trade: Option<&[(usize, Vec<f64>)]>) -> Self {
         let winner = chosen.winner.map(|k| &chosen.candidates[k]);
-        let failed = |(k, found): &(usize, Result<Check, String>)| {
-            let why = match found {
-                Err(why) => why.clone(),
-                Ok(check) if check.passes() => return None,
-                Ok(check) => failures(check).join("; "),
-            };
-            Some(FailedCheck { choice: words(chosen, &chosen.candidates[*k]), why })
-        };
         let check = chosen.checked.iter().find(|(k, _)| Some(*k) == chosen.winner);
         Found {
             layout: chosen.layout.name.clone(),
@@ -218,7 +232,7 @@ impl Found {
                 .and_then(|c| write::lines(chosen, c))
                 .map_or_else(Vec::new, |lines| lines.all().into_iter().map(str::to_owned).collect()),
             check: check.and_then(|(_, found)| found.as_ref().ok()).map(Checked::new),
-            failed_checks: chosen.checked.iter().filter_map(failed).collect(),
+            failed_checks: failed(chosen).into_iter().map(|(choice, why)| FailedCheck { choice, why }).collect(),
             cheapest: chosen.order.iter().take(TOLD).map(|k| Row::new(chosen, &chosen.candidates[*k])).collect(),
             requirements: chosen
                 .costs
@@ -275,6 +289,13 @@ impl Found {
             let required = chosen.layout.capacity.required.as_ref();
             let asked = required.map_or_else(String::new, |r| format!(" ({} required)", fixed(r.least.value, 0)));
             let _ = writeln!(out, "  at most {} items an hour{asked}, limited by {limit}", fixed(capacity, 0));
+        }
+        if let Some(simulated) = row.simulated_per_hour {
+            let _ = writeln!(
+                out,
+                "  simulated {} items an hour, with items at every induction at any time",
+                mean_words(simulated)
+            );
         }
         let thrust = &row.thrust_n;
         let times = &chosen.layout.choice.drive;
@@ -399,6 +420,8 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
         "motor",
         "motors",
         "capacity_per_hour",
+        "simulated_per_hour",
+        "simulated_half_width",
         "thrust_running_n",
         "thrust_starting_n",
         "thrust_stopping_n",
@@ -425,6 +448,8 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
             row.motor,
             row.motors.to_string(),
             some(row.capacity_per_hour, 2),
+            some(row.simulated_per_hour.map(|mean| mean.value), 2),
+            some(row.simulated_per_hour.map(|mean| mean.half_width), 2),
             fixed(c.thrust.resistance.most(), 2),
             some(c.thrust.starting, 2),
             some(c.thrust.stopping, 2),

@@ -9,7 +9,7 @@ use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
-use crate::choose::refused::{failures, limited, words};
+use crate::choose::refused::{limited, mean_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure};
 use maud::{Markup, html};
 
@@ -51,6 +51,7 @@ pub fn page(chosen: &Chosen, measures: &[Measure], trade: Option<&[(usize, Vec<f
         (costs(chosen))
         h2 { "The cheapest choices" }
         (cheapest(chosen))
+        (failed(chosen))
     };
     document(&format!("{}: choice of components", chosen.layout.name), "", &body, &pictures.data)
 }
@@ -105,7 +106,10 @@ fn lead(chosen: &Chosen) -> String {
     if let (Some(bound), Some(limit)) = (&winner.capacity, limited(chosen, winner)) {
         text += &format!("; at most {} items an hour, limited by {limit}", fixed(bound.throughput, 0));
     }
-    let failed = chosen.checked.iter().filter(|(k, _)| Some(*k) != chosen.winner).count();
+    if let Some(simulated) = chosen.takes(winner) {
+        text += &format!("; simulated, {} with items at every induction at any time", mean_words(simulated));
+    }
+    let failed = found::failed(chosen).len();
     if failed > 0 {
         text += &format!("; {failed} cheaper ones failed their check");
     }
@@ -223,22 +227,33 @@ fn costs(chosen: &Chosen) -> Markup {
 }
 
 fn cheapest(chosen: &Chosen) -> Markup {
-    let told = |k: usize| match chosen.checked.iter().find(|(c, _)| *c == k) {
-        Some((_, Ok(check))) if check.passes() => "passed its check".to_owned(),
-        Some((_, Ok(check))) => failures(check).join("; "),
-        Some((_, Err(why))) => why.clone(),
-        None => String::new(),
-    };
     html! {
         div.scroll { table {
-            thead { tr { th { "choice" } th { "carts" } th { "items/h" } th { "price, EUR" } th { "kWh/a" } th { "total, EUR" } th { "check" } } }
+            thead { tr {
+                th { "choice" } th { "carts" } th { "items/h" } th { "simulated" } th { "price, EUR" } th { "kWh/a" } th { "total, EUR" }
+            } }
             tbody { @for k in chosen.order.iter().copied().take(ROWS) { @let c = &chosen.candidates[k]; tr {
                 td { (words(chosen, c)) }
                 td.number { (chosen.fitted[c.fitted].fit.map_or(0, |fit| fit.carts)) }
                 td.number { @if let Some(bound) = &c.capacity { (fixed(bound.throughput, 0)) } @else { "–" } }
+                td.number { @if let Some(simulated) = chosen.takes(c) { (mean_words(simulated)) } @else { "–" } }
                 td.number { (fixed(c.price, 2)) } td.number { (fixed(c.energy / 3.6e6, 0)) } td.number { (fixed(c.total, 2)) }
-                td { (told(k)) }
             } } }
         } }
+    }
+}
+
+/// Candidates that are cheaper than the winner, but failed a check.
+fn failed(chosen: &Chosen) -> Markup {
+    let failed = found::failed(chosen);
+    html! {
+        @if !failed.is_empty() {
+            h2 { "What failed its checks" }
+            div.scroll { table {
+                thead { tr { th { "choice" } th { "why" } } }
+                tbody { @for (choice, why) in failed.iter().take(ROWS) { tr { td { (choice) } td { (why) } } } }
+            } }
+            @if failed.len() > ROWS { p.note { "and " (failed.len() - ROWS) " more" } }
+        }
     }
 }

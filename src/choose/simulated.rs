@@ -1,0 +1,31 @@
+//! What a choice's sorter takes in the simulation of its capacity. The closed form is an upper bound, which a sorter with
+//! items at random does not reach.
+
+use crate::capacity::{Mean, Settings, Sorter, measure};
+
+/// Sorters that are simulated, at most, until one takes what is required. Motors do not matter to them.
+pub const MOST: usize = 200;
+
+/// A sorter that was simulated, with items at every induction at any time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Simulated {
+    /// Index into fitted carts.
+    pub fitted: usize,
+    /// m/s
+    pub speed: f64,
+    /// Items an hour.
+    pub found: Mean,
+}
+
+/// Items an hour that a sorter takes with items at every induction at any time. So much is simulated as `lss capacity` does
+/// unless it is told otherwise, so that both say the same, and more where waves take longer to repeat.
+pub fn simulate(sorter: &Sorter, threads: usize) -> Mean {
+    let usual = Settings { threads, ..Settings::default() };
+    let least = sorter.waves.as_ref().map_or(0.0, |waves| 2.0 * waves.cycle() / 3600.0);
+    measure(&sorter.always_fed(), &Settings { hours: usual.hours.max(least.ceil()), ..usual }).throughput
+}
+
+/// Whether a mean is surely less than what is required: its interval of 95 % lies below.
+pub fn is_short(found: Mean, required: f64) -> bool {
+    found.value + found.half_width < required
+}
