@@ -1,4 +1,4 @@
-//! Words in a row, as a sentence has them.
+//! Words in a row and counted, as a sentence has them.
 
 /// `a`, `a and b`, `a, b and c` with the word `and`; empty for none.
 pub fn list(words: &[impl AsRef<str>], and: &str) -> String {
@@ -10,6 +10,11 @@ pub fn list(words: &[impl AsRef<str>], and: &str) -> String {
     }
 }
 
+/// `1 motor`, `2 motors`: a count with a word that takes an `s`.
+pub fn counted(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -19,5 +24,10 @@ mod tests {
         let words = ["a", "b", "c"];
         let lists = [list(&words[..0], "or"), list(&words[..1], "or"), list(&words[..2], "or"), list(&words, "and")];
         assert_eq!(lists, ["", "a", "a or b", "a, b and c"]);
+    }
+
+    #[test]
+    fn one_is_not_many() {
+        assert_eq!([0, 1, 2].map(|n| counted(n, "motor")), ["0 motors", "1 motor", "2 motors"]);
     }
 }

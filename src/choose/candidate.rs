@@ -26,13 +26,15 @@ pub enum Requirement {
     Load,
     /// Room for the motors.
     Room,
+    /// As many motors as it needs, of those that the layout has.
+    Motors,
 }
 
 /// How far a choice is from what is required.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortfall {
     pub requirement: Requirement,
-    /// What it gives: items an hour, m left over, or motors that there is room for.
+    /// What it gives: items an hour, m left over, or motors that there are or that there is room for.
     pub found: f64,
     /// What it would have to give.
     pub wanted: f64,
@@ -178,9 +180,12 @@ impl Candidate {
                 None => short(Requirement::Closes, f64::INFINITY, most),
             }
         }
-        let most = if layout.choice.motors.is_empty() { motors } else { room.most };
-        if holds(Requirement::Room) && needed > most {
-            short(Requirement::Room, most as f64, needed as f64);
+        let (most, why) = match layout.choice.motors.is_empty() {
+            true => (motors, Requirement::Motors),
+            false => (room.most, Requirement::Room),
+        };
+        if holds(why) && needed > most {
+            short(why, most as f64, needed as f64);
         }
         let cents = |price: f64| (price * 100.0).round() / 100.0;
         let each = cents(kind.article.price.unwrap_or(0.0));

@@ -135,7 +135,8 @@ fn costs(
         (Requirement::Stops, drive.stops.is_some()),
         (Requirement::Spare, drive.spare > 0),
         (Requirement::Load, drive.load > 0.0),
-        (Requirement::Room, true),
+        (Requirement::Room, !layout.choice.motors.is_empty()),
+        (Requirement::Motors, layout.choice.motors.is_empty()),
     ];
     let cost = |requirement: Requirement| {
         let all = candidates(layout, tracks, fitted, Some(requirement));

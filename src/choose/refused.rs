@@ -1,8 +1,9 @@
 //! Why no choice of components does what is required: what none reaches and by how much, or what they fall short of.
 
-use super::candidate::{Candidate, Requirement, Shortfall};
+use super::candidate::{Candidate, Requirement, Room, Shortfall};
 use super::find::Chosen;
 use crate::base::number::{fixed, trimmed};
+use crate::base::words::counted;
 use crate::capacity::{Mean, limit_words, way_out};
 use crate::compiled::Compiled;
 use crate::diagnostic::{Code, Diagnostic};
@@ -33,7 +34,7 @@ pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
     if !chosen.short.is_empty() {
         return short_in_simulation(chosen).into_iter().collect();
     }
-    let kinds = [Requirement::Capacity, Requirement::Closes, Requirement::Room];
+    let kinds = [Requirement::Capacity, Requirement::Closes, Requirement::Room, Requirement::Motors];
     let never: Vec<Requirement> =
         kinds.into_iter().filter(|kind| chosen.missed_by(*kind) == chosen.worked_out).collect();
     if never.is_empty() {
@@ -110,6 +111,27 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
                     "`chain closes within` lets the track adapt to each cart; or take a catalogue with more `take_up`",
                 )
         }
+        Requirement::Motors => {
+            let statements = &layout.choice.statements;
+            let span = statements.places.first().copied().unwrap_or(layout.span);
+            let (found, wanted) = (short.found as usize, short.wanted as usize);
+            let label = match found {
+                0 => "the layout has no motors".to_owned(),
+                _ => format!("the layout has {}", counted(found, "motor")),
+            };
+            let room = Room::new(&chosen.track(candidate).compiled, chosen.motor(candidate), false).most;
+            let evenly = format!("write `motors {wanted} evenly`, or ");
+            let drive = &layout.choice.drive;
+            let said = diagnostic(none("have", "has", "the motors that it needs"), span, label)
+                .expected(counted(wanted, "motor"), format!("{found}, with {near}"))
+                .help(format!(
+                    "{}leave motors free with `choose motor {}`",
+                    if wanted <= room { evenly.as_str() } else { "" },
+                    chosen.motor(candidate).name
+                ));
+            let times = [&drive.starts, &drive.stops];
+            times.into_iter().flatten().fold(said, |d, time| d.related(time.span, "asks for so much thrust"))
+        }
         _ => {
             let statements = &layout.choice.statements;
             let span = statements.free.iter().chain(&statements.places).next().copied().unwrap_or(layout.span);
@@ -118,7 +140,7 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
             let places = if layout.choice.on_straights { "the straights have" } else { "the track has" };
             let label = format!("{places} room for {} at most", short.found);
             let said = diagnostic(none("have", "has", "room for the motors that it needs"), span, label)
-                .expected(format!("{} motors", short.wanted), format!("{}, with {near}", short.found))
+                .expected(counted(short.wanted as usize, "motor"), format!("{}, with {near}", short.found))
                 .help("leave stronger motors or lower speeds free, or give the drive more time");
             related.into_iter().flatten().fold(said, |d, time| d.related(time.span, "asks for so much thrust"))
         }
@@ -170,6 +192,7 @@ fn together(chosen: &Chosen) -> Diagnostic {
         (Requirement::Capacity, "do not reach the capacity"),
         (Requirement::Closes, "do not close the chain"),
         (Requirement::Room, "have no room for their motors"),
+        (Requirement::Motors, "need more motors than the layout has"),
     ];
     let told: Vec<String> = kinds
         .into_iter()
@@ -200,7 +223,8 @@ pub fn short_words(short: &Shortfall) -> String {
         Requirement::Closes => {
             format!("{} mm left over, at most {} mm", fixed(short.found * 1e3, 1), fixed(short.wanted * 1e3, 1))
         }
-        _ => format!("room for {} motors of {}", short.found, short.wanted),
+        Requirement::Motors => format!("{} of {}", counted(short.found as usize, "motor"), short.wanted),
+        _ => format!("room for {} of {}", counted(short.found as usize, "motor"), short.wanted),
     }
 }
 

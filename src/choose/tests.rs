@@ -204,7 +204,7 @@ fn the_winner_is_the_least_and_requirements_cost_what_they_add() {
             Requirement::Spare => drive.spare = 0,
             Requirement::Load => drive.load = 0.0,
             Requirement::Closes => without.catalog.take_up = 1e3,
-            Requirement::Room => continue,
+            Requirement::Room | Requirement::Motors => continue,
         }
         let other = least(&choose(&without, &settings(), &|_| ()).unwrap());
         assert!((cost.unwrap() - (best - other)).abs() < 1e-6, "{requirement:?}");
@@ -231,6 +231,26 @@ fn what_none_reaches_is_said() {
     layout.choice.drive.stops = Some(Spanned::new(0.05, fixture::span()));
     let said = super::refused(&choose(&layout, &settings(), &|_| ()).unwrap());
     assert!(said[0].message.contains("room for the motors"), "{}", said[0].message);
+}
+
+/// The layout's own motors are too few: that is no matter of room.
+#[test]
+fn too_few_motors_are_told_as_that() {
+    let mut layout = open_layout();
+    layout.choice.motors.clear();
+    layout.equipment.motors = Motors::Evenly { count: 2 };
+    let chosen = choose(&layout, &settings(), &|_| ()).unwrap();
+    assert_eq!(chosen.winner, None);
+    let said = super::refused(&chosen);
+    assert_eq!(said[0].message, "none of 20 choices has the motors that it needs");
+    assert_eq!(said[0].label.text, "the layout has 2 motors");
+    let needed = chosen.candidates.iter().map(|c| c.shortfalls.last().unwrap().wanted).fold(f64::INFINITY, f64::min);
+    let help = said[0].help.clone().unwrap();
+    assert!(help.starts_with(&format!("write `motors {needed} evenly`, or leave motors free")), "{help}");
+    // Written so, they are enough.
+    layout.equipment.motors = Motors::Evenly { count: needed as usize };
+    let chosen = choose(&layout, &settings(), &|_| ()).unwrap();
+    assert!(chosen.missed_by(Requirement::Motors) < chosen.worked_out);
 }
 
 /// Two zones: the closed form is reached by no simulation, so that of what it allows the cheapest takes too little.

@@ -1,6 +1,7 @@
 //! What a choice says of its result, for people, in JSON and as a table.
 
 use crate::base::number::{fixed, normal, trimmed};
+use crate::base::words::counted;
 use crate::capacity::Mean;
 use crate::choose::refused::{failures, limited, mean_words, short_words, simulated_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure, Requirement, write};
@@ -142,6 +143,7 @@ pub fn name(requirement: Requirement) -> &'static str {
         Requirement::Spare => "spare motors",
         Requirement::Load => "load",
         Requirement::Room => "room for motors",
+        Requirement::Motors => "motors",
     }
 }
 
@@ -337,11 +339,20 @@ impl Found {
     fn others(&self, out: &mut String, chosen: &Chosen) {
         let _ = writeln!(
             out,
-            "  {} candidates, all worked out, on {} tracks, {} of them proven best; {} do what is required",
-            self.candidates, self.tracks, self.tracks_proven, self.feasible
+            "  {}, all worked out, on {}, {} of them proven best; {} {} what is required",
+            counted(self.candidates, "candidate"),
+            counted(self.tracks, "track"),
+            self.tracks_proven,
+            self.feasible,
+            if self.feasible == 1 { "does" } else { "do" }
         );
         if self.tracks_missing > 0 {
-            let _ = writeln!(out, "  {} more tracks that were asked for cannot be built", self.tracks_missing);
+            let _ = writeln!(
+                out,
+                "  {} more that {} asked for cannot be built",
+                counted(self.tracks_missing, "track"),
+                if self.tracks_missing == 1 { "was" } else { "were" }
+            );
         }
         for failed in self.failed_checks.iter().take(FAILED) {
             let _ = writeln!(out, "  cheaper, but fails its check: {}: {}", failed.choice, failed.why);
@@ -361,7 +372,8 @@ impl Found {
                 _ => String::new(),
             };
             if row.missed_by > 0 || row.costs_eur.is_some_and(|costs| costs > 0.005) {
-                let _ = writeln!(out, "  {}: missed by {} candidates{costs}", row.requirement, row.missed_by);
+                let missed = counted(row.missed_by, "candidate");
+                let _ = writeln!(out, "  {}: missed by {missed}{costs}", row.requirement);
             }
         }
     }
@@ -395,7 +407,8 @@ fn years(life: f64) -> String {
 impl Trade {
     fn text(&self) -> String {
         let names: Vec<&str> = self.measures.iter().map(|m| m.words().0).collect();
-        let mut out = format!("  {} choices that no other one beats in {}\n", self.rows.len(), names.join(", "));
+        let mut out =
+            format!("  {} that no other one beats in {}\n", counted(self.rows.len(), "choice"), names.join(", "));
         let heads = self.measures.iter().map(|m| format!("{:>20}", format!("{}, {}", m.words().0, m.words().1)));
         let _ = writeln!(out, "  {}", heads.collect::<String>());
         for row in &self.rows {

@@ -8,6 +8,7 @@ pub use found::{Found, table};
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::{fixed, trimmed};
+use crate::base::words::counted;
 use crate::chain_input::Simulation;
 use crate::choose::refused::{limited, mean_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure};
@@ -87,11 +88,12 @@ fn headline(chosen: &Chosen) -> String {
 fn lead(chosen: &Chosen) -> String {
     let proven = chosen.tracks.iter().filter(|track| track.proven).count();
     let all = format!(
-        "Of {} candidates on {} tracks, all worked out, {} do what is required; {proven} of the tracks are proven best for \
-         the layout's objective.",
-        chosen.worked_out,
-        chosen.tracks.len(),
-        chosen.feasible
+        "Of {} on {}, all worked out, {} {} what is required; {proven} of the tracks {} proven best for the layout's objective.",
+        counted(chosen.worked_out, "candidate"),
+        counted(chosen.tracks.len(), "track"),
+        chosen.feasible,
+        if chosen.feasible == 1 { "does" } else { "do" },
+        if proven == 1 { "is" } else { "are" }
     );
     let Some(winner) = chosen.winner.map(|k| &chosen.candidates[k]) else { return all };
     let mut text = format!("{} EUR", fixed(winner.price, 2));
