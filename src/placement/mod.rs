@@ -14,6 +14,7 @@ mod shadow;
 mod task;
 #[cfg(test)]
 mod tests;
+mod ways;
 
 pub use findings::findings;
 pub use footprint::{Footprint, Line, Rectangle};

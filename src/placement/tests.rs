@@ -301,3 +301,84 @@ fn what_is_given_a_place_in_a_column_is_told_where_there_is_room() {
     assert_eq!(said[0].message, "lift `hoist` stands in the obstacle `column`, or too near to it");
     assert_eq!(said[0].help.as_deref(), Some("0.9 m on there is room: `at 6.5 m`"));
 }
+
+/// Chutes of 2 m beside the straight from (3, 0) to (15, 0), in a hall whose southern wall is so far away from the track.
+fn walled(wall: f64, depth: f64, count: usize) -> Layout {
+    let mut layout = rectangle();
+    let p = |x: f64, y: f64| Point::new(x, y);
+    let points = vec![p(-30.0, -wall), p(60.0, -wall), p(60.0, 40.0), p(-30.0, 40.0)];
+    layout.building = Some(Building { polygon: Polygon::new(points).unwrap(), clearance: 0.0, span: span() });
+    let mut row = anywhere("row_a", equipment_type(EquipmentKind::Chute, 1.0, depth, EquipmentSide::Outer), count);
+    row.stands = Stands::Free { count, on: vec![0], after: Vec::new(), before: Vec::new() };
+    layout.equipment.declared = vec![row];
+    layout
+}
+
+fn told(layout: &Layout) -> (Vec<crate::diagnostic::Diagnostic>, String) {
+    let said = findings(layout, &track(layout));
+    let help = said.first().and_then(|d| d.help.clone()).unwrap_or_default();
+    (said, help)
+}
+
+/// Of ten none finds room: none fewer would be left. The band reaches to y = -0.6, so that 8.4 m are free across.
+#[test]
+fn what_is_too_deep_is_told_by_how_much() {
+    let layout = walled(9.0, 9.8, 10);
+    let (_, help) = told(&layout);
+    assert!(help.contains("take 1.4 m off its depth (it needs 9.8 m across, 8.4 m are free)"), "{help}");
+    assert!(!help.contains("fewer") && !help.contains("longer"), "{help}");
+    assert!(findings(&walled(9.0, 8.4, 10), &track(&layout)).is_empty(), "what is told is enough");
+    assert!(!findings(&walled(9.0, 8.41, 10), &track(&layout)).is_empty(), "and no less");
+    // The aisle may be less, too.
+    let mut with_aisle = walled(9.0, 8.0, 10);
+    with_aisle.equipment.declared[0].of.aisle = 1.8;
+    let (_, help) = told(&with_aisle);
+    assert!(help.contains("take 1.4 m off its depth or its aisle (it needs 9.8 m across"), "{help}");
+}
+
+/// Fifteen chutes on a straight of 12 m: three fewer, or three metres more where the hall has them.
+#[test]
+fn a_longer_straight_is_told_where_the_track_has_room_for_it() {
+    let (_, help) = told(&walled(9.0, 2.0, 15));
+    assert!(help.contains("ask for 3 fewer or make P1..P2 3 m longer"), "{help}");
+    let mut narrow = walled(9.0, 2.0, 15);
+    let p = |x: f64, y: f64| Point::new(x, y);
+    let points = vec![p(-1.0, -9.0), p(19.0, -9.0), p(19.0, 40.0), p(-1.0, 40.0)];
+    narrow.building = Some(Building { polygon: Polygon::new(points).unwrap(), clearance: 0.0, span: span() });
+    let (_, help) = told(&narrow);
+    assert!(help.contains("ask for 3 fewer") && !help.contains("longer"), "{help}");
+}
+
+/// A wall along the whole track that could only be moved out of the hall.
+#[test]
+fn what_is_in_the_way_stays_within_the_building() {
+    let mut layout = walled(9.0, 2.0, 4);
+    let p = |x: f64, y: f64| Point::new(x, y);
+    let wall = |low: f64| {
+        let points = vec![p(-30.0, low), p(60.0, low), p(60.0, -1.0), p(-30.0, -1.0)];
+        Obstacle { polygon: Polygon::new(points).unwrap(), ..column("wall", 0.0, 0.0, 1.0) }
+    };
+    layout.obstacles = vec![wall(-9.0)];
+    let (said, help) = told(&layout);
+    assert_eq!(said[0].message, "there is room for 0 of 4 chutes `row_a`");
+    assert!(!help.contains("move `wall`") && !help.contains("longer"), "{help}");
+    layout.obstacles = vec![wall(-7.0)];
+    let (_, help) = told(&layout);
+    assert!(help.contains("move `wall` 1.6 m away from the track"), "{help}");
+}
+
+/// An induction that stands in a row of chutes is told once, at the one that is declared first.
+#[test]
+fn two_that_stand_in_each_other_are_told_once() {
+    let mut layout = rectangle();
+    let at = |at: f64| StraightPlace { section: 0, at, span: span() };
+    let of = |kind| equipment_type(kind, 1.0, 2.0, EquipmentSide::Outer);
+    let row = crate::model::PlaceRow { place: at(5.0), every: 1.0, count: 4 };
+    layout.equipment.declared = vec![
+        Declared { stands: Stands::At(at(6.5)), ..anywhere("west", of(EquipmentKind::Induction), 1) },
+        Declared { stands: Stands::Row(row), ..anywhere("row_a", of(EquipmentKind::Chute), 1) },
+    ];
+    let said = findings(&layout, &track(&layout));
+    let messages: Vec<&str> = said.iter().map(|d| d.message.as_str()).collect();
+    assert_eq!(messages, ["induction `west` stands in the chute `row_a`, or too near to it"]);
+}
