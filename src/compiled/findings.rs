@@ -19,7 +19,10 @@ impl Compiled {
             said.extend(unclosed.or_else(|| self.loose()));
             // What lacks its place has no capacity either.
             match self.placement.is_whole() {
-                true => said.extend(self.without_room().into_iter().chain(self.short_of_capacity())),
+                true => {
+                    said.extend(self.without_room().into_iter().chain(self.short_of_capacity()));
+                    said.extend(placement::conveyors(&self.layout, &self.track, &self.placement));
+                }
                 false => said.extend(self.without_room()),
             }
         }

@@ -111,6 +111,7 @@ codes! {
     W0710 "not-in-catalog",
     W0711 "climb-not-in-catalog",
     W0712 "chain-does-not-fit",
+    W0713 "feeding-conveyor",
 
     E0801 "not-a-drawing",
     E0802 "unknown-drawing-unit",

@@ -6,6 +6,7 @@
 //! conveyors ([`footprint::conveyor`]). [`along`] solves one straight after another exactly; [`search`] what is left.
 
 mod along;
+mod conveyors;
 mod findings;
 mod footprint;
 mod needs;
@@ -16,6 +17,7 @@ mod task;
 mod tests;
 mod ways;
 
+pub use conveyors::conveyors;
 pub use findings::findings;
 pub use footprint::{Footprint, Line, Rectangle};
 pub use needs::{Need, least_conveyors, needs, next};

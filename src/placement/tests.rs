@@ -382,3 +382,31 @@ fn two_that_stand_in_each_other_are_told_once() {
     let messages: Vec<&str> = said.iter().map(|d| d.message.as_str()).collect();
     assert_eq!(messages, ["induction `west` stands in the chute `row_a`, or too near to it"]);
 }
+
+/// A conveyor from (9, -9) to the outer edge of what stands beside the middle of the straight, 2.6 m south of its line.
+#[test]
+fn a_conveyor_says_what_it_goes_through() {
+    let mut layout = walled(9.0, 2.0, 1);
+    layout.equipment.declared[0].of.conveyor = 100.0;
+    layout.equipment.declared[0].fed = Some(Point::new(9.0, -9.0));
+    let said = |layout: &Layout| super::conveyors(layout, &track(layout), &place(layout, &track(layout)));
+    assert!(said(&layout).is_empty(), "{:?}", said(&layout));
+    layout.obstacles = vec![column("office", 8.0, -6.0, 2.0)];
+    let found = said(&layout);
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].message, "the conveyor to chute `row_a` goes through what is in its way");
+    assert_eq!(found[0].label.text, "6.4 m, of which 2 m in the obstacle `office`");
+    // From the other side it crosses the far straight of the loop, 1.2 m wide, the near one, and what it feeds, which is no
+    // obstacle to it.
+    layout.obstacles.clear();
+    layout.equipment.declared[0].fed = Some(Point::new(9.0, 30.0));
+    let found = said(&layout);
+    assert_eq!(found[0].label.text, "32.6 m, of which 1.2 m in the track on P1..P2 and 1.2 m in the track on P3..P4");
+    layout.equipment.declared[0].fed = Some(Point::new(9.0, -29.0));
+    let found = said(&layout);
+    assert_eq!(found[0].message, "the conveyor to chute `row_a` begins outside the building");
+    assert_eq!(found[0].label.text, "26.4 m, of which 20 m outside the building");
+    layout.equipment.declared[0].of.conveyor = 0.0;
+    let found = said(&layout);
+    assert!(found.iter().any(|d| d.message == "the conveyor to chute `row_a` costs nothing"), "{found:?}");
+}

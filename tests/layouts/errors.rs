@@ -107,6 +107,10 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
             let compiled = Compiled::new(layout.clone(), solve::solve(layout, &solve::Options::default(), &|_| {}));
             diagnostics.extend(solve::left_over(layout, &compiled.track, &compiled.space.line, compiled.chain));
         }
+        (Code::W0713, Ok(Some(layout))) => {
+            let compiled = Compiled::new(layout.clone(), Vec::new());
+            diagnostics.extend(lss::placement::conveyors(layout, &compiled.track, &compiled.placement));
+        }
         (Code::E0414, Ok(Some(layout))) => {
             let found = route::find(layout, &solve::Options::default(), &|_| {});
             diagnostics.extend(found.err().unwrap_or_default());
