@@ -105,6 +105,37 @@ pub fn lines(compiled: &Compiled) -> Vec<OrderLine> {
     lines
 }
 
+/// What a layout costs as a whole, as far as declarations have prices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Total {
+    /// Of the track's elements, EUR.
+    pub elements: f64,
+    /// Of what is ordered beside them, EUR, for each group in which something has a price.
+    pub groups: Vec<(Group, f64)>,
+    /// Of all of these, EUR.
+    pub all: f64,
+    /// What has no price, in words.
+    pub unpriced: Vec<String>,
+}
+
+/// The price of a layout's elements and of everything beside them.
+pub fn total(compiled: &Compiled) -> Total {
+    let lines = lines(compiled);
+    let elements = compiled.bill.price;
+    let mut groups: Vec<(Group, f64)> = Vec::new();
+    for (group, price) in lines.iter().filter_map(|line| Some((line.group, line.price()?))) {
+        match groups.last_mut().filter(|(last, _)| *last == group) {
+            Some((_, sum)) => *sum += price,
+            None => groups.push((group, price)),
+        }
+    }
+    let cents = |price: f64| (price * 100.0).round() / 100.0;
+    groups.iter_mut().for_each(|(_, price)| *price = cents(*price));
+    let all = cents(elements + groups.iter().map(|(_, price)| price).sum::<f64>());
+    let unpriced = lines.into_iter().filter(|line| line.unit_price.is_none()).map(|line| line.description).collect();
+    Total { elements, groups, all, unpriced }
+}
+
 /// Equipment of declared kinds, each with its conveyor behind it.
 fn declared(compiled: &Compiled) -> Vec<OrderLine> {
     let mut lines = Vec::new();
@@ -193,5 +224,10 @@ mod tests {
             ]
         );
         assert_eq!((compiled.placement.price(), compiled.placement.bound), (30_800.0, 800.0));
+        // Carts, joints and motors of this layout have no prices.
+        let total = total(&compiled);
+        assert_eq!(total.groups, [(Group::Stations, 30_800.0)]);
+        assert!((total.all - compiled.bill.price - 30_800.0).abs() < 0.005, "{total:?}");
+        assert_eq!(total.unpriced[1..], ["joint spherical", "motor linear, 1000 mm, 400 N"]);
     }
 }

@@ -26,7 +26,11 @@ pub struct Bom {
     pub price_eur: f64,
     /// Mass in all, kg.
     pub mass_kg: f64,
-    /// What is ordered beside the track: carts, joints, motors, sensors, supports, stations. Not in the sums above.
+    /// Price of the pieces and of everything `beside` that has one, EUR.
+    #[serde(default)]
+    pub total_eur: f64,
+    /// What is ordered beside the track: carts, joints, motors, sensors, supports, stations. Of the sums above only in
+    /// `total_eur`.
     #[serde(default)]
     pub beside: Vec<Beside>,
 }
@@ -112,6 +116,7 @@ impl Bom {
             count: bill.count,
             price_eur: normal(bill.price),
             mass_kg: normal(bill.mass),
+            total_eur: normal(order::total(compiled).all),
             beside: order::lines(compiled).iter().map(|line| Beside::new(line, own)).collect(),
         }
     }

@@ -1,7 +1,9 @@
 //! What a build says of its result, for people and in JSON.
 
 use super::routed::{RouteSummary, Routed};
+use crate::base::words::list;
 use crate::compiled::Compiled;
+use crate::compiled::order::{self, Total};
 use crate::emit::pareto::Pareto;
 use crate::kinematics::Fit;
 use crate::model::Layout;
@@ -29,6 +31,8 @@ pub struct Summary<'a> {
     closure_m: f64,
     closure_rad: f64,
     price_eur: f64,
+    /// Elements and everything beside them that has a price.
+    total_eur: f64,
     mass_kg: f64,
     feasible: bool,
     /// What ended the search before it was done.
@@ -45,6 +49,9 @@ pub struct Summary<'a> {
     equipment: Option<EquipmentSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pareto: Option<&'a Pareto>,
+    /// The price of the whole for people.
+    #[serde(skip)]
+    total: Total,
 }
 
 /// What is proven of the last stage's layout.
@@ -121,6 +128,22 @@ impl EquipmentSummary {
     }
 }
 
+/// What the whole costs, where more than the track's elements has a price.
+fn total_text(total: &Total) -> String {
+    if total.groups.is_empty() {
+        return String::new();
+    }
+    let beside = total.groups.iter().map(|(group, price)| format!("{} {price:.2}", group.name()));
+    let mut out = format!("  {:.2} EUR in all: elements {:.2}", total.all, total.elements);
+    for part in beside {
+        out += &format!(", {part}");
+    }
+    if !total.unpriced.is_empty() {
+        out += &format!("; without a price: {}", list(&total.unpriced, "and"));
+    }
+    out + "\n"
+}
+
 #[derive(Serialize)]
 struct StageSummary<'a> {
     name: &'a str,
@@ -144,6 +167,7 @@ impl<'a> Summary<'a> {
             seconds: s.seconds,
             status: s.status,
         };
+        let total = order::total(compiled);
         let proven = compiled.stages.last().and_then(|s| s.certificate.as_ref());
         Summary {
             file: None,
@@ -157,6 +181,7 @@ impl<'a> Summary<'a> {
             closure_m: compiled.sequence.closure,
             closure_rad: compiled.sequence.closure_heading,
             price_eur: compiled.bill.price,
+            total_eur: total.all,
             mass_kg: compiled.bill.mass,
             feasible: !compiled.failed(),
             cut: compiled.stages.last().and_then(|s| s.cut),
@@ -166,6 +191,7 @@ impl<'a> Summary<'a> {
             chain: compiled.chain.map(|fit| chain(fit, &compiled.layout)),
             equipment: EquipmentSummary::of(compiled),
             pareto,
+            total,
         }
     }
 
@@ -209,6 +235,7 @@ impl<'a> Summary<'a> {
             self.element_count, self.price_eur, self.mass_kg, self.footprint_m2, self.closure_m
         );
         out += &self.equipment.as_ref().map_or_else(String::new, EquipmentSummary::text);
+        out += &total_text(&self.total);
         if self.raised {
             out += &format!("  {:.5} m along the slope; stages count the plan\n", self.length_m);
         }
