@@ -51,6 +51,10 @@ impl Compiled {
     /// The error where the sorter does not reach the capacity that the layout requires.
     pub fn short_of_capacity(&self) -> Option<Diagnostic> {
         let required = self.layout.capacity.required.as_ref()?;
-        capacity::reached(self.sorter().as_ref(), required)
+        let mut said = capacity::reached(self.sorter().as_ref(), required)?;
+        if let (Some(help), Some(order)) = (&mut said.help, self.enough_in_order(required.least.value)) {
+            *help = format!("{help}; or {order}");
+        }
+        Some(said)
     }
 }

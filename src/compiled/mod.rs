@@ -4,6 +4,7 @@ mod findings;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod order;
+mod ordered;
 mod solved;
 mod sorter;
 mod station;

@@ -214,3 +214,28 @@ fn equipment_does_not_depend_on_the_threads() {
     let free = layout.equipment.declared.iter().filter(|d| matches!(d.stands, Stands::Free { .. })).count();
     assert_eq!(free, 2);
 }
+
+/// Two inductions and two rows of chutes, wherever they stand: behind both inductions, chutes leave carriers to be used once
+/// in a lap. With a row between them, more than once, and so much is asked for.
+#[test]
+fn an_order_that_takes_enough_is_told() {
+    let lines = |order: [&str; 2], asked: &str| {
+        let [a, b] = order;
+        format!(
+            "  fix rotation P1..P2\n  induction a of feeder anywhere\n  induction b of feeder anywhere after a\n  \
+             chutes row_a of slide at least 12 anywhere{a}\n  chutes row_b of slide at least 12 anywhere{b}\n  \
+             require capacity >= {asked} per hour\n  optimise length\n"
+        )
+    };
+    let said = |lines: &str| {
+        let layout = hall("standard", lines);
+        let compiled = Compiled::new(layout.clone(), solve(&layout, &Options::default(), &|_| {}));
+        compiled.short_of_capacity().map(|said| said.help.unwrap())
+    };
+    let help = said(&lines(["", ""], "6500")).unwrap();
+    assert!(help.contains("write `chutes row_a ... after a before b` and `chutes row_b ... after b`"), "{help}");
+    assert_eq!(said(&lines([" after a before b", " after b"], "6500")), None, "what is told is enough");
+    // No order takes as many.
+    let help = said(&lines(["", ""], "20000")).unwrap();
+    assert!(!help.contains("in this order"), "{help}");
+}
