@@ -30,7 +30,7 @@ mod unsupported;
 mod violations;
 
 pub use certificate::{Certificate, Counted, Part};
-pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Proof, Relaxed, Within, implied};
+pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Pieces, Proof, Relaxed, Within, implied};
 pub use equipped::solve;
 pub use exact::{discretise, least_price, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};

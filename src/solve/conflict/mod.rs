@@ -73,6 +73,8 @@ pub struct Member {
     pub assumed: Option<Assumed>,
     /// Whether the line sets a lower limit, where it sets one only.
     pub lower: Option<bool>,
+    /// Of room for equipment of which there are several.
+    pub pieces: Option<Pieces>,
     /// What `without` and `relaxed` were checked against.
     pub within: Within,
     /// A layout that meets all but this line.
@@ -81,6 +83,14 @@ pub struct Member {
     pub relaxed: Option<Relaxed>,
     /// The same on the catalogue's grid, where a layout was looked for on it.
     pub on_grid: Option<Relaxed>,
+}
+
+/// Equipment that a line asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pieces {
+    pub count: usize,
+    /// From one to the next where they stand closest, m.
+    pub pitch: f64,
 }
 
 /// The side that an obstacle is taken to lie on, and what says so.
@@ -231,6 +241,7 @@ impl Examiner<'_> {
                 [row] => Some(self.lines.row(row).low.is_finite()),
                 _ => None,
             },
+            pieces: self.pieces(stated),
             within,
             without,
             relaxed,
@@ -272,6 +283,12 @@ impl Examiner<'_> {
         let problem = Problem::new(self.layout, Scope::Obstacles);
         let on_grid = off_grid(self.layout, &problem, &to_variables(&relaxed.corners), settings.feasibility).is_empty();
         on_grid.then_some(relaxed)
+    }
+
+    fn pieces(&self, line: &SourceLine) -> Option<Pieces> {
+        let mut declared = self.layout.equipment.declared.iter();
+        let own = declared.find(|d| line.kind == LineKind::Room && d.span == line.span && d.count() > 1)?;
+        Some(Pieces { count: own.count(), pitch: own.of.stretch + own.of.service })
     }
 
     fn assumed(&self, line: &SourceLine) -> Option<Assumed> {

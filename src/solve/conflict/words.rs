@@ -1,7 +1,7 @@
 //! What a conflict is called, and what its lines would have to give way by, in words.
 
 use super::lines::LineKind;
-use super::{Assumed, Conflict, Decides, Member, Proof, Within};
+use super::{Assumed, Conflict, Decides, Member, Pieces, Proof, Within};
 use crate::base::number::trimmed;
 use crate::base::trig::PI;
 use crate::diagnostic::{Code, Diagnostic};
@@ -94,7 +94,10 @@ fn label(member: &Member, on_grid: bool) -> String {
         LineKind::Radii => format!("radii {by} beyond these limits"),
         LineKind::Building => format!("walls {by} further out"),
         LineKind::Obstacle => format!("{by} closer"),
-        LineKind::Room => format!("{by} less room"),
+        LineKind::Room => match member.pieces.and_then(|pieces| left(pieces, relaxed.amount)) {
+            Some(words) => format!("{words}, {by} less,"),
+            None => format!("{by} less room"),
+        },
         LineKind::Fix => format!("{by} off its written place"),
         LineKind::Require => match member.lower {
             Some(true) => format!("{by} less"),
@@ -117,6 +120,13 @@ fn label(member: &Member, on_grid: bool) -> String {
         None => "; for the catalogue's grid it is not known".to_owned(),
     };
     format!("{assumed}{would_do} would do{whole}{smaller}{grid}")
+}
+
+/// How many pieces there is about room for where their straights may be shorter by so many metres.
+fn left(pieces: Pieces, metres: f64) -> Option<String> {
+    let fewer = (metres / pieces.pitch - 1e-6).ceil().max(1.0) as usize;
+    let left = pieces.count.checked_sub(fewer).filter(|left| *left > 0)?;
+    Some(format!("room for about {left} of {}", pieces.count))
 }
 
 fn help(conflict: &Conflict) -> String {
