@@ -10,6 +10,12 @@ pub fn list(words: &[impl AsRef<str>], and: &str) -> String {
     }
 }
 
+/// `a chute`, `an induction`: words with their article.
+pub fn with_article(words: &str) -> String {
+    let an = words.starts_with(['a', 'e', 'i', 'o', 'u']);
+    format!("{} {words}", if an { "an" } else { "a" })
+}
+
 /// `1 motor`, `2 motors`: a count with a word that takes an `s`.
 pub fn counted(count: usize, word: &str) -> String {
     format!("{count} {word}{}", if count == 1 { "" } else { "s" })
@@ -24,6 +30,11 @@ mod tests {
         let words = ["a", "b", "c"];
         let lists = [list(&words[..0], "or"), list(&words[..1], "or"), list(&words[..2], "or"), list(&words, "and")];
         assert_eq!(lists, ["", "a", "a or b", "a, b and c"]);
+    }
+
+    #[test]
+    fn a_vowel_takes_an() {
+        assert_eq!(["induction", "row of chutes"].map(with_article), ["an induction", "a row of chutes"]);
     }
 
     #[test]

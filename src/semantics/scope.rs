@@ -214,6 +214,8 @@ impl<'t> Context<'t> {
         if vertex {
             diagnostic = diagnostic
                 .help(format!("`{name}` is a vertex: `x({name})`, `y({name})` and `radius({name})` are values"));
+        } else if name == "capacity" {
+            diagnostic = diagnostic.help("a capacity is so many items an hour: `require capacity >= 7000 per hour`");
         } else if let Some(unit) = super::dimension::symbols().find(|u| *u == name) {
             diagnostic = diagnostic.help(format!("a unit follows its number: `1 {unit}`"));
         } else {

@@ -156,10 +156,26 @@ pub(super) fn shown(value: f64, dimension: Dimension) -> String {
     if dimension == Dimension::TEMPERATURE {
         return format!("{} °C", number(value - 273.15));
     }
+    if dimension == Dimension::TIME {
+        return time(value);
+    }
     match dimension.unit() {
         Some(unit) => format!("{} {unit}", number(value)),
         None if dimension == Dimension::NONE => number(value),
         None => format!("{} {}", number(value), dimension.spelled()),
+    }
+}
+
+/// In hours or minutes where that is a number of at most two decimals, as a person would write it.
+fn time(seconds: f64) -> String {
+    let in_unit = |length: f64| {
+        let value = seconds / length;
+        (value.abs() >= 1.0 && (value * 100.0 - (value * 100.0).round()).abs() < 1e-9).then_some(value)
+    };
+    match (in_unit(3600.0), in_unit(60.0)) {
+        (Some(hours), _) => format!("{} h", number(hours)),
+        (None, Some(minutes)) => format!("{} min", number(minutes)),
+        _ => format!("{} s", number(seconds)),
     }
 }
 
@@ -174,6 +190,13 @@ pub(super) fn degrees(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_are_in_the_unit_that_is_short() {
+        let told = |seconds: f64| shown(seconds, Dimension::TIME);
+        let times = [0.0, 54.0, 120.0, 90.0, 9000.0 * 3600.0, 31_622_400.0, 3601.0, -7200.0];
+        assert_eq!(times.map(told), ["0 s", "54 s", "2 min", "1.5 min", "9000 h", "8784 h", "3601 s", "-2 h"]);
+    }
 
     #[test]
     fn numbers_are_short_and_plain() {

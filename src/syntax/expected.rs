@@ -1,6 +1,7 @@
 //! What should have stood where the grammar gave up, in words that a CAD engineer reads, and what may fix it.
 
 use super::Rule;
+use super::hints::{hint, meant};
 use super::nearest::nearest;
 use super::origin::Edit;
 use super::token::{first_word, is_bracket, is_foreign, is_letter, last_word, lookalike, token_at};
@@ -89,8 +90,12 @@ impl Failure {
                 .expected(kinds, "a section")
                 .help(format!("write one of {kinds} between `fix` and the section"));
         }
-        Diagnostic::new(Code::E0101, format!("expected {expected}, found {found}"), place, label)
-            .expected(expected, found)
+        let problem = Diagnostic::new(Code::E0101, format!("expected {expected}, found {found}"), place, label)
+            .expected(expected, found);
+        match hint(text, self.at) {
+            Some(hint) => problem.help(hint),
+            None => problem,
+        }
     }
 
     /// Whether a statement of a layout stands where only declarations can.
@@ -161,6 +166,7 @@ impl Failure {
         let before = text[..self.at].trim_end();
         let replace = |with: &str| Edit { at: self.at, removed: token.len(), inserted: with.to_string() };
         let mut edits: Vec<Edit> = decimal_comma(text, self.at).into_iter().collect();
+        edits.extend(meant(text, self.at));
         let mut words = self.words();
         if token.starts_with(is_letter)
             && let Some(word) = nearest(token, words.iter().map(String::as_str))

@@ -11,6 +11,7 @@ mod expected;
 mod expression;
 mod format;
 mod guard;
+mod hints;
 mod import_place;
 mod nearest;
 mod origin;

@@ -2,6 +2,7 @@
 
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
+use crate::base::words::with_article;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
     Capacity, Equipment, EquipmentKind, Failure, FailureOf, Feed, Items, RequiredCapacity, SCANNERS, Stops, Storage,
@@ -204,6 +205,8 @@ impl<'t> Context<'t> {
                 None
             }
             (None, _) => {
+                // A word that is near to it is told, even where there is no scanner yet.
+                let scanners = (name.text != SCANNERS).then_some(SCANNERS);
                 let names = inductions.into_iter().chain(chutes).chain(scanners);
                 self.named(draft, "induction or row of chutes", name, names).map(FailureOf::Induction)
             }
@@ -252,7 +255,7 @@ impl<'t> Context<'t> {
         let found = names.clone().position(|known| known == name.text);
         if found.is_none() && draft.base_known && !mentions(&draft.bad, &name.text) {
             let message = format!("there is no {what} `{}`", name.text);
-            let diagnostic = Diagnostic::new(Code::E0218, message, name.span, format!("not a {what}"));
+            let diagnostic = Diagnostic::new(Code::E0218, message, name.span, format!("not {}", with_article(what)));
             self.report(self.with_nearest(diagnostic, name, names));
         }
         found

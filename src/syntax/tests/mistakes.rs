@@ -51,6 +51,22 @@ fn a_choice_of_what_cannot_be_chosen_names_what_can() {
     assert!(message.contains("expected `cart`, `motor`, `radii` or `speed`, found `wheel`"), "{message}");
 }
 
+/// What stands freely is as many as `at least` says; a capacity is of an hour.
+#[test]
+fn what_equipment_and_capacity_take_is_told() {
+    let chutes = |rest: &str| one(&format!("chutes row_a of chute {rest}"));
+    assert!(chutes("anywhere").contains("say how many: `at least 10 anywhere`"), "{}", chutes("anywhere"));
+    assert!(chutes("at least 4 at most 10 anywhere").contains("leave `at most` out"));
+    for line in ["require capacity <= 500 per hour", "require capacity >= 100 per min"] {
+        assert!(one(line).contains("`require capacity >= 7000 per hour`"), "{}", one(line));
+    }
+    // One mistake with its fix, not a row of them.
+    assert!(chutes("at most 10 anywhere").contains("did you mean `least`?"), "{}", chutes("at most 10 anywhere"));
+    for rest in ["at least 4 on straights", "at least 4 on straights after west"] {
+        assert!(chutes(rest).contains("did you mean `anywhere`?"), "{}", chutes(rest));
+    }
+}
+
 #[test]
 fn fixes_lead_to_a_clean_file() {
     for line in [

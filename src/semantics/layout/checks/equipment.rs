@@ -31,8 +31,9 @@ impl Context<'_> {
             self.check_reach(&row.place, last(row), track, named);
         }
         for declared in &equipment.declared {
+            // What is given is the middle of each.
             if let Some(place) = declared.given().last() {
-                self.check_reach(place, place.at + 0.5 * declared.of.stretch, track, named);
+                self.check_middle(place, 0.5 * declared.of.stretch, track, named);
             }
         }
         for ramp in ramps {
@@ -45,22 +46,27 @@ impl Context<'_> {
     /// Whether the written straight reaches as far as the place (or the last of a row).
     fn check_reach(&self, place: &StraightPlace, reach: f64, track: &Track, named: &Named) {
         let length = track.straight(place.section).length;
-        if reach <= length + TOLERANCE {
-            return;
+        if reach > length + TOLERANCE {
+            let expected = format!("at most {} from the tangent point where the straight begins", metres(length));
+            self.beyond(place, reach, (expected, metres(reach)), named);
         }
+    }
+
+    /// Whether the written straight reaches as far as equipment with its middle at the place does.
+    fn check_middle(&self, place: &StraightPlace, half: f64, track: &Track, named: &Named) {
+        let length = track.straight(place.section).length;
+        if place.at + half > length + TOLERANCE {
+            let most = metres(length - half);
+            let expected = format!("a middle at most {most} from the tangent point where the straight begins");
+            self.beyond(place, place.at + half, (expected, metres(place.at)), named);
+        }
+    }
+
+    fn beyond(&self, place: &StraightPlace, reach: f64, (expected, found): (String, String), named: &Named) {
         let n = named.order.len();
         let (a, b) = (named.order[place.section], named.order[(place.section + 1) % n]);
-        self.report(
-            Diagnostic::new(
-                Code::E0409,
-                format!("this lies beyond the straight of `{a}..{b}`"),
-                place.span,
-                format!("reaches {}", metres(reach)),
-            )
-            .expected(
-                format!("at most {} from the tangent point where the straight begins", metres(length)),
-                metres(reach),
-            ),
-        );
+        let message = format!("this lies beyond the straight of `{a}..{b}`");
+        let label = format!("reaches {}", metres(reach));
+        self.report(Diagnostic::new(Code::E0409, message, place.span, label).expected(expected, found));
     }
 }
