@@ -112,6 +112,7 @@ codes! {
     W0711 "climb-not-in-catalog",
     W0712 "chain-does-not-fit",
     W0713 "feeding-conveyor",
+    W0714 "more-fed-than-taken",
 
     E0801 "not-a-drawing",
     E0802 "unknown-drawing-unit",

@@ -486,6 +486,7 @@ fn waves_and_failures_that_cannot_be_are_told() {
         ("scanner on A..B at 4 m\n  fails scaners every 8 h for 1 min", "E0218", "did you mean `scanners`?"),
         ("fails scanner every 8 h for 1 min", "E0218", "did you mean `scanners`?"),
         ("require capacity >= 5000", "E0206", "`require capacity >= 7000 per hour`"),
+        ("feed west 900 per hour up to 400 per hour", "W0714", "more items come to the induction `west` than it takes"),
     ] {
         let (sources, analysis) = check(&[("main.lss", &with(&format!("{SORTER}  {statements}")))]);
         let said = report(&sources, &analysis);

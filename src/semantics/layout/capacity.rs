@@ -2,6 +2,7 @@
 
 use super::draft::{Draft, Placed};
 use super::vertices::Geometry;
+use crate::base::number::shortest;
 use crate::base::words::with_article;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
@@ -116,6 +117,12 @@ impl<'t> Context<'t> {
                 let efficiency = share(efficiency, "the efficiency", USED, 1.0);
                 let shares = self.row_shares(draft, placed, equipment, shares, "an induction");
                 let (rate, most, efficiency, span) = (rate_of?, most?, efficiency?, placed.span);
+                if let Some((comes, most)) = rate.zip(most).filter(|(comes, most)| comes > most) {
+                    let message = format!("more items come to the induction `{}` than it takes", induction.text);
+                    let label = format!("{} an hour come, of which it takes {}", shortest(comes), shortest(most));
+                    let help = "raise `up to`, or let fewer come: what it does not take waits in front of it";
+                    self.report(Diagnostic::new(Code::W0714, message, span, label).help(help));
+                }
                 capacity.feeds.push(Feed { induction: index?, rate, most, efficiency, shares: shares?, span });
             }
             Statement::Storage { chutes, count, every } => {
