@@ -190,7 +190,10 @@ fn equipment(dxf: &mut Writer, compiled: &Compiled, mark: &Mark, half: f64, heig
                 dxf.line("CONVEYORS", from, to);
             }
         }
-        MarkKind::Station => {}
+        MarkKind::Station => {
+            let corners = [(-0.15, 0.0), (0.15, 0.0), (0.15, tall), (-0.15, tall)];
+            dxf.polygon("STATIONS", &corners.map(|(ahead, aside)| at(ahead, half + aside)));
+        }
         MarkKind::Induction => {
             dxf.polygon("INDUCTIONS", &[at(0.0, half), at(0.4 * tall, half + tall), at(-0.4 * tall, half + tall)]);
         }

@@ -2,7 +2,7 @@
 
 use crate::compiled::{Compiled, Station};
 use crate::geometry::Point;
-use crate::model::EquipmentKind;
+use crate::model::{EquipmentKind, StraightPlace};
 use crate::placement::Rectangle;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,7 +13,7 @@ pub enum MarkKind {
     Chute,
     Motor,
     Support,
-    /// A scanner, a gate or a lift of a declared kind.
+    /// A scanner, a gate or a lift.
     Station,
 }
 
@@ -62,15 +62,8 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
             add(MarkKind::Chute, station, (i == count / 2).then(|| text.clone()));
         }
     }
-    let declared = &equipment.declared;
-    for placed in &compiled.placement.placed {
-        if matches!(
-            declared[placed.declared].of.kind,
-            EquipmentKind::Scanner | EquipmentKind::Gate | EquipmentKind::Lift
-        ) {
-            let name = declared[placed.declared].one(placed.number);
-            add(MarkKind::Station, compiled.station(placed.place), Some(name));
-        }
+    for (name, station) in stations(compiled) {
+        add(MarkKind::Station, station, Some(name));
     }
     for (j, station) in compiled.motors().into_iter().enumerate() {
         add(MarkKind::Motor, station, Some(format!("M{}", j + 1)));
@@ -80,6 +73,23 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     }
     covered(compiled, &mut marks);
     marks
+}
+
+/// Scanners, gates and lifts of declared kinds by name, and the other scanners, which have none, by number.
+pub fn stations(compiled: &Compiled) -> Vec<(String, Station)> {
+    let declared = &compiled.layout.equipment.declared;
+    let is_station = |kind| matches!(kind, EquipmentKind::Scanner | EquipmentKind::Gate | EquipmentKind::Lift);
+    let placed = compiled.placement.placed.iter().filter(|placed| is_station(declared[placed.declared].of.kind));
+    let named =
+        placed.map(|placed| (declared[placed.declared].one(placed.number), compiled.station(placed.place))).collect();
+    let mut stations: Vec<(String, Station)> = named;
+    let own = |place: &&StraightPlace| declared.iter().all(|d| d.span != place.span);
+    let others: Vec<&StraightPlace> = compiled.layout.capacity.scanners.iter().filter(own).collect();
+    for (i, place) in others.iter().enumerate() {
+        let name = if others.len() > 1 { format!("scanner {}", i + 1) } else { "scanner".to_owned() };
+        stations.push((name, compiled.station(**place)));
+    }
+    stations
 }
 
 /// Gives marks of equipment of declared kinds their footprints and conveyors.
@@ -133,6 +143,23 @@ mod tests {
         let supports = ahead(MarkKind::Support);
         assert_eq!(supports.len(), 22);
         assert!((supports[21] - 52.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn scanners_without_a_name_are_numbered() {
+        let mut layout = fixture::rectangle(20.0, 10.0, 3.0);
+        layout.capacity.scanners = vec![on(0, 2.0)];
+        let named = |layout: &crate::model::Layout| -> Vec<String> {
+            stations(&compile(layout.clone())).into_iter().map(|(name, _)| name).collect()
+        };
+        assert_eq!(named(&layout), ["scanner"]);
+        layout.capacity.scanners.push(on(2, 3.0));
+        assert_eq!(named(&layout), ["scanner 1", "scanner 2"]);
+        let marks = marks(&compile(layout));
+        let points: Vec<Point> = marks.iter().filter(|m| m.kind == MarkKind::Station).map(|m| m.point).collect();
+        // Straights begin at the curve's end, 3 m behind the vertex.
+        assert!(points[0].distance(Point::new(5.0, 0.0)) < 1e-9, "{points:?}");
+        assert!(points[1].distance(Point::new(14.0, 10.0)) < 1e-9, "{points:?}");
     }
 
     #[test]

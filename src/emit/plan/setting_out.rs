@@ -5,6 +5,7 @@ use crate::geometry::{Piece, PieceKind, Point, Polygon, Track};
 use crate::model::{Chutes, Coordinate, Layout};
 
 use super::PlanCurve;
+use super::marks::stations;
 
 /// Directions that differ by less are parallel, rad: a millimetre over ten metres.
 const PARALLEL: f64 = 1e-4;
@@ -55,6 +56,7 @@ pub fn points(compiled: &Compiled) -> Vec<PointGroup> {
     let groups = [
         PointGroup { title: "vertices of the track", points: vertices },
         PointGroup { title: "equipment, on the centre line", points: equipment(compiled) },
+        PointGroup { title: "where feeding conveyors begin", points: feeding(compiled) },
         PointGroup { title: "building, counter-clockwise", points: corners },
         PointGroup { title: "obstacles", points: obstacles },
     ];
@@ -96,10 +98,23 @@ fn equipment(compiled: &Compiled) -> Vec<SettingPoint> {
             add(name, station);
         }
     }
+    for (name, station) in stations(compiled) {
+        add(name, station);
+    }
     for (i, station) in compiled.motors().into_iter().enumerate() {
         add(format!("M{}, begin", i + 1), station);
     }
     points
+}
+
+/// Where what feeds equipment begins, by the name of what is fed.
+fn feeding(compiled: &Compiled) -> Vec<SettingPoint> {
+    let declared = compiled.layout.equipment.declared.iter();
+    let point = |(name, from): (&String, Point)| {
+        let at = from_origin(&compiled.layout, from);
+        SettingPoint { name: name.clone(), at, s: None, z: None }
+    };
+    declared.filter_map(|d| Some(point((&d.name, d.fed?)))).collect()
 }
 
 /// The first and the last place of a row, and of each part of one that stands in several, with their numbers.
