@@ -183,6 +183,13 @@ impl Chosen {
         self.takes(candidate).filter(|found| simulated::is_short(*found, required)).map(|found| (found, required))
     }
 
+    /// The cheapest behind the winner that is not known to take too little.
+    pub fn next_best(&self) -> Option<usize> {
+        let place = self.order.iter().position(|k| Some(*k) == self.winner)?;
+        let mut behind = self.order[place + 1..].iter().copied();
+        behind.find(|k| self.falls_short(&self.candidates[*k]).is_none())
+    }
+
     /// The layout that a candidate is, with its motors in their places. `None` where they do not fit.
     pub fn built(&self, candidate: &Candidate) -> Option<Compiled> {
         let on = &self.fitted[candidate.fitted];

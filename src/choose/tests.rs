@@ -274,6 +274,9 @@ fn what_takes_too_little_in_the_simulation_is_not_chosen() {
         assert!(chosen.candidates[*short].total <= winner.total);
     }
     assert!(chosen.falls_short(winner).is_none() && chosen.takes(winner).is_some());
+    // The other motor does not make the same cart at the same speed take more.
+    let next = &chosen.candidates[chosen.next_best().unwrap()];
+    assert!(chosen.falls_short(next).is_none() && next.total >= winner.total);
     // So much is built: the same sorter, simulated by itself.
     let built = chosen.built(winner).unwrap().sorter().unwrap();
     let alone = super::simulated::simulate(&built, 1);

@@ -360,9 +360,8 @@ impl Found {
         if self.failed_checks.len() > FAILED {
             let _ = writeln!(out, "  and {} more that fail their checks", self.failed_checks.len() - FAILED);
         }
-        let place = chosen.winner.and_then(|winner| chosen.order.iter().position(|k| *k == winner));
-        if let Some((winner, next)) = chosen.winner.zip(place.and_then(|place| chosen.order.get(place + 1))) {
-            let next = &chosen.candidates[*next];
+        if let Some((winner, next)) = chosen.winner.zip(chosen.next_best()) {
+            let next = &chosen.candidates[next];
             let more = next.total - chosen.candidates[winner].total;
             let _ = writeln!(out, "  next best, {} EUR more: {}", fixed(more, 2), words(chosen, next));
         }
