@@ -253,7 +253,10 @@ impl Chosen {
     /// Simulates a candidate's sorter, where a capacity is required, unless that is done. `false` where no more are simulated.
     fn simulate(&mut self, k: usize, settings: &Settings, told: Tell) -> bool {
         let candidate = &self.candidates[k];
-        if self.layout.capacity.required.is_none() || self.takes(candidate).is_some() {
+        let Some(required) = self.layout.capacity.required.as_ref().map(|required| required.least.value) else {
+            return true;
+        };
+        if self.takes(candidate).is_some() {
             return true;
         }
         let Some(sorter) = self.sorter(candidate) else { return true };
@@ -261,7 +264,7 @@ impl Chosen {
             return false;
         }
         told(Told::Capacity);
-        let found = simulated::simulate(&sorter, settings.options.threads);
+        let found = simulated::simulate(&sorter, required, settings.options.threads);
         self.simulated.push(Simulated { fitted: candidate.fitted, speed: candidate.speed, found });
         true
     }

@@ -17,12 +17,22 @@ pub struct Simulated {
     pub found: Mean,
 }
 
+/// A short simulation that comes first: hours and replications.
+const BRIEF: (f64, usize) = (2.0, 4);
+
 /// Items an hour that a sorter takes with items at every induction at any time. So much is simulated as `lss capacity` does
-/// unless it is told otherwise, so that both say the same, and more where waves take longer to repeat.
-pub fn simulate(sorter: &Sorter, threads: usize) -> Mean {
+/// unless it is told otherwise, so that both say the same, and more where waves take longer to repeat; but a tenth of it where
+/// that is less than what is required by twice its interval.
+pub fn simulate(sorter: &Sorter, required: f64, threads: usize) -> Mean {
     let usual = Settings { threads, ..Settings::default() };
-    let least = sorter.waves.as_ref().map_or(0.0, |waves| 2.0 * waves.cycle() / 3600.0);
-    measure(&sorter.always_fed(), &Settings { hours: usual.hours.max(least.ceil()), ..usual }).throughput
+    let least = sorter.waves.as_ref().map_or(0.0, |waves| 2.0 * waves.cycle() / 3600.0).ceil();
+    let fed = sorter.always_fed();
+    let of = |hours: f64, replications: usize| {
+        measure(&fed, &Settings { hours: hours.max(least), replications, ..usual }).throughput
+    };
+    let brief = of(BRIEF.0, BRIEF.1);
+    let far = brief.value + 2.0 * brief.half_width < required;
+    if far { brief } else { of(usual.hours, usual.replications) }
 }
 
 /// Whether a mean is surely less than what is required: its interval of 95 % lies below.
