@@ -236,10 +236,12 @@ fn pipes_devices_and_the_systems_own_files_are_not_read() {
     let place = Place::new(true);
     let pipe = place.path("p/pipe.lss");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    for file in ["p/pipe.lss", "/dev/zero", "/proc/self/environ", "p"] {
+    for file in ["p/pipe.lss", "/dev/zero", "/proc/self/environ"] {
         let said = place.keeps_quiet(&["check", file]);
         assert!(said.contains("not a regular file"), "{said}");
     }
+    let said = place.keeps_quiet(&["check", "p"]);
+    assert!(said.contains("it is a folder"), "{said}");
     place.write("p/a/campaign.toml", "layout = \"../pipe.lss\"\n[[run]]\nfile = \"run-01.csv\"\n");
     place.keeps_quiet(&["identify", "p/a", "-o", "out"]);
     // With the file system as the root, /proc is within it.
