@@ -130,7 +130,8 @@ fn equipment_anywhere_takes_no_longer_track_than_rectangles_do() {
         let compiled = built(&layout);
         let found = compiled.stages.last().unwrap().length;
         let rectangle = shortest_rectangle(&layout, (25.0, 16.5), 20.0);
-        assert!(found <= rectangle + 1e-6, "{chutes}: {found} and not {rectangle}");
+        // Straights are halved down to 0.05 m, and a rectangle has two of each.
+        assert!(found <= rectangle + 0.1, "{chutes}: {found} and not {rectangle}");
         assert!(compiled.stages.last().unwrap().certificate.as_ref().unwrap().lower_bound <= rectangle);
     }
 }

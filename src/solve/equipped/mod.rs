@@ -34,6 +34,9 @@ use shorter::Halved;
 const MOST_TRACKS: usize = 240;
 /// Of the nodes of the first track's search, each other one has this part; all others together have as many as the first.
 const PART: usize = 4;
+/// Of so many straights at most two are made longer at once, the second by a share of what the first is.
+const MOST_PAIRED: usize = 6;
+const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 /// Conveyors' intervals are halved until what they leave open is this part of the value.
 const FINE: f64 = 2e-4;
 /// How far a track is shifted at first, and at last, towards what feeds its equipment, m.
@@ -182,8 +185,9 @@ impl<'a> Search<'a> {
             }
             let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
             next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
-            let better = self.keep(&layout, stages, &certificate, &placement, lacking);
-            open.extend(next.shorter(&track, lacking == 0, better));
+            self.keep(&layout, stages, &certificate, &placement, lacking);
+            let least = self.best.as_ref().filter(|best| best.lacking == 0).map_or(f64::INFINITY, |best| best.value);
+            open.extend(next.shorter(lacking == 0, least));
             if lacking == 0 {
                 let length = |f: &Fed| placement.placed.iter().find(|p| p.declared == f.declared)?.conveyor;
                 let lengths: Vec<f64> = self.fed.iter().map(|f| length(f).unwrap_or(0.0)).collect();
@@ -310,7 +314,7 @@ impl<'a> Search<'a> {
         certificate: &Certificate,
         placement: &Placement,
         lacking: usize,
-    ) -> bool {
+    ) {
         // Whatever section was chosen here, the result is placed anew on all of them.
         let free =
             placement::place(self.layout, &Track::new(&stages.last().map_or(layout.corners(), |s| s.corners.clone())));
@@ -333,7 +337,6 @@ impl<'a> Search<'a> {
         if better {
             self.best = Some(Whole { stages, lacking, value });
         }
-        better
     }
 
     /// Takes the written layout if it meets every row, is of the catalogue and has room for everything.
@@ -461,11 +464,24 @@ impl<'a> Search<'a> {
         for &(i, lacking) in &placement.missing {
             let of = &declared(i).of;
             let more = lacking as f64 * (of.stretch + of.service);
-            for s in self.sections(i) {
-                let length = track.straight(s).length.max(0.0);
-                tried.push(longer(s, length + more, false).halving(s, length));
+            let sections = self.sections(i);
+            let length = |s: usize| track.straight(s).length.max(0.0);
+            for &s in &sections {
+                let from = [(s, length(s))];
+                tried.push(longer(s, length(s) + more, false).halving(&from));
                 // Where nothing stands yet, all of it with its distances from curves.
-                tried.push(longer(s, length.max(more + 2.0 * of.from_curve), false).halving(s, length));
+                tried.push(longer(s, length(s).max(more + 2.0 * of.from_curve), false).halving(&from));
+            }
+            // All of it on one, and a share on another.
+            let few = node.straights.is_empty() && sections.len() <= MOST_PAIRED;
+            let pairs = sections.iter().flat_map(|s| sections.iter().map(move |t| (*s, *t)));
+            for (s, t) in pairs.filter(|(s, t)| few && s != t) {
+                for share in SHARES {
+                    let mut both = longer(s, length(s) + more, false);
+                    both.straights.push((t, length(t) + share * more));
+                    both.straights.sort_by_key(|a| a.0);
+                    tried.push(both.halving(&[(s, length(s)), (t, length(t))]));
+                }
             }
         }
         (tried, false)
