@@ -92,6 +92,12 @@ impl Layout {
         self.vertices.iter().map(|v| Corner { point: v.point, radius: v.radius.value }).collect()
     }
 
+    /// Scanners that the layout places itself: those of declared kinds stand among all, too, once they have their places.
+    pub fn own_scanners(&self) -> impl Iterator<Item = StraightPlace> {
+        let is_own = |place: &&StraightPlace| self.equipment.declared.iter().all(|d| d.span != place.span);
+        self.capacity.scanners.iter().filter(is_own).copied()
+    }
+
     /// `P4..P5`
     pub fn section_name(&self, section: usize) -> String {
         format!("{}..{}", self.vertices[section].name, self.vertices[self.next(section)].name)

@@ -53,9 +53,7 @@ fn add(all: &mut Vec<(Cause, f64)>, more: Vec<(Cause, f64)>) {
 
 /// How many metres of the conveyor to a piece of equipment lie in what.
 fn crossed(layout: &Layout, track: &Track, placement: &Placement, own: &Placed, from: Point) -> Vec<(Cause, f64)> {
-    // It ends in the middle of the outer edge, of two sides on the nearer one.
-    let ends = own.footprint.covers.iter().map(|r| (r[2] + r[3]) * 0.5);
-    let Some(end) = ends.min_by(|a, b| a.distance(from).total_cmp(&b.distance(from))) else { return Vec::new() };
+    let Some(end) = own.footprint.conveyor_end(from) else { return Vec::new() };
     let length = end.distance(from);
     if length <= TOUCH {
         return Vec::new();

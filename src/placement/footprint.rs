@@ -93,6 +93,13 @@ impl Footprint {
         Footprint { covers: covers.collect(), room: room.collect() }
     }
 
+    /// Where a conveyor from a point ends: in the middle of the outer edge, of two sides on the nearer one.
+    pub fn conveyor_end(&self, from: Point) -> Option<Point> {
+        // The rectangles' third and fourth corners are the outer ones.
+        let ends = self.covers.iter().map(|r| r[2].lerp(r[3], 0.5));
+        ends.min_by(|a, b| a.distance(from).total_cmp(&b.distance(from)))
+    }
+
     /// Whether one of the two stands in the other or in the room that the other needs.
     pub fn meets(&self, other: &Footprint) -> bool {
         let any = |a: &[Rectangle], b: &[Rectangle]| a.iter().any(|a| b.iter().any(|b| overlap(a, b)));
@@ -100,8 +107,7 @@ impl Footprint {
     }
 }
 
-/// Where the conveyor that feeds a piece of equipment ends: in the middle of its outer edge. Of two sides it is the nearer
-/// one. The conveyor's length, m.
+/// The length of the conveyor that feeds a piece of equipment, m: to [`Footprint::conveyor_end`].
 pub fn conveyor(of: &EquipmentType, line: &Line, begin: f64, sides: &[f64], half: f64, from: Point) -> f64 {
     let middle = begin + 0.5 * of.stretch;
     let ends = sides.iter().map(|side| line.at(middle, side * (half + of.depth)));

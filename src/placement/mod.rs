@@ -137,7 +137,7 @@ pub fn fill_in(layout: &mut Layout, placement: &Placement) {
     let own = |name: &str| declared.iter().all(|d| d.name != name);
     layout.equipment.inductions.retain(|i| own(&i.name));
     layout.equipment.chutes.retain(|c| own(&c.name));
-    layout.capacity.scanners.retain(|place| declared.iter().all(|d| d.span != place.span));
+    layout.capacity.scanners = layout.own_scanners().collect();
     for (i, declared) in layout.equipment.declared.iter().enumerate() {
         let places: Vec<StraightPlace> = placement.placed.iter().filter(|p| p.declared == i).map(|p| p.place).collect();
         match declared.of.kind {

@@ -82,8 +82,7 @@ fn standing(compiled: &Compiled) -> Vec<(String, Standing)> {
         let places = chutes.rows().flat_map(|row| row.places()).map(at).collect();
         all.push((chutes.name.clone(), plain(EquipmentKind::Chute, places)));
     }
-    let free = |place: &&StraightPlace| equipment.declared.iter().all(|declared| declared.span != place.span);
-    let scanners: Vec<_> = layout.capacity.scanners.iter().filter(free).map(|place| at(*place)).collect();
+    let scanners: Vec<_> = layout.own_scanners().map(at).collect();
     if !scanners.is_empty() {
         all.push((SCANNERS.to_owned(), plain(EquipmentKind::Scanner, scanners)));
     }

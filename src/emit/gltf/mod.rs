@@ -171,9 +171,7 @@ fn conveyors(compiled: &Compiled) -> Vec<Thing> {
     let one = |placed: &Placed| {
         let declared = &declared[placed.declared];
         let from = declared.fed?;
-        // The rectangles' third and fourth corners are the outer ones.
-        let ends = placed.footprint.covers.iter().map(|r| r[2].lerp(r[3], 0.5));
-        let to = ends.min_by(|a, b| a.distance(from).total_cmp(&b.distance(from)))?;
+        let to = placed.footprint.conveyor_end(from)?;
         let length = from.distance(to);
         let top = foot(compiled.station(placed.place).z, STATION[2]) + STATION[2];
         (length > 1e-6).then(|| {

@@ -83,11 +83,10 @@ pub fn stations(compiled: &Compiled) -> Vec<(String, Station)> {
     let named =
         placed.map(|placed| (declared[placed.declared].one(placed.number), compiled.station(placed.place))).collect();
     let mut stations: Vec<(String, Station)> = named;
-    let own = |place: &&StraightPlace| declared.iter().all(|d| d.span != place.span);
-    let others: Vec<&StraightPlace> = compiled.layout.capacity.scanners.iter().filter(own).collect();
+    let others: Vec<StraightPlace> = compiled.layout.own_scanners().collect();
     for (i, place) in others.iter().enumerate() {
         let name = if others.len() > 1 { format!("scanner {}", i + 1) } else { "scanner".to_owned() };
-        stations.push((name, compiled.station(**place)));
+        stations.push((name, compiled.station(*place)));
     }
     stations
 }
@@ -108,12 +107,7 @@ fn covered(compiled: &Compiled, marks: &mut [Mark]) {
         let Some(mark) = marks.iter_mut().find(stands) else { continue };
         mark.covers = placed.footprint.covers.clone();
         mark.out = if placed.sides.contains(&-winding) { 1.0 } else { -1.0 };
-        // The rectangles' third and fourth corners are the outer ones.
-        let ends = placed.footprint.covers.iter().map(|r| r[2].lerp(r[3], 0.5));
-        mark.conveyor = declared.fed.and_then(|from| {
-            let near = ends.min_by(|a, b| a.distance(from).total_cmp(&b.distance(from)))?;
-            Some((from, near))
-        });
+        mark.conveyor = declared.fed.and_then(|from| Some((from, placed.footprint.conveyor_end(from)?)));
     }
 }
 
