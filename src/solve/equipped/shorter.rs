@@ -19,7 +19,6 @@ pub struct Halved {
     /// No layout with what is too short is better, and none with what was too short of all.
     bound: f64,
     first: f64,
-    begun: bool,
 }
 
 impl Node {
@@ -28,14 +27,14 @@ impl Node {
     pub fn halving(self, from: &[(usize, f64)]) -> Node {
         let halved = from.split_first().and_then(|(&(section, low), next)| {
             let (high, next, bound) = (self.least(section)?, next.to_vec(), self.bound);
-            Some(Halved { section, low, high, next, bound, first: bound, begun: false })
+            Some(Halved { section, low, high, next, bound, first: bound })
         });
         Node { halved, ..self }
     }
 
     /// Whether it has a straight that is shorter than was enough.
     pub fn is_halved(&self) -> bool {
-        self.halved.as_ref().is_some_and(|halved| halved.begun)
+        self.halved.as_ref().is_some_and(|halved| self.least(halved.section) < Some(halved.high))
     }
 
     /// The least length of a straight, m.
@@ -47,9 +46,9 @@ impl Node {
     /// room for everything. Where it had none and is itself no better than what is known (`least`), longer ones are not
     /// either.
     pub fn shorter(&self, whole: bool, least: f64) -> Option<Node> {
-        let Halved { section, mut low, mut high, mut next, mut bound, first, begun } = self.halved.clone()?;
+        let Halved { section, mut low, mut high, mut next, mut bound, first } = self.halved.clone()?;
         let length = self.least(section)?;
-        match (whole, begun) {
+        match (whole, self.is_halved()) {
             (true, _) => high = length,
             (false, true) if self.bound < least => (low, bound) = (length, self.bound),
             (false, _) => return None,
@@ -65,7 +64,7 @@ impl Node {
             (section, low, high, bound) = (following, short, self.least(following)?, first);
         }
         set(section, 0.5 * (low + high));
-        let halved = Some(Halved { section, low, high, next, bound, first, begun: true });
+        let halved = Some(Halved { section, low, high, next, bound, first });
         Some(Node { straights, complete: false, bound, halved, ..self.clone() })
     }
 }
