@@ -1,5 +1,5 @@
 //! An order of free equipment in which a sorter takes as many items an hour as it is asked to: chutes between inductions,
-//! so that carriers are used more than once in a lap. It is tried before it is told.
+//! so that carriers are used more than once in a lap. It is tried on the same track before it is told.
 
 use super::Compiled;
 use crate::base::number::fixed;
@@ -7,7 +7,6 @@ use crate::base::words::list;
 use crate::capacity::{Limit, bound};
 use crate::model::{EquipmentKind, Layout, Stands};
 use crate::placement;
-use crate::solve::{self, Options};
 
 impl Compiled {
     /// What to write so that rows of chutes that stand freely come between the inductions, where that alone is enough for
@@ -19,7 +18,7 @@ impl Compiled {
             return None;
         }
         let (layout, words) = self.in_order()?;
-        let takes = self.built_again(layout)?.sorter().and_then(|s| bound(&s, s.proportions().as_deref()))?.throughput;
+        let takes = self.placed_again(layout)?.sorter().and_then(|s| bound(&s, s.proportions().as_deref()))?.throughput;
         (takes >= least)
             .then(|| format!("write {}: in this order it takes at most {}", list(&words, "and"), fixed(takes, 0)))
     }
@@ -63,17 +62,14 @@ impl Compiled {
         (!words.is_empty()).then_some((layout, words))
     }
 
-    /// A changed layout on the same track where everything has room on it, else on one that is found anew.
-    fn built_again(&self, layout: Layout) -> Option<Compiled> {
+    /// A changed layout on the same track, where everything has room on it.
+    fn placed_again(&self, layout: Layout) -> Option<Compiled> {
         let placement = placement::place(&layout, &self.track);
-        if placement.is_whole() {
+        placement.is_whole().then(|| {
             let mut again = Compiled { layout, ..self.clone() };
             placement::fill_in(&mut again.layout, &placement);
             again.placement = placement;
-            return Some(again);
-        }
-        let stages = solve::solve(&layout, &Options { threads: 1, ..Options::default() }, &|_| ());
-        let again = Compiled::new(layout, stages);
-        (!again.failed() && again.placement.is_whole()).then_some(again)
+            again
+        })
     }
 }
