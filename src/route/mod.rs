@@ -35,7 +35,7 @@ const NODES: usize = 20_000;
 /// Loops of one round, and of all, that go through the continuous stages.
 const LOOPS_OF_ROUND: usize = 6;
 const LOOPS: usize = 24;
-/// Rounds of which loops are made.
+/// Rounds of which loops are made, and other places that are tried in all.
 const ROUNDS: usize = 60;
 /// Of these, how many go to the catalogue's grid, with how many nodes each.
 const ON_GRID: usize = 4;
@@ -161,6 +161,7 @@ impl Search<'_> {
     /// The best loop, and how many were optimised. Rounds whose bound is no better than the best layout are left out.
     fn run(&self, maker: &Maker, best_first: &[(f64, usize, Places)]) -> (Option<Solved>, usize) {
         let (mut best, mut tried): (Option<Solved>, usize) = (None, 0);
+        let mut elsewhere = ROUNDS;
         let by_length = self.layout.objective.terms.iter().all(|(_, goal)| *goal == Goal::Length);
         for (bound, round, places) in best_first.iter().take(ROUNDS) {
             let known = best.as_ref().map_or(f64::INFINITY, |b| length(&b.1));
@@ -168,8 +169,14 @@ impl Search<'_> {
                 break;
             }
             let round = &self.rounds[*round];
-            for places in std::iter::once(places.clone()).chain(spread(round)) {
-                let loops: Vec<Loop> = maker.loops(round, &places, LOOPS_OF_ROUND.min(LOOPS.saturating_sub(tried)));
+            for (k, places) in std::iter::once(places.clone()).chain(spread(round)).enumerate() {
+                if k > 0 {
+                    if elsewhere == 0 || tried >= LOOPS {
+                        break;
+                    }
+                    elsewhere -= 1;
+                }
+                let loops: Vec<Loop> = maker.loops(round, &places, LOOPS_OF_ROUND.min(LOOPS - tried));
                 let candidates: Vec<Layout> =
                     loops.iter().filter_map(|made| candidate::layout(self.layout, round, made)).collect();
                 tried += candidates.len();
