@@ -15,8 +15,8 @@ use std::time::Duration;
 
 /// Show what changed between two layouts: length, price, chain, bill, what is built where, and what is written.
 ///
-/// Both are solved. With --runs, runs that were simulated of both are compared, too. With --git the layout is compared with what it was in a revision, with the files that it imported
-/// then. With --output it writes change.json, change.md, change.svg and change.png, both tracks over each other.
+/// Both are solved. With --runs, runs that were simulated of both are compared, too. With --git the layout is compared with
+/// what it was in a revision, with the files that it imported then. With --output it writes change.json, change.md, change.svg and change.png, both tracks over each other.
 #[derive(Debug, clap::Args)]
 pub struct Diff {
     /// The layout before; with --git the layout itself.

@@ -3,6 +3,7 @@
 use super::text::Lines;
 use super::words;
 use crate::base::number::shortest;
+use crate::base::words::with_article;
 use crate::model::effect_definitions::{EFFECTS, EffectDefinition, PlaceKind};
 use crate::semantics::Checked;
 use crate::semantics::dimension::parse_unit;
@@ -89,10 +90,10 @@ fn comment(checked: &Checked, definition: Span) -> Option<String> {
 }
 
 /// `a cart`; equipment is not counted.
-fn with_article(kind: DeclarationKind) -> String {
+fn one_of(kind: DeclarationKind) -> String {
     match kind {
         DeclarationKind::Equipment => kind.word().to_owned(),
-        _ => format!("a {}", kind.word()),
+        _ => with_article(kind.word()),
     }
 }
 
@@ -103,13 +104,13 @@ pub fn field(owner: DeclarationKind, path: &str) -> String {
         Some(field) => {
             let needed = if field.required { "required" } else { "may be left out" };
             let bounds = field.bounds.map(|b| format!(", {b}")).unwrap_or_default();
-            format!("`{path}` of {}: {}\n\n{}{bounds}; {needed}", with_article(owner), field.about, field.form)
+            format!("`{path}` of {}: {}\n\n{}{bounds}; {needed}", one_of(owner), field.about, field.form)
         }
         None => {
             let inside: Vec<String> = vocabulary::fields(owner)
                 .filter_map(|f| Some(format!("- `{}`: {}", f.path.strip_prefix(&group)?, f.about)))
                 .collect();
-            format!("fields `{path}` of {}:\n\n{}", with_article(owner), inside.join("\n"))
+            format!("fields `{path}` of {}:\n\n{}", one_of(owner), inside.join("\n"))
         }
     }
 }

@@ -19,9 +19,9 @@ type Member<'a> = (&'a Declared, (Vec<usize>, f64, f64));
 
 /// Footprints on one side of the track do not overlap, so that the straights of a side are no shorter in all than what has
 /// to stand on them, with the room between two and to curves. With n on k of m straights there are n − k gaps and 2 k ends;
-/// the least of that over k counts, which is at one end of its range. What chooses its side has both of each straight, and half
-/// of that is enough. One row for each set of straights that a declaration
-/// names. The written layout says which way the loop turns, as ever.
+/// the least of that over k counts, which is at one end of its range. What chooses its side has both of each straight, and
+/// half of that is enough. One row for each set of straights that a declaration names. The written layout says which way
+/// the loop turns, as ever.
 pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     let all: Vec<usize> = (0..layout.vertices.len()).collect();
     let turned: f64 = written.fillets.iter().map(|f| f.turn).sum();

@@ -4,7 +4,7 @@ use super::known::Known;
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
-use crate::compiled::order::{self, OrderLine};
+use crate::compiled::order;
 use crate::emit::freedom::limit;
 use crate::kinematics::polygon::PolygonObjective;
 use crate::report::polygon::{Names, PolygonReport};
@@ -202,9 +202,8 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
 
 fn bill(compiled: &Compiled) -> Markup {
     let bill = &compiled.bill;
-    let beside = order::lines(compiled);
-    let sum: f64 = beside.iter().filter_map(OrderLine::price).sum();
-    let unpriced = beside.iter().filter(|line| line.unit_price.is_none()).count();
+    let (beside, total) = (order::lines(compiled), order::total(compiled));
+    let unpriced = total.unpriced.len();
     let euros = |price: Option<f64>| price.map_or_else(|| "–".to_owned(), |price| fixed(price, 2));
     html! {
         section {
@@ -230,8 +229,8 @@ fn bill(compiled: &Compiled) -> Markup {
                     td.number title=(format!("{} EUR each", euros(line.unit_price))) { (euros(line.price())) }
                 } } }
                 tfoot {
-                    tr { td { "in all" } td {} td.number { (fixed(sum, 2)) } }
-                    tr { td { "with the track" } td {} td.number { (fixed(sum + bill.price, 2)) } }
+                    tr { td { "in all" } td {} td.number { (fixed(total.all - total.elements, 2)) } }
+                    tr { td { "with the track" } td {} td.number { (fixed(total.all, 2)) } }
                 }
             } }
             @if unpriced > 0 {
