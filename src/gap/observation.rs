@@ -138,7 +138,7 @@ impl Observation {
         self.drawn = (built, scale);
         self.replicate_high = built + scale * squares[((0.95 * count) as usize).min(squares.len() - 1)];
         // χ² of f degrees of freedom over f has the variance 2/f.
-        self.degrees_of_freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(4.0, n);
+        self.degrees_of_freedom = (2.0 * mean * mean / variance.max(1e-12)).clamp(n.min(4.0), n);
     }
 
     /// Whitened features, projected.

@@ -43,13 +43,25 @@ impl Case {
     /// m/s.
     pub fn new(name: &str, run: Run, simulation: Simulation, layout: &Path, speed: Option<f64>) -> (Case, Vec<String>) {
         let mut warnings = run.warnings(None);
+        let duration = run.duration();
         // The wheels may know the speed where the sidecar's is off.
         match Measured::new(&run, &simulation, simulation.chain.track_length_m) {
-            Ok(measured) if measured.laps < WHOLE_LAP => warnings.push(format!(
-                "it covers {} of a lap: of the rest of the track nothing can be told",
-                fixed(measured.laps, 2)
-            )),
-            _ => {}
+            Ok(measured) => {
+                if measured.unsteady > 0.0 {
+                    warnings.push(format!(
+                        "{} s of {} s are left out, as the chain's speed changed or swung from a change before",
+                        fixed(measured.unsteady, 1),
+                        fixed(duration, 1)
+                    ));
+                }
+                if measured.laps < WHOLE_LAP {
+                    warnings.push(format!(
+                        "it covers {} of a lap: of the rest of the track nothing can be told",
+                        fixed(measured.laps, 2)
+                    ));
+                }
+            }
+            Err(_) => {}
         }
         let set_point = SetPoint {
             run: name.to_owned(),
