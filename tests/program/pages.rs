@@ -258,6 +258,32 @@ fn two_laps_are_laid_over_each_other() {
 }
 
 #[test]
+fn polygon_action_is_asked_start_by_start() {
+    let Some(browser) = ResultPage::start() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    lss(&["polygon", "examples/reference.lss"], folder.path());
+    let page = folder.path().join("polygon.html");
+    browser.hold(&page);
+    let written = std::fs::read(folder.path().join("polygon.json")).expect("a file");
+    let report: Value = serde_json::from_slice(&written).expect("JSON");
+    let straight = &report["straights"][1];
+    // The cursor in the middle of a straight says what the report has, and a start that is turned on its own value.
+    let start = straight["name"].as_str().expect("a name");
+    let button = format!("[data-curve=\"from {start}\"]");
+    browser.click(&format!("#along {button}"));
+    let middle = straight["s_m"].as_f64().unwrap() + 0.5 * straight["length_m"].as_f64().unwrap();
+    browser.ask(&format!("page.links.get('track').set({middle})"));
+    let shown = browser
+        .ask(&format!("document.querySelector('#along {} .curve-value').textContent", button.replace('"', "\\\"")));
+    let shown: f64 = shown.as_str().expect("text").split(' ').next().unwrap().parse().expect("a number");
+    near(shown, report["delta_p_mm"][1][1].as_f64().unwrap(), 0.01);
+    let cells = browser.ask("document.querySelectorAll('.matrix td').length");
+    let count = report["straights"].as_array().expect("straights").len();
+    assert_eq!(cells, json!(count * count));
+    assert_eq!(browser.errors(), Vec::<String>::new());
+}
+
+#[test]
 fn what_a_shorter_track_costs_is_a_picture() {
     let Some(browser) = ResultPage::start() else { return };
     let folder = tempfile::tempdir().expect("a folder");

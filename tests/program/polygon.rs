@@ -61,7 +61,7 @@ fn a_simulation_input_says_the_same() {
 fn pictures_and_the_report_are_written() {
     let folder = tempfile::tempdir().expect("a folder");
     lss().args(["polygon", "examples/reference.lss", "-o"]).arg(folder.path()).assert().success();
-    for file in ["polygon.json", "polygon.svg", "polygon.png"] {
+    for file in ["polygon.html", "polygon.json", "polygon.svg", "polygon.png"] {
         assert!(fs::metadata(folder.path().join(file)).expect(file).len() > 1000, "{file}");
     }
     let report: Value =

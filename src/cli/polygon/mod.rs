@@ -17,8 +17,8 @@ use std::time::Duration;
 
 /// Show the polygon action of a layout: how much its chain leads and lags on each straight, and which curves cancel.
 ///
-/// FILE is a layout, which is built first, or the simulation.json of one. With --output it writes polygon.json,
-/// polygon.svg and polygon.png.
+/// FILE is a layout, which is built first, or the simulation.json of one. With --output it writes polygon.html, which
+/// answers the hand, polygon.json, polygon.svg and polygon.png.
 #[derive(Debug, clap::Args)]
 pub struct Polygon {
     /// A layout, .lss, or a simulation input, .json.
@@ -52,6 +52,7 @@ pub struct Polygon {
 /// A layout to look at.
 struct Subject {
     name: String,
+    simulation: Simulation,
     line: CentreLine,
     /// m
     pitch: f64,
@@ -77,7 +78,7 @@ impl Polygon {
             Err(unsuited) => return self.unsuited(unsuited),
         };
         if let Some(folder) = &self.output {
-            let files = match files(&report, &subject.line) {
+            let files = match files(&report, &subject, self.objective) {
                 Ok(files) => files,
                 Err(why) => return could_not("draw", &self.file, why),
             };
@@ -100,8 +101,8 @@ impl Polygon {
             let compiled = read::built(&self.file, name, self.message_format)?;
             (Simulation::new(&compiled), Names::of(&compiled))
         };
-        let line = simulation.track.centre_line();
-        Ok(Subject { name: simulation.name, line, pitch: simulation.chain.pitch_m, names })
+        let (line, pitch) = (simulation.track.centre_line(), simulation.chain.pitch_m);
+        Ok(Subject { name: simulation.name.clone(), simulation, line, pitch, names })
     }
 
     fn unsuited(&self, why: Unsuited) -> Outcome {
@@ -110,8 +111,10 @@ impl Polygon {
     }
 }
 
-fn files(report: &PolygonReport, line: &CentreLine) -> Result<Files, DrawError> {
+fn files(report: &PolygonReport, subject: &Subject, objective: PolygonObjective) -> Result<Files, DrawError> {
+    let line = &subject.line;
     let mut files = Files::default();
+    files.push("polygon.html", polygon::page(report, &subject.simulation, objective));
     files.push("polygon.json", json::to_json(report));
     files.push("polygon.svg", polygon::drawing(report, line, svg::Theme::Adaptive)?);
     files.push("polygon.png", png::render(&polygon::drawing(report, line, svg::Theme::Light)?)?);

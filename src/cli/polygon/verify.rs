@@ -11,7 +11,7 @@ use crate::effects;
 use crate::emit::{Files, stages_png, stages_svg};
 use crate::kinematics::polygon::PolygonObjective;
 use crate::model::{Goal, Layout};
-use crate::report::polygon::{Case, Names, PolygonReport, Values, Verification, case_name, page, verify_text};
+use crate::report::polygon::{Case, Names, PolygonReport, Values, Verification, case_name, verify_page, verify_text};
 use crate::solve::polygon::{Smooth, solve};
 use crate::solve::{Options, Stage, Status, diagnose, discretise, unsupported};
 
@@ -89,7 +89,7 @@ impl Polygon {
             let runs: Vec<_> = subjects.iter().map(|s| &s.simulation).zip(laps.iter().map(|lap| &lap.run)).collect();
             let mut files = Files::default();
             files.push("verify.json", json::to_json(&verification));
-            files.push("verify.html", page(&verification, &runs));
+            files.push("verify.html", verify_page(&verification, &runs));
             let drawn = overlaid(before, subjects);
             let written = before.compiled.layout.corners();
             let start = before.compiled.stages.last().map_or(written, |s| s.corners.clone());

@@ -4,6 +4,7 @@ mod names;
 mod page;
 mod table;
 mod verify;
+mod verify_page;
 mod words;
 
 mod drawing;
@@ -15,6 +16,7 @@ pub use names::Names;
 pub use page::page;
 pub use table::{sweep_text, text};
 pub use verify::{Case, Force, Verification, case_name, verify_text};
+pub use verify_page::page as verify_page;
 
 use crate::base::number::tidy;
 use crate::base::trig;

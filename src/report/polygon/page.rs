@@ -1,171 +1,163 @@
-//! `verify.html`: forces and spectra before and after, as figures 3.9 and 3.10 of the thesis show them.
+//! `polygon.html`: how much the chain leads and lags on each straight, to be asked: on the plan, along the track from
+//! every start, over the length of the carts, as a matrix.
 
-use super::verify::{CHANNELS, Verification, spectrum};
+use super::words::with_code;
+use super::{PolygonReport, Straight, rms, summary};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
-use crate::report::lap;
+use crate::geometry::CentreLine;
+use crate::kinematics::polygon::PolygonObjective;
 use crate::report::lap_track::LapTrack;
 use crate::report::plot::{
-    Axis, Curve, Mark, Pictures, Plot, Rounded, document, extremes, how, middles, plan, plan_place, relative,
+    Axis, Curve, Layer, LayerOf, Mark, Pictures, Plot, Rounded, document, how, plan, plan_place,
 };
-use crate::signal::position::position;
-use crate::signal::{Channel, Run};
 use maud::{Markup, html};
 
-/// Part of the lap that is shown, s.
-const SHOWN: f64 = 30.0;
-/// Highest frequency shown, in cart passings.
-const PASSINGS: f64 = 4.5;
+/// Pieces that the plan is coloured in.
+const PIECES: usize = 600;
+/// Starts up to which each has a curve of its own.
+const STARTS: usize = 16;
+/// Lengths of carts that are tried, mm.
+const LENGTHS: std::ops::RangeInclusive<u32> = 500..=1250;
+const STEP: usize = 10;
 
-/// Columns of the time that is shown, each with its least and largest value.
-const COLUMNS: usize = 1000;
+const RULES: &str = "
+.matrix td, .matrix th { padding: 3px 8px; text-align: right; border: none; }
+.matrix td { background: color-mix(in srgb, var(--rough) calc(1% * var(--share)), transparent); }
+:root { --rough: #e0813a; }
+";
 
-/// Colours of the cases in the style sheet: before, then the objectives.
-const COLOURS: [&str; 4] = ["soft", "trace", "gap", "motor"];
-
-/// Words with what stands between backticks as code.
-fn with_code(words: &str) -> Markup {
-    html! {
-        @for (k, part) in words.split('`').enumerate() {
-            @if k % 2 == 1 { code { (part) } } @else { (part) }
-        }
-    }
-}
-
-/// The page: `laps` are the inputs and runs of the cases, in their order.
-pub fn page(v: &Verification, laps: &[(&Simulation, &Run)]) -> String {
-    let mut pictures = Pictures::new(&v.layout);
-    let runs: Vec<&Run> = laps.iter().map(|lap| lap.1).collect();
-    let best = v.cases.iter().position(|case| case.name == v.best).and_then(|k| laps.get(k));
-    let along = best.map_or_else(|| html! {}, |(simulation, run)| on_track(v, simulation, run, &mut pictures));
-    let body = html! {
-        h1 { (v.layout) ": polygon action and forces" }
-        p.lead { (with_code(&v.summary)) }
-        @if pictures.data.plan.is_some() {
-            p.note { "The plan shows the layout optimised for " code { (v.best) } ":" }
-            (plan_place())
-        }
-        (how())
-        @for (k, channel) in CHANNELS.into_iter().enumerate() {
-            @if k == 0 { h2 { "Spectra" } }
-            figure {
-                figcaption { b { (channel.name()) } ", N/√Hz; dashed: cart passing and its double" }
-                (pictures.add(spectra(v, &runs, channel)))
-            }
-        }
-        h2 { "The lap's first " (trimmed(SHOWN, 0)) " s" }
-        p.note { "Least and largest of every " (trimmed(1e3 * SHOWN / COLUMNS as f64, 1)) " ms, so that peaks stay." }
-        @for channel in CHANNELS {
-            figure {
-                figcaption { b { (channel.name()) } ", N" }
-                (pictures.add(traces(v, &runs, channel)))
-            }
-        }
-        (along)
-        (kinematic(v))
-        (forces(v))
-    };
-    document(&format!("{}: polygon action and forces", v.layout), "", &body, &pictures.data)
-}
-
-/// The best layout's lap: its chain on the plan, and its forces along the track.
-fn on_track(v: &Verification, simulation: &Simulation, run: &Run, pictures: &mut Pictures) -> Markup {
+/// The page of a report on the input that it was made from.
+pub fn page(report: &PolygonReport, simulation: &Simulation, objective: PolygonObjective) -> String {
+    let mut pictures = Pictures::new(&report.layout);
     let track = LapTrack::new(simulation);
-    let lap = track.line.length;
-    let Some(place) = position(run, lap) else { return html! {} };
-    let stations: Vec<f64> = place.s.iter().map(|s| s.rem_euclid(lap)).collect();
-    let drawn: Vec<(Channel, &Vec<f64>)> =
-        CHANNELS.into_iter().filter_map(|channel| Some((channel, run.channels.get(&channel)?))).collect();
     let mut plan = plan(&track);
-    plan.layers = drawn.iter().map(|(channel, _)| lap::curves::layer(*channel)).collect();
+    plan.layers.push(Layer {
+        name: "rms".to_owned(),
+        label: "ΔP on straights, root mean square over all starts".to_owned(),
+        unit: "mm".to_owned(),
+        of: LayerOf::Amounts(Rounded::new(pieces(report))),
+    });
     pictures.data.plan = Some(plan);
-    pictures.data.replay = Some(lap::curves::replay(simulation, run, &place));
-    html! {
-        h2 { "Along the track of " code { (v.best) } }
-        @for (channel, samples) in drawn {
-            figure {
-                figcaption { b { (channel.name()) } ", N over m" }
-                (pictures.add(lap::curves::along(&track, &stations, channel, samples)))
-            }
+    let n = report.curves.len();
+    let title = format!("{}: polygon action", report.layout);
+    let body = html! {
+        h1 { (title) }
+        p.lead { @if let Some(roughest) = report.notes.first() { (roughest) } }
+        p.note {
+            "Carts of " (trimmed(report.cart_length_m, 3)) " m on " (fixed(report.track_length_m, 3)) " m with " (n) " curves. "
+            code { (report.objective) } ": " (fixed(report.value, 2)) " mm², " (fixed(rms(report.value, objective, n), 2))
+            " mm in the mean; with these curves no straights give less than " (fixed(report.lower_bound, 2)) " mm². "
+            "ΔP: peak to peak of a joint's lead and lag while the first joint moves by one cart (thesis §3.4)."
+        }
+        (plan_place())
+        (how())
+        figure {
+            figcaption { b { "ΔP along the track" } ", mm over m; names below turn starts on and off" }
+            (pictures.add(along(report)))
+        }
+        figure {
+            figcaption { b { "Other carts on this track" } ", mm in the mean of what " code { (report.objective) } " counts, over the carts' length in mm" }
+            (pictures.add(lengths(report, &track.line, objective)))
+        }
+        h2 { "What cancels what" }
+        ul { @for note in report.notes.iter().skip(1) { li { (with_code(note)) } } }
+        (curves(report))
+        (matrix(report))
+    };
+    document(&title, RULES, &body, &pictures.data)
+}
+
+/// Parts of a straight on the lap: two where it runs on over its end.
+fn parts(straight: &Straight, lap: f64) -> impl Iterator<Item = (f64, f64)> {
+    let end = straight.s_m + straight.length_m;
+    [(straight.s_m, end.min(lap)), (0.0, end - lap)].into_iter().filter(|(from, to)| to > from)
+}
+
+/// Root mean square of ΔP in even pieces of the lap, mm; 0 in curves.
+fn pieces(report: &PolygonReport) -> Vec<f64> {
+    let lap = report.track_length_m;
+    let mut pieces = vec![0.0; PIECES];
+    for straight in &report.straights {
+        for (from, to) in parts(straight, lap) {
+            let of = |s: f64| (s / lap * PIECES as f64).round() as usize;
+            let (from, to) = (of(from).min(PIECES - 1), of(to));
+            pieces[from..to.max(from + 1).min(PIECES)].fill(straight.rms_mm);
         }
     }
+    pieces
 }
 
-/// Of each case a curve; only those of before and of the best are shown first.
-fn curves<'a>(
-    v: &'a Verification,
-    runs: &'a [&Run],
-    of: impl Fn(&Run) -> Vec<f64> + 'a,
-) -> impl Iterator<Item = Curve> + 'a {
-    v.cases.iter().zip(runs).enumerate().map(move |(k, (case, run))| {
-        let curve = Curve::line(case.name.clone(), COLOURS[k % COLOURS.len()], of(run));
-        curve.hidden(k > 0 && case.name != v.best)
-    })
+/// What each straight has, from all starts together and from each.
+fn along(report: &PolygonReport) -> Plot {
+    let lap = report.track_length_m;
+    let mut places: Vec<(f64, f64, usize)> = report
+        .straights
+        .iter()
+        .enumerate()
+        .flat_map(|(j, straight)| parts(straight, lap).map(move |(from, to)| (from, to, j)))
+        .collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let over = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        places.iter().flat_map(|(_, _, j)| [value(*j), value(*j), f64::NAN]).collect()
+    };
+    let x = places.iter().flat_map(|(from, to, _)| [*from, *to, *to]).collect();
+    let mut plot = Plot::new("along", Axis::Track, "mm", Rounded::to(x, 3));
+    let least = |j: usize| report.delta_p_mm.iter().map(|row| row[j]).fold(f64::INFINITY, f64::min);
+    let band = Curve::band("least to largest", "fill", over(&least), over(&|j| report.straights[j].worst_mm));
+    plot.curves.push(band);
+    plot.curves.push(Curve::line("root mean square", "trace", over(&|j| report.straights[j].rms_mm)));
+    if report.straights.len() <= STARTS {
+        for (row, start) in report.delta_p_mm.iter().zip(&report.straights) {
+            let curve = Curve::line(format!("from {}", start.name), "ink", over(&|j| row[j]));
+            plot.curves.push(curve.dashed().hidden(true));
+        }
+    }
+    plot
 }
 
-fn kinematic(v: &Verification) -> Markup {
+/// The objective over the length of carts.
+fn lengths(report: &PolygonReport, line: &CentreLine, objective: PolygonObjective) -> Plot {
+    let tried = || LENGTHS.step_by(STEP).map(f64::from);
+    let of = |mm: f64| {
+        let found = summary(line, 1e-3 * mm, objective).ok();
+        found.map_or(f64::NAN, |(action, _)| rms(1e6 * action.value(objective), objective, action.delta_p.len()))
+    };
+    let mut plot = Plot::new("lengths", Axis::Own, "mm", Rounded::to(tried().collect(), 0));
+    plot.curves.push(Curve::line("root mean square", "trace", tried().map(of).collect()));
+    plot.marks.push(Mark { x: 1e3 * report.cart_length_m, name: "as planned".to_owned(), dotted: false });
+    plot
+}
+
+fn curves(report: &PolygonReport) -> Markup {
     html! {
-        h2 { "Polygon action" }
+        h2 { "Curves" }
         div.scroll { table {
-            thead { tr { th { "layout" } th { "length, m" } th { "carts" } th { "left over, mm" } th { "all, mm²" }
-                th { "first_three, mm²" } th { "last, mm²" } th { "forces against before" } } }
-            tbody { @for c in &v.cases { tr {
-                td { (c.name) } td.number { (fixed(c.track_length_m, 3)) } td.number { (c.carts) }
-                td.number { (fixed(1e3 * c.left_over_m, 1)) } td.number { (fixed(c.polygon_action.all, 2)) }
-                td.number { (fixed(c.polygon_action.first_three, 2)) } td.number { (fixed(c.polygon_action.last, 2)) }
-                td.number { (fixed(c.ratio, 3)) }
+            thead { tr { th { "curve" } th { "length, m" } th { "carts" } th { "alone, mm" } th { "at most, mm" }
+                th { "phase to the next, deg" } th { "share" } } }
+            tbody { @for c in &report.curves { tr {
+                td { (c.name) } td.number { (fixed(c.length_m, 3)) } td.number { (fixed(c.carts, 3)) }
+                td.number { (fixed(c.alone_mm, 3)) } td.number { (c.most_mm.map_or("–".to_owned(), |x| fixed(x, 3))) }
+                td.number { (fixed(c.phase_to_next_deg, 0)) } td.number { (fixed(100.0 * c.share, 0)) " %" }
             } } }
         } }
-        p.note { "Forces against before: mean ratio of the standard deviations of joint and steering forces." }
+        p.note { "Near a whole number of carts a curve's ends cancel. A phase of 180° to the next curve cancels, 0° adds up. "
+            "A share below 0 cancels more than it adds." }
     }
 }
 
-fn forces(v: &Verification) -> Markup {
+/// Rows are starts, columns straights; the darker the rougher.
+fn matrix(report: &PolygonReport) -> Markup {
+    let most = report.delta_p_mm.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
     html! {
-        h2 { "Forces" }
-        div.scroll { table {
-            thead { tr { th { "channel" } th { "layout" } th { "mean, N" } th { "sd, N" } th { "min, N" }
-                th { "max, N" } th { "at cart passing, N rms" } th { "damage-equivalent range, N" } } }
-            tbody { @for channel in CHANNELS { @for c in &v.cases {
-                @if let Some(f) = c.channels.get(channel.name()) { tr {
-                td { (channel.name()) } td { (c.name) } td.number { (fixed(f.mean, 1)) } td.number { (fixed(f.sd, 1)) }
-                td.number { (fixed(f.min, 1)) } td.number { (fixed(f.max, 1)) } td.number { (fixed(f.passing_rms, 2)) }
-                td.number { @if let Some(d) = f.damage { (fixed(d, 2)) } }
-            } } } } }
+        h2 { "ΔP, mm" }
+        p.note { "Rows: where the chain starts; columns: where it is measured." }
+        div.scroll { table.matrix {
+            thead { tr { th {} @for straight in &report.straights { th { (straight.name) } } } }
+            tbody { @for (straight, row) in report.straights.iter().zip(&report.delta_p_mm) { tr {
+                th { (straight.name) }
+                @for value in row { td style=(format!("--share: {}", fixed(100.0 * value / most, 0))) { (fixed(*value, 2)) } }
+            } } }
         } }
     }
-}
-
-/// The first seconds of a channel.
-fn traces(v: &Verification, runs: &[&Run], channel: Channel) -> Plot {
-    let last = runs.iter().filter_map(|run| run.time.last()).fold(0.0, |a: f64, t| a.max(*t)).min(SHOWN);
-    let x = middles(last, 2 * COLUMNS);
-    let mut plot = Plot::new(format!("trace-{}", channel.name()), Axis::Time, "N", Rounded::to(x, 4));
-    plot.curves.extend(curves(v, runs, move |run| {
-        run.channels.get(&channel).map_or_else(Vec::new, |samples| extremes(&run.time, samples, last, COLUMNS))
-    }));
-    plot
-}
-
-fn spectra(v: &Verification, runs: &[&Run], channel: Channel) -> Plot {
-    let passing = v.cases.iter().map(|case| case.passing_hz).fold(0.0, f64::max);
-    let density = move |run: &Run| -> Vec<(f64, f64)> {
-        let samples = run.channels.get(&channel).map_or(&[][..], Vec::as_slice);
-        let found = spectrum(samples, run.rate());
-        let shown = |(f, _): &(f64, f64)| *f >= 0.2 && *f <= PASSINGS * passing;
-        found.points().filter(shown).map(|(f, p)| (f, p.sqrt())).collect()
-    };
-    // All laps are recorded by the same sensors: their lines are the same.
-    let x = runs.first().map_or_else(Vec::new, |run| density(run).into_iter().map(|p| p.0).collect());
-    let count = x.len();
-    let mut plot = Plot::new(format!("spectrum-{}", channel.name()), Axis::LinearFrequency, "N/√Hz", Rounded::to(x, 3));
-    plot.logarithmic = true;
-    plot.curves.extend(curves(v, runs, |_| Vec::new()).zip(runs).map(|(curve, run)| {
-        let mut y: Vec<f64> = density(run).into_iter().map(|p| p.1).collect();
-        y.resize(count, f64::NAN);
-        Curve { values: relative(y), ..curve }
-    }));
-    let mark = |k: f64, name: &str| Mark { x: (1e4 * k * passing).round() / 1e4, name: name.to_owned(), dotted: false };
-    plot.marks = vec![mark(1.0, "cart"), mark(2.0, "2×")];
-    plot
 }

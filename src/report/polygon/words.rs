@@ -5,6 +5,7 @@ use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
 use crate::base::words::list;
 use crate::kinematics::polygon::{Action, Phasor, PolygonObjective};
+use maud::{Markup, html};
 
 /// A curve this far below its most has ends that cancel.
 const OWN: f64 = 0.35;
@@ -31,6 +32,15 @@ pub fn notes(
     out.extend(weight(curves, objective));
     out.extend(beyond_first(action, objective));
     out
+}
+
+/// Words with what stands between backticks as code.
+pub fn with_code(words: &str) -> Markup {
+    html! {
+        @for (k, part) in words.split('`').enumerate() {
+            @if k % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
 }
 
 fn mm(value: f64) -> String {
