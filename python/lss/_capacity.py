@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from . import _lss
@@ -81,6 +82,11 @@ class Capacity:
             f"<lss.Capacity {self.json['layout']!r}: {self.per_hour:.0f} ± {self.half_width:.0f} items an hour, "
             f"at most {self.bound_in_any_proportions:.0f}>"
         )
+
+    def _repr_html_(self) -> str:
+        said = f"{self.per_hour:.0f} ± {self.half_width:.0f} items an hour, at most {self.bound_in_any_proportions:.0f}"
+        table: str = self.inductions.to_html(index=False)
+        return f"<p>{escape(self.json['layout'])}: {said}; {escape(self.limited_by)}</p>{table}"
 
     @property
     def bound(self) -> float:

@@ -6,6 +6,7 @@ import io
 import json
 import os
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from . import _lss
@@ -86,6 +87,11 @@ class Choice:
 
     def __repr__(self) -> str:
         return f"<lss.Choice of {self.json['candidates']} candidates, {self.json['feasible']} feasible: {self.lines}>"
+
+    def _repr_html_(self) -> str:
+        found = self.choice or {}
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(str(value))}</td></tr>" for key, value in found.items() if not isinstance(value, dict | list))
+        return f"<p>{escape(repr(self)[1:-1])}</p><table>{rows}</table>"
 
     @property
     def choice(self) -> dict[str, Any] | None:

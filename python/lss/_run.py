@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -80,6 +81,15 @@ class Run:
     def __repr__(self) -> str:
         span = f", {self.time[0]:.2f} to {self.time[-1]:.2f} s" if self.time.size else ""
         return f"<lss.Run {self.name!r}: {self.time.size} samples of {len(self.channels)} channels{span}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            {"channel": name, "unit": CHANNELS[name][0], "mean": np.nanmean(x), "sd": np.nanstd(x), "min": np.nanmin(x), "max": np.nanmax(x)}
+            for name, x in self.channels.items()
+            if np.isfinite(x).any()
+        ]
+        table: str = frame(rows).to_html(index=False, float_format=lambda value: f"{value:.4g}")
+        return f"<p>{escape(repr(self)[1:-1])}</p>{table}"
 
     @staticmethod
     def read(path: str | os.PathLike[str], *, simulation: Simulation | None = None) -> Run:

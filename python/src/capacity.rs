@@ -5,6 +5,7 @@ use super::raise::Failure;
 use super::work::{flag, threads, work};
 use lss::capacity::Settings;
 use lss::cli::capacity::Worked;
+use lss::solve::Stop;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -31,7 +32,8 @@ impl Capacity {
     #[pyo3(signature = (progress))]
     fn html(&self, py: Python, progress: Option<Py<PyAny>>) -> PyResult<String> {
         let (layout, worked) = (self.layout.clone(), self.worked.clone());
-        work(py, progress, flag(), move |_| worked.page(&layout.compiled))
+        let ended = flag();
+        work(py, progress, ended, move |_| worked.page(&layout.compiled, Stop::when(ended)))
     }
 }
 
@@ -47,9 +49,13 @@ pub fn capacity(
     threads_asked: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Capacity> {
-    let settings = Settings { hours, replications, seed, threads: threads(threads_asked) };
+    let ended = flag();
+    let settings = Settings { hours, replications, seed, threads: threads(threads_asked), stop: Stop::when(ended) };
     let built = layout.0.clone();
-    let worked = work(py, progress, flag(), move |_| Worked::new(&built.compiled, settings))?;
+    let worked = work(py, progress, ended, move |board| {
+        board.tell(0.0, None, "simulating items".to_owned());
+        Worked::new(&built.compiled, settings)
+    })?;
     let worked = Arc::new(worked.map_err(|why| Failure::Run(why).raised(py, None))?);
     Ok(Capacity { layout: layout.0.clone(), worked })
 }

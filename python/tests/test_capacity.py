@@ -22,6 +22,7 @@ def test_capacity_is_that_of_the_command_line() -> None:
     assert set(found.costs["cause"]) == {"stops", "failures", "changeover", "shares"}
     assert found.inductions["available"].between(0.9, 1.0).all() and len(found.chutes) == 40
     assert "<html" in found.html and "Waves" in found.html
+    assert found._repr_html_().startswith("<p>batches: ") and found._repr_html_().count("<tr") > len(found.inductions)
 
 
 def test_capacity_of_two_infeeds() -> None:
@@ -54,4 +55,5 @@ def test_choice_is_that_of_the_command_line(tmp_path: Path) -> None:
     assert found.json == json.loads((tmp_path / "out" / "choice.json").read_text())
     assert found.text == (tmp_path / "out" / "layout.lss").read_text()
     assert found.choice is not None and found.choice["capacity_per_hour"] >= 7500
+    assert f"<td>{found.choice['cart']}</td>" in found._repr_html_()
     assert len(found.candidates) >= found.json["candidates"]

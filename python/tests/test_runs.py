@@ -28,6 +28,8 @@ def test_a_run_is_that_of_the_command_line(small: Path, tmp_path: Path) -> None:
     assert summary.pop("wall_s") > 0
     del said["wall_s"]
     assert summary == said
+    # A notebook shows a row a channel, and the trigger.
+    assert found._repr_html_().count("<tr") == len(found.channels) + 1
 
 
 def test_arrays_are_what_stands_in_the_file(small: Path, tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ WAYS = {
     "simulate": "lss.simulate(lss.build(SMALL), laps=1_500)",
     "identify": "lss.identify(lss.simulate(lss.build(SMALL), laps=3), law='all')",
     "diagnose": "lss.diagnose(lss.simulate(lss.build(SMALL), laps=3))",
+    "capacity": "lss.capacity(lss.build(WAVES), hours=10_000, replications=1_000)",
 }
 
 
@@ -34,6 +35,7 @@ sys.path.insert(0, {str(Path(__file__).parent)!r})
 from conftest import SMALL
 import lss
 HARD = pathlib.Path({str(HARD)!r})
+WAVES = HARD.parent / "waves.lss"
 def told(done, total, words):
     print("working", flush=True)
 try:

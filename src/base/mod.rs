@@ -7,6 +7,7 @@ pub mod number;
 pub mod parallel;
 mod program;
 pub mod random;
+pub mod stop;
 pub mod student;
 pub mod trig;
 pub mod unique;

@@ -3,6 +3,7 @@
 use super::simulate::{Plan, Seen, simulate};
 use super::sorter::{Sorter, Waves};
 use super::warm_up;
+use crate::base::stop::Stop;
 use crate::base::{parallel, student};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,11 +18,13 @@ pub struct Settings {
     /// The same seed gives two sorters the same items (common random numbers).
     pub seed: u64,
     pub threads: usize,
+    /// When to end early: what is found then counts for nothing.
+    pub stop: Stop,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { hours: 8.0, replications: 10, seed: 1, threads: 1 }
+        Settings { hours: 8.0, replications: 10, seed: 1, threads: 1, stop: Stop::NEVER }
     }
 }
 
@@ -96,7 +99,7 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
         seed: settings.seed.wrapping_mul(1_000_003).wrapping_add(k),
         interval,
     };
-    let seen: Vec<Seen> = parallel::map(&numbers, settings.threads, |k| simulate(sorter, &plan(*k)));
+    let seen: Vec<Seen> = parallel::map(&numbers, settings.threads, |k| simulate(sorter, &plan(*k), settings.stop));
     let count = seen.len() as f64;
     // The last interval may be cut.
     let length = (plan(0).duration / interval + 1e-9) as usize;

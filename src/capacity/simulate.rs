@@ -9,7 +9,11 @@ use super::sorter::{Failures, Sorter, Waves};
 use super::stream::{Cause, exponential, stream};
 use super::waves::{Turn, running_sums};
 use crate::base::random::Random;
+use crate::base::stop::Stop;
 use std::collections::VecDeque;
+
+/// Steps between two looks whether to stop.
+const A_LOOK: u64 = 4096;
 
 /// How long and from which random numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,7 +154,7 @@ impl Feed {
 }
 
 /// Simulates from an empty sorter.
-pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
+pub fn simulate(sorter: &Sorter, plan: &Plan, stop: Stop) -> Seen {
     let mut places: Vec<Place> = Vec::new();
     let mut place = |kind: Kind, s: f64| {
         let at = s.rem_euclid(sorter.length()) / sorter.pitch;
@@ -214,7 +218,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan) -> Seen {
             }
         }
         let now = running + stopped;
-        if now >= plan.duration {
+        if now >= plan.duration || (m.is_multiple_of(A_LOOK) && stop.now()) {
             break;
         }
         if let Some(turn) = &mut turn {

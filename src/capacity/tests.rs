@@ -9,6 +9,7 @@ use super::simulate::{Plan, simulate};
 use super::sorter::*;
 use super::warm_up::truncation;
 use crate::base::random::Random;
+use crate::base::stop::Stop;
 
 mod failures;
 mod published;
@@ -48,7 +49,7 @@ const Q: f64 = 5760.0;
 
 /// Items an hour, without the first ten minutes.
 fn per_hour(sorter: &Sorter, hours: f64) -> f64 {
-    let seen = simulate(sorter, &Plan { duration: 3600.0 * hours, seed: 7, interval: 60.0 });
+    let seen = simulate(sorter, &Plan { duration: 3600.0 * hours, seed: 7, interval: 60.0 }, Stop::NEVER);
     let kept = &seen.series[10..];
     kept.iter().map(|n| f64::from(*n)).sum::<f64>() / kept.len() as f64 * 60.0
 }
@@ -143,7 +144,7 @@ fn items_wait_as_in_a_queue_with_slots() {
     for load in [0.3, 0.6, 0.9] {
         let mut sorter = sorter(100, &[0.0], &[30.0]);
         sorter.inductions[0].demand = Some(load * Q);
-        let seen = simulate(&sorter, &Plan { duration: 3600.0 * 400.0, seed: 3, interval: 60.0 });
+        let seen = simulate(&sorter, &Plan { duration: 3600.0 * 400.0, seed: 3, interval: 60.0 }, Stop::NEVER);
         let induction = &seen.inductions[0];
         let step = 1.25 / 2.0;
         let expected = step / 2.0 + load * step / (2.0 * (1.0 - load));
@@ -188,7 +189,7 @@ fn the_bound_holds_for_sorters_of_any_kind() {
         for chute in &mut sorter.chutes {
             chute.share = pick(0.2, 1.0);
         }
-        let seen = simulate(&sorter, &Plan { duration: 3600.0 * 20.0, seed: 11, interval: 60.0 });
+        let seen = simulate(&sorter, &Plan { duration: 3600.0 * 20.0, seed: 11, interval: 60.0 }, Stop::NEVER);
         // In the proportions in which items did get on.
         let taken: Vec<f64> = seen.inductions.iter().map(|i| i.items as f64).collect();
         let bound = bound(&sorter, Some(&taken)).unwrap().throughput;
@@ -231,7 +232,7 @@ fn intervals_hold_as_often_as_they_say() {
     sorter.scanners = scanners(&[5.0]);
     sorter.items.no_read = 0.1;
     let held = (0..120).filter(|seed| {
-        let settings = Settings { hours: 2.0, replications: 5, seed: *seed, threads: 2 };
+        let settings = Settings { hours: 2.0, replications: 5, seed: *seed, threads: 2, stop: Stop::NEVER };
         let measured = measure(&sorter, &settings);
         (measured.throughput.value - 0.9 * Q).abs() <= measured.throughput.half_width
     });
@@ -248,7 +249,7 @@ fn threads_change_nothing_and_common_numbers_compare() {
     assert_eq!(measure(&sorter, &settings), measure(&sorter, &Settings { threads: 3, ..settings }));
     // The same items come to a faster sorter.
     let arrivals = |sorter: &Sorter| -> Vec<u64> {
-        let seen = simulate(sorter, &Plan { duration: 3600.0, seed: 9, interval: 60.0 });
+        let seen = simulate(sorter, &Plan { duration: 3600.0, seed: 9, interval: 60.0 }, Stop::NEVER);
         seen.inductions.iter().map(|i| i.items + i.queue as u64).collect()
     };
     let before = arrivals(&sorter);

@@ -264,7 +264,7 @@ impl Chosen {
             return false;
         }
         told(Told::Capacity);
-        let found = simulated::simulate(&sorter, required, settings.options.threads);
+        let found = simulated::simulate(&sorter, required, settings.options.threads, settings.options.stop);
         self.simulated.push(Simulated { fitted: candidate.fitted, speed: candidate.speed, found });
         true
     }

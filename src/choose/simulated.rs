@@ -1,6 +1,7 @@
 //! What a choice's sorter takes in the simulation of its capacity. The closed form is an upper bound, which a sorter with
 //! items at random does not reach.
 
+use crate::base::stop::Stop;
 use crate::capacity::{Mean, Settings, Sorter, measure};
 
 /// Sorters that are simulated, at most, until one takes what is required. Motors do not matter to them.
@@ -23,8 +24,8 @@ const BRIEF: (f64, usize) = (2.0, 4);
 /// Items an hour that a sorter takes with items at every induction at any time. So much is simulated as `lss capacity` does
 /// unless it is told otherwise, so that both say the same, and more where waves take longer to repeat; but a tenth of it where
 /// that is less than what is required by twice its interval.
-pub fn simulate(sorter: &Sorter, required: f64, threads: usize) -> Mean {
-    let usual = Settings { threads, ..Settings::default() };
+pub fn simulate(sorter: &Sorter, required: f64, threads: usize, stop: Stop) -> Mean {
+    let usual = Settings { threads, stop, ..Settings::default() };
     let least = sorter.waves.as_ref().map_or(0.0, |waves| 2.0 * waves.cycle() / 3600.0).ceil();
     let fed = sorter.always_fed();
     let of = |hours: f64, replications: usize| {

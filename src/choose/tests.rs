@@ -9,6 +9,7 @@ use super::places::{Stand, longest_way, place, room, rows};
 use super::settings::Settings;
 use super::trade::{Measure, front, undominated};
 use super::write;
+use crate::base::stop::Stop;
 use crate::base::trig;
 use crate::capacity::bound;
 use crate::chain_input::Simulation;
@@ -280,7 +281,7 @@ fn what_takes_too_little_in_the_simulation_is_not_chosen() {
     assert!(chosen.falls_short(next).is_none() && next.total >= winner.total);
     // So much is built: the same sorter, simulated by itself.
     let built = chosen.built(winner).unwrap().sorter().unwrap();
-    let alone = super::simulated::simulate(&built, 0.0, 1);
+    let alone = super::simulated::simulate(&built, 0.0, 1, Stop::NEVER);
     near(alone.value, chosen.takes(winner).unwrap().value, 1e-9);
     // What no choice takes is told.
     let most = closed.candidates.iter().map(|c| c.capacity.as_ref().unwrap().throughput).fold(0.0, f64::max);

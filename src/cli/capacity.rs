@@ -3,6 +3,7 @@
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json::to_json;
 use crate::base::number::{duration, trimmed};
+use crate::base::stop::Stop;
 use crate::capacity::explore::{Cost, by_inductions, by_speed, costs};
 use crate::capacity::{Bounds, Mean, Measured, Settings, Sorter, measure};
 use crate::chain_input::Simulation;
@@ -84,9 +85,13 @@ impl Worked {
                 ));
             }
         }
+        let stop = settings.stop;
         let fed = sorter.inductions.iter().any(|i| i.demand.is_some()).then(|| measure(&sorter, &settings));
         let always = measure(&sorter.always_fed(), &settings);
         let costs = costs(&sorter, &always, &settings);
+        if stop.now() {
+            return Err("it was stopped before all was simulated".to_owned());
+        }
         let required = compiled.layout.capacity.required.as_ref().map(|required| required.least.value);
         let layout = compiled.layout.name.clone();
         Ok(Worked { layout, sorter, bounds, required, settings, always, fed, costs })
@@ -99,8 +104,8 @@ impl Worked {
     }
 
     /// `capacity.html` of the layout, for which other speeds and fewer inductions are simulated.
-    pub fn page(&self, compiled: &Compiled) -> String {
-        let (sorter, settings) = (&self.sorter, &self.settings);
+    pub fn page(&self, compiled: &Compiled, stop: Stop) -> String {
+        let (sorter, settings) = (&self.sorter, &Settings { stop, ..self.settings });
         page::page(&CapacityPage {
             layout: &self.layout,
             track: &Simulation::new(compiled).track,
@@ -139,6 +144,7 @@ impl Capacity {
             replications: self.replications as usize,
             seed: self.seed,
             threads: limits::threads(),
+            stop: Stop::NEVER,
         };
         let worked = match Worked::new(&compiled, settings) {
             Ok(worked) => worked,
@@ -151,7 +157,7 @@ impl Capacity {
         if let Some(folder) = &self.output {
             let mut files = Files::default();
             files.push("capacity.json", to_json(&found));
-            files.push("capacity.html", worked.page(&compiled));
+            files.push("capacity.html", worked.page(&compiled, Stop::NEVER));
             if let Err(error) = files.write_set(folder, "capacity") {
                 return could_not("write", &error.path, &error.reason);
             }

@@ -45,23 +45,20 @@ impl Case {
         let mut warnings = run.warnings(None);
         let duration = run.duration();
         // The wheels may know the speed where the sidecar's is off.
-        match Measured::new(&run, &simulation, simulation.chain.track_length_m) {
-            Ok(measured) => {
-                if measured.unsteady > 0.0 {
-                    warnings.push(format!(
-                        "{} s of {} s are left out, as the chain's speed changed or swung from a change before",
-                        fixed(measured.unsteady, 1),
-                        fixed(duration, 1)
-                    ));
-                }
-                if measured.laps < WHOLE_LAP {
-                    warnings.push(format!(
-                        "it covers {} of a lap: of the rest of the track nothing can be told",
-                        fixed(measured.laps, 2)
-                    ));
-                }
+        if let Ok(measured) = Measured::new(&run, &simulation, simulation.chain.track_length_m) {
+            if measured.unsteady > 0.0 {
+                warnings.push(format!(
+                    "{} s of {} s are left out, as the chain's speed changed or swung from a change before",
+                    fixed(measured.unsteady, 1),
+                    fixed(duration, 1)
+                ));
             }
-            Err(_) => {}
+            if measured.laps < WHOLE_LAP {
+                warnings.push(format!(
+                    "it covers {} of a lap: of the rest of the track nothing can be told",
+                    fixed(measured.laps, 2)
+                ));
+            }
         }
         let set_point = SetPoint {
             run: name.to_owned(),

@@ -24,11 +24,11 @@ pub mod polygon;
 mod report;
 pub mod sqp;
 mod stages;
-mod stop;
 mod subproblem;
 mod unsupported;
 mod violations;
 
+pub use crate::base::stop::{Cut, Stop};
 pub use certificate::{Certificate, Counted, Part};
 pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Pieces, Proof, Relaxed, Within, implied};
 pub use equipped::solve;
@@ -41,5 +41,4 @@ pub use outcome::{Stage, Status, Violation};
 pub use pareto::{Trade, objective, pareto};
 pub use report::{conflicts, diagnose, unclosed};
 pub use stages::MOST_OPEN;
-pub use stop::{Cut, Stop};
 pub use unsupported::unsupported;

@@ -8,7 +8,7 @@ fn fails(between: f64, duration: f64) -> Option<Failures> {
 }
 
 fn settings(hours: f64) -> Settings {
-    Settings { hours, replications: 4, seed: 5, threads: 2 }
+    Settings { hours, replications: 4, seed: 5, threads: 2, stop: Stop::NEVER }
 }
 
 /// b / (b + d) (Barlow and Proschan 1965), of carriers that pass and of items.
@@ -160,19 +160,19 @@ fn failures_have_random_numbers_of_their_own() {
     let mut sorter = sorter(80, &[0.0, 50.0], &[30.0, 60.0, 90.0]);
     sorter.inductions.iter_mut().for_each(|i| i.demand = Some(1500.0));
     let plan = Plan { duration: 20.0 * 3600.0, seed: 9, interval: 60.0 };
-    let before = simulate(&sorter, &plan);
+    let before = simulate(&sorter, &plan, Stop::NEVER);
     sorter.inductions[1].fails = fails(3000.0, 300.0);
     let came = |seen: &super::super::simulate::Seen| -> Vec<u64> {
         seen.inductions.iter().map(|i| i.items + i.queue as u64).collect()
     };
-    let failing = simulate(&sorter, &plan);
+    let failing = simulate(&sorter, &plan, Stop::NEVER);
     for (a, b) in came(&before).iter().zip(came(&failing)) {
         assert!(a.abs_diff(b) <= 1, "{a} {b}");
     }
     assert!(failing.inductions[0].down == 0 && failing.inductions[1].down > 0);
     sorter.inductions[1].demand = Some(700.0);
     sorter.chutes[0].fails = fails(3000.0, 300.0);
-    assert_eq!(simulate(&sorter, &plan).inductions[1].down, failing.inductions[1].down);
+    assert_eq!(simulate(&sorter, &plan, Stop::NEVER).inductions[1].down, failing.inductions[1].down);
     let settings = Settings { hours: 5.0, replications: 4, ..Settings::default() };
     assert_eq!(measure(&sorter, &settings), measure(&sorter, &Settings { threads: 3, ..settings }));
 }

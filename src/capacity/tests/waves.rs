@@ -12,7 +12,7 @@ fn wave(name: &str, shares: &[f64]) -> Wave {
 }
 
 fn settings(hours: f64) -> Settings {
-    Settings { hours, replications: 3, seed: 5, threads: 2 }
+    Settings { hours, replications: 3, seed: 5, threads: 2, stop: Stop::NEVER }
 }
 
 /// One induction with chutes all around, closed for c, not longer than a lap L. A carrier that goes by loaded is one that the
@@ -200,7 +200,7 @@ fn the_bound_holds_with_waves_and_failures() {
             }
         }
         let hours = 60.0;
-        let seen = simulate(&sorter, &Plan { duration: 3600.0 * hours, seed: 11, interval: 60.0 });
+        let seen = simulate(&sorter, &Plan { duration: 3600.0 * hours, seed: 11, interval: 60.0 }, Stop::NEVER);
         let taken: Vec<f64> = seen.inductions.iter().map(|i| i.items as f64).collect();
         // What is left at the end, on carriers and in chutes, is not through.
         let left: usize = sorter.chutes.iter().filter_map(|c| c.storage).map(|(count, _)| count).sum();
