@@ -182,6 +182,66 @@ fn wrong(page: &Page) -> Vec<String> {
     wrong
 }
 
+/// What the steps of a workflow run, in their order.
+fn steps(workflow: &str) -> Vec<String> {
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let mut steps = Vec::new();
+    let mut lines = workflow.lines().peekable();
+    while let Some(line) = lines.next() {
+        let Some(run) = line.trim_start_matches([' ', '-']).strip_prefix("run: ") else { continue };
+        let mut step = if run == "|" { String::new() } else { format!("{run}\n") };
+        while let Some(more) = lines.next_if(|next| run == "|" && indent(next) > indent(line)) {
+            step += &format!("{}\n", more.trim_start());
+        }
+        steps.push(step);
+    }
+    steps
+}
+
+#[test]
+fn the_workflow_comments_a_change_and_stops_a_bill_that_nobody_accepted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (bin, work) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    install(bin.path());
+    for (name, body) in [("pip", "exit 0"), ("gh", "echo \"$@\" > gh.txt")] {
+        let path = bin.path().join(name);
+        fs::write(&path, format!("#!/usr/bin/env bash\n{body}\n")).expect("written");
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("made executable");
+    }
+    let path = format!("{}:{}", bin.path().display(), std::env::var("PATH").unwrap_or_default());
+    let shell = |script: &str| {
+        let mut bash = Command::new("bash");
+        bash.args(["-e", "-o", "pipefail", "-c", script]).current_dir(work.path()).env("PATH", &path);
+        bash.env("GITHUB_BASE_REF", "main").env("GITHUB_STEP_SUMMARY", "summary.md").env("HEAD", "HEAD");
+        bash.env("NUMBER", "7").env("GIT_CONFIG_GLOBAL", "/dev/null");
+        bash.output().expect("bash")
+    };
+    let copied = Command::new("cp").arg("-r").arg(root.join("examples")).arg(work.path()).status().expect("cp");
+    assert!(copied.success());
+    let page = fs::read_to_string(root.join("docs/ci-recipe.md")).expect("the page");
+    let workflow = page.split("```yaml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a workflow");
+    let steps = steps(workflow);
+    assert_eq!(steps.len(), 5);
+    let begun = shell(REPOSITORY);
+    assert!(begun.status.success(), "{}", String::from_utf8_lossy(&begun.stderr));
+    for step in &steps {
+        let ended = shell(step);
+        assert!(ended.status.success(), "{step}{}", String::from_utf8_lossy(&ended.stderr));
+    }
+    let read = |name: &str| fs::read_to_string(work.path().join(name)).expect(name);
+    assert!(read("gh.txt").starts_with("pr comment 7 --body-file comment.md"));
+    assert!(read("summary.md").contains("thesis10") && read("comment.md") == read("summary.md"));
+    // A motor more is a bill that differs: first nobody says so, then the commit does.
+    let change = "sed -i 's/motors 13/motors 14/' terminal_3.lss; git commit -qam ";
+    for (message, passes) in [("'terminal: add motors'", false), ("'terminal: add motors' -m 'bill: accepted'", true)] {
+        let changed = shell(&format!("git checkout -q HEAD -- terminal_3.lss; {change}{message} --allow-empty"));
+        assert!(changed.status.success(), "{}", String::from_utf8_lossy(&changed.stderr));
+        let ended = shell(steps.last().expect("steps"));
+        assert_eq!(ended.status.success(), passes, "{message}: {}", String::from_utf8_lossy(&ended.stdout));
+        shell("git reset -q --hard HEAD~1");
+    }
+}
+
 #[test]
 fn the_commands_of_the_documents_do_what_they_say() {
     let wrong: Vec<String> = PAGES.iter().flat_map(wrong).collect();
