@@ -20,7 +20,7 @@ WAYS = {
     "simulate": "lss.simulate(lss.build(SMALL), laps=1_500)",
     "identify": "lss.identify(lss.simulate(lss.build(SMALL), laps=3), law='all')",
     "diagnose": "lss.diagnose(lss.simulate(lss.build(SMALL), laps=3))",
-    "capacity": "lss.capacity(lss.build(WAVES), hours=10_000, replications=1_000)",
+    "capacity": "lss.capacity(lss.build(WAVES), hours=5_000, replications=200)",
 }
 
 

@@ -29,7 +29,7 @@ impl Default for Settings {
 }
 
 /// A mean over replications, and half the width of its interval of 95 % (Student).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Mean {
     pub value: f64,
     pub half_width: f64,
@@ -49,7 +49,7 @@ impl Mean {
 }
 
 /// What replications say together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Items given out an hour, after the warm-up; with waves, in whole cycles of them.
     pub throughput: Mean,
@@ -100,6 +100,9 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
         interval,
     };
     let seen: Vec<Seen> = parallel::map(&numbers, settings.threads, |k| simulate(sorter, &plan(*k), settings.stop));
+    if settings.stop.now() {
+        return Measured::default();
+    }
     let count = seen.len() as f64;
     // The last interval may be cut.
     let length = (plan(0).duration / interval + 1e-9) as usize;

@@ -5,7 +5,8 @@ use super::groups::SetPoint;
 use super::study::Subject;
 use crate::base::number::fixed;
 use crate::chain_input::{Simulation, Track};
-use crate::signal::{self, Entry, Run, RunError};
+use crate::signal::health::health;
+use crate::signal::{self, Channel, Entry, Run, RunError};
 use crate::source::{InputError, shown};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -41,8 +42,21 @@ pub enum NoCases<E> {
 impl Case {
     /// A run on a chain, and what there is to warn of. `layout` is what the layout is called; `speed` is the campaign's,
     /// m/s.
-    pub fn new(name: &str, run: Run, simulation: Simulation, layout: &Path, speed: Option<f64>) -> (Case, Vec<String>) {
-        let mut warnings = run.warnings(None);
+    pub fn new(
+        name: &str,
+        mut run: Run,
+        simulation: Simulation,
+        layout: &Path,
+        speed: Option<f64>,
+    ) -> (Case, Vec<String>) {
+        let found = health(&run, Some(&simulation));
+        let mut warnings = found.warnings;
+        let unlike: Vec<Channel> = found.unlike.into_iter().flat_map(|unlike| unlike.channels).collect();
+        if !unlike.is_empty() {
+            let names: Vec<&str> = unlike.iter().map(|channel| channel.name()).collect();
+            warnings.push(format!("left out: {}", names.join(", ")));
+            run.channels.retain(|channel, _| !unlike.contains(channel));
+        }
         let duration = run.duration();
         // The wheels may know the speed where the sidecar's is off.
         if let Ok(measured) = Measured::new(&run, &simulation, simulation.chain.track_length_m) {
@@ -53,7 +67,7 @@ impl Case {
                     fixed(duration, 1)
                 ));
             }
-            if measured.laps < WHOLE_LAP {
+            if measured.laps < WHOLE_LAP && measured.unsteady > 0.0 {
                 warnings.push(format!(
                     "it covers {} of a lap: of the rest of the track nothing can be told",
                     fixed(measured.laps, 2)

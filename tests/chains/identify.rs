@@ -388,6 +388,18 @@ fn broken_campaigns_are_told_with_a_way_out() {
     silent.channels.remove(&lss::signal::Channel::Trigger);
     keep(&silent, broken.path(), "run-01");
     expect(broken.path(), &[], 1, &["the trigger never rises, so no sample has a place"]);
+    // In kilonewtons: nothing of it can be compared. The sign of one channel: the others can.
+    let mut kilo = measured(simulated, 5);
+    for channel in lss::signal::Channel::FORCES {
+        kilo.channels.get_mut(&channel).expect("a force").iter_mut().for_each(|x| *x /= 1000.0);
+    }
+    keep(&kilo, broken.path(), "run-01");
+    expect(broken.path(), &[], 1, &["look like kN: forces are in N", "it has none of steer_left"]);
+    let mut reversed = measured(simulated, 5);
+    let xi = reversed.channels.get_mut(&lss::signal::Channel::JointXi).expect("a force");
+    xi.iter_mut().for_each(|x| *x = -*x);
+    keep(&reversed, broken.path(), "run-01");
+    expect(broken.path(), &["--free", "speed"], 0, &["joint_xi looks reversed: change the sign", "left out: joint_xi"]);
     expect(broken.path(), &["--law", "hertz"], 2, &["there is no law hertz; take `all` or one of"]);
     expect(broken.path(), &["--free", "mass"], 2, &["restitution_joint_axial"]);
 }

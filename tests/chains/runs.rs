@@ -58,7 +58,7 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
     for speed in [clean.speed_trigger, clean.speed_wheels] {
         assert!((speed.expect("a speed") - 2.0).abs() < 0.002, "{speed:?}");
     }
-    let faults: [Fault; 17] = [
+    let faults: [Fault; 21] = [
         (|_| {}, &[]),
         // Noise as of real wheels, at a tenth of their load, hides nothing and is no fault.
         (|run| noisy(run, 20.0), &[]),
@@ -112,8 +112,30 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
         ),
         (
             |run| run.sidecar.trigger_position += 95.0,
-            &["steer_left and steer_right do not follow the curves: check layout and trigger_position"],
+            &["steer_left and steer_right follow the curves with trigger_position 10.5 m, not with 105.0 m: check it"],
         ),
+        (
+            |run| Channel::FORCES.into_iter().for_each(|c| samples(run, c).iter_mut().for_each(|x| *x /= 1000.0)),
+            &[
+                "steer_left, steer_right, run_left, run_right, joint_xi, joint_eta and joint_zeta look like kN: forces are in N",
+            ],
+        ),
+        (
+            |run| samples(run, Channel::JointXi).iter_mut().for_each(|x| *x = -*x),
+            &["joint_xi looks reversed: change the sign (the mean of joint_xi is -"],
+        ),
+        (
+            |run| {
+                for channel in [Channel::RunLeft, Channel::RunRight, Channel::JointXi] {
+                    let samples = samples(run, channel);
+                    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+                    samples.iter_mut().for_each(|x| *x -= mean);
+                }
+            },
+            &["run_left, run_right and joint_xi look set to zero under load: add the load that was on the sensor then"],
+        ),
+        // An item that doubles the load, and a sensor's gain, are no other unit.
+        (|run| samples(run, Channel::RunLeft).iter_mut().for_each(|x| *x *= 0.3), &[]),
         (|run| samples(run, Channel::Trigger).fill(0.0), &["the trigger never rises"]),
     ];
     said(&run, &layout, &faults);

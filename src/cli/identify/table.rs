@@ -17,6 +17,10 @@ pub fn text(laws: &[LawReport], groups: &[RunGroup]) -> String {
     for law in laws {
         let carried = law.runs.values().find_map(|f| f.carried_from).is_some();
         let note = if carried { ", carried over through χ where no bound was met" } else { "" };
+        if law.runs.is_empty() {
+            let _ = writeln!(out, "{}: no run could be fitted\n", law.law);
+            continue;
+        }
         let _ = writeln!(out, "{}: objective {}{note}", law.law, fixed(law.objective, 3));
         if law.runs.len() <= ONE_BY_ONE {
             law.runs.values().for_each(|fit| out.push_str(&run(fit)));

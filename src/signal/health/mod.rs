@@ -8,13 +8,15 @@
 //! - clipped: a force or wheel speed stays at its largest or smallest value for [`CLIPPED_ROW`] samples or more at a
 //!   time, [`CLIPPED`] in all, and more than three times as often as at the value next to it. A wheel without load is
 //!   at 0, which is no clipping,
-//! - left and right exchanged: in curves the difference left − right goes against what the layout makes of it: slope of
-//!   the regression on the expected difference below −0.5, correlation below −0.2,
+//! - left and right exchanged: the difference left − right goes against what the layout makes of it: slope of the
+//!   regression on the expected difference, about the mean, below −0.5, correlation below −0.2,
 //! - curves not followed: the same slope of the steering wheels is between −0.2 and 0.2: the layout or
 //!   `trigger_position` is not the run's,
+//! - another place of the trigger: moved along the track, the same difference follows the curves clearly better,
 //! - joint axes exchanged: `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below
 //!   a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their
 //!   joints,
+//! - in another unit, reversed, set to zero under load: `unlike.rs`,
 //! - speeds differ: running wheels and trigger disagree by more than [`SLIP`].
 //!
 //! **What is expected in a curve** of curvature κ (left positive) for cart length L, mass m, μ = m/L, tension T and
@@ -23,7 +25,9 @@
 //! the steering contact h_s below the joints and the running wheels ±b_r aside: run_left − run_right = (h_s (T − μv²)Lκ
 //! − z_c m v²κ)/b_r. The inner wheels turn slower, by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
 
+mod sides;
 mod suspect;
+mod unlike;
 
 use super::gaps::Gaps;
 use super::measures::{Statistics, statistics, statistics_of};
@@ -33,6 +37,7 @@ use crate::chain_input::Simulation;
 use std::collections::BTreeMap;
 
 pub use suspect::{CLIPPED, CLIPPED_ROW, DEAD, SLIP};
+pub use unlike::Unlike;
 
 /// A run at a glance.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +63,8 @@ pub struct Health {
     pub speed_wheels: Option<f64>,
     /// What each channel amounts to, short gaps bridged; a channel without a sample is left out.
     pub channels: BTreeMap<Channel, Statistics>,
+    /// Channels that cannot be compared with the layout.
+    pub unlike: Vec<Unlike>,
     /// What cannot be told, and what looks wrong, as sentences.
     pub warnings: Vec<String>,
 }
@@ -76,6 +83,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         speed_trigger: None,
         speed_wheels: None,
         channels: BTreeMap::new(),
+        unlike: Vec::new(),
         warnings: run.warnings(layout.map(|l| l.chain.track_length_m)),
     };
     // A run may fill most of the memory, so that no channel is copied.
@@ -90,19 +98,36 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         };
         match level {
             Some(level) => {
-                health.channels.insert(channel, level);
                 let idle = level.rms == 0.0 && layout.is_some_and(|layout| !suspect::loaded(channel, layout));
                 // What was filled in is no measurement, so that values are looked at as they were recorded.
-                let recorded = Some(samples).filter(|_| !idle);
-                health.warnings.extend(recorded.and_then(|recorded| suspect::channel(channel, recorded)));
+                let sorted = suspect::sorted(channel, samples).filter(|_| !idle).unwrap_or_default();
+                if let Some(why) = suspect::dead(channel, &sorted) {
+                    health.warnings.push(why.clone());
+                    health.unlike.push(Unlike { channels: vec![channel], why });
+                } else {
+                    health.warnings.extend(suspect::clipped(channel, &sorted, samples));
+                }
+                health.channels.insert(channel, level);
             }
             None => health.warnings.push(format!("{channel} is empty: every sample is lost")),
         }
     }
     health.masked = health.lost - health.bridged;
     let exchanged = suspect::joint(&health.channels);
+    if let Some(layout) = layout {
+        let of_joint = |c: Channel| matches!(c, Channel::JointXi | Channel::JointEta | Channel::JointZeta);
+        // Dead or exchanged, which is told already.
+        let told = |c: Channel| {
+            (exchanged.is_some() && of_joint(c)) || health.unlike.iter().any(|unlike| unlike.channels.contains(&c))
+        };
+        let levels = health.channels.iter().filter(|(c, _)| !told(**c)).map(|(c, level)| (*c, *level)).collect();
+        let unlike = unlike::unlike(&levels, layout);
+        health.warnings.extend(unlike.iter().map(|unlike| unlike.why.clone()));
+        health.unlike.extend(unlike);
+    }
+    let is_unlike = |channel: Channel| health.unlike.iter().any(|unlike| unlike.channels.contains(&channel));
     // Then joint_xi is no tension that curves could be judged by.
-    let tension = Some(Channel::JointXi).filter(|_| exchanged.is_none());
+    let tension = Some(Channel::JointXi).filter(|xi| exchanged.is_none() && !is_unlike(*xi));
     health.warnings.extend(exchanged);
     if let Some(layout) = layout {
         let place = position::position(run, layout.chain.track_length_m);
@@ -113,7 +138,10 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         if let Some(place) = &place {
             health.warnings.extend(suspect::laps(place));
             let speed = health.speed_trigger.or(health.speed_wheels).unwrap_or(place.speed);
-            health.warnings.extend(suspect::sides(run, tension, place, speed, layout));
+            // What is in another unit follows no curves, which is told already.
+            let steers = !is_unlike(Channel::SteerLeft);
+            let sides = sides::sides(run, tension, place, speed, layout);
+            health.warnings.extend(sides.into_iter().filter(|_| steers));
         }
     }
     health
