@@ -30,7 +30,9 @@ def test_ctrl_c_stops_it(way: str) -> None:
     # The flag that stops work is heard before the process is asked to end: what is left running would hold it up.
     child = subprocess.Popen(
         [sys.executable, "-c", f"""
-import sys, time, pathlib
+import signal, sys, time, pathlib
+# A shell that starts things in the background has them ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 from conftest import SMALL
 import lss

@@ -51,6 +51,10 @@ impl Case {
     ) -> (Case, Vec<String>) {
         let found = health(&run, Some(&simulation));
         let mut warnings = found.warnings;
+        for (channel, spikes) in &found.spikes {
+            let Some(samples) = run.channels.get_mut(channel) else { continue };
+            spikes.iter().for_each(|k| samples[*k] = f64::NAN);
+        }
         let unlike: Vec<Channel> = found.unlike.into_iter().flat_map(|unlike| unlike.channels).collect();
         if !unlike.is_empty() {
             let names: Vec<&str> = unlike.iter().map(|channel| channel.name()).collect();

@@ -72,7 +72,10 @@ pub fn lap_time(run: &Run) -> Option<f64> {
     }
 }
 
-/// Times of the trigger's rising edges, midway between a 0 and the next 1, lost samples aside, s.
+/// An edge so soon after another, s, is the photocell's bounce, as no lap is that short.
+const BOUNCE: f64 = 0.5;
+
+/// Times of the trigger's rising edges, midway between a 0 and the next 1, lost samples and bounces aside, s.
 pub fn edges(run: &Run) -> Vec<f64> {
     let mut edges = Vec::new();
     let mut low = None;
@@ -82,7 +85,10 @@ pub fn edges(run: &Run) -> Vec<f64> {
         } else if x == 1.0
             && let Some(before) = low.take()
         {
-            edges.push(0.5 * (before + t));
+            let edge = 0.5 * (before + t);
+            if edges.last().is_none_or(|last| edge - last > BOUNCE) {
+                edges.push(edge);
+            }
         }
     }
     edges
@@ -115,6 +121,14 @@ mod tests {
         }
         assert_eq!(lap_time(&run(&[2.05, 6.05, 11.05])), Some(4.5));
         assert!((place.on_track(0).expect("sample") - (9.0 + 3.0 - 4.1)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_bounce_is_no_lap() {
+        let mut bouncing = run(&[2.05, 6.05]);
+        let trigger = bouncing.channels.get_mut(&Channel::Trigger).expect("a trigger");
+        trigger[22] = 0.0;
+        assert_eq!(edges(&bouncing), edges(&run(&[2.05, 6.05])));
     }
 
     fn place_time(i: usize) -> f64 {

@@ -58,7 +58,7 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
     for speed in [clean.speed_trigger, clean.speed_wheels] {
         assert!((speed.expect("a speed") - 2.0).abs() < 0.002, "{speed:?}");
     }
-    let faults: [Fault; 21] = [
+    let faults: [Fault; 23] = [
         (|_| {}, &[]),
         // Noise as of real wheels, at a tenth of their load, hides nothing and is no fault.
         (|run| noisy(run, 20.0), &[]),
@@ -133,6 +133,18 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
                 }
             },
             &["run_left, run_right and joint_xi look set to zero under load: add the load that was on the sensor then"],
+        ),
+        (
+            |run| [700, 9000, 9001, 20_000].into_iter().for_each(|k| samples(run, Channel::JointXi)[k] = 9999.0),
+            &["joint_xi has spikes, samples that jump there and back: 4, the first at 1.4 s to 9999 N"],
+        ),
+        // A blow that the low-pass has spread is none, though it is as high.
+        (
+            |run| {
+                let blow = [0.319, 0.165, 0.032].map(|x| x * 3e4);
+                blow.iter().enumerate().for_each(|(k, x)| samples(run, Channel::JointXi)[7000 + k] += x);
+            },
+            &[],
         ),
         // An item that doubles the load, and a sensor's gain, are no other unit.
         (|run| samples(run, Channel::RunLeft).iter_mut().for_each(|x| *x *= 0.3), &[]),

@@ -13,6 +13,7 @@
 //! - curves not followed: the same slope of the steering wheels is between −0.2 and 0.2: the layout or
 //!   `trigger_position` is not the run's,
 //! - another place of the trigger: moved along the track, the same difference follows the curves clearly better,
+//! - spikes: a sample or a few equal ones that no signal behind a low-pass jumps to and back from,
 //! - joint axes exchanged: `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below
 //!   a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their
 //!   joints,
@@ -26,6 +27,7 @@
 //! − z_c m v²κ)/b_r. The inner wheels turn slower, by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
 
 mod sides;
+mod spikes;
 mod suspect;
 mod unlike;
 
@@ -33,6 +35,7 @@ use super::gaps::Gaps;
 use super::measures::{Statistics, statistics, statistics_of};
 use super::position::{self, Position};
 use super::{Channel, Run};
+use crate::base::number::significant;
 use crate::chain_input::Simulation;
 use std::collections::BTreeMap;
 
@@ -63,6 +66,8 @@ pub struct Health {
     pub speed_wheels: Option<f64>,
     /// What each channel amounts to, short gaps bridged; a channel without a sample is left out.
     pub channels: BTreeMap<Channel, Statistics>,
+    /// Samples of each channel that are no measurements.
+    pub spikes: BTreeMap<Channel, Vec<usize>>,
     /// Channels that cannot be compared with the layout.
     pub unlike: Vec<Unlike>,
     /// What cannot be told, and what looks wrong, as sentences.
@@ -83,6 +88,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         speed_trigger: None,
         speed_wheels: None,
         channels: BTreeMap::new(),
+        spikes: BTreeMap::new(),
         unlike: Vec::new(),
         warnings: run.warnings(layout.map(|l| l.chain.track_length_m)),
     };
@@ -106,6 +112,17 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
                     health.unlike.push(Unlike { channels: vec![channel], why });
                 } else {
                     health.warnings.extend(suspect::clipped(channel, &sorted, samples));
+                }
+                let spikes = spikes::spikes(run, channel, samples, level.sd);
+                if let Some(first) = spikes.first() {
+                    health.warnings.push(format!(
+                        "{channel} has spikes, samples that jump there and back: {}, the first at {} s to {} {}",
+                        spikes.len(),
+                        significant(run.time[*first], 6),
+                        significant(samples[*first], 4),
+                        channel.unit()
+                    ));
+                    health.spikes.insert(channel, spikes);
                 }
                 health.channels.insert(channel, level);
             }

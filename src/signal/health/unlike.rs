@@ -76,7 +76,7 @@ pub fn unlike(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) -> Ve
         // A wheel pushes and never pulls.
         Channel::SteerLeft | Channel::SteerRight => levels
             .get(&channel)
-            .is_some_and(|level| is_zero(level) && level.min < -0.5 * level.sd)
+            .is_some_and(|level| is_zero(level) && (level.min < -0.5 * level.sd || wheels == Some(Look::Zeroed)))
             .then_some(Look::Zeroed),
         // Hardly any force is sideways in the mean, so that the others have to tell.
         Channel::JointEta => wheels.filter(|look| *look == Look::Zeroed && levels.get(&channel).is_some_and(is_zero)),
