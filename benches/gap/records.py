@@ -78,6 +78,31 @@ def trigger_elsewhere(run, chance):
     run.nominal("trigger_position", lambda x: x + 4.5)
 
 
+def edge_in_each_lap(run, chance):
+    """A second edge of the trigger 12 s after each."""
+    trigger, time = run.columns["trigger"], run.columns["time"]
+    late = round(12 / (time[1] - time[0]))
+    for k in [k for k in range(1, len(trigger)) if trigger[k] > trigger[k - 1]]:
+        trigger[k + late : k + late + 20] = [1.0] * len(trigger[k + late : k + late + 20])
+
+
+def bouncing_photocell(run, chance):
+    """The photocell closes once more 16 ms after it opened, for 12 ms."""
+    trigger, time = run.columns["trigger"], run.columns["time"]
+    step = time[1] - time[0]
+    later, long = round(0.016 / step), round(0.012 / step)
+    for k in [k for k in range(1, len(trigger)) if trigger[k] < trigger[k - 1]]:
+        trigger[k + later : k + later + long] = [1.0] * len(trigger[k + later : k + later + long])
+
+
+def hum(run, chance):
+    """3 N at 50 Hz."""
+    for name in FORCES:
+        phase = chance.uniform(0, math.tau)
+        swing = [3 * math.sin(math.tau * 50 * t + phase) for t in run.columns["time"]]
+        run.columns[name] = [x + y for x, y in zip(run.columns[name], swing)]
+
+
 def other_speed(run, chance):
     run.nominal("speed_setpoint", lambda x: 1.06 * x)
 
@@ -121,6 +146,7 @@ def no_wheel_speeds(run, chance):
 
 def main(campaign, out):
     ways = [kilonewtons, reversed_tension, zeroed_under_load, exchanged, dead_channel, spikes, trigger_elsewhere, other_speed]
+    ways += [edge_in_each_lap, bouncing_photocell, hum]
     ways += [other_low_pass, other_cart, unix_time, slow_clock, jitter, half_the_rate, forces_late, coarse, no_wheel_speeds]
     for way in ways:
         folder = out / way.__name__

@@ -90,7 +90,8 @@ class Choice:
 
     def _repr_html_(self) -> str:
         found = self.choice or {}
-        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(str(value))}</td></tr>" for key, value in found.items() if not isinstance(value, dict | list))
+        shown = {key: str(value) for key, value in found.items() if not isinstance(value, dict | list)}
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in shown.items())
         return f"<p>{escape(repr(self)[1:-1])}</p><table>{rows}</table>"
 
     @property

@@ -83,8 +83,9 @@ class Run:
         return f"<lss.Run {self.name!r}: {self.time.size} samples of {len(self.channels)} channels{span}>"
 
     def _repr_html_(self) -> str:
+        amounts = {"mean": np.nanmean, "sd": np.nanstd, "min": np.nanmin, "max": np.nanmax}
         rows = [
-            {"channel": name, "unit": CHANNELS[name][0], "mean": np.nanmean(x), "sd": np.nanstd(x), "min": np.nanmin(x), "max": np.nanmax(x)}
+            {"channel": name, "unit": CHANNELS[name][0], **{amount: of(x) for amount, of in amounts.items()}}
             for name, x in self.channels.items()
             if np.isfinite(x).any()
         ]

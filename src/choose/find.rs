@@ -265,6 +265,9 @@ impl Chosen {
         }
         told(Told::Capacity);
         let found = simulated::simulate(&sorter, required, settings.options.threads, settings.options.stop);
+        if settings.options.stop.now() {
+            return false;
+        }
         self.simulated.push(Simulated { fitted: candidate.fitted, speed: candidate.speed, found });
         true
     }

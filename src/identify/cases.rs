@@ -50,19 +50,20 @@ impl Case {
         speed: Option<f64>,
     ) -> (Case, Vec<String>) {
         let found = health(&run, Some(&simulation));
-        let mut warnings = found.warnings;
+        // How much of the lap it covers, the wheels may know better.
+        let mut warnings = [run.warnings(None), found.suspicions].concat();
         for (channel, spikes) in &found.spikes {
             let Some(samples) = run.channels.get_mut(channel) else { continue };
             spikes.iter().for_each(|k| samples[*k] = f64::NAN);
         }
-        let unlike: Vec<Channel> = found.unlike.into_iter().flat_map(|unlike| unlike.channels).collect();
-        if !unlike.is_empty() {
-            let names: Vec<&str> = unlike.iter().map(|channel| channel.name()).collect();
+        let implausible: Vec<Channel> =
+            found.implausible.into_iter().flat_map(|implausible| implausible.channels).collect();
+        if !implausible.is_empty() {
+            let names: Vec<&str> = implausible.iter().map(|channel| channel.name()).collect();
             warnings.push(format!("left out: {}", names.join(", ")));
-            run.channels.retain(|channel, _| !unlike.contains(channel));
+            run.channels.retain(|channel, _| !implausible.contains(channel));
         }
         let duration = run.duration();
-        // The wheels may know the speed where the sidecar's is off.
         if let Ok(measured) = Measured::new(&run, &simulation, simulation.chain.track_length_m) {
             if measured.unsteady > 0.0 {
                 warnings.push(format!(
@@ -71,7 +72,7 @@ impl Case {
                     fixed(duration, 1)
                 ));
             }
-            if measured.laps < WHOLE_LAP && measured.unsteady > 0.0 {
+            if measured.laps < WHOLE_LAP {
                 warnings.push(format!(
                     "it covers {} of a lap: of the rest of the track nothing can be told",
                     fixed(measured.laps, 2)

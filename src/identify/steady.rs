@@ -1,6 +1,7 @@
 //! Where a chain runs steadily. A record may hold a stop, a restart or another change of speed: the model is of a chain
 //! that runs on, so these samples, and those in which the swings die away that they leave, are compared with nothing.
 
+use super::groups::quartiles;
 use super::sums::Sums;
 use crate::signal::measures::statistics_of;
 
@@ -34,8 +35,9 @@ pub fn running(speeds: &[f64], set: f64) -> Option<f64> {
 /// long, s. `None` where all are, or none.
 pub fn steady(time: &[f64], speeds: &[f64], set: f64, passing: f64) -> Option<Vec<bool>> {
     let means = means(time, speeds, passing);
-    let usual = median(means.iter().copied().filter(|v| *v > STANDS * set))?;
-    let usual_off = median(means.iter().filter(|v| **v > STANDS * set).map(|v| (v / usual - 1.0).abs()))?;
+    let median = |values: &mut dyn Iterator<Item = f64>| quartiles(values)[1];
+    let usual = median(&mut means.iter().copied().filter(|v| *v > STANDS * set));
+    let usual_off = median(&mut means.iter().filter(|v| **v > STANDS * set).map(|v| (v / usual - 1.0).abs()));
     let most = OFF.max(OFF_USUAL * usual_off);
     let at = |t: f64| time.partition_point(|own| *own < t);
     let mut kept = vec![true; time.len()];
@@ -58,7 +60,7 @@ pub fn steady(time: &[f64], speeds: &[f64], set: f64, passing: f64) -> Option<Ve
         .map(|(k, t)| (t + OVER <= time[time.len() - 1]).then(|| squares.mean(k, at(t + OVER))).flatten())
         .map(|square| square.map_or(f64::NAN, f64::sqrt))
         .collect();
-    let most = median(swings.iter().copied().filter(|x| !x.is_nan())).map_or(f64::INFINITY, |m| SWINGS * m.max(LEAST));
+    let most = SWINGS * median(&mut swings.iter().copied().filter(|x| !x.is_nan())).max(LEAST);
     for end in ends {
         let swinging = swings[end..].iter().take_while(|x| **x > most).count();
         if swinging > 0 || end > 0 {
@@ -67,12 +69,6 @@ pub fn steady(time: &[f64], speeds: &[f64], set: f64, passing: f64) -> Option<Ve
         }
     }
     (kept.contains(&true) && kept.contains(&false)).then_some(kept)
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Means over the passing of two carts about each sample, or about the nearest that has both; NaN where too little was

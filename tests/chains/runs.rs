@@ -43,7 +43,7 @@ fn said(run: &Run, layout: &Simulation, faults: &[Fault]) {
     for (i, (fault, expected)) in faults.iter().enumerate() {
         let mut run = run.clone();
         fault(&mut run);
-        let warnings = health(&run, Some(layout)).warnings;
+        let warnings = health(&run, Some(layout)).warnings();
         let fits = warnings.len() == expected.len() && warnings.iter().zip(*expected).all(|(w, e)| w.starts_with(e));
         assert!(fits, "fault {i}: {warnings:#?}\n{expected:#?}");
     }
@@ -138,11 +138,11 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
             |run| [700, 9000, 9001, 20_000].into_iter().for_each(|k| samples(run, Channel::JointXi)[k] = 9999.0),
             &["joint_xi has spikes, samples that jump there and back: 4, the first at 1.4 s to 9999 N"],
         ),
-        // A blow that the low-pass has spread is none, though it is as high.
+        // An impact that the low-pass has spread is none, though it is as high.
         (
             |run| {
-                let blow = [0.319, 0.165, 0.032].map(|x| x * 3e4);
-                blow.iter().enumerate().for_each(|(k, x)| samples(run, Channel::JointXi)[7000 + k] += x);
+                let impact = [0.319, 0.165, 0.032].map(|x| x * 3e4);
+                impact.iter().enumerate().for_each(|(k, x)| samples(run, Channel::JointXi)[7000 + k] += x);
             },
             &[],
         ),
@@ -191,7 +191,7 @@ fn lost_samples_are_counted() {
     run.channels.insert(Channel::JointXi, force);
     let found = health(&run, None);
     assert_eq!((found.lost, found.bridged, found.masked, found.laps), (110, 10, 100, None));
-    assert_eq!(found.warnings, [""; 0]);
+    assert_eq!(found.warnings(), [""; 0]);
 }
 
 /// A campaign of a good run without a layout and one with a wrong column.

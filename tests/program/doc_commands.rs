@@ -9,7 +9,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Output};
+use tempfile::TempDir;
 
 /// A page, what its reader has before, as a shell does it, and what of it is not run here.
 struct Page {
@@ -119,7 +120,7 @@ const NONE: &[(&str, &str)] = &[
 ];
 
 /// Programs as a reader has them: `lss`, and `cargo run` as the same. A preview ends after a while.
-fn install(folder: &Path) {
+fn install(folder: &Path, more: &[(&str, &str)]) {
     let binary = env!("CARGO_BIN_EXE_lss");
     let scripts = [
         (
@@ -130,31 +131,50 @@ fn install(folder: &Path) {
         ),
         ("cargo", "[ \"$1 $2 $3\" = 'run --release --' ] || exit 1\nshift 3\nexec lss \"$@\"\n".to_owned()),
     ];
-    for (name, body) in scripts {
+    let more = more.iter().map(|(name, body)| (*name, format!("{body}\n")));
+    for (name, body) in scripts.into_iter().chain(more) {
         let path = folder.join(name);
         fs::write(&path, format!("#!/usr/bin/env bash\n{body}")).expect("written");
         fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("made executable");
     }
 }
 
+/// A reader's folder with the files of this project, and the programs.
+struct Reader {
+    bin: TempDir,
+    work: TempDir,
+}
+
+impl Reader {
+    /// With scripts of other names beside `lss`.
+    fn new(scripts: &[(&str, &str)]) -> Reader {
+        let reader =
+            Reader { bin: tempfile::tempdir().expect("a folder"), work: tempfile::tempdir().expect("a folder") };
+        install(reader.bin.path(), scripts);
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        for folder in ["examples", "benches/identify/layouts"] {
+            let into = reader.work.path().join(folder);
+            fs::create_dir_all(into.parent().expect("a parent")).expect("a folder");
+            let copied = Command::new("cp").arg("-r").arg(root.join(folder)).arg(&into).status().expect("cp");
+            assert!(copied.success());
+        }
+        reader
+    }
+
+    fn shell(&self, script: &str, environment: &[(&str, &str)]) -> Output {
+        let path = format!("{}:{}", self.bin.path().display(), std::env::var("PATH").unwrap_or_default());
+        let mut bash = Command::new("bash");
+        bash.args(["-e", "-u", "-o", "pipefail", "-c", script]).current_dir(self.work.path());
+        bash.env("PATH", &path).env("PYTHONPATH", Path::new(env!("CARGO_MANIFEST_DIR")).join("python"));
+        bash.envs(environment.iter().copied()).output().expect("bash")
+    }
+}
+
 /// Runs a page's commands in a folder of its own, and says which end with an error.
 fn wrong(page: &Page) -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let (bin, work) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
-    install(bin.path());
-    let path = format!("{}:{}", bin.path().display(), std::env::var("PATH").unwrap_or_default());
-    let shell = |script: &str| {
-        let mut bash = Command::new("bash");
-        bash.args(["-e", "-u", "-o", "pipefail", "-c", script]).current_dir(work.path());
-        bash.env("PATH", &path).env("PYTHONPATH", root.join("python"));
-        bash.output().expect("bash")
-    };
-    for folder in ["examples", "benches/identify/layouts"] {
-        let into = work.path().join(folder);
-        fs::create_dir_all(into.parent().expect("a parent")).expect("a folder");
-        let copied = Command::new("cp").arg("-r").arg(root.join(folder)).arg(&into).status().expect("cp");
-        assert!(copied.success());
-    }
+    let reader = Reader::new(&[]);
+    let work = &reader.work;
     fs::write(work.path().join("hall.dxf"), HALL).expect("written");
     // Files may name others as far as the project goes.
     fs::create_dir(work.path().join(".git")).expect("a folder");
@@ -169,7 +189,7 @@ fn wrong(page: &Page) -> Vec<String> {
             left_out.extend(out);
             continue;
         }
-        let ended = shell(&block);
+        let ended = reader.shell(&block, &[]);
         let refused = block.lines().any(|line| page.refused.contains(&line));
         if ended.status.success() == refused {
             let said = [ended.stdout, ended.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
@@ -200,25 +220,17 @@ fn steps(workflow: &str) -> Vec<String> {
 
 #[test]
 fn the_workflow_comments_a_change_and_stops_a_bill_that_nobody_accepted() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let (bin, work) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
-    install(bin.path());
-    for (name, body) in [("pip", "exit 0"), ("gh", "echo \"$@\" > gh.txt")] {
-        let path = bin.path().join(name);
-        fs::write(&path, format!("#!/usr/bin/env bash\n{body}\n")).expect("written");
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("made executable");
-    }
-    let path = format!("{}:{}", bin.path().display(), std::env::var("PATH").unwrap_or_default());
-    let shell = |script: &str| {
-        let mut bash = Command::new("bash");
-        bash.args(["-e", "-o", "pipefail", "-c", script]).current_dir(work.path()).env("PATH", &path);
-        bash.env("GITHUB_BASE_REF", "main").env("GITHUB_STEP_SUMMARY", "summary.md").env("HEAD", "HEAD");
-        bash.env("NUMBER", "7").env("GIT_CONFIG_GLOBAL", "/dev/null");
-        bash.output().expect("bash")
-    };
-    let copied = Command::new("cp").arg("-r").arg(root.join("examples")).arg(work.path()).status().expect("cp");
-    assert!(copied.success());
-    let page = fs::read_to_string(root.join("docs/ci-recipe.md")).expect("the page");
+    let reader = Reader::new(&[("pip", "exit 0"), ("gh", "echo \"$@\" > gh.txt")]);
+    let environment = [
+        ("GITHUB_BASE_REF", "main"),
+        ("GITHUB_STEP_SUMMARY", "summary.md"),
+        ("HEAD", "HEAD"),
+        ("NUMBER", "7"),
+        ("GIT_CONFIG_GLOBAL", "/dev/null"),
+    ];
+    let shell = |script: &str| reader.shell(script, &environment);
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ci-recipe.md");
+    let page = fs::read_to_string(page).expect("the page");
     let workflow = page.split("```yaml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a workflow");
     let steps = steps(workflow);
     assert_eq!(steps.len(), 5);
@@ -228,7 +240,7 @@ fn the_workflow_comments_a_change_and_stops_a_bill_that_nobody_accepted() {
         let ended = shell(step);
         assert!(ended.status.success(), "{step}{}", String::from_utf8_lossy(&ended.stderr));
     }
-    let read = |name: &str| fs::read_to_string(work.path().join(name)).expect(name);
+    let read = |name: &str| fs::read_to_string(reader.work.path().join(name)).expect(name);
     assert!(read("gh.txt").starts_with("pr comment 7 --body-file comment.md"));
     assert!(read("summary.md").contains("thesis10") && read("comment.md") == read("summary.md"));
     // A motor more is a bill that differs: first nobody says so, then the commit does.

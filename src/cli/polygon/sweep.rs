@@ -8,10 +8,8 @@ use crate::emit::Files;
 use crate::geometry::CentreLine;
 use crate::kinematics::closing;
 use crate::kinematics::polygon::{Course, PolygonObjective};
-use crate::report::polygon::{Sweep, SweepPoint, rms, summary, sweep_text};
+use crate::report::polygon::{PRODUCT_LINE, Sweep, SweepPoint, rms, summary, sweep_text};
 
-/// The product line, mm.
-const LENGTHS: std::ops::RangeInclusive<u32> = 500..=1250;
 const STEP: usize = 50;
 /// Phases that a closing pitch is averaged over (design: chain model).
 const PHASES: usize = 16;
@@ -27,7 +25,7 @@ impl Polygon {
             layout: subject.name.clone(),
             parameter: "cart.length".to_owned(),
             objective: self.objective.name(),
-            points: LENGTHS.step_by(STEP).map(point).collect(),
+            points: PRODUCT_LINE.step_by(STEP).map(point).collect(),
         };
         if let Some(folder) = &self.output {
             let mut files = Files::default();

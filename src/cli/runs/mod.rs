@@ -97,7 +97,7 @@ impl Runs {
                     let path = self.layout.as_deref().unwrap_or(&entry.layout);
                     let (layout, trouble) = layouts.get(path, self.layout.is_none().then_some(entry));
                     let mut health = health(&run, layout);
-                    health.warnings.extend(trouble);
+                    health.lacks.extend(trouble);
                     if self.output.is_some() {
                         pictured.push(picture(entry, &run, layout, &health, campaign.runs.len()));
                     }
@@ -140,7 +140,7 @@ fn picture(entry: &Entry, run: &Run, layout: Option<&Simulation>, health: &Healt
         channels: health.channels.clone(),
         along: pages::along(run, lap, runs),
         lap,
-        warnings: health.warnings.clone(),
+        warnings: health.warnings(),
     }
 }
 
@@ -196,7 +196,7 @@ impl Glance {
             speed_trigger: health.speed_trigger,
             speed_wheels: health.speed_wheels,
             channels: health.channels.iter().map(|(c, level)| (c.name(), Level::new(level))).collect(),
-            warnings: health.warnings,
+            warnings: health.warnings(),
         }
     }
 }

@@ -257,6 +257,9 @@ fn angle(to: Phasor, from: Phasor) -> f64 {
     if between.norm_sqr() == 0.0 { 0.0 } else { trig::atan2(between.im, between.re) }
 }
 
+/// Lengths of the product line's carts, mm (thesis §1.2).
+pub const PRODUCT_LINE: std::ops::RangeInclusive<u32> = 500..=1250;
+
 /// Value of each cart length that is tried.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Sweep {

@@ -2,7 +2,7 @@
 //! every start, over the length of the carts, as a matrix.
 
 use super::words::with_code;
-use super::{PolygonReport, Straight, rms, summary};
+use super::{PRODUCT_LINE, PolygonReport, Straight, rms, summary};
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
 use crate::geometry::CentreLine;
@@ -17,8 +17,7 @@ use maud::{Markup, html};
 const PIECES: usize = 600;
 /// Starts up to which each has a curve of its own.
 const STARTS: usize = 16;
-/// Lengths of carts that are tried, mm.
-const LENGTHS: std::ops::RangeInclusive<u32> = 500..=1250;
+/// Between two lengths of carts that are tried, mm.
 const STEP: usize = 10;
 
 const RULES: &str = "
@@ -118,7 +117,7 @@ fn along(report: &PolygonReport) -> Plot {
 
 /// The objective over the length of carts.
 fn lengths(report: &PolygonReport, line: &CentreLine, objective: PolygonObjective) -> Plot {
-    let tried = || LENGTHS.step_by(STEP).map(f64::from);
+    let tried = || PRODUCT_LINE.step_by(STEP).map(f64::from);
     let of = |mm: f64| {
         let found = summary(line, 1e-3 * mm, objective).ok();
         found.map_or(f64::NAN, |(action, _)| rms(1e6 * action.value(objective), objective, action.delta_p.len()))

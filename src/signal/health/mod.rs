@@ -17,7 +17,7 @@
 //! - joint axes exchanged: `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below
 //!   a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their
 //!   joints,
-//! - in another unit, reversed, set to zero under load: `unlike.rs`,
+//! - in another unit, reversed, set to zero under load: `implausible.rs`,
 //! - speeds differ: running wheels and trigger disagree by more than [`SLIP`].
 //!
 //! **What is expected in a curve** of curvature κ (left positive) for cart length L, mass m, μ = m/L, tension T and
@@ -26,10 +26,10 @@
 //! the steering contact h_s below the joints and the running wheels ±b_r aside: run_left − run_right = (h_s (T − μv²)Lκ
 //! − z_c m v²κ)/b_r. The inner wheels turn slower, by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
 
+mod implausible;
 mod sides;
 mod spikes;
 mod suspect;
-mod unlike;
 
 use super::gaps::Gaps;
 use super::measures::{Statistics, statistics, statistics_of};
@@ -39,8 +39,8 @@ use crate::base::number::significant;
 use crate::chain_input::Simulation;
 use std::collections::BTreeMap;
 
+pub use implausible::Implausible;
 pub use suspect::{CLIPPED, CLIPPED_ROW, DEAD, SLIP};
-pub use unlike::Unlike;
 
 /// A run at a glance.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,9 +69,18 @@ pub struct Health {
     /// Samples of each channel that are no measurements.
     pub spikes: BTreeMap<Channel, Vec<usize>>,
     /// Channels that cannot be compared with the layout.
-    pub unlike: Vec<Unlike>,
-    /// What cannot be told, and what looks wrong, as sentences.
-    pub warnings: Vec<String>,
+    pub implausible: Vec<Implausible>,
+    /// What cannot be told, as sentences.
+    pub lacks: Vec<String>,
+    /// What looks wrong, likewise.
+    pub suspicions: Vec<String>,
+}
+
+impl Health {
+    /// All sentences.
+    pub fn warnings(&self) -> Vec<String> {
+        [self.lacks.as_slice(), &self.suspicions].concat()
+    }
 }
 
 /// Looks at a run; with the simulation input of its layout also at lap, speeds, and sides.
@@ -89,8 +98,9 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         speed_wheels: None,
         channels: BTreeMap::new(),
         spikes: BTreeMap::new(),
-        unlike: Vec::new(),
-        warnings: run.warnings(layout.map(|l| l.chain.track_length_m)),
+        implausible: Vec::new(),
+        lacks: run.warnings(layout.map(|l| l.chain.track_length_m)),
+        suspicions: Vec::new(),
     };
     // A run may fill most of the memory, so that no channel is copied.
     for (&channel, samples) in &run.channels {
@@ -108,14 +118,14 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
                 // What was filled in is no measurement, so that values are looked at as they were recorded.
                 let sorted = suspect::sorted(channel, samples).filter(|_| !idle).unwrap_or_default();
                 if let Some(why) = suspect::dead(channel, &sorted) {
-                    health.warnings.push(why.clone());
-                    health.unlike.push(Unlike { channels: vec![channel], why });
+                    health.suspicions.push(why.clone());
+                    health.implausible.push(Implausible { channels: vec![channel], why });
                 } else {
-                    health.warnings.extend(suspect::clipped(channel, &sorted, samples));
+                    health.suspicions.extend(suspect::clipped(channel, &sorted, samples));
                 }
                 let spikes = spikes::spikes(run, channel, samples, level.sd);
                 if let Some(first) = spikes.first() {
-                    health.warnings.push(format!(
+                    health.suspicions.push(format!(
                         "{channel} has spikes, samples that jump there and back: {}, the first at {} s to {} {}",
                         spikes.len(),
                         significant(run.time[*first], 6),
@@ -126,7 +136,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
                 }
                 health.channels.insert(channel, level);
             }
-            None => health.warnings.push(format!("{channel} is empty: every sample is lost")),
+            None => health.suspicions.push(format!("{channel} is empty: every sample is lost")),
         }
     }
     health.masked = health.lost - health.bridged;
@@ -135,30 +145,32 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         let of_joint = |c: Channel| matches!(c, Channel::JointXi | Channel::JointEta | Channel::JointZeta);
         // Dead or exchanged, which is told already.
         let told = |c: Channel| {
-            (exchanged.is_some() && of_joint(c)) || health.unlike.iter().any(|unlike| unlike.channels.contains(&c))
+            (exchanged.is_some() && of_joint(c)) || health.implausible.iter().any(|found| found.channels.contains(&c))
         };
         let levels = health.channels.iter().filter(|(c, _)| !told(**c)).map(|(c, level)| (*c, *level)).collect();
-        let unlike = unlike::unlike(&levels, layout);
-        health.warnings.extend(unlike.iter().map(|unlike| unlike.why.clone()));
-        health.unlike.extend(unlike);
+        let found = implausible::implausible(&levels, layout);
+        health.suspicions.extend(found.iter().map(|found| found.why.clone()));
+        health.implausible.extend(found);
     }
-    let is_unlike = |channel: Channel| health.unlike.iter().any(|unlike| unlike.channels.contains(&channel));
     // Then joint_xi is no tension that curves could be judged by.
-    let tension = Some(Channel::JointXi).filter(|xi| exchanged.is_none() && !is_unlike(*xi));
-    health.warnings.extend(exchanged);
+    let no_tension = exchanged.is_some();
+    health.suspicions.extend(exchanged);
     if let Some(layout) = layout {
         let place = position::position(run, layout.chain.track_length_m);
         health.laps = place.as_ref().map(Position::laps);
         health.speed_trigger = place.as_ref().filter(|p| p.edges.len() > 1).map(|p| p.speed);
         health.speed_wheels = wheels(&health.channels, layout.running_wheel.radius_m);
-        health.warnings.extend(suspect::speeds(health.speed_trigger, health.speed_wheels));
+        health.suspicions.extend(suspect::speeds(health.speed_trigger, health.speed_wheels));
         if let Some(place) = &place {
-            health.warnings.extend(suspect::laps(place));
+            health.suspicions.extend(suspect::laps(place));
             let speed = health.speed_trigger.or(health.speed_wheels).unwrap_or(place.speed);
-            // What is in another unit follows no curves, which is told already.
-            let steers = !is_unlike(Channel::SteerLeft);
-            let sides = sides::sides(run, tension, place, speed, layout);
-            health.warnings.extend(sides.into_iter().filter(|_| steers));
+            // What is implausible follows no curves, which is told already.
+            let usable = |channel: Channel| {
+                let implausible = health.implausible.iter().any(|found| found.channels.contains(&channel));
+                !(implausible || no_tension && channel == Channel::JointXi)
+            };
+            let sides = sides::sides(run, &usable, place, speed, layout);
+            health.suspicions.extend(sides);
         }
     }
     health

@@ -18,14 +18,22 @@ struct Pair<'a> {
 const EXCHANGED: (f64, f64) = (-0.5, -0.2);
 const FOLLOWS: f64 = 0.2;
 
-/// Cells that places are tried in, m; how far off a place is told, m; and by how much more the curves have to be followed
+/// Cells that places are tried in, m, and how many there may be; how far off a place is told, m; and by how much more the curves have to be followed
 /// there, as a correlation.
 const CELL: f64 = 0.25;
+const CELLS: f64 = 2000.0;
 const OFF: f64 = 1.5;
 const CLEARLY: (f64, f64) = (0.7, 0.1);
 
-/// Whether left and right are what curves make of them; `tension` is the channel that measures it.
-pub fn sides(run: &Run, tension: Option<Channel>, place: &Position, speed: f64, layout: &Simulation) -> Vec<String> {
+/// Whether left and right are what curves make of them, of channels that are usable; without `joint_xi` with the layout's
+/// tension.
+pub fn sides(
+    run: &Run,
+    usable: &dyn Fn(Channel) -> bool,
+    place: &Position,
+    speed: f64,
+    layout: &Simulation,
+) -> Vec<String> {
     let line = layout.track.centre_line();
     if line.stretches.is_empty() {
         return Vec::new();
@@ -34,8 +42,11 @@ pub fn sides(run: &Run, tension: Option<Channel>, place: &Position, speed: f64, 
     // Of each sample the stretch; more than these bits hold are in none.
     let stretches: Vec<u32> =
         (0..place.s.len()).map(|sample| u32::try_from(stretch(sample)).unwrap_or(u32::MAX)).collect();
-    let gaps = |channel: Channel| run.channels.get(&channel).map(|samples| Gaps::new(&run.time, samples));
-    let tension = tension.and_then(gaps);
+    let gaps = |channel: Channel| {
+        let samples = run.channels.get(&channel).filter(|_| usable(channel));
+        samples.map(|samples| Gaps::new(&run.time, samples))
+    };
+    let tension = gaps(Channel::JointXi);
     let tensions = || -> Box<dyn Iterator<Item = f64>> {
         match &tension {
             Some(xi) => Box::new(xi.iter()),
@@ -77,7 +88,7 @@ fn curvature(line: &CentreLine, stretch: usize) -> Option<f64> {
 /// Whether the steering wheels' differences, sample by sample, follow the curves clearly better with another place of the
 /// trigger; the nearest of those that are as good.
 fn elsewhere(run: &Run, place: &Position, line: &CentreLine, differences: impl Iterator<Item = f64>) -> Option<String> {
-    let count = (line.length / CELL).round() as usize;
+    let count = (line.length / CELL).round().clamp(1.0, CELLS) as usize;
     let mut cells = vec![(0.0, 0_u32); count];
     for (sample, difference) in differences.enumerate().filter(|(_, x)| x.is_finite()) {
         let Some(s) = place.on_track(sample) else { continue };
@@ -94,7 +105,10 @@ fn elsewhere(run: &Run, place: &Position, line: &CentreLine, differences: impl I
     };
     let all: Vec<f64> = (0..count).map(correlation).collect();
     let best = all.iter().copied().filter(|x| x.is_finite()).fold(f64::NEG_INFINITY, f64::max);
-    let off = |shift: usize| if 2 * shift > count { shift as f64 - count as f64 } else { shift as f64 } * line.length / count as f64;
+    let off = |shift: usize| {
+        let cells = if 2 * shift > count { shift as f64 - count as f64 } else { shift as f64 };
+        cells * line.length / count as f64
+    };
     let near = (0..count).filter(|k| all[*k] > best - 0.02).min_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs()))?;
     let further = off(near);
     (further.abs() > OFF && best > CLEARLY.0 && best > all[0] + CLEARLY.1).then(|| {

@@ -1,10 +1,10 @@
 //! Samples that jump there and back: a bit that was lost on the way, a code for "no value". What a sensor sees passes a
-//! low-pass first, so that a blow spreads over several samples: of the second order with its corner at a quarter of the rate
+//! low-pass first, so that an impact spreads over several samples: of the second order with its corner at a quarter of the rate
 //! or below, the samples beside the peak of its answer to an impulse span at least 0.4 of it.
 
 use super::super::{Channel, Run};
 
-/// Samples a time constant, at least, for a spike to differ from a blow.
+/// Samples a time constant, at least, for a spike to differ from an impact.
 const SAMPLED: f64 = 4.0;
 /// A spike is off its neighbours by so many times their range, and by so many deviations of the channel.
 const OFF: f64 = 10.0;

@@ -23,7 +23,7 @@ const ZERO: f64 = 0.03;
 
 /// Channels that cannot be compared with the layout.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unlike {
+pub struct Implausible {
     pub channels: Vec<Channel>,
     /// What they look like, with a way out.
     pub why: String,
@@ -59,7 +59,7 @@ impl Look {
 }
 
 /// Channels whose means no machine like the layout's has, in their order.
-pub fn unlike(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) -> Vec<Unlike> {
+pub fn implausible(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) -> Vec<Implausible> {
     let cart = &layout.cart;
     let weight = cart.mass_kg * layout.gravity_m_s2;
     let hangs = weight * cart.centre_of_mass_m[0] / cart.length_m;
@@ -106,7 +106,7 @@ pub fn unlike(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) -> Ve
         });
         format!("{} {}{of}", list(&names, "and"), look.words(names.len() == 1))
     };
-    let told = |(look, channels): (Look, Vec<Channel>)| Unlike { why: why(look, &channels), channels };
+    let told = |(look, channels): (Look, Vec<Channel>)| Implausible { why: why(look, &channels), channels };
     looks.into_iter().map(told).collect()
 }
 
