@@ -3,7 +3,7 @@
 use super::build::{Source, analysed, text};
 use super::raise::{Failure, Said};
 use super::work::{Board, flag, threads, work};
-use lss::choose::{Measure, Settings, Told, TooMany, refused, undominated, write};
+use lss::choose::{Measure, Settings, Told, refused, undominated, write};
 use lss::diagnostic::Diagnostic;
 use lss::dynamics::Width;
 use lss::report::choice::{self as page, Found};
@@ -47,10 +47,7 @@ fn chosen(
         };
         board.tell(done as f64, None, words.to_owned());
     });
-    let chosen = chosen.map_err(|TooMany(count)| {
-        let most = lss::choose::find::MOST;
-        Failure::Run(format!("{count} candidates are more than {most}, which are looked at: leave less free"))
-    })?;
+    let chosen = chosen.map_err(|too_many| Failure::Run(too_many.to_string()))?;
     said.extend(refused(&chosen));
     if said.iter().any(Diagnostic::is_error) {
         return Err(Failure::Layout(Said::new(&sources, &said)));

@@ -10,13 +10,28 @@ use crate::base::parallel;
 use crate::capacity::{Mean, Sorter};
 use crate::compiled::Compiled;
 use crate::model::{Cart, Layout, Motor, Motors};
+use std::fmt;
 
-/// Candidates, at most.
-pub const MOST: usize = 400_000;
+/// Candidates, and tracks that they are on, at most.
+const MOST: usize = 400_000;
+const MOST_TRACKS: usize = 1000;
 
-/// There are more candidates than can be looked at.
+/// There are more than can be looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooMany(pub usize);
+pub enum TooMany {
+    Candidates(usize),
+    Tracks(usize),
+}
+
+impl fmt::Display for TooMany {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let (count, what, most, done) = match self {
+            TooMany::Candidates(count) => (count, "candidates", MOST, "looked at"),
+            TooMany::Tracks(count) => (count, "tracks", MOST_TRACKS, "solved"),
+        };
+        write!(f, "{count} {what} are more than {most}, which are {done}: leave less free")
+    }
+}
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -52,9 +67,14 @@ pub struct Chosen {
 pub fn choose(layout: &Layout, settings: &Settings, told: Tell) -> Result<Chosen, TooMany> {
     let choice = &layout.choice;
     let count = [choice.carts.len(), choice.motors.len(), choice.speeds.len(), choice.radii.len()].map(|n| n.max(1));
-    let count: usize = count.iter().product();
+    let numbers = choice.counts.iter().map(|free| free.counts.len());
+    let count = count.into_iter().chain(numbers).fold(1, usize::saturating_mul);
     if count > MOST {
-        return Err(TooMany(count));
+        return Err(TooMany::Candidates(count));
+    }
+    let asked = tracks::asked(layout).len();
+    if asked > MOST_TRACKS {
+        return Err(TooMany::Tracks(asked));
     }
     let (tracks, untracked) = tracks::tracks(layout, &settings.options, told);
     let carts = tracks::carts(layout);
@@ -157,6 +177,13 @@ impl Chosen {
 
     pub fn track(&self, candidate: &Candidate) -> &Track {
         &self.tracks[self.fitted[candidate.fitted].track]
+    }
+
+    /// Numbers of equipment that a candidate has where they are free, by name.
+    pub fn numbers(&self, candidate: &Candidate) -> Vec<(&str, usize)> {
+        let declared = &self.layout.equipment.declared;
+        let free = self.layout.choice.counts.iter().zip(&self.track(candidate).counts);
+        free.flat_map(|(free, count)| free.declared.iter().map(|k| (declared[*k].name.as_str(), *count))).collect()
     }
 
     /// How many candidates with the fewest motors fall short of a requirement.

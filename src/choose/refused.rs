@@ -52,13 +52,15 @@ fn free(chosen: &Chosen) -> Span {
 pub fn words(chosen: &Chosen, candidate: &Candidate) -> String {
     let (cart, motor) = (chosen.cart(candidate), chosen.motor(candidate));
     let radius = chosen.track(candidate).radius;
+    let numbers = chosen.numbers(candidate).into_iter().map(|(name, count)| format!(", {count} × {name}"));
     format!(
-        "cart {} {} mm at {} m/s with {} × {}{}",
+        "cart {} {} mm at {} m/s with {} × {}{}{}",
         cart.name,
         trimmed(cart.length * 1e3, 3),
         trimmed(candidate.speed, 4),
         candidate.motors,
         motor.name,
+        numbers.collect::<String>(),
         radius.map_or_else(String::new, |radius| format!(", least radius {} m", trimmed(radius, 3)))
     )
 }

@@ -1,11 +1,11 @@
-//! The tracks that a choice is made on: one for each least radius, and where the chain has to close one for each length of
-//! cart. Each is the best of the layout's own objective, with its own proof.
+//! The tracks that a choice is made on: one for each least radius and each number of equipment, and where the chain has to
+//! close one for each length of cart. Each is the best of the layout's own objective, with its own proof.
 
 use super::drive::Lap;
 use super::settings::{Tell, Told};
 use crate::base::parallel;
 use crate::compiled::Compiled;
-use crate::model::{Cart, Layout};
+use crate::model::{Cart, Layout, Stands};
 use crate::solve::{self, Options, Stage};
 
 /// A track.
@@ -15,6 +15,8 @@ pub struct Track {
     pub radius: Option<f64>,
     /// Length of cart that it closes for, m; `None` where any may be tried on it.
     pub length: Option<f64>,
+    /// Numbers of equipment, one for each that is free.
+    pub counts: Vec<usize>,
     pub compiled: Compiled,
     pub lap: Lap,
     /// Whether no track is better for the layout's objective.
@@ -26,6 +28,7 @@ pub struct Track {
 pub struct NoTrack {
     pub radius: Option<f64>,
     pub length: Option<f64>,
+    pub counts: Vec<usize>,
     /// The layout that was asked for, and how far its solve came.
     pub layout: Box<Layout>,
     pub stages: Vec<Stage>,
@@ -39,8 +42,11 @@ pub fn carts(layout: &Layout) -> Vec<&Cart> {
     }
 }
 
-/// Solves all tracks, in the order of radii and lengths.
-pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Vec<NoTrack>) {
+/// What a track is asked for with: least radius, length of cart, and numbers of equipment.
+type Asked = (Option<f64>, Option<f64>, Vec<usize>);
+
+/// All that are asked for, in the order of radii, lengths and numbers.
+pub fn asked(layout: &Layout) -> Vec<Asked> {
     let radii: Vec<Option<f64>> = match layout.choice.radii.is_empty() {
         true => vec![None],
         false => layout.choice.radii.iter().copied().map(Some).collect(),
@@ -51,11 +57,20 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
         lengths.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
         lengths.dedup();
     }
-    let asked: Vec<(Option<f64>, Option<f64>)> =
-        radii.iter().flat_map(|radius| lengths.iter().map(|length| (*radius, *length))).collect();
+    let numbers = layout.choice.counts.iter().fold(vec![Vec::new()], |all: Vec<Vec<usize>>, free| {
+        let with = |known: &Vec<usize>, count: usize| known.iter().copied().chain([count]).collect();
+        all.iter().flat_map(|known| free.counts.iter().map(move |count| with(known, *count))).collect()
+    });
+    let with = |radius: Option<f64>, length: Option<f64>| numbers.iter().map(move |n| (radius, length, n.clone()));
+    radii.iter().flat_map(|radius| lengths.iter().flat_map(move |length| with(*radius, *length))).collect()
+}
+
+/// Solves all tracks that are asked for.
+pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Vec<NoTrack>) {
+    let asked = asked(layout);
     let alone = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
-    let solved = parallel::map(&asked, options.threads, |(radius, length)| {
-        let layout = variant(layout, *radius, *length);
+    let solved = parallel::map(&asked, options.threads, |(radius, length, counts)| {
+        let layout = variant(layout, *radius, *length, counts);
         let stages = solve::solve(&layout, &alone, &|_| ());
         told(Told::Track);
         let compiled = Compiled::new(layout, stages);
@@ -64,12 +79,14 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
             true => Err(NoTrack {
                 radius: *radius,
                 length: *length,
+                counts: counts.clone(),
                 layout: Box::new(compiled.layout),
                 stages: compiled.stages,
             }),
             false => Ok(Track {
                 radius: *radius,
                 length: *length,
+                counts: counts.clone(),
                 lap: Lap::new(&compiled.space.line),
                 proven: compiled.stages.last().and_then(|s| s.certificate.as_ref()).is_some_and(|c| c.proven),
                 compiled,
@@ -86,8 +103,8 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
     (found, none)
 }
 
-/// The layout with a least radius, and a cart of a length.
-fn variant(layout: &Layout, radius: Option<f64>, length: Option<f64>) -> Layout {
+/// The layout with a least radius, a cart of a length, and so much equipment.
+fn variant(layout: &Layout, radius: Option<f64>, length: Option<f64>, counts: &[usize]) -> Layout {
     let mut variant = layout.clone();
     if let Some(radius) = radius {
         variant.radii.value.low = radius;
@@ -96,6 +113,13 @@ fn variant(layout: &Layout, radius: Option<f64>, length: Option<f64>) -> Layout 
         let near = carts(layout).into_iter().find(|cart| cart.length == length);
         if let Some(cart) = near {
             variant.cart = cart.clone();
+        }
+    }
+    for (free, number) in layout.choice.counts.iter().zip(counts) {
+        for &index in &free.declared {
+            if let Stands::Free { count, .. } = &mut variant.equipment.declared[index].stands {
+                *count = *number;
+            }
         }
     }
     // Rows of motors are chosen anew: the old ones keep no room.

@@ -3,7 +3,7 @@
 use super::candidate::Candidate;
 use super::find::Chosen;
 use crate::base::number::trimmed;
-use crate::model::Motors;
+use crate::model::{CountPlace, Motors};
 use crate::source::{SourceMap, Span};
 use crate::syntax;
 
@@ -19,13 +19,15 @@ pub struct Lines {
     /// Where motors stand; empty where the layout's own stay.
     pub places: Vec<String>,
     pub radii: Option<String>,
+    /// Of equipment whose number was free.
+    pub numbers: Vec<String>,
 }
 
 impl Lines {
     /// All of them, in the order of a layout.
     pub fn all(&self) -> Vec<&str> {
         let first = [Some(&self.cart), self.motor.as_ref(), Some(&self.speed), self.radii.as_ref()];
-        first.into_iter().flatten().chain(&self.places).map(String::as_str).collect()
+        first.into_iter().flatten().chain(&self.places).chain(&self.numbers).map(String::as_str).collect()
     }
 }
 
@@ -48,7 +50,9 @@ pub fn lines(chosen: &Chosen, candidate: &Candidate) -> Option<Lines> {
         }
     };
     let cart = chosen.cart(candidate);
+    let numbers = places_of_numbers(chosen, candidate);
     Some(Lines {
+        numbers: numbers.map(|(place, count)| place.line(count)).collect(),
         cart: format!(
             "cart {}",
             written.unwrap_or_else(|| format!("{}(length: {})", cart.name, millimetres(cart.length)))
@@ -63,6 +67,15 @@ pub fn lines(chosen: &Chosen, candidate: &Candidate) -> Option<Lines> {
     })
 }
 
+/// Where numbers of equipment stand that were free, with what a candidate has.
+fn places_of_numbers<'c>(
+    chosen: &'c Chosen,
+    candidate: &Candidate,
+) -> impl Iterator<Item = (&'c CountPlace, usize)> + use<'c> {
+    let counts = chosen.layout.choice.counts.iter().zip(&chosen.track(candidate).counts);
+    counts.flat_map(|(free, count)| free.places.iter().map(|place| (place, *count)))
+}
+
 /// The text of the layout's file with a candidate's lines. `None` where what they replace stands in another file, and where
 /// the motors do not fit.
 pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Option<String> {
@@ -72,7 +85,11 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     let cart = at.cart?;
     let all = [Some(cart), at.speed, at.motor, at.radii];
     let vertices = chosen.layout.vertices.iter().map(|vertex| &vertex.span);
-    if all.iter().flatten().chain(&at.places).chain(&at.free).chain(vertices).any(|span| span.file != file) {
+    let numbers = || places_of_numbers(chosen, candidate);
+    let elsewhere = |span: &Span| span.file != file;
+    if all.iter().flatten().chain(&at.places).chain(&at.free).chain(vertices).any(elsewhere)
+        || numbers().any(|(place, _)| elsewhere(&place.span))
+    {
         return None;
     }
     let mut edits: Vec<(Span, String)> = Vec::new();
@@ -112,6 +129,7 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     let own = sources.text(cart).to_owned();
     let cart_line = if chosen.layout.choice.carts.is_empty() { own } else { lines.cart };
     edits.push((cart, cart_line + &behind));
+    edits.extend(numbers().map(|(place, count)| (place.span, format!("{}{count}", place.word))));
     edits.extend(removed.into_iter().map(|span| (span, String::new())));
     edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
     let mut text = sources.file(file).text.to_string();

@@ -3,7 +3,7 @@
 use super::progress::Line;
 use super::{MessageFormat, Outcome, OutputFormat, could_not, limits, read, report};
 use crate::base::json::to_json;
-use crate::choose::{self, Measure, Settings, Told, TooMany, refused, write};
+use crate::choose::{self, Measure, Settings, Told, refused, write};
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::Width;
 use crate::emit::Files;
@@ -87,11 +87,8 @@ impl Choose {
         line.finish();
         let chosen = match chosen {
             Ok(chosen) => chosen,
-            Err(TooMany(count)) => {
-                let most = choose::find::MOST;
-                report::error(&format!(
-                    "{count} candidates are more than {most}, which are looked at: leave less free"
-                ));
+            Err(too_many) => {
+                report::error(&too_many.to_string());
                 return Outcome::Problems;
             }
         };

@@ -29,6 +29,8 @@ impl Compiled {
         let mut inductions: Vec<(f64, String)> =
             layout.equipment.inductions.iter().map(|i| (self.station(i.place).s, i.name.clone())).collect();
         inductions.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Several of one name stand beside each other.
+        inductions.dedup_by(|a, b| a.1 == b.1);
         let is_row =
             |d: &crate::model::Declared| d.of.kind == EquipmentKind::Chute && matches!(d.stands, Stands::Free { .. });
         let rows: Vec<usize> =

@@ -3,7 +3,7 @@
 use super::Compiled;
 use crate::capacity::Sorter;
 use crate::capacity::sorter::{Chute, Failures, Induction, Items, Scanner, Stops, Wave, Waves};
-use crate::model::{self, Capacity, FailureOf, SCANNERS};
+use crate::model::{self, Capacity, EquipmentKind, FailureOf, SCANNERS};
 
 impl Compiled {
     /// The sorter of a layout: a carrier a cart, inductions, scanners and chutes where they stand along the track, and what
@@ -19,12 +19,16 @@ impl Compiled {
             let found = failures.iter().find(|failure| failure.of == of)?;
             Some(Failures { name: name.to_owned(), between: found.every, duration: found.duration })
         };
-        let induction = |(i, induction): (usize, &model::Induction)| {
+        let names = equipment.names(EquipmentKind::Induction);
+        let induction = |(k, induction): (usize, &model::Induction)| {
+            let i = names.iter().position(|name| *name == induction.name).unwrap_or(k);
             let feed = feeds.iter().find(|feed| feed.induction == i);
+            // What comes is shared by those of one name.
+            let count = equipment.inductions.iter().filter(|other| other.name == induction.name).count();
             Induction {
-                name: induction.name.clone(),
+                name: equipment.induction_name(k),
                 s: self.station(induction.place).s,
-                demand: feed.and_then(|feed| feed.rate),
+                demand: feed.and_then(|feed| feed.rate).map(|rate| rate / count as f64),
                 most: feed.and_then(|feed| feed.most).unwrap_or(f64::INFINITY),
                 efficiency: feed.map_or(1.0, |feed| feed.efficiency),
                 to: feed.filter(|feed| !feed.shares.is_empty()).map(|feed| self.of_rows(&feed.shares, !waves_say)),

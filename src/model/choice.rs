@@ -16,6 +16,8 @@ pub struct Choice {
     pub speeds: Vec<f64>,
     /// Least radii of the track, m, ascending: each makes a track of its own.
     pub radii: Vec<f64>,
+    /// Numbers of equipment: each choice of them makes a track of its own.
+    pub counts: Vec<FreeCount>,
     pub drive: DriveDuty,
     pub energy: Option<EnergyUse>,
     #[serde(skip)]
@@ -32,10 +34,41 @@ pub struct Free<T> {
     pub written: String,
 }
 
+/// How many of some equipment there may be.
+#[derive(Clone, Debug, Serialize)]
+pub struct FreeCount {
+    /// Indices into what the layout declares of equipment: there are as many of each.
+    pub declared: Vec<usize>,
+    /// Ascending.
+    pub counts: Vec<usize>,
+    /// Where each one's number stands, or where it would.
+    #[serde(skip)]
+    pub places: Vec<CountPlace>,
+}
+
+/// Where a statement says how many, or would.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CountPlace {
+    /// What a number replaces; empty where none is said.
+    pub span: Span,
+    /// The statement before and behind it.
+    pub line: (String, String),
+    /// What comes before a number that is put in.
+    pub word: &'static str,
+}
+
+impl CountPlace {
+    /// The statement with a number.
+    pub fn line(&self, count: usize) -> String {
+        format!("{}{}{count}{}", self.line.0, self.word, self.line.1)
+    }
+}
+
 impl Choice {
     /// Whether something is free.
     pub fn is_open(&self) -> bool {
-        !(self.carts.is_empty() && self.motors.is_empty() && self.speeds.is_empty() && self.radii.is_empty())
+        let components = self.carts.is_empty() && self.motors.is_empty() && self.speeds.is_empty();
+        !(components && self.radii.is_empty() && self.counts.is_empty())
     }
 }
 

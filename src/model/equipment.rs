@@ -44,6 +44,16 @@ pub struct Equipment {
 }
 
 impl Equipment {
+    /// What an induction is called: of several of one name, by number.
+    pub fn induction_name(&self, index: usize) -> String {
+        let name = &self.inductions[index].name;
+        let alike = |some: &[Induction]| some.iter().filter(|other| other.name == *name).count();
+        match alike(&self.inductions) {
+            1 => name.clone(),
+            _ => format!("{name} {}", alike(&self.inductions[..=index])),
+        }
+    }
+
     /// Names of inductions, and of rows of chutes, by the index that feeds and storages have.
     pub fn names(&self, kind: EquipmentKind) -> Vec<&str> {
         let own: Vec<&str> = match kind {
@@ -274,7 +284,10 @@ impl Declared {
 
     /// What the n-th is called, from 0.
     pub fn one(&self, n: usize) -> String {
-        if self.of.kind == EquipmentKind::Chute { format!("{} {}", self.name, n + 1) } else { self.name.clone() }
+        match self.of.kind == EquipmentKind::Chute || self.count() > 1 {
+            true => format!("{} {}", self.name, n + 1),
+            false => self.name.clone(),
+        }
     }
 }
 

@@ -158,7 +158,7 @@ impl Printer {
             Motors::Rows(rows) => rows.iter().for_each(|r| self.line(format!("motors {}", row(r)))),
         }
         self.capacity(layout);
-        self.choice(&layout.choice);
+        self.choice(&layout.choice, &layout.equipment);
         if let Some(supports) = &equipment.supports {
             self.line(format!("supports every {}", metres(supports.value)));
         }

@@ -353,6 +353,7 @@ pub(super) fn words_of(rule: Rule) -> Vec<String> {
         Rule::choose_motor => vec!["motor"],
         Rule::choose_speed => vec!["speed"],
         Rule::choose_radii => vec!["radii"],
+        Rule::choose_count => vec!["count"],
         _ => {
             let name = format!("{rule:?}");
             return name.strip_prefix("kw_").map(str::to_string).into_iter().collect();

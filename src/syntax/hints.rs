@@ -14,9 +14,9 @@ pub fn hint(text: &str, at: usize) -> Option<&'static str> {
         ("chutes", _) if token == "anywhere" && !before.contains(" at ") => {
             Some("say how many: `at least 10 anywhere`")
         }
-        ("chutes", _) if token == "at" && before.contains("at least") => {
-            Some("as many as `at least` says are placed, and no more: leave `at most` out")
-        }
+        ("chutes", _) if token == "at" && before.contains("at least") => Some(
+            "as many as `at least` says are placed: leave `at most` out; a line such as `choose count row_a 8 .. 16 step 4` leaves open how many",
+        ),
         _ => None,
     }
 }
@@ -31,8 +31,5 @@ pub fn meant(text: &str, at: usize) -> Option<Edit> {
     if token_at(text, at) == "most" && last_word(before) == "at" {
         return Some(Edit { at, removed: "most".len(), inserted: "least".to_owned() });
     }
-    // On any straight.
-    let words = "on straights";
-    let begin = text.find(words).filter(|begin| (*begin..=begin + words.len() + 1).contains(&at))?;
-    Some(Edit { at: begin, removed: words.len(), inserted: "anywhere".to_owned() })
+    None
 }

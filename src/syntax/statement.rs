@@ -107,8 +107,8 @@ impl Builder<'_> {
             },
             Rule::choose => {
                 let what = |part: &Pair<Rule>| {
-                    use Rule::{choose_cart, choose_motor, choose_radii, choose_speed};
-                    matches!(part.as_rule(), choose_cart | choose_motor | choose_speed | choose_radii)
+                    use Rule::{choose_cart, choose_count, choose_motor, choose_radii, choose_speed};
+                    matches!(part.as_rule(), choose_cart | choose_motor | choose_speed | choose_radii | choose_count)
                 };
                 self.choose(parts.find(what)?)?
             }
@@ -171,6 +171,11 @@ impl Builder<'_> {
             let values = self.expression(take(&mut parts, Rule::expr)?)?;
             let of = if rule == Rule::choose_speed { Statement::ChooseSpeed } else { Statement::ChooseRadii };
             return Some(of(values));
+        }
+        if rule == Rule::choose_count {
+            let names: Vec<Pair<Rule>> = parts.clone().filter(|part| part.as_rule() == Rule::name).collect();
+            let equipment = names.iter().map(|name| self.name(name)).collect();
+            return Some(Statement::ChooseCount { equipment, counts: self.expression(take(&mut parts, Rule::expr)?)? });
         }
         let (mut references, mut lengths, mut on_straights) = (Vec::new(), None, false);
         for part in parts {
@@ -239,18 +244,26 @@ impl Builder<'_> {
     }
 
     fn anywhere(&mut self, pair: Pair<Rule>) -> Option<EquippedPlace> {
-        let (mut on, mut after, mut before) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut on, mut after, mut before) = (Vec::new(), After::Names(Vec::new()), Vec::new());
+        let mut straights = false;
         for part in pair.into_inner() {
             match part.as_rule() {
                 Rule::section => on.push(self.section_of(part)?),
+                Rule::kw_straights => straights = true,
                 rule @ (Rule::after | Rule::before) => {
-                    let names = part.into_inner().filter(|p| p.as_rule() == Rule::name).map(|p| self.name(&p));
-                    if rule == Rule::after { &mut after } else { &mut before }.extend(names);
+                    let mut parts = part.into_inner();
+                    let zone = parts.clone().find(|p| p.as_rule() == Rule::each_zone);
+                    let names = parts.by_ref().filter(|p| p.as_rule() == Rule::name).map(|p| self.name(&p)).collect();
+                    match (rule, zone) {
+                        (Rule::before, _) => before = names,
+                        (_, Some(zone)) => after = After::EachZone(self.span_of(&zone)),
+                        (_, None) => after = After::Names(names),
+                    }
                 }
                 _ => {}
             }
         }
-        Some(EquippedPlace::Free { least: None, on, after, before })
+        Some(EquippedPlace::Free { least: None, on, straights, after, before })
     }
 
     fn value(&mut self, parts: &mut Pairs<Rule>) -> Option<Expr> {

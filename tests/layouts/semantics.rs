@@ -575,3 +575,97 @@ fn a_choice_is_checked() {
         assert_eq!(errors, [code], "{statements}: {}", report(&sources, &analysis));
     }
 }
+
+/// Two zones of equipment that stands freely, with more statements.
+fn zones(statements: &str) -> String {
+    let lines = "  start on A..B at 1 m\n  induction west of induction_45 at least 2 on A..B\n  \
+         chutes row_a of chute at least 4 on A..B after west before east\n  induction east of induction_45 on C..D\n  \
+         chutes row_b of chute at least 4 on straights after east\n  \
+         chutes row_c of chute at least 4 on C..D after row_b\n";
+    with(&format!("{lines}{statements}")).replace(HEAD, &format!("{HEAD}use std.equipment\n"))
+}
+
+/// The names that equipment comes after and before.
+fn order(layout: &Layout, name: &str) -> (Vec<String>, Vec<String>) {
+    let declared = layout.equipment.declared.iter().find(|declared| declared.name == name);
+    let Some(model::Stands::Free { after, before, .. }) = declared.map(|declared| &declared.stands) else {
+        panic!("`{name}` stands freely")
+    };
+    (after.clone(), before.clone())
+}
+
+#[test]
+fn there_is_one_piece_for_each_zone() {
+    let scan = "  scanner scan of scanner_portal on straights after the last induction of each zone";
+    let layout = built(&zones(scan));
+    // `row_c` is behind `row_b` in the same zone, and behind it in the loop: what comes first has nothing between.
+    let names: Vec<&str> = layout.equipment.declared.iter().map(|d| d.name.as_str()).collect();
+    assert_eq!(names, ["west", "row_a", "east", "row_b", "row_c", "scan_1", "scan_2"]);
+    let list = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    assert_eq!(order(&layout, "scan_1"), (list(&["west"]), list(&["row_a"])));
+    assert_eq!(order(&layout, "scan_2"), (list(&["east"]), list(&["row_b"])));
+    assert_eq!(built(&model::print(&layout)).equipment.declared.len(), 7);
+
+    // Places that the layout gives say the order, too, from its start on.
+    let given = "  start on B..C at 1 m\n  induction west on C..D at 30 m\n  chutes row_a on C..D from 2 m every 1.25 m count 4\n  \
+         induction east on B..C at 2 m\n  chutes row_b on A..B from 6 m every 1.25 m count 4\n";
+    let text = with(&format!("{given}{scan}")).replace(HEAD, &format!("{HEAD}use std.equipment\n"));
+    let layout = built(&text);
+    assert_eq!(order(&layout, "scan_1"), (list(&["east"]), list(&["row_a"])));
+    assert_eq!(order(&layout, "scan_2"), (list(&["west"]), list(&["row_b"])));
+
+    // With one zone it keeps its name.
+    let one = "  induction west on A..B at 2 m\n  chutes row_a of chute at least 4 on A..B after west\n";
+    let text = with(&format!("{one}{scan} before row_a")).replace(HEAD, &format!("{HEAD}use std.equipment\n"));
+    assert_eq!(order(&built(&text), "scan"), (list(&["west"]), list(&["row_a"])));
+}
+
+#[test]
+fn zones_that_are_none_are_told() {
+    let last = "after the last induction of each zone";
+    for (statements, code, words) in [
+        (format!("scanner s of scanner_portal anywhere {last}\n  gate s_1 of gate_walkway anywhere"), "E0212", "`s_1`"),
+        (format!("chutes row_d of chute at least 4 anywhere {last}"), "E0502", "itself of a zone"),
+        (format!("induction s of induction_45 anywhere {last}"), "E0502", "itself of a zone"),
+        ("scanner s of scanner_portal anywhere after the last".to_owned(), "E0101", "`induction`"),
+    ] {
+        let (sources, analysis) = check(&[("main.lss", &zones(&format!("  {statements}")))]);
+        let said = report(&sources, &analysis);
+        assert_eq!(codes(&analysis), [code], "{statements}: {said}");
+        assert!(said.contains(words), "{statements}: {said}");
+    }
+    let text = with(&format!("  induction west on A..B at 2 m\n  scanner s of scanner_portal anywhere {last}"));
+    let (_, analysis) = check(&[("main.lss", &text.replace(HEAD, &format!("{HEAD}use std.equipment\n")))]);
+    assert_eq!(codes(&analysis), ["E0214"]);
+}
+
+#[test]
+fn numbers_of_equipment_may_be_free() {
+    let layout = built(&zones("  choose count west, east [2, 1]\n  choose count row_a 4 .. 12 step 4"));
+    let [both, row] = &layout.choice.counts[..] else { panic!("two lines") };
+    assert_eq!((&both.declared[..], &both.counts[..]), (&[0, 2][..], &[1, 2][..]));
+    assert_eq!((&row.declared[..], &row.counts[..]), (&[1][..], &[4, 8, 12][..]));
+    assert!(layout.choice.is_open());
+    // What is built until then is what the lines say, and a number goes where it is or would be.
+    assert_eq!(layout.equipment.declared[0].count(), 2);
+    assert_eq!(both.places[0].line(3), "induction west of induction_45 at least 3 on A..B");
+    assert_eq!(both.places[1].line(3), "induction east of induction_45 at least 3 on C..D");
+    let printed = model::print(&layout);
+    assert_eq!(model::print(&built(&printed)), printed);
+    for (statements, code, words) in [
+        ("choose count west [1, 2.5]", "E0306", "whole"),
+        ("choose count west [0, 2]", "E0306", "at least 1"),
+        ("choose count west [1 m]", "E0301", ""),
+        ("choose count west 1 .. 3", "E0304", "a range with a step"),
+        ("choose count wets [1, 2]", "E0218", "did you mean `west`?"),
+        ("choose count west, west [1, 2]", "E0213", "`west`"),
+        ("choose count west [1, 2]\n  choose count row_a, west [1, 2]", "E0213", "`west`"),
+        ("choose count [1, 2]", "E0101", ""),
+        ("chutes row_d on A..B from 30 m every 1 m count 3\n  choose count row_d [1, 2]", "E0218", "cannot be chosen"),
+    ] {
+        let (sources, analysis) = check(&[("main.lss", &zones(&format!("  {statements}")))]);
+        let said = report(&sources, &analysis);
+        assert_eq!(codes(&analysis), [code], "{statements}: {said}");
+        assert!(said.contains(words), "{statements}: {said}");
+    }
+}

@@ -34,9 +34,7 @@ fn what_is_written_is_what_was_promised() {
     let built = folder.path().join("built");
     let out = lss().arg("build").arg(&written).arg("-o").arg(&built).assert().success();
     assert_eq!(String::from_utf8_lossy(&out.get_output().stderr), "", "nothing to be said of it");
-    let bill: Value = serde_json::from_slice(&fs::read(built.join("bom.json")).expect("a bill")).expect("JSON");
-    let beside = bill["beside"].as_array().expect("lines").iter().filter_map(|line| line["price_eur"].as_f64());
-    let price = bill["price_eur"].as_f64().expect("a price") + beside.sum::<f64>();
+    let price = price(&built);
     assert!((price - choice["price_eur"].as_f64().expect("a price")).abs() < 0.005, "{price}");
     let motors: usize = text.lines().filter_map(|line| line.trim().strip_prefix("motors on ")).map(count).sum();
     assert_eq!(choice["motors"], motors);
@@ -163,4 +161,67 @@ fn measures_are_two_or_three_unlike_ones() {
     }
     let out = lss().args(["choose", "examples/capacity.lss", "--pareto", "price,energy"]).assert().code(2);
     assert!(String::from_utf8_lossy(&out.get_output().stderr).contains("how long the sorter runs"));
+}
+
+const NUMBERS: &str = "use std.carts.tilt_tray\nuse std.equipment\nuse std.tracks.standard\n\nlayout hub {\n  \
+    catalog standard\n  cart tilt_tray(length: 1000 mm)\n  speed 2 m/s\n  width 1.2 m\n  \
+    choose count west, east [1, 2]\n  choose count row_a 6 .. 10 step 4\n  \
+    vertex P1 (0 m, 0 m) radius 4 m\n  vertex P2 (50 m, 0 m) radius 4 m\n  \
+    vertex P3 (50 m, 14.465 m) radius 4 m\n  vertex P4 (0 m, 14.465 m) radius 4 m\n  start on P1..P2 at 0 m\n  \
+    motors 20 evenly\n  induction west of induction_45 on P1..P2\n  chutes row_a of chute at least 6 on P1..P2 after west\n  \
+    induction east of induction_45 on P3..P4\n  chutes row_b of chute at least 8 on P3..P4 after east\n  \
+    scanner scan of scanner_portal on straights after the last induction of each zone\n  \
+    feed west 2600 per hour up to 1500 per hour\n  feed east 2600 per hour up to 1500 per hour\n  \
+    storage row_a 40 every 12 s\n  storage row_b 40 every 12 s\n  \
+    require capacity >= 4900 per hour\n  optimise nothing\n}\n";
+
+/// Every number of equipment is what a layout gives that says so, and the one that is chosen is written where it belongs.
+#[test]
+fn numbers_of_equipment_are_chosen() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("hub.lss");
+    fs::write(&file, NUMBERS).expect("a layout");
+    let out =
+        lss().arg("choose").arg(&file).args(["--format", "json", "--checks", "0", "-o"]).arg(folder.path()).assert();
+    let found: Value = serde_json::from_slice(&out.success().get_output().stdout).expect("JSON");
+    let mut reader = csv::Reader::from_path(folder.path().join("candidates.csv")).expect("a table");
+    let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(|row| row.expect("a row")).collect();
+    assert_eq!((rows.len(), &found["tracks"]), (4, &Value::from(4)));
+    let without: Vec<&str> = NUMBERS.lines().filter(|line| !line.contains("choose count")).collect();
+    let mut least = f64::INFINITY;
+    for row in &rows {
+        let text = without.join("\n").replace("induction_45 on", &format!("induction_45 at least {} on", row["west"]));
+        let text = text.replace("at least 6", &format!("at least {}", row["row_a"])) + "\n";
+        let one = folder.path().join("one.lss");
+        fs::write(&one, text).expect("a layout");
+        // One that takes too little is an error, whose files are written all the same.
+        let built = folder.path().join("one");
+        let _ = lss().arg("build").arg(&one).arg("-o").arg(&built).assert();
+        near(price(&built), &row["price_eur"]);
+        let out = lss().arg("capacity").arg(&one).args(["--format", "json", "--hours", "0.5"]).assert();
+        let capacity: Value = serde_json::from_slice(&out.get_output().stdout).expect("JSON");
+        near(capacity["bound_per_hour"].as_f64().expect("a capacity"), &row["capacity_per_hour"]);
+        let number = |name: &str| row[name].parse::<f64>().expect("a number");
+        assert_eq!(row["short_of"].is_empty(), number("capacity_per_hour") >= 4900.0, "{row:?}");
+        if row["short_of"].is_empty() {
+            least = least.min(number("total_eur"));
+        }
+    }
+    assert!((found["choice"]["total_eur"].as_f64().expect("a total") - least).abs() < 0.01);
+    assert_eq!(found["choice"]["equipment"], serde_json::json!({ "west": 2, "east": 2, "row_a": 10 }));
+    let text = fs::read_to_string(folder.path().join("layout.lss")).expect("a layout");
+    assert!(!text.contains("choose") && text.contains("induction east of induction_45 at least 2 on P3..P4"), "{text}");
+    assert!(text.contains("chutes row_a of chute at least 10 on P1..P2 after west"), "{text}");
+}
+
+fn near(found: f64, told: &str) {
+    let told: f64 = told.parse().expect("a number");
+    assert!((found - told).abs() < 0.01, "{found} {told}");
+}
+
+/// Of everything that is built into a folder, EUR.
+fn price(folder: &Path) -> f64 {
+    let bill: Value = serde_json::from_slice(&fs::read(folder.join("bom.json")).expect("a bill")).expect("JSON");
+    let beside = bill["beside"].as_array().expect("lines").iter().filter_map(|line| line["price_eur"].as_f64());
+    bill["price_eur"].as_f64().expect("a price") + beside.sum::<f64>()
 }

@@ -176,8 +176,8 @@ fn equipment(compiled: &Compiled) -> Vec<Equipment> {
     if let Some(place) = equipment.photocell {
         items.push(item(EquipmentKind::Photocell, "photocell".to_owned(), compiled.station(place)));
     }
-    for induction in &equipment.inductions {
-        items.push(item(EquipmentKind::Induction, induction.name.clone(), compiled.station(induction.place)));
+    for (i, induction) in equipment.inductions.iter().enumerate() {
+        items.push(item(EquipmentKind::Induction, equipment.induction_name(i), compiled.station(induction.place)));
     }
     for chutes in &equipment.chutes {
         for (i, station) in compiled.chutes(chutes).into_iter().enumerate() {

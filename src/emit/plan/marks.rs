@@ -52,8 +52,8 @@ pub fn marks(compiled: &Compiled) -> Vec<Mark> {
     if let Some(place) = equipment.photocell {
         add(MarkKind::Photocell, compiled.station(place), Some("photocell".to_owned()));
     }
-    for induction in &equipment.inductions {
-        add(MarkKind::Induction, compiled.station(induction.place), Some(induction.name.clone()));
+    for (i, induction) in equipment.inductions.iter().enumerate() {
+        add(MarkKind::Induction, compiled.station(induction.place), Some(equipment.induction_name(i)));
     }
     for chutes in &equipment.chutes {
         let count = chutes.count();

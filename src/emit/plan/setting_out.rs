@@ -87,8 +87,8 @@ fn equipment(compiled: &Compiled) -> Vec<SettingPoint> {
     if let Some(place) = equipment.photocell {
         add("photocell".to_owned(), compiled.station(place));
     }
-    for induction in &equipment.inductions {
-        add(induction.name.clone(), compiled.station(induction.place));
+    for (i, induction) in equipment.inductions.iter().enumerate() {
+        add(equipment.induction_name(i), compiled.station(induction.place));
     }
     for chutes in &equipment.chutes {
         let ends = ends(compiled, chutes);

@@ -1,6 +1,6 @@
 //! What of the components is free, as text.
 
-use super::super::{Cart, Choice, Free, Motor, Strength};
+use super::super::{Cart, Choice, Equipment, Free, Motor, Strength};
 use super::{Printer, list, metres, number, unit};
 use std::fmt::Write;
 
@@ -45,7 +45,7 @@ impl Printer {
     }
 
     /// The statements.
-    pub(super) fn choice(&mut self, choice: &Choice) {
+    pub(super) fn choice(&mut self, choice: &Choice, equipment: &Equipment) {
         if !choice.carts.is_empty() {
             let names: Vec<String> = choice.carts.iter().map(|cart| name_of(&cart.item)).collect();
             self.line(format!("choose cart {}", names.join(", ")));
@@ -61,6 +61,11 @@ impl Printer {
         }
         if !choice.radii.is_empty() {
             self.line(format!("choose radii {}", list(&choice.radii)));
+        }
+        for free in &choice.counts {
+            let names: Vec<&str> = free.declared.iter().map(|index| equipment.declared[*index].name.as_str()).collect();
+            let counts: Vec<String> = free.counts.iter().map(ToString::to_string).collect();
+            self.line(format!("choose count {} [{}]", names.join(", "), counts.join(", ")));
         }
         let drive = &choice.drive;
         let mut text = String::from("drive");

@@ -58,9 +58,9 @@ fn statement(layout: &Layout, declared: &Declared, of: &str) -> String {
             format!("on {section} from {} every {} count {count}", metres(place.at), metres(*every))
         }
         Stands::Free { count, on, after, before } => {
-            let least = match declared.of.kind {
-                EquipmentKind::Chute => format!("at least {} ", number(*count as f64)),
-                _ => String::new(),
+            let least = match declared.of.kind == EquipmentKind::Chute || *count > 1 {
+                true => format!("at least {} ", number(*count as f64)),
+                false => String::new(),
             };
             let sections: Vec<String> = on.iter().map(|section| section_text(*section, &names)).collect();
             let on = if on.is_empty() { "anywhere".to_owned() } else { format!("on {}", sections.join(", ")) };

@@ -7,6 +7,7 @@ use crate::choose::refused::{failures, limited, mean_words, short_words, simulat
 use crate::choose::{Candidate, Check, Chosen, Measure, Requirement, write};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Candidates that are told of, the cheapest first, and those of them that failed their checks.
@@ -51,6 +52,9 @@ struct Row {
     motors: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     least_radius_m: Option<f64>,
+    /// Numbers of equipment that were free.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    equipment: BTreeMap<String, usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     capacity_per_hour: Option<f64>,
     /// Simulated, with items at every induction at any time: a mean and half its interval of 95 %. Absent where no
@@ -162,6 +166,7 @@ impl Row {
             motor: motor.name.clone(),
             motors: c.motors,
             least_radius_m: track.radius,
+            equipment: chosen.numbers(c).into_iter().map(|(name, count)| (name.to_owned(), count)).collect(),
             capacity_per_hour: c.capacity.as_ref().map(|bound| rounded(bound.throughput)),
             simulated_per_hour: chosen
                 .takes(c)
@@ -422,7 +427,7 @@ impl Trade {
 /// `candidates.csv`: every candidate with what it falls short of.
 pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let heads = [
+    let mut heads = vec![
         "cart",
         "cart_length_m",
         "carts",
@@ -445,12 +450,16 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
         "total_eur",
         "short_of",
     ];
+    let numbers = chosen.layout.choice.counts.iter().flat_map(|free| &free.declared);
+    let numbers: Vec<&str> = numbers.map(|k| chosen.layout.equipment.declared[*k].name.as_str()).collect();
+    let short_of = heads.len() - 1;
+    heads.splice(short_of..short_of, numbers.iter().copied());
     writer.write_record(heads).map_err(|why| why.to_string())?;
     let some = |value: Option<f64>, decimals: usize| value.map_or_else(String::new, |x| fixed(x, decimals));
     for c in &chosen.candidates[..chosen.worked_out] {
         let row = Row::new(chosen, c);
         let short: Vec<String> = c.shortfalls.iter().map(short_words).collect();
-        let cells = [
+        let mut cells = vec![
             row.cart,
             trimmed(row.cart_length_m, 6),
             row.carts.to_string(),
@@ -473,6 +482,8 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
             fixed(row.total_eur, 2),
             short.join("; "),
         ];
+        let counts = numbers.iter().filter_map(|name| row.equipment.get(*name)).map(usize::to_string);
+        cells.splice(short_of..short_of, counts);
         writer.write_record(cells).map_err(|why| why.to_string())?;
     }
     writer.into_inner().map_err(|why| why.to_string())

@@ -6,8 +6,8 @@ use crate::base::number::shortest;
 use crate::base::words::with_article;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
-    Capacity, Equipment, EquipmentKind, Failure, FailureOf, Feed, Items, RequiredCapacity, SCANNERS, Stops, Storage,
-    Wave, Waves,
+    Capacity, Declared, Equipment, EquipmentKind, Failure, FailureOf, Feed, Items, RequiredCapacity, SCANNERS, Stops,
+    Storage, Wave, Waves,
 };
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::Bounds;
@@ -117,7 +117,16 @@ impl<'t> Context<'t> {
                 let efficiency = share(efficiency, "the efficiency", USED, 1.0);
                 let shares = self.row_shares(draft, placed, equipment, shares, "an induction");
                 let (rate, most, efficiency, span) = (rate_of?, most?, efficiency?, placed.span);
-                if let Some((comes, most)) = rate.zip(most).filter(|(comes, most)| comes > most) {
+                let declared = equipment.declared.iter().find(|declared| declared.name == induction.text);
+                let count = declared.map_or(1, Declared::count) as f64;
+                let all = most.map(|most| most * count);
+                // How many there are is another question where it can be chosen.
+                let chosen = |placed: &Placed| match placed.statement {
+                    Statement::ChooseCount { equipment, .. } => equipment.iter().any(|n| n.text == induction.text),
+                    _ => false,
+                };
+                let fixed = !draft.statements.iter().any(chosen);
+                if let Some((comes, most)) = rate.zip(all).filter(|(comes, most)| fixed && comes > most) {
                     let message = format!("more items come to the induction `{}` than it takes", induction.text);
                     let label = format!("{} an hour come, of which it takes {}", shortest(comes), shortest(most));
                     let help = "raise `up to`, or let fewer come: what it does not take waits in front of it";

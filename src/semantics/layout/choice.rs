@@ -2,18 +2,20 @@
 
 use super::draft::{Draft, Placed};
 use super::{offered, offered_text};
-use crate::base::number::trimmed;
+use crate::base::number::{shortest, trimmed};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Cart, Catalog, Choice, DriveDuty, EnergyUse, Free, Interval, Motor};
+use crate::model::{
+    Cart, Catalog, Choice, CountPlace, DriveDuty, EnergyUse, Equipment, Free, FreeCount, Interval, Motor, Stands,
+};
 use crate::semantics::component::FieldValue;
 use crate::semantics::components;
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, FieldSpec, Presence, Shape};
-use crate::semantics::program::Space;
+use crate::semantics::program::{Space, mentions};
 use crate::semantics::scope::Context;
 use crate::semantics::value::{Value, metres};
-use crate::source::Spanned;
-use crate::syntax::tree::{DeclarationKind, Expr, Item, Reference, Statement};
+use crate::source::{Span, Spanned};
+use crate::syntax::tree::{DeclarationKind, EquippedPlace, Expr, Item, Name, Reference, Statement};
 
 /// s
 const TIME: Bounds = Bounds::above(0.0, 1e5);
@@ -27,6 +29,12 @@ const SPEEDS: FieldSpec = FieldSpec {
     presence: Presence::Optional,
     doc: "speeds of the chain",
 };
+const COUNTS: FieldSpec = FieldSpec {
+    path: "count",
+    shape: Shape::Numbers("", Bounds::between(1.0, 400.0)),
+    presence: Presence::Optional,
+    doc: "numbers of equipment",
+};
 const RADII: FieldSpec = FieldSpec {
     path: "radii",
     shape: Shape::Numbers("m", Bounds::above(0.0, 1e3)),
@@ -36,11 +44,24 @@ const RADII: FieldSpec = FieldSpec {
 
 impl<'t> Context<'t> {
     /// What is free, unless something of it has a mistake.
-    pub(super) fn choice(&self, draft: &Draft<'t>, catalog: Option<&Catalog>) -> Option<Choice> {
+    pub(super) fn choice(
+        &self,
+        draft: &Draft<'t>,
+        catalog: Option<&Catalog>,
+        equipment: Option<&Equipment>,
+    ) -> Option<Choice> {
         let mut choice = Choice::default();
         let mut sound = true;
         for placed in &draft.statements {
             sound &= self.leave_free(placed, catalog, &mut choice).is_some();
+            if let Statement::ChooseCount { equipment: names, counts } = placed.statement {
+                choice.statements.free.push(placed.span);
+                match self.free_count(draft, placed, names, counts, equipment) {
+                    Some(count) if self.is_said_once(names, &count, &choice) => choice.counts.push(count),
+                    Some(_) => sound = false,
+                    None => sound = false,
+                }
+            }
         }
         sound.then_some(choice)
     }
@@ -133,6 +154,82 @@ impl<'t> Context<'t> {
             return None;
         }
         Some(numbers)
+    }
+
+    /// Numbers of equipment that stands freely.
+    fn free_count(
+        &self,
+        draft: &Draft<'t>,
+        placed: &Placed<'t>,
+        names: &'t [Name],
+        counts: &'t Expr,
+        equipment: Option<&Equipment>,
+    ) -> Option<FreeCount> {
+        let numbers = self.free_numbers(placed, &COUNTS, counts)?;
+        if let Some(broken) = numbers.iter().find(|number| number.fract() != 0.0) {
+            let found = shortest(*broken);
+            self.report(
+                Diagnostic::new(Code::E0306, "a number of equipment is not a whole one", counts.span, &found)
+                    .expected("whole numbers", found.clone()),
+            );
+            return None;
+        }
+        let all = &equipment?.declared;
+        let mut free = FreeCount {
+            declared: Vec::new(),
+            counts: numbers.iter().map(|number| *number as usize).collect(),
+            places: Vec::new(),
+        };
+        for name in names {
+            let index = all.iter().position(|declared| declared.name == name.text);
+            let stands = index.map(|index| &all[index].stands);
+            if !matches!(stands, Some(Stands::Free { .. })) {
+                if draft.base_known && !mentions(&draft.bad, &name.text) {
+                    let message = format!("the number of `{}` cannot be chosen", name.text);
+                    let label = if index.is_some() { "its place is given" } else { "nothing that stands freely" };
+                    let diagnostic = Diagnostic::new(Code::E0218, message, name.span, label)
+                        .help("let it stand freely: `chutes row of chute at least 20 anywhere`");
+                    let known = all.iter().filter(|d| matches!(d.stands, Stands::Free { .. }));
+                    self.report(self.with_nearest(diagnostic, name, known.map(|declared| declared.name.as_str())));
+                }
+                return None;
+            }
+            free.declared.extend(index);
+            free.places.extend(draft.statements.iter().find_map(|placed| self.place_of_count(placed, &name.text)));
+        }
+        Some(free)
+    }
+
+    /// Where the statement of equipment of a name says how many.
+    fn place_of_count(&self, placed: &Placed<'t>, name: &str) -> Option<CountPlace> {
+        let Statement::Equipped(equipped) = placed.statement else { return None };
+        let EquippedPlace::Free { least, .. } = &equipped.place else { return None };
+        if equipped.name.text != name {
+            return None;
+        }
+        let (whole, of) = (placed.span, equipped.of.span);
+        let behind = of.start + self.sources.text(of).trim_end().len() as u32;
+        let (span, word) = match least {
+            Some(number) => (number.span, ""),
+            None => (Span { start: behind, end: behind, ..whole }, " at least "),
+        };
+        let text = |start, end| self.sources.text(Span { start, end, ..whole }).to_owned();
+        let line = (text(whole.start, span.start), text(span.end, whole.end).trim_end().to_owned());
+        Some(CountPlace { span, line, word })
+    }
+
+    /// Whether no number is left free twice.
+    fn is_said_once(&self, names: &[Name], free: &FreeCount, choice: &Choice) -> bool {
+        let before = |k: usize| {
+            let others = choice.counts.iter().flat_map(|other| &other.declared);
+            others.chain(&free.declared[..k]).any(|known| *known == free.declared[k])
+        };
+        let Some(name) = (0..free.declared.len()).find(|k| before(*k)).and_then(|k| names.get(k)) else { return true };
+        let message = format!("the number of `{}` is left free twice", name.text);
+        self.report(
+            Diagnostic::new(Code::E0213, message, name.span, "said again").help("name it in one `choose count` line"),
+        );
+        false
     }
 
     fn free_motor(&self, placed: &Placed<'t>, reference: &'t Reference) -> Option<Free<Motor>> {

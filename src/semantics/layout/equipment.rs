@@ -45,6 +45,8 @@ impl<'t> Context<'t> {
             }
             equipment.motors = Motors::Rows(rows.into_iter().map(|(row, _)| row).collect());
         }
+        let sections = geometry.vertices.as_ref().map_or(0, Vec::len);
+        sound = sound && self.fill_zones(draft, &mut equipment, sections).is_some();
         sound &= !sound || self.check_order(draft, &equipment).is_some();
         sound.then_some(equipment)
     }

@@ -25,15 +25,15 @@ impl<'t> Context<'t> {
         let stands = match &equipped.place {
             EquippedPlace::At(place) => self.along(placed, geometry, place).map(Stands::At),
             EquippedPlace::Row(row) => self.row_of(placed, geometry, row).map(Stands::Row),
-            EquippedPlace::Free { least, on, after, before } => {
+            EquippedPlace::Free { least, on, after, before, .. } => {
                 let count = match least {
                     None => Some(1),
-                    Some(least) => self.count(&placed.env, least, "the number of chutes", 1),
+                    Some(least) => self.count(&placed.env, least, "the number", 1),
                 };
                 let sections: Vec<_> = on.iter().map(|section| self.section(&geometry.named, section)).collect();
                 let on = sections.into_iter().collect::<Option<Vec<usize>>>();
                 let names = |names: &[Name]| names.iter().map(|name| name.text.clone()).collect();
-                let (after, before) = (names(after), names(before));
+                let (after, before) = (names(after.names()), names(before));
                 count.zip(on).map(|(count, on)| Stands::Free { count, on, after, before })
             }
         };
@@ -89,7 +89,7 @@ impl<'t> Context<'t> {
         for placed in &draft.statements {
             let Statement::Equipped(equipped) = placed.statement else { continue };
             let EquippedPlace::Free { after, before, .. } = &equipped.place else { continue };
-            for name in after.iter().chain(before) {
+            for name in after.names().iter().chain(before) {
                 if !all.contains(&name.text.as_str()) && draft.base_known && !mentions(&draft.bad, &name.text) {
                     let message = format!("nothing along the track is called `{}`", name.text);
                     let diagnostic = Diagnostic::new(Code::E0218, message, name.span, "not known here");

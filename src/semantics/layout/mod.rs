@@ -11,6 +11,7 @@ mod objective;
 mod route;
 mod sheet;
 mod vertices;
+mod zones;
 
 use std::rc::Rc;
 
@@ -58,7 +59,7 @@ impl<'t> Context<'t> {
         });
         let equipment = self.equipment(&draft, &geometry);
         let capacity = equipment.as_ref().and_then(|equipment| self.capacity(&draft, &geometry, equipment));
-        let choice = self.choice(&draft, catalog.as_ref());
+        let choice = self.choice(&draft, catalog.as_ref(), equipment.as_ref());
         let levels = self.levels(&draft, &geometry);
         let ramps = self.ramps(&draft, &geometry);
         let effects = self.effects(&draft);

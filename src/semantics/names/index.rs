@@ -223,6 +223,10 @@ impl Index<'_> {
                 carts.iter().for_each(|reference| self.reference(scope, cart, Some(reference)));
                 self.all(scope, lengths.iter().flat_map(|(low, high)| [low, high]));
             }
+            Statement::ChooseCount { equipment, counts } => {
+                equipment.iter().for_each(|name| self.along(scope, name));
+                self.expression(scope, counts);
+            }
             Statement::ChooseMotor { motors, .. } => {
                 let motor = Space::Component(DeclarationKind::Motor);
                 motors.iter().for_each(|reference| self.reference(scope, motor, Some(reference)));
@@ -337,18 +341,21 @@ impl Index<'_> {
                 self.expression(scope, &place.at);
             }
             EquippedPlace::Row(row) => self.row(scope, row),
-            EquippedPlace::Free { least, on, after, before } => {
+            EquippedPlace::Free { least, on, after, before, .. } => {
                 self.all(scope, least);
                 on.iter().for_each(|section| self.section(scope, section));
-                for name in after.iter().chain(before) {
-                    let parts = [Part::Induction, Part::Chutes, Part::Station];
-                    if let Some(part) = parts.into_iter().find(|part| scope.part(*part, &name.text).is_some()) {
-                        self.part(scope, part, name);
-                    }
-                }
+                after.names().iter().chain(before).for_each(|name| self.along(scope, name));
             }
         }
         equipped.fed.iter().for_each(|point| self.point(scope, point));
+    }
+
+    /// A name of something that stands along the track.
+    fn along(&mut self, scope: &Scope, name: &Name) {
+        let parts = [Part::Induction, Part::Chutes, Part::Station];
+        if let Some(part) = parts.into_iter().find(|part| scope.part(*part, &name.text).is_some()) {
+            self.part(scope, part, name);
+        }
     }
 
     fn effect(&mut self, scope: &Scope, reference: &Reference) {

@@ -159,6 +159,10 @@ impl Writer<'_> {
             }
             Statement::ChooseSpeed(values) => self.word_value("choose speed ", values),
             Statement::ChooseRadii(values) => self.word_value("choose radii ", values),
+            Statement::ChooseCount { equipment, counts } => {
+                self.names("choose count ", equipment);
+                self.word_value(" ", counts);
+            }
             Statement::Drive { load, starts, stops, spare } => {
                 self.push("drive");
                 self.clause(" load ", load);
@@ -247,25 +251,31 @@ impl Writer<'_> {
         match place {
             EquippedPlace::At(place) => self.place(place),
             EquippedPlace::Row(row) => self.row(row),
-            EquippedPlace::Free { least, on, after, before } => {
+            EquippedPlace::Free { least, on, straights, after, before } => {
                 self.clause(" at least ", least);
                 if on.is_empty() {
-                    self.push(" anywhere");
+                    self.push(if *straights { " on straights" } else { " anywhere" });
                 }
                 for (index, section) in on.iter().enumerate() {
                     self.push(if index > 0 { ", " } else { " on " });
                     self.section(section);
                 }
-                for (clause, names) in [(" after ", after), (" before ", before)] {
-                    for (index, name) in names.iter().enumerate() {
-                        self.words(&[if index > 0 { ", " } else { clause }, &name.text]);
-                    }
+                match after {
+                    After::Names(names) => self.names(" after ", names),
+                    After::EachZone(_) => self.push(" after the last induction of each zone"),
                 }
+                self.names(" before ", before);
             }
         }
         if let Some(point) = fed {
             self.push(" fed from ");
             self.point(point);
+        }
+    }
+
+    fn names(&mut self, clause: &str, names: &[Name]) {
+        for (index, name) in names.iter().enumerate() {
+            self.words(&[if index > 0 { ", " } else { clause }, &name.text]);
         }
     }
 

@@ -48,7 +48,7 @@ fn the_rest_of_a_file_is_read_after_a_forgotten_bracket() {
 #[test]
 fn a_choice_of_what_cannot_be_chosen_names_what_can() {
     let message = one("choose wheel x");
-    assert!(message.contains("expected `cart`, `motor`, `radii` or `speed`, found `wheel`"), "{message}");
+    assert!(message.contains("expected `cart`, `count`, `motor`, `radii` or `speed`, found `wheel`"), "{message}");
 }
 
 /// What stands freely is as many as `at least` says; a capacity is of an hour.
@@ -62,9 +62,7 @@ fn what_equipment_and_capacity_take_is_told() {
     }
     // One mistake with its fix, not a row of them.
     assert!(chutes("at most 10 anywhere").contains("did you mean `least`?"), "{}", chutes("at most 10 anywhere"));
-    for rest in ["at least 4 on straights", "at least 4 on straights after west"] {
-        assert!(chutes(rest).contains("did you mean `anywhere`?"), "{}", chutes(rest));
-    }
+    assert!(chutes("at least 4 at most 10 anywhere").contains("`choose count row_a 8 .. 16 step 4`"));
 }
 
 #[test]

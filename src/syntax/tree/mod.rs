@@ -13,7 +13,7 @@ pub use declaration::{Declaration, DeclarationKind, Field, Let, Param, Reference
 pub use expression::{Arg, Expr, ExprKind, ProductOp, SumOp};
 pub use node::{Block, Name, Node, TextExpr};
 pub use place::{
-    EquippedExpr, EquippedPlace, PlaceExpr, PlacedSection, PointExpr, RowExpr, Section, StationWord, Target,
+    After, EquippedExpr, EquippedPlace, PlaceExpr, PlacedSection, PointExpr, RowExpr, Section, StationWord, Target,
 };
 pub use statement::{Axis, FixKind, Goal, ObjectiveExpr, Relation, SideWord, Statement, TitleField};
 

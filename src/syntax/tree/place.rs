@@ -87,11 +87,30 @@ pub enum EquippedPlace {
     Row(Box<RowExpr>),
     /// `at least 40 on P1..P2, P3..P4 after west before row_b`
     Free {
-        /// Of chutes.
+        /// One where it is not said.
         least: Option<Expr>,
-        /// None: `anywhere`.
+        /// None: `anywhere`, or `on straights`, which is the same.
         on: Vec<Section>,
-        after: Vec<Name>,
+        straights: bool,
+        after: After,
         before: Vec<Name>,
     },
+}
+
+/// What comes before a piece of equipment along the loop.
+#[derive(Clone, Debug)]
+pub enum After {
+    Names(Vec<Name>),
+    /// `after the last induction of each zone`: one piece for each zone.
+    EachZone(Span),
+}
+
+impl After {
+    /// The names that are said.
+    pub fn names(&self) -> &[Name] {
+        match self {
+            After::Names(names) => names,
+            After::EachZone(_) => &[],
+        }
+    }
 }

@@ -167,6 +167,11 @@ pub enum Statement {
     ChooseSpeed(Expr),
     /// `choose radii [3 m, 4 m, 5 m]`
     ChooseRadii(Expr),
+    /// `choose count row_a, row_b 16 .. 24 step 4`
+    ChooseCount {
+        equipment: Vec<Name>,
+        counts: Expr,
+    },
     /// `drive load 15 kg starts within 20 s stops within 4 s spare 1`
     Drive {
         load: Option<Expr>,
