@@ -257,6 +257,7 @@ fn sidecar(simulation: &Simulation, plan: &Plan) -> Sidecar {
         trigger_position: simulation.sensor.photocell_s_m,
         lowpass: simulation.sensor.lowpass_hz,
         laps: plan.laps,
+        zeroed: Vec::new(),
         notes: BTreeMap::new(),
     }
 }

@@ -245,7 +245,7 @@ impl Listed {
             None if foreign => PathBuf::new(),
             None => {
                 let beside = sidecar_path(&file);
-                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file, root)?.layout)
+                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file, root)?.0.layout)
             }
         };
         Ok(Entry { name: name.to_owned(), file, root: root.clone(), layout, speed, tension, settings })

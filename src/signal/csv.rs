@@ -1,5 +1,6 @@
 //! Runs as CSV: a header, a row a sample, an empty field for a lost one.
 
+use super::mapping::Mapping;
 use super::{Channel, DataProblem, Run, RunError, columns, digits};
 use crate::base::number::shortest;
 use crate::source::InputError;
@@ -12,6 +13,13 @@ pub type Columns<C = Channel> = (Vec<f64>, BTreeMap<C, Vec<f64>>);
 
 /// Says which channel a column is, given those before it; `None` for one that is passed over, whatever it holds.
 pub type Pick<'a, C> = &'a dyn Fn(&str, &[C]) -> Result<Option<C>, DataProblem>;
+
+/// What columns are by their names.
+pub struct Names<'a, C> {
+    /// Whether a column is the time.
+    pub is_time: &'a dyn Fn(&str) -> bool,
+    pub pick: Pick<'a, C>,
+}
 
 /// The data file. Time keeps every digit; other samples are rounded to seven significant digits and to no finer than a
 /// millionth of their unit, and written with the fewest digits that read back the same.
@@ -43,18 +51,21 @@ pub fn write(run: &Run) -> Vec<u8> {
 ///
 /// The first of what [`DataProblem`] lists, with its row and column.
 pub fn read(bytes: &[u8], file: &Path) -> Result<Columns, RunError> {
-    read_from(Cursor::new(bytes), file)
+    read_mapped(Cursor::new(bytes), file, &Mapping::default())
 }
 
-/// The same of a file or whatever can be read twice: where a mistake is, is looked up when there is one.
+/// The same of a file or whatever can be read twice, where a mistake is looked up when there is one, with columns as a
+/// sidecar says.
 ///
 /// # Errors
 ///
 /// As [`read`].
-pub fn read_from(source: impl Read + Seek, file: &Path) -> Result<Columns, RunError> {
+pub fn read_mapped(source: impl Read + Seek, file: &Path, mapping: &Mapping) -> Result<Columns, RunError> {
     let mut source = BufReader::with_capacity(BUFFER, source);
-    let columns =
-        table(&mut source, file, &|name, taken| columns::channel(name, taken).map(Some), columns::MOST_NUMBERS)?;
+    let is_time = |name: &str| mapping.is_time(name, &["time"]);
+    let pick = |name: &str, taken: &[Channel]| mapping.pick(name, taken);
+    let mut columns = table(&mut source, file, &Names { is_time: &is_time, pick: &pick }, columns::MOST_NUMBERS)?;
+    mapping.scale(&mut columns);
     columns::check_trigger(&columns.1, file, 0).map_err(|error| on_line(error, &mut source))?;
     Ok(columns)
 }
@@ -69,7 +80,12 @@ pub fn read_as<C: columns::Column>(
     file: &Path,
     pick: Pick<C>,
 ) -> Result<Columns<C>, RunError> {
-    table(&mut BufReader::with_capacity(BUFFER, source), file, pick, columns::MOST_NUMBERS)
+    table(
+        &mut BufReader::with_capacity(BUFFER, source),
+        file,
+        &Names { is_time: &|name| name == "time", pick },
+        columns::MOST_NUMBERS,
+    )
 }
 
 /// Bytes that are read at a time.
@@ -94,7 +110,7 @@ const MARK: &[u8] = b"\xef\xbb\xbf";
 fn table<C: columns::Column, R: Read + Seek>(
     source: &mut BufReader<R>,
     file: &Path,
-    pick: Pick<C>,
+    names: &Names<C>,
     most: usize,
 ) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
@@ -106,7 +122,7 @@ fn table<C: columns::Column, R: Read + Seek>(
         return Err(error(DataProblem::NoTime));
     }
     let width = record.len();
-    let (header, taken) = header(&record, file, pick)?;
+    let (header, taken) = header(&record, file, names)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + header.len()];
     let mut samples = 0;
     let wrong = loop {
@@ -195,15 +211,19 @@ pub(crate) fn line(bytes: &[u8], position: &::csv::Position) -> usize {
 }
 
 /// The channels behind `time`, and of each column whether it is taken.
-fn header<C: Ord>(record: &::csv::StringRecord, file: &Path, pick: Pick<C>) -> Result<(Vec<C>, Vec<bool>), RunError> {
+fn header<C: Ord>(
+    record: &::csv::StringRecord,
+    file: &Path,
+    names: &Names<C>,
+) -> Result<(Vec<C>, Vec<bool>), RunError> {
     let error = |problem| RunError::new(file, problem).row(1);
-    if record.get(0).map(str::trim) != Some("time") {
+    if !record.get(0).map(str::trim).is_some_and(names.is_time) {
         return Err(error(DataProblem::NoTime));
     }
     let mut channels = Vec::with_capacity(record.len());
     let mut taken = vec![true];
     for name in record.iter().skip(1).map(str::trim) {
-        let channel = pick(name, &channels).map_err(|problem| error(problem).column(name))?;
+        let channel = (names.pick)(name, &channels).map_err(|problem| error(problem).column(name))?;
         taken.push(channel.is_some());
         channels.extend(channel);
     }
@@ -243,7 +263,14 @@ mod tests {
     fn beyond_the_limit_the_way_out_is_told() {
         let text = b"time,joint_xi\n0,1\n1,2\n\n2,3\n";
         let pick = |name: &str, taken: &[Channel]| columns::channel(name, taken).map(Some);
-        let within = |most| table(&mut BufReader::new(Cursor::new(text)), Path::new("run.csv"), &pick, most);
+        let within = |most| {
+            table(
+                &mut BufReader::new(Cursor::new(text)),
+                Path::new("run.csv"),
+                &Names { is_time: &|name| name == "time", pick: &pick },
+                most,
+            )
+        };
         assert!(within(6).is_ok());
         let told = within(5).expect_err("too long").to_string();
         let expected = "run.csv, row 5: the run has more than 5 numbers, in 2 columns: that is the limit\n  \

@@ -44,6 +44,8 @@ pub enum DataProblem {
     /// The first column is not `time`.
     NoTime,
     UnknownColumn,
+    /// The sidecar says what a column is that the file lacks.
+    NoSuchColumn,
     DuplicateColumn,
     /// Fewer than two samples.
     TooFewSamples,
@@ -167,11 +169,21 @@ impl RunError {
                 Some("mf4" | "MF4") => "export the file again as MDF 4.x, finalised and sorted, or as CSV".to_owned(),
                 _ => "write the file again as CSV in UTF-8, or as Parquet with snappy or no compression".to_owned(),
             },
-            DataProblem::NoTime => "begin the header with `time`, and separate columns by commas".to_owned(),
+            DataProblem::NoTime => {
+                "begin the header with `time`, or say in the sidecar which column it is with `[columns]` and \
+                                    `\"NAME\" = \"time\"`; separate columns by commas"
+                    .to_owned()
+            }
             DataProblem::UnknownColumn => match nearest(column, Channel::ALL.map(Channel::name)) {
                 Some(name) => format!("did you mean `{name}`?"),
-                None => format!("remove it; columns are time, {}", Channel::ALL.map(Channel::name).join(", ")),
+                None => format!(
+                    "say in the sidecar which channel it is, with `[columns]` and `\"{}\" = \"joint_xi\"`, or `= false` for \
+                     none; channels are time, {}",
+                    one_line(column),
+                    Channel::ALL.map(Channel::name).join(", ")
+                ),
             },
+            DataProblem::NoSuchColumn => "write it as the data file does, or remove it from `[columns]`".to_owned(),
             DataProblem::DuplicateColumn => "keep one of the two".to_owned(),
             DataProblem::TooFewSamples => "a run needs two samples or more".to_owned(),
             DataProblem::TooLong { limit, columns } => format!(
@@ -265,6 +277,7 @@ impl fmt::Display for DataProblem {
             DataProblem::Malformed(why) => write!(f, "is malformed: {}", one_line(why)),
             DataProblem::NoTime => write!(f, "the first column is not `time`"),
             DataProblem::UnknownColumn => write!(f, "there is no such column"),
+            DataProblem::NoSuchColumn => write!(f, "the sidecar says what this is, and the file has no such column"),
             DataProblem::DuplicateColumn => write!(f, "the column is there twice"),
             DataProblem::TooFewSamples => write!(f, "there are fewer than two samples"),
             DataProblem::TooLong { limit, columns } => {

@@ -26,6 +26,7 @@ pub mod filter;
 pub mod gaps;
 pub mod health;
 mod keys;
+mod mapping;
 pub mod mdf4;
 pub mod measures;
 pub mod order;

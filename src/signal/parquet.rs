@@ -1,6 +1,7 @@
 //! Runs as Parquet: a column of doubles for time and for each channel, NaN for a lost sample.
 
-use super::csv::{Columns, Pick};
+use super::csv::{Columns, Names, Pick};
+use super::mapping::Mapping;
 use super::{DataProblem, Run, RunError, columns, digits};
 use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};
 use ::parquet::column::page::{Page, PageMetadata, PageReader};
@@ -56,7 +57,18 @@ pub fn write(run: &Run) -> Result<Vec<u8>, ParquetError> {
 ///
 /// The first of what [`DataProblem`] lists, with its row and column.
 pub fn read<R: ChunkReader + 'static>(data: R, file: &Path) -> Result<Columns, RunError> {
-    let columns = read_as(data, file, &|name, taken| columns::channel(name, taken).map(Some))?;
+    read_mapped(data, file, &Mapping::default())
+}
+
+/// The same with columns as a sidecar says.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_mapped<R: ChunkReader + 'static>(data: R, file: &Path, mapping: &Mapping) -> Result<Columns, RunError> {
+    let is_time = |name: &str| mapping.is_time(name, &["time"]);
+    let mut columns = picked(data, file, &Names { is_time: &is_time, pick: &|name, taken| mapping.pick(name, taken) })?;
+    mapping.scale(&mut columns);
     columns::check_trigger(&columns.1, file, 1)?;
     Ok(columns)
 }
@@ -71,9 +83,17 @@ pub fn read_as<C: columns::Column, R: ChunkReader + 'static>(
     file: &Path,
     pick: Pick<C>,
 ) -> Result<Columns<C>, RunError> {
+    picked(data, file, &Names { is_time: &|name| name == "time", pick })
+}
+
+fn picked<C: columns::Column, R: ChunkReader + 'static>(
+    data: R,
+    file: &Path,
+    names: &Names<C>,
+) -> Result<Columns<C>, RunError> {
     let torn =
         || RunError::new(file, DataProblem::Malformed("the decoder stopped at bytes that make no sense".to_owned()));
-    quietly(|| decode(data, file, pick)).unwrap_or_else(|| Err(torn()))
+    quietly(|| decode(data, file, names)).unwrap_or_else(|| Err(torn()))
 }
 
 thread_local! {
@@ -101,14 +121,14 @@ fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
 fn decode<C: columns::Column, R: ChunkReader + 'static>(
     data: R,
     file: &Path,
-    pick: Pick<C>,
+    named: &Names<C>,
 ) -> Result<Columns<C>, RunError> {
     let error = |problem| RunError::new(file, problem);
     let malformed = |why: ParquetError| error(DataProblem::Malformed(why.to_string()));
     let reader = SerializedFileReader::new(Ended(data)).map_err(malformed)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut names = schema.columns().iter().map(|c| c.path().string());
-    if names.next().as_deref() != Some("time") {
+    if !names.next().as_deref().is_some_and(named.is_time) {
         return Err(error(DataProblem::NoTime));
     }
     if schema.columns().iter().any(|c| c.max_rep_level() > 0) {
@@ -118,7 +138,7 @@ fn decode<C: columns::Column, R: ChunkReader + 'static>(
     // The columns that are taken, by their place in the file.
     let mut taken = vec![0];
     for (i, name) in names.enumerate() {
-        let channel = pick(&name, &channels).map_err(|problem| error(problem).column(&name))?;
+        let channel = (named.pick)(&name, &channels).map_err(|problem| error(problem).column(&name))?;
         taken.extend(channel.is_some().then_some(i + 1));
         channels.extend(channel);
     }

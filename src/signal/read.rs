@@ -29,13 +29,21 @@ impl Run {
     fn read_as(path: &Path, data: Result<File, InputError>, root: &Root) -> Result<Run, RunError> {
         let error = |problem| RunError::new(path, problem);
         let unreadable = |why: InputError| RunError::unreadable(path, why);
-        let (time, channels) = match ending(path).as_deref() {
-            Some("csv") => csv::read_from(bounded(data.map_err(unreadable)?, path)?, path)?,
-            Some("mf4") => mdf4::read(bounded(data.map_err(unreadable)?, path)?, path)?,
-            Some("parquet") => parquet::read(data.map_err(unreadable)?, path)?,
-            _ => return Err(error(DataProblem::foreign(path).unwrap_or(DataProblem::UnknownFormat))),
+        let ending = ending(path);
+        if !matches!(ending.as_deref(), Some("csv" | "mf4" | "parquet")) {
+            return Err(error(DataProblem::foreign(path).unwrap_or(DataProblem::UnknownFormat)));
+        }
+        let data = data.map_err(unreadable)?;
+        let (sidecar, mapping) = Sidecar::beside(path, root)?;
+        let (time, channels) = match ending.as_deref() {
+            Some("csv") => csv::read_mapped(bounded(data, path)?, path, &mapping)?,
+            Some("mf4") => mdf4::read_mapped(bounded(data, path)?, path, &mapping)?,
+            _ => parquet::read_mapped(data, path, &mapping)?,
         };
-        let run = Run { time, channels, sidecar: Sidecar::beside(path, root)? };
+        if let Some(name) = mapping.unused() {
+            return Err(error(DataProblem::NoSuchColumn).column(&name));
+        }
+        let run = Run { time, channels, sidecar };
         let (rate_hz, lowpass_hz) = (run.rate(), run.sidecar.lowpass);
         // Times are decimal numbers, so a rate of exactly twice the low-pass may come out a bit lower.
         if rate_hz < 2.0 * lowpass_hz * (1.0 - 1e-9) {

@@ -1,9 +1,10 @@
 //! The sidecar: what stands beside the data, in TOML.
 
 use super::keys::{self, Text};
-use super::{DataProblem, RunError};
+use super::mapping::Mapping;
+use super::{Channel, DataProblem, RunError};
 use crate::source::{InputError, Root, SIZE_LIMIT};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::path::PathBuf;
@@ -23,6 +24,9 @@ pub struct Sidecar {
     /// Corner of the second-order Butterworth low-pass before sampling, Hz.
     pub lowpass: f64,
     pub laps: usize,
+    /// Forces that were set to zero while a load was on their sensors.
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "names")]
+    pub zeroed: Vec<Channel>,
     /// Free text and anything else: further keys, which are kept and mean nothing here.
     #[serde(flatten)]
     pub notes: BTreeMap<String, Value>,
@@ -32,9 +36,9 @@ impl Sidecar {
     /// The keys that every sidecar has, in the order they are written.
     pub const KEYS: [&str; 6] = ["layout", "sensor_cart", "speed_setpoint", "trigger_position", "lowpass", "laps"];
 
-    /// Adds a line of free text. The names of [`Sidecar::KEYS`] are taken and change nothing.
+    /// Adds a line of free text. The names of the other keys are taken and change nothing.
     pub fn note(&mut self, key: &str, text: impl Into<Value>) {
-        if !Sidecar::KEYS.contains(&key) {
+        if !Sidecar::KEYS.contains(&key) && !["zeroed", "columns"].contains(&key) {
             self.notes.insert(key.to_owned(), text.into());
         }
     }
@@ -45,16 +49,16 @@ impl Sidecar {
         toml::to_string(self).unwrap_or_default().into_bytes()
     }
 
-    /// Reads the sidecar of a data file, which has to lie within the root.
+    /// Reads the sidecar of a data file, which has to lie within the root, and what it says of the file's columns.
     ///
     /// # Errors
     ///
     /// [`DataProblem::MissingSidecar`] of the data file; of the sidecar, [`DataProblem::Unreadable`],
     /// [`DataProblem::OutsideRoot`], [`DataProblem::TooLarge`] and those of [`Sidecar::read`].
-    pub fn beside(data: &Path, root: &Root) -> Result<Sidecar, RunError> {
+    pub fn beside(data: &Path, root: &Root) -> Result<(Sidecar, Mapping), RunError> {
         let file = sidecar_path(data);
         match root.read(&file, SIZE_LIMIT) {
-            Ok(bytes) => Sidecar::read(&bytes, &file),
+            Ok(bytes) => Sidecar::read_mapped(&bytes, &file),
             Err(InputError::Missing(_)) => {
                 Err(RunError::new(data, DataProblem::MissingSidecar { path: file, keys: &Sidecar::KEYS }))
             }
@@ -69,18 +73,37 @@ impl Sidecar {
     /// [`DataProblem::Malformed`] for text that is no TOML, [`DataProblem::MissingKey`] and [`DataProblem::WrongValue`]
     /// with the key and its line.
     pub fn read(bytes: &[u8], file: &Path) -> Result<Sidecar, RunError> {
+        Sidecar::read_mapped(bytes, file).map(|(sidecar, _)| sidecar)
+    }
+
+    fn read_mapped(bytes: &[u8], file: &Path) -> Result<(Sidecar, Mapping), RunError> {
         let text = Text::new(bytes, file)?;
         let mut reader = text.reader(text.parse()?);
-        Ok(Sidecar {
+        let columns = reader.optional("columns", "a table headed by [columns]", |value| value.as_table().cloned())?;
+        let mapping = Mapping::new(&columns.unwrap_or_default())
+            .map_err(|name| RunError::new(file, DataProblem::WrongValue { expected: Mapping::ENTRY }).column(&name))?;
+        let sidecar = Sidecar {
             layout: reader.take("layout", "a path", keys::text)?,
             sensor_cart: reader.take("sensor_cart", "a whole number from 1", |v| keys::whole(v).filter(|&n| n > 0))?,
             speed_setpoint: reader.take("speed_setpoint", "a speed above 0", keys::positive)?,
             trigger_position: reader.take("trigger_position", "a number", keys::number)?,
             lowpass: reader.take("lowpass", "a frequency above 0", keys::positive)?,
             laps: reader.take("laps", "a whole number", keys::whole)?,
+            zeroed: reader.optional("zeroed", "a list of forces such as [\"joint_xi\"]", forces)?.unwrap_or_default(),
             notes: reader.rest(),
-        })
+        };
+        Ok((sidecar, mapping))
     }
+}
+
+fn names<S: Serializer>(channels: &[Channel], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(channels.iter().map(|channel| channel.name()))
+}
+
+/// A list of channels that are forces.
+fn forces(value: &Value) -> Option<Vec<Channel>> {
+    let force = |value: &Value| value.as_str().and_then(Channel::from_name).filter(|c| Channel::FORCES.contains(c));
+    value.as_array()?.iter().map(force).collect()
 }
 
 /// The sidecar beside a data file: `run-01.toml` for `run-01.csv`.
@@ -117,8 +140,21 @@ hall = 3
     }
 
     #[test]
+    fn forces_that_were_set_to_zero_are_named() {
+        let text = WRITTEN.replace("laps = 1\n", "laps = 1\nzeroed = [\"joint_xi\", \"run_left\"]\n");
+        let sidecar = read(&text).expect("a sidecar");
+        assert_eq!(sidecar.zeroed, [Channel::JointXi, Channel::RunLeft]);
+        assert_eq!(String::from_utf8(sidecar.write()).expect("text"), text);
+    }
+
+    #[test]
     fn mistakes_are_told_with_their_line() {
         let cases = [
+            (
+                WRITTEN.replace("laps = 1\n", "laps = 1\nzeroed = [\"trigger\"]\n"),
+                "run-01.toml, row 7, `zeroed`: the value is not a list of forces such as [\"joint_xi\"]\n  \
+                 help: change the value",
+            ),
             (
                 WRITTEN.replace("lowpass = 100.0\n", ""),
                 "run-01.toml, `lowpass`: the key is missing\n  \

@@ -27,6 +27,8 @@ pub struct Implausible {
     pub channels: Vec<Channel>,
     /// What they look like, with a way out.
     pub why: String,
+    /// Whether they were only set to zero, so that deviations from their mean can be compared.
+    pub zeroed: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,9 +53,13 @@ impl Look {
     fn words(self, one: bool) -> String {
         let look = if one { "looks" } else { "look" };
         match self {
-            Look::Unit(unit) => format!("{look} like {unit}: forces are in N"),
-            Look::Opposite => format!("{look} reversed: change the sign"),
-            Look::Zeroed => format!("{look} set to zero under load: add the load that was on the sensor then"),
+            Look::Unit(unit) => {
+                format!("{look} like {unit}: forces are in N; say so with a `factor` under `[columns]` in the sidecar")
+            }
+            Look::Opposite => {
+                format!("{look} reversed: change the sign with `factor = -1` under `[columns]` in the sidecar")
+            }
+            Look::Zeroed => format!("{look} set to zero under load: their means say nothing"),
         }
     }
 }
@@ -106,7 +112,11 @@ pub fn implausible(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) 
         });
         format!("{} {}{of}", list(&names, "and"), look.words(names.len() == 1))
     };
-    let told = |(look, channels): (Look, Vec<Channel>)| Implausible { why: why(look, &channels), channels };
+    let told = |(look, channels): (Look, Vec<Channel>)| Implausible {
+        why: why(look, &channels),
+        channels,
+        zeroed: look == Look::Zeroed,
+    };
     looks.into_iter().map(told).collect()
 }
 

@@ -119,7 +119,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
                 let sorted = suspect::sorted(channel, samples).filter(|_| !idle).unwrap_or_default();
                 if let Some(why) = suspect::dead(channel, &sorted) {
                     health.suspicions.push(why.clone());
-                    health.implausible.push(Implausible { channels: vec![channel], why });
+                    health.implausible.push(Implausible { channels: vec![channel], why, zeroed: false });
                 } else {
                     health.suspicions.extend(suspect::clipped(channel, &sorted, samples));
                 }
@@ -143,9 +143,10 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
     let exchanged = suspect::joint(&health.channels);
     if let Some(layout) = layout {
         let of_joint = |c: Channel| matches!(c, Channel::JointXi | Channel::JointEta | Channel::JointZeta);
-        // Dead or exchanged, which is told already.
+        // Dead or exchanged, which is told already, or set to zero, which the sidecar says.
         let told = |c: Channel| {
-            (exchanged.is_some() && of_joint(c)) || health.implausible.iter().any(|found| found.channels.contains(&c))
+            let said = run.sidecar.zeroed.contains(&c);
+            said || (exchanged.is_some() && of_joint(c)) || health.implausible.iter().any(|f| f.channels.contains(&c))
         };
         let levels = health.channels.iter().filter(|(c, _)| !told(**c)).map(|(c, level)| (*c, *level)).collect();
         let found = implausible::implausible(&levels, layout);
@@ -166,7 +167,8 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
             let speed = health.speed_trigger.or(health.speed_wheels).unwrap_or(place.speed);
             // What is implausible follows no curves, which is told already.
             let usable = |channel: Channel| {
-                let implausible = health.implausible.iter().any(|found| found.channels.contains(&channel));
+                let zeroed = run.sidecar.zeroed.contains(&channel);
+                let implausible = zeroed || health.implausible.iter().any(|found| found.channels.contains(&channel));
                 !(implausible || no_tension && channel == Channel::JointXi)
             };
             let sides = sides::sides(run, &usable, place, speed, layout);

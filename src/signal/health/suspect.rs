@@ -8,13 +8,15 @@ use crate::chain_input::Simulation;
 use std::collections::BTreeMap;
 
 /// Different values that the last digits of a constant may take.
-pub const DEAD: usize = 5;
+pub const DEAD: usize = 3;
 /// Samples in a row at an extreme value, from which on it is a limit.
 pub const CLIPPED_ROW: usize = 5;
 /// Samples in all at an extreme value, from which on it is a limit.
 pub const CLIPPED: usize = 20;
 /// Share by which wheels may turn slower or faster than the trigger has it.
 pub const SLIP: f64 = 0.03;
+/// A mean that is less than so many deviations pulls nowhere.
+const NO_PULL: f64 = 0.03;
 
 /// What a channel recorded, in order; negative zero is zero. `None` of channels that may stay at one value.
 pub fn sorted(channel: Channel, samples: &[f64]) -> Option<Vec<f64>> {
@@ -73,8 +75,10 @@ pub fn loaded(channel: Channel, layout: &Simulation) -> bool {
 pub fn joint(levels: &BTreeMap<Channel, Statistics>) -> Option<String> {
     let xi = levels.get(&Channel::JointXi)?.mean;
     [Channel::JointEta, Channel::JointZeta].into_iter().find_map(|other| {
-        let pull = levels.get(&other)?.mean;
-        (pull > 0.0 && xi < 0.25 * pull).then(|| {
+        let level = levels.get(&other)?;
+        let pull = level.mean;
+        // One that was set to zero pulls nowhere.
+        (pull > NO_PULL * level.sd && xi < 0.25 * pull).then(|| {
             let (xi, pull) = (trimmed(xi, 1), trimmed(pull, 1));
             format!(
                 "joint_xi and {other} look exchanged: their means are {xi} N and {pull} N, but a chain is under tension"

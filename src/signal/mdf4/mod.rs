@@ -13,6 +13,7 @@ mod blocks;
 mod records;
 
 use super::csv::Columns;
+use super::mapping::Mapping;
 use super::{Channel, DataProblem, RunError, columns};
 use blocks::{Block, Blocks};
 use records::{Reader, Records};
@@ -39,12 +40,21 @@ struct Group {
 /// [`DataProblem::OtherTimeBase`] for a channel outside the group that holds most, unless its times are the same ones:
 /// to resample would be to guess.
 pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
+    read_mapped(data, file, &Mapping::default())
+}
+
+/// The same with channels as a sidecar says.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_mapped<R: Read + Seek>(data: R, file: &Path, mapping: &Mapping) -> Result<Columns, RunError> {
     let torn = |why: Torn| RunError::new(file, DataProblem::Malformed(why));
     let blocks = Blocks::new(data).map_err(torn)?;
     let mut groups = Vec::new();
     let mut taken = Vec::new();
     for records in Records::all(&blocks).map_err(torn)? {
-        let group = group(&blocks, records, &mut taken, file)?;
+        let group = group(&blocks, records, &mut taken, (file, mapping))?;
         if !group.channels.is_empty() {
             groups.push(group);
         }
@@ -80,8 +90,10 @@ pub fn read<R: Read + Seek>(data: R, file: &Path) -> Result<Columns, RunError> {
     }
     let time = base.ok_or_else(|| RunError::new(file, DataProblem::TooFewSamples))?;
     columns::check(&time, &channels, file, 1)?;
-    columns::check_trigger(&channels, file, 1)?;
-    Ok((time, channels))
+    let mut columns = (time, channels);
+    mapping.scale(&mut columns);
+    columns::check_trigger(&columns.1, file, 1)?;
+    Ok(columns)
 }
 
 /// Tells a group's channels by their names; those of groups before it are `taken`.
@@ -89,7 +101,7 @@ fn group<R: Read + Seek>(
     blocks: &Blocks<R>,
     records: Records,
     taken: &mut Vec<Channel>,
-    file: &Path,
+    (file, mapping): (&Path, &Mapping),
 ) -> Result<Group, RunError> {
     let torn = |why: Torn| RunError::new(file, DataProblem::Malformed(why));
     let mut group = Group { records, time: None, channels: Vec::new() };
@@ -98,8 +110,10 @@ fn group<R: Read + Seek>(
         let name = blocks.text(block.link(2)).map_err(torn)?;
         let at = |problem| RunError::new(file, problem).column(&name);
         let master = matches!(block.u8(0), Some(records::MASTER | records::VIRTUAL_MASTER));
-        if master || matches!(&*name, "time" | "t" | "timestamp") {
-            unit(blocks, &block, "s").map_err(at)?;
+        if master || mapping.is_time(&name, &["time", "t", "timestamp"]) {
+            if !mapping.says(&name) {
+                unit(blocks, &block, "s").map_err(at)?;
+            }
             // A master goes before a channel that is only called so.
             let place = if master { &mut group.time } else { &mut named };
             if place.replace(block).is_some() {
@@ -107,8 +121,8 @@ fn group<R: Read + Seek>(
             }
             continue;
         }
-        let channel = columns::channel(&name, taken).map_err(at)?;
-        if channel != Channel::Trigger {
+        let Some(channel) = mapping.pick(&name, taken).map_err(at)? else { continue };
+        if channel != Channel::Trigger && !mapping.says(&name) {
             unit(blocks, &block, channel.unit()).map_err(at)?;
         }
         taken.push(channel);
