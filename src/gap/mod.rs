@@ -54,4 +54,4 @@ pub use remembered::{Left, Remembered};
 pub use scored::{Explanation, Terms};
 pub use settings::Settings;
 pub use simulator::{Applied, Axis, Band, Candidate, Candidates, Frame, Label, Laps, Request, Simulator, Strength};
-pub use words::{bound, draws, percent};
+pub use words::{bound, draws, percent, probability};

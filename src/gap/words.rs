@@ -19,6 +19,11 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// A probability in per cent: no measurement makes sure of anything.
+pub fn probability(p: f64) -> String {
+    percent(if p.is_finite() { p.clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON) } else { p })
+}
+
 /// The verdict in a few sentences, each of which follows from the numbers of the report alone:
 /// - something "explains the gap" where it leaves no run over the limit of repeatability and closes something on runs
 ///   left out;
@@ -46,7 +51,7 @@ fn nothing(found: &Diagnosis) -> String {
             run.run,
             times(run.before),
             times(run.replicate_high),
-            percent(found.none_probability)
+            probability(found.none_probability)
         ),
         _ => "There is no gap: these runs differ from the simulation no more than repeated measurements do. Weaker \
          effects than the \
@@ -56,7 +61,7 @@ fn nothing(found: &Diagnosis) -> String {
 }
 
 fn unknown(found: &Diagnosis) -> String {
-    let p = percent(found.unknown_probability);
+    let p = probability(found.unknown_probability);
     let lead = if found.has_gap() {
         format!("There is a gap, and none of the known effects explains it (probability {p}).")
     } else {
@@ -195,8 +200,10 @@ pub fn bound(amount: &Amount) -> String {
 
 /// What could not be simulated.
 fn untested(found: &Diagnosis) -> String {
-    let each =
-        found.untested().into_iter().map(|f| format!("{} (probability {})", f.name, percent(f.untested_probability)));
+    let each = found
+        .untested()
+        .into_iter()
+        .map(|f| format!("{} (probability {})", f.name, probability(f.untested_probability)));
     let each: Vec<String> = each.collect();
     match each.len() {
         0 => String::new(),
@@ -230,7 +237,7 @@ fn times(x: f64) -> String {
 }
 
 fn likely(finding: &Finding) -> String {
-    format!("probability {}", percent(finding.probability))
+    format!("probability {}", probability(finding.probability))
 }
 
 fn named(finding: &Finding) -> String {

@@ -5,7 +5,7 @@ use super::groups::SetPoint;
 use super::study::Subject;
 use crate::base::number::fixed;
 use crate::chain_input::{Simulation, Track};
-use crate::signal::health::health;
+use crate::signal::health::{Implausible, health};
 use crate::signal::{self, Channel, Entry, Run, RunError};
 use crate::source::{InputError, shown};
 use std::collections::BTreeMap;
@@ -56,12 +56,19 @@ impl Case {
             let Some(samples) = run.channels.get_mut(channel) else { continue };
             spikes.iter().for_each(|k| samples[*k] = f64::NAN);
         }
-        let implausible: Vec<Channel> =
-            found.implausible.into_iter().flat_map(|implausible| implausible.channels).collect();
+        let (zeroed, implausible): (Vec<_>, Vec<_>) = found.implausible.into_iter().partition(|found| found.zeroed);
+        let channels = |found: Vec<Implausible>| found.into_iter().flat_map(|found| found.channels).collect();
+        let implausible: Vec<Channel> = channels(implausible);
+        let names = |channels: &[Channel]| channels.iter().map(|c| c.name()).collect::<Vec<_>>().join(", ");
         if !implausible.is_empty() {
-            let names: Vec<&str> = implausible.iter().map(|channel| channel.name()).collect();
-            warnings.push(format!("left out: {}", names.join(", ")));
+            warnings.push(format!("left out: {}", names(&implausible)));
             run.channels.retain(|channel, _| !implausible.contains(channel));
+        }
+        let mut zeroed: Vec<Channel> = channels(zeroed);
+        zeroed.retain(|channel| !run.sidecar.zeroed.contains(channel));
+        if !zeroed.is_empty() {
+            warnings.push(format!("compared without their means: {}", names(&zeroed)));
+            run.sidecar.zeroed.extend(zeroed);
         }
         let duration = run.duration();
         if let Ok(measured) = Measured::new(&run, &simulation, simulation.chain.track_length_m) {

@@ -3,6 +3,7 @@
 use super::coverage::{Coverage, Weighing, hop};
 use super::noise::Noise;
 use super::places::{PlaceKind, Places};
+use super::recorder::Recorder;
 use crate::base::random::mix;
 use crate::base::trig;
 use crate::dynamics::Width;
@@ -67,6 +68,10 @@ pub struct FeatureSpec {
     pub(super) orders: Vec<(usize, usize)>,
     /// Whether fluctuation is looked at cell by cell besides.
     pub local: bool,
+    /// What the run's recorder did to forces.
+    pub recorder: Recorder,
+    /// Variances that show nothing, N².
+    pub unseen: [f64; FORCES],
     /// Where the run measured that is simulated, with the trigger's place, m; everywhere when not given.
     pub within: Option<(Arc<Coverage>, f64)>,
 }
@@ -115,6 +120,8 @@ impl FeatureSpec {
             high,
             orders: Vec::new(),
             local: false,
+            recorder: Recorder::default(),
+            unseen: [0.0; FORCES],
             within: None,
         }
     }
@@ -131,7 +138,7 @@ impl FeatureSpec {
     }
 
     /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range
-    /// above, at least a thousandth of the force's range on the whole lap: a wheel that does not touch has a force of 0 for
+    /// above, at least a thousandth of the force's range on the whole lap, five of one that was set to zero: a wheel that does not touch has a force of 0 for
     /// long, in some kinds of place all the time, and no threshold must split that.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
@@ -147,7 +154,9 @@ impl FeatureSpec {
         });
         for (k, means) in found.iter().enumerate() {
             let range = (highest(means) - lowest(means)).max(0.0);
-            let above = (0.01 * range).max(0.001 * whole[k % FORCES]);
+            // Where a force that was set to zero rests is known as well as its mean.
+            let least = if self.recorder.zeroed[k % FORCES] { 0.005 } else { 0.001 };
+            let above = (0.01 * range).max(least * whole[k % FORCES]);
             for (t, share) in [0.1, 0.5, 0.9].into_iter().enumerate() {
                 let at = (share * means.len() as f64) as usize;
                 self.thresholds[k / FORCES][k % FORCES][t] = above + means.get(at).copied().unwrap_or(0.0);
@@ -156,8 +165,8 @@ impl FeatureSpec {
     }
 
     /// How samples are weighed: by their own coverage, or those of a simulation where the run measured.
-    pub(super) fn weighing<'a>(&'a self, samples: &Samples<'a>) -> Weighing<'a> {
-        match (samples.coverage, &self.within) {
+    pub(super) fn weighing<'a>(&'a self, own: Option<&'a Coverage>) -> Weighing<'a> {
+        match (own, &self.within) {
             (Some(own), _) => Weighing::Measured(own),
             (None, Some((run, trigger))) => Weighing::Within(run, *trigger),
             (None, None) => Weighing::Alike,
@@ -220,7 +229,9 @@ impl FeatureSpec {
     /// A force's samples with a draw of its sensor's noise that `seed` picks.
     pub(super) fn with_noise(&self, force: usize, samples: &[f32], seed: u64) -> Vec<f32> {
         let drawn = &self.drawn[force];
-        if drawn.is_empty() { samples.to_vec() } else { drawn_at(drawn, samples, seed) }
+        let mut noisy = if drawn.is_empty() { samples.to_vec() } else { drawn_at(drawn, samples, seed) };
+        self.recorder.round(force, &mut noisy);
+        noisy
     }
 }
 

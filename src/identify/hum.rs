@@ -30,6 +30,9 @@ pub struct Hum {
     pub hz: f64,
     /// In the sensor's unit.
     pub amplitude: f64,
+    /// Deviation of what is not taken off, as the chain moves at that frequency, too; in the sensor's unit.
+    #[serde(skip)]
+    pub left: f64,
 }
 
 /// Takes hum off samples at a rate, Hz, and says what it was. Lines within a record's resolution of a multiple of
@@ -54,7 +57,10 @@ pub fn take_off(samples: &mut [f64], rate: f64, own: &[f64]) -> Vec<Hum> {
         let is_own = own.iter().any(|own| (hz - (hz / own).round() * own).abs() < 2.0 / (GATHERED * blocks));
         if power(best) > STANDS_OUT * usual && !is_own {
             Demodulated::new(samples, rate, hz).take_off(samples, rate, hz);
-            found.push(Hum { hz: tidy(hz), amplitude: tidy(2.0 * power(best).sqrt()) });
+            // A mean over so many has as much of the power beside; a sine of amplitude A has the variance A²/2.
+            let over = known.len().min(2 * KEEPS + 1) as f64;
+            let left = (2.0 * usual * known.len() as f64 / over).sqrt();
+            found.push(Hum { hz: tidy(hz), amplitude: tidy(2.0 * power(best).sqrt()), left });
         }
     }
     found
@@ -145,6 +151,8 @@ mod tests {
         assert!((found[0].hz - 50.07).abs() < 0.01 && (found[0].amplitude - 0.4).abs() < 0.05, "{found:?}");
         let left = noisy.iter().zip(&clean).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / clean.len() as f64;
         assert!(left.sqrt() < 0.06, "{}", left.sqrt());
+        // As much as is said, up to what the hum of that frequency turned in the time.
+        assert!((0.5..2.0).contains(&(left.sqrt() / found[0].left)), "{} {}", left.sqrt(), found[0].left);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! A measured run made ready: gaps bridged, and every sample's place told from the trigger and the wheels.
 
-use super::coverage::Coverage;
+use super::coverage::{Coverage, Weighing};
 use super::hum::{Hum, take_off};
+use super::recorder::Recorder;
 use super::steady::{running, steady};
 use crate::base::trig;
 use crate::chain_input::Simulation;
@@ -15,6 +16,9 @@ use std::sync::Arc;
 
 /// How well the wheels tell the speed, as a share of it: their radii are known to no better.
 const WHEELS: f64 = 1e-4;
+
+/// So many deviations of what is left of hum, its amplitude differs from place to place.
+const UNSEEN: f64 = 5.0;
 
 /// A run whose samples have places.
 #[derive(Clone, Debug)]
@@ -37,6 +41,8 @@ pub struct Measured {
     pub unsteady: f64,
     /// Hum that was taken off, by channel.
     pub hum: BTreeMap<Channel, Vec<Hum>>,
+    /// What was done to the forces.
+    pub recorder: Recorder,
     /// Distance past the first edge of the trigger, m.
     past: Vec<f32>,
     speeds: Vec<f32>,
@@ -48,6 +54,14 @@ impl Measured {
     /// The mean speed as it was measured, or else the nominal one, m/s.
     pub fn speed(&self) -> f64 {
         self.speed.map_or(self.nominal_speed, |(mean, _)| mean)
+    }
+
+    /// Variances of forces that show nothing, as they may be what is left of hum, N².
+    pub fn unseen(&self) -> [f64; FORCES] {
+        Channel::FORCES.map(|force| {
+            let left = self.hum.get(&force).into_iter().flatten().map(|hum| UNSEEN * hum.left);
+            left.map(|left| left * left).sum()
+        })
     }
 
     /// How long the run takes on a track of this length, s.
@@ -121,9 +135,11 @@ impl Measured {
             speeds.as_deref().and_then(mean).map(|v| (v, WHEELS * v))
         };
         let narrow = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect::<Vec<f32>>();
-        let (past, forces) = (narrow(past), forces.map(narrow));
+        let (past, mut forces) = (narrow(past), forces.map(narrow));
         let each = std::array::from_fn(|k| forces[k].as_slice());
         let coverage = Arc::new(Coverage::new(&past, each, lap, run.rate()));
+        let recorder = Recorder::new(run);
+        recorder.zero(&mut forces, &past, Weighing::Measured(&coverage));
         Ok(Measured {
             rate: run.rate(),
             laps: (duration - unsteady) * speed.map_or(place.speed, |s| s.0) / lap,
@@ -135,6 +151,7 @@ impl Measured {
             filled,
             unsteady,
             hum,
+            recorder,
             past,
             speeds: speeds.map(narrow).unwrap_or_default(),
             forces,

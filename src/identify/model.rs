@@ -72,10 +72,12 @@ impl Model {
         simulation.effects = effects::stiffness_temperature::at_rest(&simulation.effects, |w| w.mean_share(duration));
         let pitch = places.lap / simulation.chain.carts as f64;
         let passing = measured.speed() / pitch;
+        let mut spec = FeatureSpec::new(places, measured.rate, passing, measured.lowpass, width);
+        (spec.unseen, spec.recorder) = (measured.unseen(), measured.recorder);
         Model {
             nominal,
             bounds: Parameter::ALL.map(|p| p.bounds(nominal[p.index()])),
-            spec: FeatureSpec::new(places, measured.rate, passing, measured.lowpass, width),
+            spec,
             simulation,
             law,
             width,
@@ -125,9 +127,15 @@ impl Model {
             stop: self.stop,
         };
         self.counter.add(ensemble.settle + ensemble.duration);
-        effects::run_ensemble(&simulation, &ensemble, plan.from, self.width)
-            .ok()
-            .filter(|ensemble| ensemble.trouble.is_none() && !self.stop.now())
+        let ensemble = effects::run_ensemble(&simulation, &ensemble, plan.from, self.width).ok();
+        let mut ensemble = ensemble.filter(|ensemble| ensemble.trouble.is_none() && !self.stop.now())?;
+        self.record(&mut ensemble.carts);
+        Some(ensemble)
+    }
+
+    /// Does to simulated forces what the run's recorder did, as far as it covers the lap.
+    pub fn record(&self, carts: &mut [CartRecord]) {
+        self.spec.recorder.record(carts, self.spec.weighing(None));
     }
 
     /// The usual largest step at a point, s.

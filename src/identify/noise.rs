@@ -88,6 +88,9 @@ pub struct ChannelNoise {
     pub white_n: f64,
     /// Beside it; null where none stands out.
     pub correlated: Option<CorrelatedNoise>,
+    /// Step that the values are rounded to, where it shows, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resolution_n: Option<f64>,
 }
 
 /// Noise whose covariance falls exponentially.
@@ -99,26 +102,34 @@ pub struct CorrelatedNoise {
     pub time_s: f64,
 }
 
-/// The noise of the channels that were measured, by name.
-pub fn channel_noise(noise: &[Noise; FORCES], measured: impl Fn(usize) -> bool) -> BTreeMap<String, ChannelNoise> {
+/// The noise of the channels that were measured, by name, with the steps that they are rounded to, N.
+pub fn channel_noise(
+    noise: &[Noise; FORCES],
+    steps: &[Option<f64>; FORCES],
+    measured: impl Fn(usize) -> bool,
+) -> BTreeMap<String, ChannelNoise> {
     let all = Channel::FORCES.iter().zip(noise).enumerate().filter(|(k, _)| measured(*k));
-    let report = |noise: &Noise| ChannelNoise {
+    let report = |(k, noise): (usize, &Noise)| ChannelNoise {
+        resolution_n: steps[k].map(tidy),
         white_n: tidy(noise.white),
         correlated: noise.correlated().next().map(|_| CorrelatedNoise {
             deviation_n: tidy(noise.correlated_variance().sqrt()),
             time_s: tidy(noise.time()),
         }),
     };
-    all.map(|(_, (channel, noise))| (channel.name().to_owned(), report(noise))).collect()
+    all.map(|(k, (channel, noise))| (channel.name().to_owned(), report((k, noise)))).collect()
 }
 
 impl ChannelNoise {
     /// In words: `0.5 N white, 0.6 N with 0.3 s`.
     pub fn words(&self) -> String {
         let n = |x: f64| significant(x, 2);
+        let steps = self.resolution_n.map_or_else(String::new, |step| format!(", in steps of {} N", n(step)));
         match self.correlated {
-            Some(own) => format!("{} N white, {} N with {} s", n(self.white_n), n(own.deviation_n), n(own.time_s)),
-            None => format!("{} N white", n(self.white_n)),
+            Some(own) => {
+                format!("{} N white, {} N with {} s{steps}", n(self.white_n), n(own.deviation_n), n(own.time_s))
+            }
+            None => format!("{} N white{steps}", n(self.white_n)),
         }
     }
 }

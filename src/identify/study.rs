@@ -340,7 +340,7 @@ fn fitted(
     let prior = Parameter::ALL.map(|p| p.prior(model.law, model.nominal[p.index()]).1 / p.reach());
     let rows = |m: &DMatrix<f64>| m.transpose().as_slice().iter().map(|x| tidy(*x)).collect::<Vec<f64>>();
     let misfits = found.blocks.iter().filter(|(_, x)| is_wrong(**x)).map(|(block, x)| (block_name(*block), tidy(*x)));
-    let noise = channel_noise(&found.noise, |k| measured.has(k));
+    let noise = channel_noise(&found.noise, &measured.recorder.steps(), |k| measured.has(k));
     let mut out = RunFit {
         run: subject.name.clone(),
         law: model.law,

@@ -5,6 +5,7 @@
 
 use crate::track;
 use lss::base::random::{normal, uniform};
+use lss::base::trig;
 use lss::chain_input::Simulation;
 use lss::dynamics::{Plan, Width};
 use lss::effects::simulate;
@@ -129,5 +130,41 @@ fn a_stop_is_no_part_of_a_lap() {
         let own = objective(&simulation, &stopped).expect("an objective");
         println!("stop at {at} of {laps} laps: {own:.3}, whole {whole:.3}");
         assert!((own / whole - 1.0).abs() < 0.2, "{own} {whole}");
+    }
+}
+
+/// Rounded to 2 N, with 3 N of hum, or set to zero under load: what a recorder does to a run without a gap is none. Whole
+/// laps, and a window with a gap.
+#[test]
+fn what_a_recorder_does_to_forces_is_no_gap() {
+    let simulation = track::track(LAYOUT);
+    let plan = Plan { laps: LAPS, front: 0.3, ..Plan::default() };
+    let run = simulate(&simulation, &plan, Width::widest(), &mut |_| true).expect("a chain").run;
+    let lap = run.time.len() / LAPS;
+    let changed = |run: &Run, of: &dyn Fn(usize, f64, f64) -> f64| {
+        let mut run = run.clone();
+        for (k, force) in Channel::FORCES.into_iter().enumerate() {
+            let Some(samples) = run.channels.get_mut(&force) else { continue };
+            let known: Vec<f64> = samples.iter().copied().filter(|x| x.is_finite()).collect();
+            let mean = known.iter().sum::<f64>() / known.len() as f64;
+            samples.iter_mut().enumerate().for_each(|(i, x)| *x = of(i, mean + 11.0 * k as f64, *x));
+        }
+        run
+    };
+    for window in [cut(&run, 0, 2 * lap, 0..0), cut(&run, lap / 3, lap / 3 + 6 * lap / 5, lap..lap + lap / 20)] {
+        let as_it_is = objective(&simulation, &window).expect("an objective");
+        let rounded = changed(&window, &|_, _, x| 2.0 * (x / 2.0).round());
+        let hum = |k: usize| 3.0 * trig::sin(trig::TAU * 50.0 * k as f64 / 500.0 + 0.3);
+        let humming = changed(&window, &|k, _, x| x + hum(k));
+        // Whatever was on the sensors then.
+        let mut zeroed = changed(&window, &|_, mean, x| x - mean);
+        let unsaid = objective(&simulation, &zeroed).expect("an objective");
+        assert!(unsaid > 100.0, "{unsaid}");
+        zeroed.sidecar.zeroed = Channel::FORCES.to_vec();
+        for (how, run) in [("rounded", rounded), ("humming", humming), ("zeroed", zeroed)] {
+            let own = objective(&simulation, &run).expect("an objective");
+            println!("{how}: {own:.3}, as it is {as_it_is:.3}");
+            assert!((0.7..1.4).contains(&own), "{how}: {own}, as it is {as_it_is}");
+        }
     }
 }

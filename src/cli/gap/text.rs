@@ -1,7 +1,9 @@
 //! A diagnosis for the terminal.
 
 use crate::base::number::{fixed, significant};
-use crate::gap::{Amount, Axis, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, draws, percent};
+use crate::gap::{
+    Amount, Axis, Cost, Diagnosis, Explanation, Finding, GapPlace, Terms, bound, draws, percent, probability,
+};
 use crate::identify::noise::ChannelNoise;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -52,20 +54,20 @@ pub fn text(found: &Diagnosis) -> String {
     let closed = |x: Option<f64>| x.filter(|_| gap).map_or("-".to_owned(), percent);
     let _ = writeln!(
         out,
-        "  {:<24}{:>12}{:>9}{:>9}  strength, 90 % interval",
+        "  {:<24}{:>12}{:>13}{:>13}  strength, 90 % interval",
         "effect", "probability", "closes", "placebo"
     );
     let row = |out: &mut String, name: &str, p: f64, finding: Option<&Finding>| {
-        let _ = write!(out, "  {name:<24}{:>12}", percent(p));
+        let _ = write!(out, "  {name:<24}{:>12}", probability(p));
         if let Some(finding) = finding {
             let (own, placebo) = (closed(finding.gap_closed), closed(finding.gap_closed_placebo));
             let untested = finding.untested().then(|| "not simulated".to_owned());
             let strengths: Vec<String> = finding.strength.iter().map(|(n, a)| amount(n, a)).chain(untested).collect();
             let place = if finding.place.is_empty() { String::new() } else { format!(" ({})", finding.place) };
-            let _ = write!(out, "{own:>9}{placebo:>9}  {}{place}", strengths.join(", "));
+            let _ = write!(out, "{own:>13}{placebo:>13}  {}{place}", strengths.join(", "));
             for other in finding.places().skip(1) {
                 let strengths: Vec<String> = other.strength.iter().map(|(n, a)| amount(n, a)).collect();
-                let _ = write!(out, "\n{:56}{} ({})", "", strengths.join(", "), other.place);
+                let _ = write!(out, "\n{:64}{} ({})", "", strengths.join(", "), other.place);
             }
         }
         out.push('\n');
@@ -136,9 +138,10 @@ fn outside(out: &mut String, found: &Diagnosis) {
         for row in &own.by_accuracy {
             let accuracy: Vec<String> =
                 row.accuracy.iter().map(|(c, x)| format!("{c} {}", significant(*x, 2))).collect();
-            let mut said: Vec<String> = row.effects.iter().map(|(name, p)| format!("{name} {}", percent(*p))).collect();
-            said.push(format!("no gap {}", percent(row.none_probability)));
-            said.push(format!("none of these {}", percent(row.unknown_probability)));
+            let mut said: Vec<String> =
+                row.effects.iter().map(|(name, p)| format!("{name} {}", probability(*p))).collect();
+            said.push(format!("no gap {}", probability(row.none_probability)));
+            said.push(format!("none of these {}", probability(row.unknown_probability)));
             let _ = writeln!(out, "  {:<24}{}", accuracy.join(", "), said.join(", "));
         }
     }

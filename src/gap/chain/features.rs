@@ -44,10 +44,15 @@ impl FittedRun {
         let trigger = Parameter::TriggerPosition.index();
         let moved = at[trigger] - self.landing.at[trigger];
         let (mut accumulator, mut force_slopes) = (FeatureAccumulator::new(&self.model.spec), ForceSlopes::new(self));
-        for (k, cart) in ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]) {
+        let carts = || ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]);
+        let mut sensed: Vec<CartRecord> = match sensor {
+            true => carts().map(|(_, cart)| self.sensed(model, cart, ensemble.rate)).collect(),
+            false => Vec::new(),
+        };
+        self.model.record(&mut sensed);
+        for (i, (k, cart)) in carts().enumerate() {
             let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
-            let sensed = sensor.then(|| self.sensed(model, cart, ensemble.rate));
-            let samples = samples(sensed.as_ref().unwrap_or(cart));
+            let samples = samples(sensed.get(i).unwrap_or(cart));
             accumulator.add(&self.model.spec, &samples, 0.0, noise);
             force_slopes.add(&samples, -moved);
         }
@@ -74,9 +79,11 @@ impl FittedRun {
         let (mut plain, mut other) =
             (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
         let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));
-        for (k, cart) in ensemble.carts.iter().enumerate().step_by(every) {
+        let carts = || ensemble.carts.iter().enumerate().step_by(every);
+        let mut all: Vec<CartRecord> = carts().map(|(_, cart)| self.sensed(model, cart, ensemble.rate)).collect();
+        self.model.record(&mut all);
+        for ((k, cart), mut sensed) in carts().zip(all) {
             let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
-            let mut sensed = self.sensed(model, cart, ensemble.rate);
             let mut as_it_is = cart.clone();
             for force in 0..FORCES {
                 // Channels that nothing was done to say nothing.

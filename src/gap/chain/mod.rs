@@ -413,7 +413,10 @@ impl Simulator for Chains {
 
     fn noise(&self) -> BTreeMap<String, BTreeMap<String, ChannelNoise>> {
         let of = |(frame, run): (&Frame, &FittedRun)| {
-            (frame.run.clone(), channel_noise(run.model.spec.noise(), |k| run.measured[k]))
+            (
+                frame.run.clone(),
+                channel_noise(run.model.spec.noise(), &run.model.spec.recorder.steps(), |k| run.measured[k]),
+            )
         };
         self.frames.iter().zip(&self.runs).map(of).collect()
     }

@@ -87,7 +87,7 @@ impl<'a> Stations<'a> {
     fn new(spec: &'a FeatureSpec, samples: &Samples<'a>, offset: f64) -> Self {
         let places = &*spec.places;
         let fine = samples.station.iter().map(|s| places.part(f64::from(*s) + offset));
-        let weighing = spec.weighing(samples);
+        let weighing = spec.weighing(samples.coverage);
         let parts = match weighing {
             Weighing::Alike => Vec::new(),
             _ => samples.station.iter().map(|s| weighing.part(*s)).collect(),

@@ -35,6 +35,8 @@ pub struct FeatureAccumulator {
     speed: (f64, f64),
     orders: Vec<[f64; FORCES]>,
     local: bool,
+    /// Variances that show nothing, N²: those of what is left of hum.
+    unseen: [f64; FORCES],
 }
 
 /// How samples get the sensors' noise; a seed picks the draw.
@@ -83,6 +85,7 @@ impl FeatureAccumulator {
             speed: (0.0, 0.0),
             orders: vec![[0.0; FORCES]; spec.orders.len()],
             local: spec.local,
+            unseen: spec.unseen,
         }
     }
 
@@ -152,12 +155,12 @@ impl FeatureAccumulator {
     pub fn features(&self, least: f64) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.cells.len() * FORCES + 256);
         out.extend(self.means(least));
-        let spread = |[n, sum, squares, _]: Moments| {
+        let spread = |[n, sum, squares, _]: Moments, force: usize| {
             let variance = squares / n - sum / n * (sum / n);
-            if n >= least && variance > 0.0 { 0.5 * trig::ln(variance) } else { f64::NAN }
+            if n >= least && variance > 0.0 { 0.5 * trig::ln(variance + self.unseen[force]) } else { f64::NAN }
         };
         for force in 0..FORCES {
-            out.extend(self.zones.iter().map(|z| spread(z[force])));
+            out.extend(self.zones.iter().map(|z| spread(z[force], force)));
         }
         for force in 0..FORCES {
             for kind in &self.below {
@@ -175,7 +178,7 @@ impl FeatureAccumulator {
             out.extend(self.orders.iter().map(|p| power(p[force], self.segments[force])));
         }
         for force in (0..FORCES).filter(|_| self.local) {
-            out.extend(self.cells.iter().map(|c| spread(c[force])));
+            out.extend(self.cells.iter().map(|c| spread(c[force], force)));
         }
         out
     }

@@ -247,6 +247,9 @@ impl Fitter<'_> {
     /// it loses there. Whether it moved much.
     pub(super) fn tighten(&self, model: &Model, at: &mut Coordinates, centre: &Centre) -> bool {
         let k = Parameter::Tension.index();
+        if model.spec.recorder.zeroed[TELLS_TENSION] {
+            return false;
+        }
         let mut measured = FeatureAccumulator::new(&model.spec);
         measured.add_places(&model.spec, &self.measured.samples(), 0.0);
         let (Some(found), Some(simulated)) =

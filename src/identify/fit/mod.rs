@@ -295,6 +295,7 @@ impl Fitter<'_> {
         }
         self.place(model, &mut at, &centre, &repeatability);
         if self.limit(model, &at) {
+            model.record(&mut centre.ensemble.carts);
             repeatability = self.repeatability(model, &centre.ensemble);
             centre = Centre::of(model, centre.ensemble, settings.seed);
         }

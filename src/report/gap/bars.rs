@@ -1,6 +1,6 @@
 //! Bars and levels: probabilities, how much of the gap is closed, the gap of each run.
 
-use super::words::{heading, percent};
+use super::words::{heading, percent, probability};
 use crate::base::number::decimal;
 use crate::base::trig;
 use crate::gap::{Diagnosis, Finding, RunGap};
@@ -20,7 +20,7 @@ struct Bar {
     note: String,
 }
 
-fn chart(bars: &[Bar]) -> Markup {
+fn chart(bars: &[Bar], said: fn(f64) -> String) -> Markup {
     let scale = RowScale { low: 0.0, high: 1.0 };
     let mark = |bar: &Bar| {
         if bar.share.is_finite() {
@@ -29,7 +29,7 @@ fn chart(bars: &[Bar]) -> Markup {
             html! {}
         }
     };
-    let words = |bar: &Bar| html! { (percent(bar.share)) span.quiet { (bar.note) } };
+    let words = |bar: &Bar| html! { (said(bar.share)) span.quiet { (bar.note) } };
     html! {
         div.rows { @for bar in bars { (row("", &bar.name, &mark(bar), &words(bar))) } }
     }
@@ -52,10 +52,10 @@ pub fn probabilities(diagnosis: &Diagnosis) -> Markup {
     let rest = &diagnosis.effects[shown..];
     let highest = rest.iter().map(|e| e.probability).fold(0.0, f64::max);
     html! {
-        (chart(&bars))
+        (chart(&bars, probability))
         @if !rest.is_empty() {
             p.note { (rest.len()) @if rest.len() == 1 { " more effect, " } @else { " more effects, each " }
-                @if highest < 0.005 { "less than 0.5 %. " } @else { (percent(highest)) " or less. " }
+                @if highest < 0.005 { "less than 0.5 %. " } @else { (probability(highest)) " or less. " }
                 "Several effects can be present, so that the bars need not add to 100 %." }
         } @else {
             p.note { "Several effects can be present, so that the bars need not add to 100 %." }
@@ -82,7 +82,7 @@ pub fn closed(diagnosis: &Diagnosis, named: &[&Finding]) -> Markup {
         @if !bars.is_empty() {
             figure {
                 figcaption { b { "Gap closed" } ", on runs that took no part in the choice" }
-                (chart(&bars))
+                (chart(&bars, percent))
                 p.note { "With all of it closed, what repeated measurements differ by is left. The placebo is the same \
                           effect with as many strengths, its places "
                     "permuted or its phase scrambled; the black box fits residuals and names nothing." }

@@ -19,7 +19,7 @@ use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound, draws};
 use crate::signal::Channel;
 use maud::{Markup, html};
-use words::{amount, heading, percent, plain};
+use words::{amount, heading, percent, plain, probability};
 
 /// Findings at least this probable are present, as the verdict has it.
 const PRESENT: f64 = 0.5;
@@ -236,8 +236,8 @@ fn outside(diagnosis: &Diagnosis) -> Markup {
                 tbody { @for row in &own.by_accuracy { tr {
                     td { @for (k, (c, x)) in row.accuracy.iter().enumerate() { @if k > 0 { ", " } (c) " " (decimal(*x, 2)) } }
                     td { @for (k, (name, p)) in row.effects.iter().enumerate() {
-                        @if k > 0 { ", " } (plain(name)) " " (percent(*p)) } }
-                    td.number { (percent(row.none_probability)) } td.number { (percent(row.unknown_probability)) }
+                        @if k > 0 { ", " } (plain(name)) " " (probability(*p)) } }
+                    td.number { (probability(row.none_probability)) } td.number { (probability(row.unknown_probability)) }
                 } } }
             } }
         }

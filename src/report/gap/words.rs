@@ -2,8 +2,8 @@
 
 use crate::base::number::{fixed, trimmed};
 use crate::base::trig;
-pub use crate::gap::percent;
 use crate::gap::{Amount, Axis};
+pub use crate::gap::{percent, probability};
 
 /// `joint_clearance` as `joint clearance`.
 pub fn plain(name: &str) -> String {
