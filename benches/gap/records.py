@@ -29,7 +29,8 @@ class Record:
         with path.open("w", newline="") as file:
             out = csv.writer(file)
             out.writerow(self.columns)
-            out.writerows([["" if math.isnan(x) else f"{x:.10g}" for x in row] for row in zip(*self.columns.values())])
+            # Times of a clock of 1970 take more digits than a force has.
+            out.writerows([["" if math.isnan(x) else f"{x:.14g}" for x in row] for row in zip(*self.columns.values())])
         path.with_suffix(".toml").write_text(self.sidecar)
 
     def change(self, names, value):

@@ -56,6 +56,10 @@ impl Case {
             let Some(samples) = run.channels.get_mut(channel) else { continue };
             spikes.iter().for_each(|k| samples[*k] = f64::NAN);
         }
+        if let Some(place) = found.trigger_position {
+            warnings.push(format!("trigger_position is taken to be {} m", fixed(place, 1)));
+            run.sidecar.trigger_position = place;
+        }
         let (zeroed, implausible): (Vec<_>, Vec<_>) = found.implausible.into_iter().partition(|found| found.zeroed);
         let channels = |found: Vec<Implausible>| found.into_iter().flat_map(|found| found.channels).collect();
         let implausible: Vec<Channel> = channels(implausible);

@@ -8,8 +8,10 @@ pub struct Position {
     /// Arc length travelled, m: the trigger's position at its first edge, one lap more at every further edge. It does
     /// not start anew with a lap; see [`Position::on_track`].
     pub s: Vec<f64>,
-    /// Times of the trigger's rising edges, s.
+    /// Times of the trigger's rising edges that are a lap apart, s.
     pub edges: Vec<f64>,
+    /// How many it has beside these.
+    pub others: usize,
     /// Mean speed from the first to the last edge; with a single edge, the nominal speed of the sidecar. m/s
     pub speed: f64,
     lap: f64,
@@ -32,15 +34,17 @@ impl Position {
 
 /// Position on the track over time: at a rising edge of the trigger the front joint is at the photocell
 /// (`trigger_position`); linear in time between two edges, which are a lap apart; before the first and after the last
-/// edge at the mean speed. An edge is midway between the last 0 and the first 1. `None` without an edge, or for a lap
-/// that has no length.
+/// edge at the mean speed. An edge is midway between the last 0 and the first 1. Where the photocell sees something else,
+/// too, those edges count that are a lap apart. `None` without an edge, or for a lap that has no length.
 pub fn position(run: &Run, lap_length: f64) -> Option<Position> {
     position_from(run, lap_length, run.sidecar.trigger_position)
 }
 
 /// The same with the photocell at another place than the sidecar has it, m.
 pub fn position_from(run: &Run, lap_length: f64, trigger_position: f64) -> Option<Position> {
-    let edges = edges(run);
+    let all = edges(run);
+    let edges = a_lap_apart(&all, lap_length / run.sidecar.speed_setpoint);
+    let others = all.len() - edges.len();
     let (&first, &last) = (edges.first()?, edges.last()?);
     let laps = (edges.len() - 1) as f64;
     let speed = if laps > 0.0 { laps * lap_length / (last - first) } else { run.sidecar.speed_setpoint };
@@ -60,7 +64,43 @@ pub fn position_from(run: &Run, lap_length: f64, trigger_position: f64) -> Optio
         trigger_position + lap as f64 * lap_length + travelled
     });
     let s = s.collect();
-    Some(Position { s, speed, lap: lap_length, edges })
+    Some(Position { s, speed, lap: lap_length, edges, others })
+}
+
+/// How far the time of a lap may be off the planned one, and laps off each other, where edges are chosen.
+const OFF: f64 = 0.25;
+const ALIKE: f64 = 0.02;
+/// Of more edges none are chosen.
+const MOST_EDGES: usize = 200;
+
+/// Of edges some of which follow each other sooner than in a lap of about so long, s, the most that are a lap
+/// apart; of equally many those that come first.
+fn a_lap_apart(edges: &[f64], planned: f64) -> Vec<f64> {
+    let times = || edges.windows(2).map(|pair| pair[1] - pair[0]);
+    let (shortest, longest) = (times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max));
+    let sooner = shortest < (1.0 - OFF) * planned && shortest < (1.0 - OFF) * longest;
+    if !sooner || edges.len() > MOST_EDGES {
+        return edges.to_vec();
+    }
+    let from = |first: usize, lap: f64| {
+        let mut kept = vec![edges[first]];
+        for &edge in &edges[first + 1..] {
+            if ((edge - kept[kept.len() - 1]) / lap - 1.0).abs() < ALIKE {
+                kept.push(edge);
+            }
+        }
+        kept
+    };
+    let mut best: Vec<f64> = Vec::new();
+    for (first, &begin) in edges.iter().enumerate() {
+        for lap in edges[first + 1..].iter().map(|end| end - begin).filter(|lap| (lap / planned - 1.0).abs() < OFF) {
+            let kept = from(first, lap);
+            if kept.len() > best.len() {
+                best = kept;
+            }
+        }
+    }
+    if best.is_empty() { edges.to_vec() } else { best }
 }
 
 /// Mean time of a lap between the first and the last of two or more edges, s.
@@ -129,6 +169,21 @@ mod tests {
         let trigger = bouncing.channels.get_mut(&Channel::Trigger).expect("a trigger");
         trigger[22] = 0.0;
         assert_eq!(edges(&bouncing), edges(&run(&[2.05, 6.05])));
+    }
+
+    #[test]
+    fn edges_beside_those_of_laps_do_not_count() {
+        let chosen = |edges: &[f64], planned: f64| a_lap_apart(edges, planned);
+        // Something else that passes the photocell once a lap, and once at all.
+        assert_eq!(chosen(&[1.0, 4.0, 11.0, 14.0, 21.05, 24.0], 10.4), [1.0, 11.0, 21.05]);
+        assert_eq!(chosen(&[3.0, 5.0, 15.0, 25.0], 10.0), [5.0, 15.0, 25.0]);
+        // A lap with a stop is long, and a chain that runs faster than planned has short ones.
+        for edges in [[1.0, 11.0, 41.0, 51.0], [1.0, 8.0, 15.0, 22.0]] {
+            assert_eq!(chosen(&edges, 10.0), edges);
+        }
+        assert_eq!(chosen(&[1.0, 4.0], 10.0), [1.0, 4.0], "no two are a lap apart");
+        let place = position(&run(&[2.05, 3.55, 6.05, 7.55, 10.05]), 8.0).expect("edges");
+        assert_eq!((place.edges.len(), place.others, place.speed), (3, 2, 2.0));
     }
 
     fn place_time(i: usize) -> f64 {

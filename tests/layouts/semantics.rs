@@ -605,6 +605,16 @@ fn there_is_one_piece_for_each_zone() {
     assert_eq!(order(&layout, "scan_1"), (list(&["west"]), list(&["row_a"])));
     assert_eq!(order(&layout, "scan_2"), (list(&["east"]), list(&["row_b"])));
     assert_eq!(built(&model::print(&layout)).equipment.declared.len(), 7);
+    // Between what stands on one straight it stands there, too; `row_b` may be anywhere. The first one's straight has the
+    // start within it.
+    let on = |layout: &Layout, name: &str| {
+        let declared = layout.equipment.declared.iter().find(|declared| declared.name == name).unwrap();
+        let model::Stands::Free { on, .. } = &declared.stands else { panic!("`{name}` stands freely") };
+        on.clone()
+    };
+    assert_eq!((on(&layout, "scan_1"), on(&layout, "scan_2")), (vec![], vec![]));
+    let begins = built(&zones(scan).replace("start on A..B at 1 m", "start on A..B at 0 m"));
+    assert_eq!((on(&begins, "scan_1"), on(&begins, "scan_2")), (vec![0], vec![]));
 
     // Places that the layout gives say the order, too, from its start on.
     let given = "  start on B..C at 1 m\n  induction west on C..D at 30 m\n  chutes row_a on C..D from 2 m every 1.25 m count 4\n  \

@@ -75,19 +75,50 @@ impl<'t> Context<'t> {
                 );
                 return None;
             }
-            if let Stands::Free { after, before, .. } = &mut piece.stands {
+            if let Stands::Free { on, after, before, .. } = &mut piece.stands {
+                // Between what stands on one straight it stands there, too.
+                if on.is_empty() {
+                    on.extend(common_section(known, inductions.iter().chain(rows)));
+                }
                 after.extend(inductions.iter().map(|name| (*name).to_owned()));
-                before.extend(
-                    rows.iter()
-                        .map(|name| (*name).to_owned())
-                        .filter(|name| !before.contains(name))
-                        .collect::<Vec<_>>(),
-                );
+                let more: Vec<String> = rows.iter().map(|name| (*name).to_owned()).collect();
+                before.extend(more.into_iter().filter(|name| !known_before(one, name)));
             }
             pieces.push(piece);
         }
         Some(pieces)
     }
+}
+
+/// Whether it comes before another anyway.
+fn known_before(one: &Declared, name: &str) -> bool {
+    matches!(&one.stands, Stands::Free { before, .. } if before.iter().any(|known| known == name))
+}
+
+/// The section that all of these stand on, where the loop does not begin within it.
+fn common_section<'e>(equipment: &Equipment, names: impl Iterator<Item = &'e &'e str>) -> Option<usize> {
+    let mut found: Option<usize> = None;
+    for name in names {
+        let own = section_of(equipment, name)?;
+        if found.is_some_and(|found| found != own) {
+            return None;
+        }
+        found = Some(own);
+    }
+    let starts_within = |section: &usize| equipment.start.is_some_and(|s| s.section == *section && s.at > 0.0);
+    found.filter(|section| !starts_within(section))
+}
+
+/// The only section that something may stand on.
+fn section_of(equipment: &Equipment, name: &str) -> Option<usize> {
+    let induction = equipment.inductions.iter().find(|induction| induction.name == name).map(|i| i.place.section);
+    let row = || equipment.chutes.iter().find(|chutes| chutes.name == name).map(|chutes| chutes.row.place.section);
+    let declared = || match &equipment.declared.iter().find(|declared| declared.name == name)?.stands {
+        Stands::At(place) => Some(place.section),
+        Stands::Row(row) => Some(row.place.section),
+        Stands::Free { on, .. } => on.first().copied().filter(|_| on.len() == 1),
+    };
+    induction.or_else(row).or_else(declared)
 }
 
 /// The name of what a statement places in each zone, and where it says so.

@@ -70,6 +70,8 @@ pub struct Health {
     pub spikes: BTreeMap<Channel, Vec<usize>>,
     /// Channels that cannot be compared with the layout.
     pub implausible: Vec<Implausible>,
+    /// Where the trigger seems to be, m, if not where the sidecar has it.
+    pub trigger_position: Option<f64>,
     /// What cannot be told, as sentences.
     pub lacks: Vec<String>,
     /// What looks wrong, likewise.
@@ -99,6 +101,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         channels: BTreeMap::new(),
         spikes: BTreeMap::new(),
         implausible: Vec::new(),
+        trigger_position: None,
         lacks: run.warnings(layout.map(|l| l.chain.track_length_m)),
         suspicions: Vec::new(),
     };
@@ -171,8 +174,9 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
                 let implausible = zeroed || health.implausible.iter().any(|found| found.channels.contains(&channel));
                 !(implausible || no_tension && channel == Channel::JointXi)
             };
-            let sides = sides::sides(run, &usable, place, speed, layout);
+            let (sides, trigger) = sides::sides(run, &usable, place, speed, layout);
             health.suspicions.extend(sides);
+            health.trigger_position = trigger;
         }
     }
     health

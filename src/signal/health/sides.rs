@@ -26,17 +26,17 @@ const OFF: f64 = 1.5;
 const CLEARLY: (f64, f64) = (0.7, 0.1);
 
 /// Whether left and right are what curves make of them, of channels that are usable; without `joint_xi` with the layout's
-/// tension.
+/// tension. Beside the sentences, where the trigger seems to be, m, if not where the sidecar has it.
 pub fn sides(
     run: &Run,
     usable: &dyn Fn(Channel) -> bool,
     place: &Position,
     speed: f64,
     layout: &Simulation,
-) -> Vec<String> {
+) -> (Vec<String>, Option<f64>) {
     let line = layout.track.centre_line();
     if line.stretches.is_empty() {
-        return Vec::new();
+        return (Vec::new(), None);
     }
     let stretch = |sample| place.on_track(sample).map_or(usize::MAX, |s| line.stretch_at(s));
     // Of each sample the stretch; more than these bits hold are in none.
@@ -53,7 +53,7 @@ pub fn sides(
             None => Box::new(std::iter::repeat(layout.chain.tension_n)),
         }
     };
-    let mut said = Vec::new();
+    let (mut said, mut trigger) = (Vec::new(), None);
     for pair in pairs(speed, layout) {
         let (Some(left), Some(right)) = (gaps(pair.left), gaps(pair.right)) else { continue };
         let samples = stretches.iter().zip(left.iter().zip(right.iter())).zip(tensions());
@@ -71,9 +71,16 @@ pub fn sides(
             let check = "check layout and trigger_position";
             said.push(format!("{} and {} do not follow the curves: {check}", names.0, names.1));
         }
-        said.extend(moved);
+        if let Some(place) = moved {
+            let (found, planned) = (fixed(place, 1), fixed(run.sidecar.trigger_position, 1));
+            said.push(format!(
+                "steer_left and steer_right follow the curves with trigger_position {found} m, not with {planned} m: check \
+                 it, and that the layout begins where the track does"
+            ));
+            trigger = Some(place);
+        }
     }
-    said
+    (said, trigger)
 }
 
 /// Curvature of a stretch, 1/m, left positive; none of one that rises or falls.
@@ -86,8 +93,8 @@ fn curvature(line: &CentreLine, stretch: usize) -> Option<f64> {
 }
 
 /// Whether the steering wheels' differences, sample by sample, follow the curves clearly better with another place of the
-/// trigger; the nearest of those that are as good.
-fn elsewhere(run: &Run, place: &Position, line: &CentreLine, differences: impl Iterator<Item = f64>) -> Option<String> {
+/// trigger, m; the nearest of those that are as good.
+fn elsewhere(run: &Run, place: &Position, line: &CentreLine, differences: impl Iterator<Item = f64>) -> Option<f64> {
     let count = (line.length / CELL).round().clamp(1.0, CELLS) as usize;
     let mut cells = vec![(0.0, 0_u32); count];
     for (sample, difference) in differences.enumerate().filter(|(_, x)| x.is_finite()) {
@@ -111,15 +118,8 @@ fn elsewhere(run: &Run, place: &Position, line: &CentreLine, differences: impl I
     };
     let near = (0..count).filter(|k| all[*k] > best - 0.02).min_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs()))?;
     let further = off(near);
-    (further.abs() > OFF && best > CLEARLY.0 && best > all[0] + CLEARLY.1).then(|| {
-        let planned = run.sidecar.trigger_position;
-        format!(
-            "steer_left and steer_right follow the curves with trigger_position {} m, not with {} m: check it, and that \
-             the layout begins where the track does",
-            fixed((planned + further).rem_euclid(line.length), 1),
-            fixed(planned, 1)
-        )
-    })
+    let clearly = further.abs() > OFF && best > CLEARLY.0 && best > all[0] + CLEARLY.1;
+    clearly.then(|| (run.sidecar.trigger_position + further).rem_euclid(line.length))
 }
 
 fn pairs(speed: f64, layout: &Simulation) -> [Pair<'_>; 4] {

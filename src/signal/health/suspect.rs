@@ -4,6 +4,7 @@ use super::super::Channel;
 use super::super::measures::Statistics;
 use super::super::position::Position;
 use crate::base::number::{fixed, shortest, trimmed};
+use crate::base::words::counted;
 use crate::chain_input::Simulation;
 use std::collections::BTreeMap;
 
@@ -102,6 +103,12 @@ pub fn speeds(trigger: Option<f64>, wheels: Option<f64>) -> Option<String> {
 
 /// Whether laps took about the same time.
 pub fn laps(place: &Position) -> Option<String> {
+    if place.others > 0 {
+        let edges = counted(place.others, "edge");
+        return Some(format!(
+            "the trigger has {edges} beside those that are a lap apart: something else passes the photocell"
+        ));
+    }
     let mut times: Vec<f64> = place.edges.windows(2).map(|w| w[1] - w[0]).collect();
     times.sort_by(f64::total_cmp);
     let (shortest, longest) = (times.first()?, times.last()?);
