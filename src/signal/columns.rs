@@ -39,6 +39,19 @@ impl Column for Channel {
     }
 }
 
+/// The columns of a data file: time, and the channels over it.
+pub type Columns<C = Channel> = (Vec<f64>, BTreeMap<C, Vec<f64>>);
+
+/// Says which channel a column is, given those before it; `None` for one that is passed over, whatever it holds.
+pub type Pick<'a, C> = &'a dyn Fn(&str, &[C]) -> Result<Option<C>, DataProblem>;
+
+/// What columns are by their names.
+pub struct Names<'a, C> {
+    /// Whether a column is the time.
+    pub is_time: &'a dyn Fn(&str) -> bool,
+    pub pick: Pick<'a, C>,
+}
+
 /// Numbers of a run at most, times included: 1.6 GB of memory, 12.5 million rows of 16 columns.
 pub const MOST_NUMBERS: usize = 200_000_000;
 

@@ -1,25 +1,12 @@
 //! Runs as CSV: a header, a row a sample, an empty field for a lost one.
 
+use super::columns::{Columns, Names, Pick};
 use super::mapping::Mapping;
 use super::{Channel, DataProblem, Run, RunError, columns, digits};
 use crate::base::number::shortest;
 use crate::source::InputError;
-use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
-
-/// The columns of a data file: time, and the channels over it.
-pub type Columns<C = Channel> = (Vec<f64>, BTreeMap<C, Vec<f64>>);
-
-/// Says which channel a column is, given those before it; `None` for one that is passed over, whatever it holds.
-pub type Pick<'a, C> = &'a dyn Fn(&str, &[C]) -> Result<Option<C>, DataProblem>;
-
-/// What columns are by their names.
-pub struct Names<'a, C> {
-    /// Whether a column is the time.
-    pub is_time: &'a dyn Fn(&str) -> bool,
-    pub pick: Pick<'a, C>,
-}
 
 /// The data file. Time keeps every digit; other samples are rounded to seven significant digits and to no finer than a
 /// millionth of their unit, and written with the fewest digits that read back the same.

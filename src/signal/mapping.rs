@@ -9,7 +9,7 @@
 //! ```
 
 use super::columns;
-use super::csv::Columns;
+use super::columns::Columns;
 use super::{Channel, DataProblem};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,6 +1,6 @@
 //! Runs as Parquet: a column of doubles for time and for each channel, NaN for a lost sample.
 
-use super::csv::{Columns, Names, Pick};
+use super::columns::{Columns, Names, Pick};
 use super::mapping::Mapping;
 use super::{DataProblem, Run, RunError, columns, digits};
 use ::parquet::basic::{Compression, Encoding, Repetition, Type as Physical};

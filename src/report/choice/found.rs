@@ -53,7 +53,7 @@ struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
     least_radius_m: Option<f64>,
     /// Numbers of equipment that were free.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     equipment: BTreeMap<String, usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     capacity_per_hour: Option<f64>,

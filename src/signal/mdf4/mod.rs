@@ -12,7 +12,7 @@
 mod blocks;
 mod records;
 
-use super::csv::Columns;
+use super::columns::Columns;
 use super::mapping::Mapping;
 use super::{Channel, DataProblem, RunError, columns};
 use blocks::{Block, Blocks};

@@ -60,7 +60,7 @@ fn what_may_follow_is_proposed_with_units_and_docs() {
     assert_eq!(labels(&inside("chutes row_a of ")), ["chute", "chute_spiral"]);
     assert_eq!(labels(&inside("induction west of ")), ["induction_45", "induction_manual"]);
     let all = inside("induction west of induction_45 ");
-    assert_eq!(labels(&all), ["anywhere", "on"]);
+    assert_eq!(labels(&all), ["anywhere", "at", "on"]);
     assert!(inside("// fix ").is_empty());
     let modules = proposed(&mut client, &path, "use std.|");
     assert_eq!(labels(&modules), ["carts", "drives", "equipment", "joints", "sensors", "tracks", "wheels"]);
