@@ -10,7 +10,7 @@ syntax match lssFunction "\<\h\w*\ze("
 syntax match lssUnit contained "[A-Za-z%°µΩ€][[:alnum:]_%°µΩ€^.*/-]*"
 syntax match lssNumber "\<\d[0-9_]*\%(\.\d[0-9_]*\)\=\%([eE][+-]\=\d\+\)\=\%(\s*\%(\%(radius\|clearance\|evenly\|from\|slope\|every\|count\|step\|within\|at\|on\|about\|anywhere\|fed\|for\|changeover\|spread\)\>\)\@!\a\|\s*[%°µΩ€]\)\@=" nextgroup=lssUnit skipwhite
 syntax match lssNumber "\<\d[0-9_]*\%(\.\d[0-9_]*\)\=\%([eE][+-]\=\d\+\)\=\%(\s*\%([-+*/=<>,)\].]\|$\|\%(radius\|clearance\|evenly\|from\|slope\|every\|count\|step\|within\|at\|on\|about\|anywhere\|fed\|for\|changeover\|spread\)\>\)\)\@="
-syntax match lssWord "\<\%(from\|on\|at\|every\|count\|evenly\|radius\|clearance\|slope\|within\|about\|step\|tension\|closes\|of\|least\|anywhere\|after\|before\|fed\|for\|to\|changeover\|spread\)\>\%(\s\+[^=:,) \t]\|\s*$\)\@="
+syntax match lssWord "\<\%(from\|on\|at\|every\|count\|evenly\|radius\|clearance\|slope\|within\|about\|step\|tension\|closes\|of\|least\|anywhere\|straights\|after\|before\|the\|last\|each\|zone\|fed\|for\|to\|changeover\|spread\)\>\%(\s\+[^=:,) \t]\|\s*$\)\@="
 syntax match lssConstant "\<\%(left\|right\|either\)\>\%(\s*\%(//.*\)\=$\)\@="
 syntax match lssStatement "\%(^\|{\)\@<=\s*\%(use\|speed\|width\|vertex\|building\|obstacle\|turns\|radii\|fix\|require\|equal\|mirror\|pass\|level\|ramp\|start\|photocell\|scanner\|feed\|storage\|items\|stops\|fails\|waves\|wave\|choose\|drive\|energy\|induction\|chutes\|gate\|lift\|motors\|supports\|sensor_cart\|chain\|effect\|axis\|drawing\|optimi[sz]e\|section\|route\)\>\%(\s\+[^=:,) \t]\)\@="
 syntax match lssDeclaration "^\s*\%(layout\|catalog\|cart\|wheel\|joint\|motor\|controller\|sensor\|equipment\|let\)\>\%(\s\+\h\)\@="
