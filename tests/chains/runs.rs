@@ -122,7 +122,7 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
         ),
         (
             |run| samples(run, Channel::JointXi).iter_mut().for_each(|x| *x = -*x),
-            &["joint_xi looks reversed: change the sign (the mean of joint_xi is -"],
+            &["joint_xi looks reversed: change the sign with `factor = -1` under `[columns]` in the sidecar (the mean of joint_xi is -"],
         ),
         (
             |run| {
@@ -132,7 +132,7 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
                     samples.iter_mut().for_each(|x| *x -= mean);
                 }
             },
-            &["run_left, run_right and joint_xi look set to zero under load: add the load that was on the sensor then"],
+            &["run_left, run_right and joint_xi look set to zero under load: their means say nothing"],
         ),
         (
             |run| [700, 9000, 9001, 20_000].into_iter().for_each(|k| samples(run, Channel::JointXi)[k] = 9999.0),
