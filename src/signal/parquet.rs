@@ -324,6 +324,21 @@ mod tests {
         assert_eq!(bits(&channels), bits(&csv_channels));
     }
 
+    #[test]
+    fn columns_are_what_a_sidecar_says() {
+        let bytes = write(&run()).expect("columns");
+        let table = "time = { channel = \"time\", factor = 0.001 }\njoint_xi = { channel = \"joint_eta\", offset = 5 }\nother = false";
+        let mapping = Mapping::new(&toml::from_str(table).expect("a table")).expect("channels");
+        let mut file = tempfile::tempfile().expect("a file");
+        file.write_all(&bytes).expect("written");
+        let (time, channels) = read_mapped(file, Path::new("run.parquet"), &mapping).expect("a run");
+        let (plain_time, plain) = back(&bytes).expect("a run");
+        assert_eq!(time[100], 0.001 * plain_time[100]);
+        assert_eq!(channels[&Channel::JointEta][100], plain[&Channel::JointXi][100] + 5.0);
+        assert!(!channels.contains_key(&Channel::JointXi));
+        assert_eq!(mapping.unused().as_deref(), Some("other"));
+    }
+
     /// Columns as other writers have them: several row groups, optional, of smaller types.
     #[test]
     fn what_others_write_is_read() {

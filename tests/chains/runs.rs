@@ -122,7 +122,9 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
         ),
         (
             |run| samples(run, Channel::JointXi).iter_mut().for_each(|x| *x = -*x),
-            &["joint_xi looks reversed: change the sign with `factor = -1` under `[columns]` in the sidecar (the mean of joint_xi is -"],
+            &[
+                "joint_xi looks reversed: change the sign with `factor = -1` under `[columns]` in the sidecar (the mean of joint_xi is -",
+            ],
         ),
         (
             |run| {

@@ -185,6 +185,25 @@ mod tests {
         assert!(DEFLATED.windows(4).any(|w| w == b"##DZ") && !PLAIN.windows(4).any(|w| w == b"##DZ"));
     }
 
+    /// The joint's force in mN, of the other sign, a wheel's that is another's, and one that is passed over.
+    #[test]
+    fn channels_are_what_a_sidecar_says() {
+        let table =
+            "joint_xi = { channel = \"joint_xi\", factor = -1000 }\nsteer_left = \"run_left\"\nsteer_right = false";
+        let mapping = Mapping::new(&toml::from_str(table).expect("a table")).expect("channels");
+        let read = |mapping| read_mapped(std::io::Cursor::new(PLAIN), Path::new("run.mf4"), mapping).expect("a run");
+        let ((time, own), (_, plain)) = (read(&mapping), read(&Mapping::default()));
+        assert_eq!(
+            own.keys().copied().collect::<Vec<_>>(),
+            [Channel::RunLeft, Channel::JointXi, Channel::Temperature, Channel::Trigger]
+        );
+        for k in (0..time.len()).filter(|k| plain[&Channel::JointXi][*k].is_finite()) {
+            assert_eq!(own[&Channel::JointXi][k], -1000.0 * plain[&Channel::JointXi][k]);
+        }
+        assert_eq!(own[&Channel::RunLeft], plain[&Channel::SteerLeft]);
+        assert_eq!(mapping.unused(), None);
+    }
+
     #[test]
     fn a_block_that_unpacks_to_more_than_the_limit_is_refused() {
         let mut bytes = DEFLATED.to_vec();
