@@ -35,7 +35,16 @@ impl Sidecar {
         laps: usize,
     ) -> Sidecar {
         let notes = BTreeMap::new();
-        let own = signal::Sidecar { layout, sensor_cart, speed_setpoint, trigger_position, lowpass, laps, zeroed: Vec::new(), notes };
+        let own = signal::Sidecar {
+            layout,
+            sensor_cart,
+            speed_setpoint,
+            trigger_position,
+            lowpass,
+            laps,
+            zeroed: Vec::new(),
+            notes,
+        };
         Sidecar { own, supports: Arc::default() }
     }
 

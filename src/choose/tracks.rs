@@ -26,9 +26,6 @@ pub struct Track {
 /// A track that there is not.
 #[derive(Clone, Debug)]
 pub struct NoTrack {
-    pub radius: Option<f64>,
-    pub length: Option<f64>,
-    pub counts: Vec<usize>,
     /// The layout that was asked for, and how far its solve came.
     pub layout: Box<Layout>,
     pub stages: Vec<Stage>,
@@ -76,13 +73,7 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
         let compiled = Compiled::new(layout, stages);
         let unbuildable = compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error);
         match compiled.failed() || unbuildable || !compiled.placement.is_whole() {
-            true => Err(NoTrack {
-                radius: *radius,
-                length: *length,
-                counts: counts.clone(),
-                layout: Box::new(compiled.layout),
-                stages: compiled.stages,
-            }),
+            true => Err(NoTrack { layout: Box::new(compiled.layout), stages: compiled.stages }),
             false => Ok(Track {
                 radius: *radius,
                 length: *length,

@@ -138,8 +138,8 @@ impl FeatureSpec {
     }
 
     /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range
-    /// above, at least a thousandth of the force's range on the whole lap, five of one that was set to zero: a wheel that does not touch has a force of 0 for
-    /// long, in some kinds of place all the time, and no threshold must split that.
+    /// above, at least a thousandth of the force's range on the whole lap, five of one that was set to zero: a wheel that
+    /// does not touch has a force of 0 for long, in some kinds of place all the time, and no threshold must split that.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
         let fine: Vec<u32> = samples.station.iter().map(|s| self.places.part(f64::from(*s) + offset)).collect();

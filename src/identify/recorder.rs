@@ -18,11 +18,11 @@ pub struct Recorder {
 impl Recorder {
     /// Of a run, by its sidecar and its samples.
     pub fn new(run: &Run) -> Recorder {
-        let of = |force: Channel| run.channels.get(&force).and_then(|samples| Resolution::of(samples));
-        let zeroed = Channel::FORCES.map(|force| run.sidecar.zeroed.contains(&force));
+        let zeroed = |force: &Channel| run.sidecar.zeroed.contains(force);
         // Where steps lie from the zero under load is not known.
-        let known = |k: usize| of(Channel::FORCES[k]).filter(|_| !zeroed[k]);
-        Recorder { zeroed, resolution: std::array::from_fn(known) }
+        let samples = |force: Channel| run.channels.get(&force).filter(|_| !zeroed(&force));
+        let resolution = Channel::FORCES.map(|force| samples(force).and_then(|samples| Resolution::of(samples)));
+        Recorder { zeroed: Channel::FORCES.map(|force| zeroed(&force)), resolution }
     }
 
     /// Steps that show, N.

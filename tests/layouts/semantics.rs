@@ -644,6 +644,14 @@ fn zones_that_are_none_are_told() {
         assert_eq!(codes(&analysis), [code], "{statements}: {said}");
         assert!(said.contains(words), "{statements}: {said}");
     }
+    // Beside a vertex with a mistake, places say nothing.
+    let given = format!(
+        "  start on C..D at 1 m\n  induction in_1 on A..B at 2 m\n  chutes row_a on B..C from 2 m every 1 m count 2\n  \
+         scanner s of scanner_portal anywhere {last}"
+    );
+    let broken = with(&given).replace("(0 m, 0 m) radius 4 m", "(0 m, 0 m) radius 4 kg");
+    let (_, analysis) = check(&[("main.lss", &broken.replace(HEAD, &format!("{HEAD}use std.equipment\n")))]);
+    assert!(codes(&analysis).contains(&"E0301"), "{:?}", codes(&analysis));
     let text = with(&format!("  induction west on A..B at 2 m\n  scanner s of scanner_portal anywhere {last}"));
     let (_, analysis) = check(&[("main.lss", &text.replace(HEAD, &format!("{HEAD}use std.equipment\n")))]);
     assert_eq!(codes(&analysis), ["E0214"]);

@@ -45,14 +45,14 @@ impl FittedRun {
         let moved = at[trigger] - self.landing.at[trigger];
         let (mut accumulator, mut force_slopes) = (FeatureAccumulator::new(&self.model.spec), ForceSlopes::new(self));
         let carts = || ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]);
-        let mut sensed: Vec<CartRecord> = match sensor {
-            true => carts().map(|(_, cart)| self.sensed(model, cart, ensemble.rate)).collect(),
-            false => Vec::new(),
-        };
-        self.model.record(&mut sensed);
+        // What was set to zero has the mean of the cart with the sensors, and not of others with other loads.
+        let anew = sensor || (self.model.spec.recorder.zeroed.contains(&true) && observed.contains(&false));
+        let sensed = |cart: &CartRecord| if sensor { self.sensed(model, cart, ensemble.rate) } else { cart.clone() };
+        let mut own: Vec<CartRecord> = carts().filter(|_| anew).map(|(_, cart)| sensed(cart)).collect();
+        self.model.record(&mut own);
         for (i, (k, cart)) in carts().enumerate() {
             let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
-            let samples = samples(sensed.get(i).unwrap_or(cart));
+            let samples = samples(own.get(i).unwrap_or(cart));
             accumulator.add(&self.model.spec, &samples, 0.0, noise);
             force_slopes.add(&samples, -moved);
         }
@@ -81,13 +81,15 @@ impl FittedRun {
         let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));
         let carts = || ensemble.carts.iter().enumerate().step_by(every);
         let mut all: Vec<CartRecord> = carts().map(|(_, cart)| self.sensed(model, cart, ensemble.rate)).collect();
+        let mut as_they_are: Vec<CartRecord> = carts().map(|(_, cart)| cart.clone()).collect();
+        // Both with the means of these carts, so that a channel that nothing was done to stays the same.
         self.model.record(&mut all);
-        for ((k, cart), mut sensed) in carts().zip(all) {
+        self.model.record(&mut as_they_are);
+        for ((k, _), (mut sensed, mut as_it_is)) in carts().zip(all.into_iter().zip(as_they_are)) {
             let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
-            let mut as_it_is = cart.clone();
             for force in 0..FORCES {
                 // Channels that nothing was done to say nothing.
-                if sensed.forces[force] == cart.forces[force] {
+                if sensed.forces[force] == as_it_is.forces[force] {
                     sensed.forces[force].clear();
                     as_it_is.forces[force].clear();
                 }

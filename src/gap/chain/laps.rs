@@ -56,6 +56,7 @@ impl Chains {
         let observed = observed(&model.simulation, &deviations, ensemble.carts.len());
         let mut each = observed.iter();
         ensemble.carts.retain(|_| each.next().is_none_or(|observed| *observed));
+        model.record(&mut ensemble.carts);
         Some((model, ensemble))
     }
 }

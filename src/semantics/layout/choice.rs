@@ -58,8 +58,7 @@ impl<'t> Context<'t> {
                 choice.statements.free.push(placed.span);
                 match self.free_count(draft, placed, names, counts, equipment) {
                     Some(count) if self.is_said_once(names, &count, &choice) => choice.counts.push(count),
-                    Some(_) => sound = false,
-                    None => sound = false,
+                    _ => sound = false,
                 }
             }
         }

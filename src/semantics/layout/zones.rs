@@ -202,10 +202,14 @@ type Along = (usize, f64);
 
 /// Where what has places in the layout begins and ends.
 fn given(equipment: &Equipment, sections: usize) -> Vec<(&str, (Along, Along))> {
+    // Without vertices, as of a route or with a mistake in them, nothing is known of places.
+    if sections == 0 {
+        return Vec::new();
+    }
     let start = equipment.start.map_or((0, 0.0), |start| (start.section, start.at));
     let along = |place: StraightPlace| match place.section == start.0 && place.at < start.1 {
         true => (sections, place.at),
-        false => ((place.section + sections - start.0) % sections.max(1), place.at),
+        false => ((place.section + sections - start.0) % sections, place.at),
     };
     let range = |places: Vec<StraightPlace>| {
         let all: Vec<Along> = places.into_iter().map(along).collect();

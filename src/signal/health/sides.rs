@@ -18,8 +18,8 @@ struct Pair<'a> {
 const EXCHANGED: (f64, f64) = (-0.5, -0.2);
 const FOLLOWS: f64 = 0.2;
 
-/// Cells that places are tried in, m, and how many there may be; how far off a place is told, m; and by how much more the curves have to be followed
-/// there, as a correlation.
+/// Cells that places are tried in, m, and how many there may be; how far off a place is told, m; and by how much more the
+/// curves have to be followed there, as a correlation.
 const CELL: f64 = 0.25;
 const CELLS: f64 = 2000.0;
 const OFF: f64 = 1.5;

@@ -110,7 +110,8 @@ fn group<R: Read + Seek>(
         let name = blocks.text(block.link(2)).map_err(torn)?;
         let at = |problem| RunError::new(file, problem).column(&name);
         let master = matches!(block.u8(0), Some(records::MASTER | records::VIRTUAL_MASTER));
-        if master || mapping.is_time(&name, &["time", "t", "timestamp"]) {
+        let is_time = mapping.is_time(&name, &["time", "t", "timestamp"]);
+        if master || is_time {
             if !mapping.says(&name) {
                 unit(blocks, &block, "s").map_err(at)?;
             }
@@ -188,11 +189,10 @@ mod tests {
     /// The joint's force in mN, of the other sign, a wheel's that is another's, and one that is passed over.
     #[test]
     fn channels_are_what_a_sidecar_says() {
-        let table =
-            "joint_xi = { channel = \"joint_xi\", factor = -1000 }\nsteer_left = \"run_left\"\nsteer_right = false";
+        let table = "time = { channel = \"time\", factor = 0.001 }\njoint_xi = { channel = \"joint_xi\", factor = -1000 }\nsteer_left = \"run_left\"\nsteer_right = false";
         let mapping = Mapping::new(&toml::from_str(table).expect("a table")).expect("channels");
         let read = |mapping| read_mapped(std::io::Cursor::new(PLAIN), Path::new("run.mf4"), mapping).expect("a run");
-        let ((time, own), (_, plain)) = (read(&mapping), read(&Mapping::default()));
+        let ((time, own), (plain_time, plain)) = (read(&mapping), read(&Mapping::default()));
         assert_eq!(
             own.keys().copied().collect::<Vec<_>>(),
             [Channel::RunLeft, Channel::JointXi, Channel::Temperature, Channel::Trigger]
@@ -201,6 +201,7 @@ mod tests {
             assert_eq!(own[&Channel::JointXi][k], -1000.0 * plain[&Channel::JointXi][k]);
         }
         assert_eq!(own[&Channel::RunLeft], plain[&Channel::SteerLeft]);
+        assert_eq!(time[1], 0.001 * plain_time[1]);
         assert_eq!(mapping.unused(), None);
     }
 
