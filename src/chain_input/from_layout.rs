@@ -109,7 +109,7 @@ impl ChainInput {
             track_length_m: tidy(length),
             chord_excess_m: tidy(chord_excess),
             left_over_m: tidy(path - carts * pitch),
-            take_up_m: Some(layout.catalog.take_up),
+            take_up_m: Some(layout.take_up_travel()),
             tension_n: layout.chain.tension,
             speed_m_s: layout.speed.value,
         }

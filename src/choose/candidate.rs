@@ -7,7 +7,7 @@ use crate::capacity::{Bound, Sorter, bound};
 use crate::compiled::{Compiled, order};
 use crate::kinematics::polygon::{Course, PolygonObjective, action};
 use crate::kinematics::{Fit, fit};
-use crate::model::{Cart, Layout, Motor, Motors};
+use crate::model::{Article, Cart, Free, Layout, Motor, Motors, TakeUp};
 
 /// What a choice has to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,6 +24,8 @@ pub enum Requirement {
     Spare,
     /// `drive load`
     Load,
+    /// A take-up that holds the chain's tension.
+    Tension,
     /// Room for the motors.
     Room,
     /// As many motors as it needs, of those that the layout has.
@@ -34,7 +36,7 @@ pub enum Requirement {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shortfall {
     pub requirement: Requirement,
-    /// What it gives: items an hour, m left over, or motors that there are or that there is room for.
+    /// What it gives: items an hour, m left over, N of tension, or motors that there are or that there is room for.
     pub found: f64,
     /// What it would have to give.
     pub wanted: f64,
@@ -57,7 +59,7 @@ pub struct Fitted {
     pub fit: Option<Fit>,
     /// At any speed.
     pub sorter: Option<Sorter>,
-    /// Of all but motors, EUR.
+    /// Of all but motors, and what of take-up and sensor is free, EUR.
     pub price: f64,
     /// Root mean square of ΔP over all straights and starts, m; `None` where the track has none.
     pub polygon_action: Option<f64>,
@@ -70,6 +72,12 @@ impl Fitted {
         compiled.layout.equipment.motors = Motors::Evenly { count: 0 };
         compiled.chain = fit(&compiled.space.line, cart.length);
         compiled.layout.choice = layout.choice.clone();
+        if !layout.choice.take_ups.is_empty() {
+            compiled.layout.take_up = None;
+        }
+        if !layout.choice.sensors.is_empty() {
+            compiled.layout.sensor.article = Article::default();
+        }
         let beside: f64 = order::lines(&compiled).iter().filter_map(order::OrderLine::price).sum();
         let rough = || {
             let course = Course::new(&compiled.space.line).ok()?;
@@ -119,6 +127,10 @@ pub struct Candidate {
     pub speed: f64,
     /// How many motors it needs.
     pub motors: usize,
+    /// Index into the take-ups that may be chosen, the cheapest that serves; 0 where none is free.
+    pub take_up: usize,
+    /// Index into the sensors that may be chosen; 0 where none is free.
+    pub sensor: usize,
     pub thrust: Thrust,
     /// `None` where nothing comes or goes.
     pub capacity: Option<Bound>,
@@ -171,9 +183,17 @@ impl Candidate {
                 short(Requirement::Capacity, found, required.least.value);
             }
         }
+        let take_up = take_up(layout, |candidate| {
+            let closes = !holds(Requirement::Closes) || on.fit.is_some_and(|fit| fit.is_within(candidate.travel));
+            closes && (!holds(Requirement::Tension) || holds_tension(layout, candidate))
+        });
+        let chosen = layout.choice.take_ups.get(take_up).map(|free| &free.item);
+        if let Some(force) = chosen.filter(|c| holds(Requirement::Tension) && !holds_tension(layout, c)) {
+            short(Requirement::Tension, force.force.unwrap_or(f64::INFINITY), layout.chain.tension);
+        }
         if holds(Requirement::Closes) {
-            let take_up = layout.catalog.take_up;
-            let most = layout.chain.closes_within.as_ref().map_or(take_up, |within| within.value.min(take_up));
+            let travel = chosen.map_or(layout.take_up_travel(), |chosen| chosen.travel);
+            let most = layout.chain.closes_within.as_ref().map_or(travel, |within| within.value.min(travel));
             match on.fit {
                 Some(fit) if fit.is_within(most) => {}
                 Some(fit) => short(Requirement::Closes, fit.left_over.abs(), most),
@@ -189,12 +209,50 @@ impl Candidate {
         }
         let cents = |price: f64| (price * 100.0).round() / 100.0;
         let each = cents(kind.article.price.unwrap_or(0.0));
-        let price = cents(on.price + each * motors as f64);
+        let sensor = cheapest_sensor(layout, 0.0).unwrap_or(0);
+        let of = |article: Option<&Article>| cents(article.and_then(|article| article.price).unwrap_or(0.0));
+        let beside = of(chosen.map(|chosen| &chosen.article)) + sensor_price(layout, sensor);
+        let price = cents(on.price + each * motors as f64 + beside);
         let (mut energy, mut total) = (0.0, price);
         if let Some(used) = &layout.choice.energy {
             energy = drive::energy(&thrust.resistance, speed, used.running, kind.efficiency);
             total += energy * used.price * used.years;
         }
-        Candidate { fitted, motor, speed, motors, thrust, capacity, price, energy, total, shortfalls }
+        Candidate { fitted, motor, speed, motors, take_up, sensor, thrust, capacity, price, energy, total, shortfalls }
     }
+}
+
+/// Whether a take-up holds the chain's tension.
+fn holds_tension(layout: &Layout, take_up: &TakeUp) -> bool {
+    take_up.force.is_none_or(|force| layout.chain.tension <= force)
+}
+
+/// The cheapest of the free take-ups that serves; where none does, of those that hold the chain's tension the one of the
+/// longest travel, and where none holds it the strongest. The first of equal ones.
+fn take_up(layout: &Layout, serves: impl Fn(&TakeUp) -> bool) -> usize {
+    let all: &[Free<TakeUp>] = &layout.choice.take_ups;
+    let price = |k: &usize| all[*k].item.article.price.unwrap_or(0.0);
+    let serving = (0..all.len()).filter(|k| serves(&all[*k].item));
+    serving.min_by(|a, b| price(a).total_cmp(&price(b))).unwrap_or_else(|| {
+        let holding = (0..all.len()).filter(|k| holds_tension(layout, &all[*k].item));
+        let longest = holding.rev().max_by(|a, b| all[*a].item.travel.total_cmp(&all[*b].item.travel));
+        let force = |k: &usize| all[*k].item.force.unwrap_or(f64::INFINITY);
+        let strongest = || (0..all.len()).rev().max_by(|a, b| force(a).total_cmp(&force(b)));
+        longest.or_else(strongest).unwrap_or(0)
+    })
+}
+
+/// The cheapest of the free sensors that measures a force, N; the first of equal ones. `None` where there is none.
+pub(super) fn cheapest_sensor(layout: &Layout, force: f64) -> Option<usize> {
+    let all = &layout.choice.sensors;
+    let measures = |k: &usize| all[*k].item.range.is_none_or(|range| force <= range);
+    let price = |k: &usize| all[*k].item.article.price.unwrap_or(0.0);
+    (0..all.len()).filter(measures).min_by(|a, b| price(a).total_cmp(&price(b)))
+}
+
+/// What a free sensor costs, EUR; nothing where the layout has no photocell, and so nothing that is measured.
+pub(super) fn sensor_price(layout: &Layout, sensor: usize) -> f64 {
+    let price = layout.choice.sensors.get(sensor).and_then(|free| free.item.article.price);
+    let counts = layout.equipment.photocell.is_some();
+    price.filter(|_| counts).map_or(0.0, |price| (price * 100.0).round() / 100.0)
 }

@@ -29,6 +29,9 @@ pub struct Check {
     /// Mean thrust of all motors, N, and speed, m/s.
     pub thrust: f64,
     pub speed: f64,
+    /// Largest force that a load cell of the sensor cart measures, and its range, N; `None` where the layout measures
+    /// nothing, or says no range.
+    pub measured: Option<(f64, f64)>,
     /// Speed with the spare motors out of order, m/s; `None` where there are none.
     pub spare_speed: Option<f64>,
     /// What the chain is to run with, m/s.
@@ -50,8 +53,18 @@ pub struct Carried {
 }
 
 impl Check {
-    /// Whether forces are within what is declared, parts live as long as they have to, and the chain keeps its speed.
+    /// Whether forces are within what is declared and what load cells measure, parts live as long as they have to, and the chain keeps its speed.
     pub fn passes(&self) -> bool {
+        self.is_but_for_range() && self.beyond_range().is_none()
+    }
+
+    /// What a load cell has to measure and cannot, N.
+    pub fn beyond_range(&self) -> Option<f64> {
+        self.measured.filter(|(peak, range)| peak > range).map(|(peak, _)| peak)
+    }
+
+    /// Whether it passes as far as chain and drive go.
+    pub fn is_but_for_range(&self) -> bool {
         let slow = |speed: f64| speed < SLOW * self.wanted_speed;
         self.carried.iter().all(|part| part.passes(self.years))
             && !slow(self.speed)
@@ -117,6 +130,11 @@ pub fn check(
             of("steering wheel", &steering, &cart.steering.strength, &tread(steering, cart.steering.radius)),
             of("running wheel", &running_wheels, &cart.running.strength, &tread(running_wheels, cart.running.radius)),
         ],
+        measured: {
+            let range = compiled.layout.sensor.range.filter(|_| compiled.layout.equipment.photocell.is_some());
+            let each = || Channel::ALL.into_iter().filter(|channel| channel.unit() == "N").map(|c| peak(&[c]));
+            range.map(|range| (each().fold(0.0, f64::max), range))
+        },
         thrust: outcomes[0].mean_thrust,
         speed: speed(&outcomes[0]),
         spare_speed: outcomes.get(1).map(speed),

@@ -1,6 +1,6 @@
 //! All candidates, the cheapest that does what is required, and what each requirement costs.
 
-use super::candidate::{Candidate, Fitted, Requirement, Room};
+use super::candidate::{self, Candidate, Fitted, Requirement, Room};
 use super::check::{self, Check};
 use super::places;
 use super::settings::{Settings, Tell, Told};
@@ -9,12 +9,14 @@ use super::tracks::{self, NoTrack, Track};
 use crate::base::parallel;
 use crate::capacity::{Mean, Sorter};
 use crate::compiled::Compiled;
-use crate::model::{Cart, Layout, Motor, Motors};
+use crate::model::{Cart, Layout, Motor, Motors, Sensor, TakeUp};
 use std::fmt;
 
 /// Candidates, and tracks that they are on, at most.
 const MOST: usize = 400_000;
 const MOST_TRACKS: usize = 1000;
+/// Runs in the dynamic model for each candidate that may be checked: chain and drive of some do, and only their sensor does not.
+const TRIES: usize = 10;
 
 /// There are more than can be looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,6 +153,7 @@ fn costs(
     let asked = [
         (Requirement::Capacity, layout.capacity.required.is_some()),
         (Requirement::Closes, true),
+        (Requirement::Tension, !layout.choice.take_ups.is_empty()),
         (Requirement::Starts, drive.starts.is_some()),
         (Requirement::Stops, drive.stops.is_some()),
         (Requirement::Spare, drive.spare > 0),
@@ -173,6 +176,16 @@ impl Chosen {
 
     pub fn motor(&self, candidate: &Candidate) -> &Motor {
         motors(&self.layout)[candidate.motor]
+    }
+
+    /// The take-up that a candidate has, where it was free.
+    pub fn take_up(&self, candidate: &Candidate) -> Option<&TakeUp> {
+        self.layout.choice.take_ups.get(candidate.take_up).map(|free| &free.item)
+    }
+
+    /// The sensor that a candidate has, where it was free.
+    pub fn sensor(&self, candidate: &Candidate) -> Option<&Sensor> {
+        self.layout.choice.sensors.get(candidate.sensor).map(|free| &free.item)
     }
 
     pub fn track(&self, candidate: &Candidate) -> &Track {
@@ -226,6 +239,12 @@ impl Chosen {
         layout.cart = self.cart(candidate).clone();
         layout.drive.motor = self.motor(candidate).clone();
         layout.speed.value = candidate.speed;
+        if let Some(take_up) = self.take_up(candidate) {
+            layout.take_up = Some(take_up.clone());
+        }
+        if let Some(sensor) = self.sensor(candidate) {
+            layout.sensor = sensor.clone();
+        }
         if !self.layout.choice.motors.is_empty() {
             let length = layout.drive.motor.length;
             layout.equipment.motors = match self.layout.choice.on_straights {
@@ -250,7 +269,7 @@ impl Chosen {
                 self.winner = Some(k);
                 return;
             }
-            if self.checked.len() == settings.checks {
+            if self.checks() >= settings.checks || self.checked.len() >= TRIES * settings.checks {
                 return;
             }
             if !self.simulate(k, settings, told) {
@@ -267,14 +286,24 @@ impl Chosen {
                 None => Err("its motors do not fit on the straights".to_owned()),
             };
             let passed = found.as_ref().is_ok_and(Check::passes);
+            let measured = found.as_ref().ok().and_then(Check::beyond_range);
+            let alone = found.as_ref().is_ok_and(Check::is_but_for_range);
             self.checked.push((k, found));
             if passed {
                 self.winner = Some(k);
                 return;
             }
             self.order.remove(0);
-            self.add(k);
+            self.add(k, usize::from(!alone), measured);
         }
+    }
+
+    /// Candidates that were checked, but for those whose sensor alone failed.
+    fn checks(&self) -> usize {
+        let but_for_range = |found: &Result<Check, String>| {
+            found.as_ref().is_ok_and(|check| check.is_but_for_range() && !check.passes())
+        };
+        self.checked.iter().filter(|(_, found)| !but_for_range(found)).count()
     }
 
     /// Simulates a candidate's sorter, where a capacity is required, unless that is done. `false` where no more are simulated.
@@ -299,18 +328,24 @@ impl Chosen {
         true
     }
 
-    /// Adds a candidate with one motor more than another, where there is room for it.
-    fn add(&mut self, than: usize) {
+    /// Adds a candidate with more motors than another, where there is room for them, and with a sensor for what was measured,
+    /// N, where the other's was too little.
+    fn add(&mut self, than: usize, motors: usize, measured: Option<f64>) {
         let mut more = self.candidates[than].clone();
         let motor = self.motor(&more);
         let room = Room::new(&self.track(&more).compiled, motor, self.layout.choice.on_straights);
-        if self.layout.choice.motors.is_empty() || more.motors >= room.most {
+        if motors > 0 && (self.layout.choice.motors.is_empty() || more.motors + motors > room.most) {
             return;
         }
-        let price = (motor.article.price.unwrap_or(0.0) * 100.0).round() / 100.0;
-        more.motors += 1;
-        more.price += price;
-        more.total += price;
+        let mut added = motors as f64 * (motor.article.price.unwrap_or(0.0) * 100.0).round() / 100.0;
+        if let Some(force) = measured {
+            let Some(sensor) = candidate::cheapest_sensor(&self.layout, force) else { return };
+            added += candidate::sensor_price(&self.layout, sensor) - candidate::sensor_price(&self.layout, more.sensor);
+            more.sensor = sensor;
+        }
+        more.motors += motors;
+        more.price += added;
+        more.total += added;
         let index = self.candidates.len();
         let at = self.order.partition_point(|k| self.candidates[*k].total <= more.total);
         self.order.insert(at, index);

@@ -34,7 +34,8 @@ pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
     if !chosen.short.is_empty() {
         return short_in_simulation(chosen).into_iter().collect();
     }
-    let kinds = [Requirement::Capacity, Requirement::Closes, Requirement::Room, Requirement::Motors];
+    let kinds =
+        [Requirement::Capacity, Requirement::Closes, Requirement::Tension, Requirement::Room, Requirement::Motors];
     let never: Vec<Requirement> =
         kinds.into_iter().filter(|kind| chosen.missed_by(*kind) == chosen.worked_out).collect();
     if never.is_empty() {
@@ -52,9 +53,11 @@ fn free(chosen: &Chosen) -> Span {
 pub fn words(chosen: &Chosen, candidate: &Candidate) -> String {
     let (cart, motor) = (chosen.cart(candidate), chosen.motor(candidate));
     let radius = chosen.track(candidate).radius;
+    let take_up = chosen.take_up(candidate).map_or_else(String::new, |take_up| format!(", take-up {}", take_up.name));
+    let sensor = chosen.sensor(candidate).map_or_else(String::new, |sensor| format!(", sensor {}", sensor.name));
     let numbers = chosen.numbers(candidate).into_iter().map(|(name, count)| format!(", {count} × {name}"));
     format!(
-        "cart {} {} mm at {} m/s with {} × {}{}{}",
+        "cart {} {} mm at {} m/s with {} × {}{}{take_up}{sensor}{}",
         cart.name,
         trimmed(cart.length * 1e3, 3),
         trimmed(candidate.speed, 4),
@@ -109,9 +112,17 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
             let (found, wanted) = (fixed(short.found * 1e3, 1), fixed(short.wanted * 1e3, 1));
             diagnostic(none("close", "closes", "the chain"), span, format!("{found} mm left over at the least"))
                 .expected(format!("at most {wanted} mm left over"), format!("{found} mm, with {near}"))
-                .help(
-                    "`chain closes within` lets the track adapt to each cart; or take a catalogue with more `take_up`",
-                )
+                .help(match chosen.layout.choice.take_ups.is_empty() {
+                    true => "`chain closes within` lets the track adapt to each cart; or take a take-up of more `travel`",
+                    false => "`chain closes within` lets the track adapt to each cart; or leave take-ups of more `travel` free",
+                })
+        }
+        Requirement::Tension => {
+            let (found, wanted) = (fixed(short.found, 0), fixed(short.wanted, 0));
+            let label = format!("the strongest that may be chosen holds {found} N");
+            diagnostic("no take-up holds the chain's tension".to_owned(), free(chosen), label)
+                .expected(format!("a take-up that holds {wanted} N"), format!("{found} N, with {near}"))
+                .help("leave a stronger take-up free, or take less `chain tension`")
         }
         Requirement::Motors => {
             let statements = &layout.choice.statements;
@@ -193,6 +204,7 @@ fn together(chosen: &Chosen) -> Diagnostic {
     let kinds = [
         (Requirement::Capacity, "do not reach the capacity"),
         (Requirement::Closes, "do not close the chain"),
+        (Requirement::Tension, "have no take-up that holds the chain's tension"),
         (Requirement::Room, "have no room for their motors"),
         (Requirement::Motors, "need more motors than the layout has"),
     ];
@@ -224,6 +236,9 @@ pub fn short_words(short: &Shortfall) -> String {
         Requirement::Capacity => format!("{} items an hour of {}", fixed(short.found, 0), fixed(short.wanted, 0)),
         Requirement::Closes => {
             format!("{} mm left over, at most {} mm", fixed(short.found * 1e3, 1), fixed(short.wanted * 1e3, 1))
+        }
+        Requirement::Tension => {
+            format!("the take-up holds {} N of {} N", fixed(short.found, 0), fixed(short.wanted, 0))
         }
         Requirement::Motors => format!("{} of {}", counted(short.found as usize, "motor"), short.wanted),
         _ => format!("room for {} of {}", counted(short.found as usize, "motor"), short.wanted),
@@ -261,6 +276,9 @@ pub fn failures(check: &super::Check) -> Vec<String> {
         if let Some((life, years)) = part.life.zip(check.years).filter(|(life, years)| life < years) {
             told.push(format!("{} lives {} years of {}", part.part, trimmed(life, 2), trimmed(years, 2)));
         }
+    }
+    if let Some((peak, range)) = check.measured.filter(|(peak, range)| peak > range) {
+        told.push(format!("a load cell measures {} N of {} N", fixed(peak, 0), fixed(range, 0)));
     }
     let slow = |speed: f64| speed < 0.98 * check.wanted_speed;
     if slow(check.speed) || check.spare_speed.is_some_and(slow) {

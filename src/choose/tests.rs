@@ -21,7 +21,7 @@ use crate::geometry::{CentreLine, Form};
 use crate::kinematics::fit;
 use crate::model::{
     Article, Chutes, DriveDuty, EnergyUse, Fatigue, Free, Induction, Layout, Motors, PlaceRow, RequiredCapacity,
-    fixture,
+    TakeUp, fixture,
 };
 use crate::solve::Options;
 use crate::source::Spanned;
@@ -205,7 +205,7 @@ fn the_winner_is_the_least_and_requirements_cost_what_they_add() {
             Requirement::Spare => drive.spare = 0,
             Requirement::Load => drive.load = 0.0,
             Requirement::Closes => without.catalog.take_up = 1e3,
-            Requirement::Room | Requirement::Motors => continue,
+            Requirement::Tension | Requirement::Room | Requirement::Motors => continue,
         }
         let other = least(&choose(&without, &settings(), &|_| ()).unwrap());
         assert!((cost.unwrap() - (best - other)).abs() < 1e-6, "{requirement:?}");
@@ -291,6 +291,105 @@ fn what_takes_too_little_in_the_simulation_is_not_chosen() {
     let said = super::refused(&chosen);
     assert!(said[0].message.contains("items an hour that are required"), "{}", said[0].message);
     assert!(said[0].label.text.starts_with("simulated, "), "{}", said[0].label.text);
+}
+
+fn take_up(name: &str, travel: f64, force: f64, price: f64) -> TakeUp {
+    let article = Article { number: None, price: Some(price), mass: None };
+    TakeUp { name: name.into(), travel, force: Some(force), article }
+}
+
+/// Against choosing with each take-up given: the least of these is what is chosen where all are free.
+#[test]
+fn the_take_up_is_the_one_that_costs_least_in_all() {
+    // The chain is at 500 N: the first two do not hold it, and to the third few carts close.
+    let all = [
+        take_up("weak", 0.7, 499.0, 10.0),
+        take_up("weak_and_long", 1.0, 100.0, 20.0),
+        take_up("short", 0.05, 500.0, 100.0),
+        take_up("longer", 0.3, 800.0, 160.0),
+        take_up("long", 0.7, 800.0, 4000.0),
+    ];
+    let least = |layout: &Layout| {
+        let chosen = choose(layout, &settings(), &|_| ()).unwrap();
+        chosen.winner.map_or(f64::INFINITY, |k| chosen.candidates[k].total)
+    };
+    let mut winners = Vec::new();
+    // What is left over may be anything, or the track closes for each cart.
+    for closes in [None, Some(0.25)] {
+        let mut layout = open_layout();
+        layout.chain.closes_within = closes.map(|within| Spanned::new(within, fixture::span()));
+        if closes.is_some() {
+            layout.objective = fixture::rectangle(30.0, 14.0, 4.0).objective;
+        }
+        let given = all.iter().skip(2).map(|one| {
+            let mut with = layout.clone();
+            with.take_up = Some(one.clone());
+            // A track that closes within more than the take-up gives is none of it.
+            if let Some(within) = &mut with.chain.closes_within {
+                within.value = within.value.min(one.travel);
+            }
+            least(&with)
+        });
+        let expected = given.fold(f64::INFINITY, f64::min);
+        layout.choice.take_ups = all.iter().map(|one| Free { item: one.clone(), written: one.name.clone() }).collect();
+        let chosen = choose(&layout, &settings(), &|_| ()).unwrap();
+        let winner = &chosen.candidates[chosen.winner.unwrap()];
+        assert!((winner.total - expected).abs() < 1e-6, "{closes:?}: {} for {expected}", winner.total);
+        let named = chosen.take_up(winner).unwrap();
+        let left = chosen.fitted[winner.fitted].fit.unwrap().left_over.abs();
+        assert!(left <= named.travel + 1e-6 && named.force.unwrap() >= 500.0, "{left} m with {}", named.name);
+        // It is ordered, with its price, and said.
+        let built = chosen.built(winner).unwrap();
+        let ordered = order::lines(&built);
+        let line = ordered.iter().find(|line| line.description.starts_with("take-up ")).unwrap();
+        assert_eq!(line.price(), named.article.price);
+        let said = write::lines(&chosen, winner).unwrap().all().join("\n");
+        assert!(said.contains(&format!("take_up {}", named.name)), "{said}");
+        winners.push(named.name.clone());
+    }
+    assert!(winners.iter().all(|name| name.as_str() != "long"), "{winners:?}");
+
+    let mut layout = open_layout();
+    layout.choice.take_ups = all[..2].iter().map(|one| Free { item: one.clone(), written: one.name.clone() }).collect();
+    let said = super::refused(&choose(&layout, &settings(), &|_| ()).unwrap());
+    assert_eq!(said[0].message, "no take-up holds the chain's tension");
+    assert_eq!(said[0].label.text, "the strongest that may be chosen holds 499 N");
+}
+
+/// The cheapest sensor first; where its load cells do not reach, the cheapest that do, with the same chain and drive.
+#[test]
+fn a_sensor_measures_what_the_winner_simulates() {
+    let mut layout = open_layout();
+    layout.equipment.photocell = Some(on(0, 1.0));
+    let sensor = |name: &str, range: Option<f64>, price: f64| {
+        let mut sensor = layout.sensor.clone();
+        (sensor.name, sensor.range) = (name.into(), range);
+        sensor.article = Article { number: None, price: Some(price), mass: None };
+        Free { item: sensor, written: name.into() }
+    };
+    layout.choice.sensors =
+        vec![sensor("dear", None, 900.0), sensor("weak", Some(20.0), 100.0), sensor("fit", Some(1e5), 300.0)];
+    let closed = choose(&layout, &settings(), &|_| ()).unwrap();
+    let first = &closed.candidates[closed.winner.unwrap()];
+    assert_eq!(closed.sensor(first).unwrap().name, "weak");
+    let chosen = choose(&layout, &Settings { checks: 2, ..settings() }, &|_| ()).unwrap();
+    let winner = &chosen.candidates[chosen.winner.unwrap()];
+    assert_eq!(chosen.sensor(winner).unwrap().name, "fit");
+    assert_eq!((winner.fitted, winner.motor, winner.motors), (first.fitted, first.motor, first.motors));
+    assert!((winner.price - first.price - 200.0).abs() < 1e-6 && (winner.total - first.total - 200.0).abs() < 1e-6);
+    let failed = chosen.checked[0].1.as_ref().unwrap();
+    let told = super::refused::failures(failed);
+    assert!(told.len() == 1 && told[0].starts_with("a load cell measures "), "{told:?}");
+    let (peak, range) = chosen.checked[1].1.as_ref().unwrap().measured.unwrap();
+    assert!(peak > 20.0 && range == 1e5, "{peak} of {range}");
+    // What is measured is the largest of all force channels of the built layout's run.
+    let mut built = chosen.built(winner).unwrap();
+    built.layout.cart.mass += layout.choice.drive.load;
+    let plan = Plan { laps: 2, ..Plan::default() };
+    let run = effects::simulate(&Simulation::new(&built), &plan, Width::used(), &mut |_| true).unwrap().run;
+    let forces = run.channels.iter().filter(|(channel, _)| channel.unit() == "N");
+    let largest = forces.flat_map(|(_, values)| values).fold(0.0_f64, |most, value| most.max(value.abs()));
+    assert!(peak >= largest - 1e-9, "{peak} is less than {largest}");
 }
 
 #[test]

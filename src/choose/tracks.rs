@@ -1,5 +1,5 @@
 //! The tracks that a choice is made on: one for each least radius and each number of equipment, and where the chain has to
-//! close one for each length of cart. Each is the best of the layout's own objective, with its own proof.
+//! close one for each length of cart and each travel of a take-up. Each is the best of the layout's own objective, with its own proof.
 
 use super::drive::Lap;
 use super::settings::{Tell, Told};
@@ -39,10 +39,20 @@ pub fn carts(layout: &Layout) -> Vec<&Cart> {
     }
 }
 
-/// What a track is asked for with: least radius, length of cart, and numbers of equipment.
-type Asked = (Option<f64>, Option<f64>, Vec<usize>);
+/// What a track is asked for with.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// Least radius, m.
+    radius: Option<f64>,
+    /// Length of cart, m.
+    length: Option<f64>,
+    /// What the chain may leave over, m.
+    left_over: Option<f64>,
+    /// Numbers of equipment.
+    counts: Vec<usize>,
+}
 
-/// All that are asked for, in the order of radii, lengths and numbers.
+/// All that are asked for, in the order of radii, lengths, what is left over, and numbers.
 pub fn asked(layout: &Layout) -> Vec<Asked> {
     let radii: Vec<Option<f64>> = match layout.choice.radii.is_empty() {
         true => vec![None],
@@ -58,16 +68,31 @@ pub fn asked(layout: &Layout) -> Vec<Asked> {
         let with = |known: &Vec<usize>, count: usize| known.iter().copied().chain([count]).collect();
         all.iter().flat_map(|known| free.counts.iter().map(move |count| with(known, *count))).collect()
     });
-    let with = |radius: Option<f64>, length: Option<f64>| numbers.iter().map(move |n| (radius, length, n.clone()));
-    radii.iter().flat_map(|radius| lengths.iter().flat_map(move |length| with(*radius, *length))).collect()
+    // A take-up of more travel lets the track be another one.
+    let mut slacks: Vec<Option<f64>> = vec![None];
+    if let Some(within) = layout.chain.closes_within.as_ref().filter(|_| !layout.choice.take_ups.is_empty()) {
+        slacks = layout.choice.take_ups.iter().map(|free| Some(free.item.travel.min(within.value))).collect();
+        slacks.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
+        slacks.dedup();
+    }
+    let mut all = Vec::new();
+    for radius in radii {
+        for length in &lengths {
+            for left_over in &slacks {
+                let one = Asked { radius, length: *length, left_over: *left_over, counts: Vec::new() };
+                all.extend(numbers.iter().map(|counts| Asked { counts: counts.clone(), ..one.clone() }));
+            }
+        }
+    }
+    all
 }
 
 /// Solves all tracks that are asked for.
 pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Vec<NoTrack>) {
     let asked = asked(layout);
     let alone = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
-    let solved = parallel::map(&asked, options.threads, |(radius, length, counts)| {
-        let layout = variant(layout, *radius, *length, counts);
+    let solved = parallel::map(&asked, options.threads, |asked| {
+        let layout = variant(layout, asked);
         let stages = solve::solve(&layout, &alone, &|_| ());
         told(Told::Track);
         let compiled = Compiled::new(layout, stages);
@@ -75,9 +100,9 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
         match compiled.failed() || unbuildable || !compiled.placement.is_whole() {
             true => Err(NoTrack { layout: Box::new(compiled.layout), stages: compiled.stages }),
             false => Ok(Track {
-                radius: *radius,
-                length: *length,
-                counts: counts.clone(),
+                radius: asked.radius,
+                length: asked.length,
+                counts: asked.counts.clone(),
                 lap: Lap::new(&compiled.space.line),
                 proven: compiled.stages.last().and_then(|s| s.certificate.as_ref()).is_some_and(|c| c.proven),
                 compiled,
@@ -94,19 +119,22 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
     (found, none)
 }
 
-/// The layout with a least radius, a cart of a length, and so much equipment.
-fn variant(layout: &Layout, radius: Option<f64>, length: Option<f64>, counts: &[usize]) -> Layout {
+/// The layout as it is asked for.
+fn variant(layout: &Layout, asked: &Asked) -> Layout {
     let mut variant = layout.clone();
-    if let Some(radius) = radius {
+    if let Some((within, left_over)) = variant.chain.closes_within.as_mut().zip(asked.left_over) {
+        within.value = left_over;
+    }
+    if let Some(radius) = asked.radius {
         variant.radii.value.low = radius;
     }
-    if let Some(length) = length {
+    if let Some(length) = asked.length {
         let near = carts(layout).into_iter().find(|cart| cart.length == length);
         if let Some(cart) = near {
             variant.cart = cart.clone();
         }
     }
-    for (free, number) in layout.choice.counts.iter().zip(counts) {
+    for (free, number) in layout.choice.counts.iter().zip(&asked.counts) {
         for &index in &free.declared {
             if let Stands::Free { count, .. } = &mut variant.equipment.declared[index].stands {
                 *count = *number;

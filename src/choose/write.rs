@@ -16,6 +16,8 @@ pub struct Lines {
     pub cart: String,
     pub speed: String,
     pub motor: Option<String>,
+    pub take_up: Option<String>,
+    pub sensor: Option<String>,
     /// Where motors stand; empty where the layout's own stay.
     pub places: Vec<String>,
     pub radii: Option<String>,
@@ -26,8 +28,9 @@ pub struct Lines {
 impl Lines {
     /// All of them, in the order of a layout.
     pub fn all(&self) -> Vec<&str> {
-        let first = [Some(&self.cart), self.motor.as_ref(), Some(&self.speed), self.radii.as_ref()];
-        first.into_iter().flatten().chain(&self.places).chain(&self.numbers).map(String::as_str).collect()
+        let first = [Some(&self.cart), self.motor.as_ref(), self.take_up.as_ref(), self.sensor.as_ref()];
+        let first = first.into_iter().chain([Some(&self.speed), self.radii.as_ref()]);
+        first.flatten().chain(&self.places).chain(&self.numbers).map(String::as_str).collect()
     }
 }
 
@@ -59,6 +62,8 @@ pub fn lines(chosen: &Chosen, candidate: &Candidate) -> Option<Lines> {
         ),
         speed: format!("speed {} m/s", trimmed(candidate.speed, 6)),
         motor: choice.motors.get(candidate.motor).map(|motor| format!("motor {}", motor.written)),
+        take_up: choice.take_ups.get(candidate.take_up).map(|take_up| format!("take_up {}", take_up.written)),
+        sensor: choice.sensors.get(candidate.sensor).map(|sensor| format!("sensor {}", sensor.written)),
         places,
         radii: chosen
             .track(candidate)
@@ -83,7 +88,7 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     let at = &chosen.layout.choice.statements;
     let file = chosen.layout.span.file;
     let cart = at.cart?;
-    let all = [Some(cart), at.speed, at.motor, at.radii];
+    let all = [Some(cart), at.speed, at.motor, at.take_up, at.sensor, at.radii];
     let vertices = chosen.layout.vertices.iter().map(|vertex| &vertex.span);
     let numbers = || places_of_numbers(chosen, candidate);
     let elsewhere = |span: &Span| span.file != file;
@@ -104,6 +109,8 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
         put(at.speed, Some(&lines.speed));
     }
     put(at.motor, lines.motor.as_ref());
+    put(at.take_up, lines.take_up.as_ref());
+    put(at.sensor, lines.sensor.as_ref());
     put(at.radii, lines.radii.as_ref());
     let mut removed: Vec<Span> = at.free.clone();
     let mut places = at.places.iter();
@@ -156,10 +163,14 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
 /// Takes out imports of components that were not chosen and are named nowhere else.
 fn unimport(text: &mut String, chosen: &Chosen, candidate: &Candidate) {
     let choice = &chosen.layout.choice;
-    let carts = choice.carts.iter().map(|cart| &cart.item.name);
-    let others: Vec<&String> = carts.chain(choice.motors.iter().map(|motor| &motor.item.name)).collect();
-    let (cart, motor) = (&chosen.cart(candidate).name, &chosen.motor(candidate).name);
-    for name in others.into_iter().filter(|name| *name != cart && *name != motor) {
+    let mut free: Vec<&String> = choice.carts.iter().map(|cart| &cart.item.name).collect();
+    free.extend(choice.motors.iter().map(|motor| &motor.item.name));
+    free.extend(choice.take_ups.iter().map(|take_up| &take_up.item.name));
+    free.extend(choice.sensors.iter().map(|sensor| &sensor.item.name));
+    let mut kept = vec![&chosen.cart(candidate).name, &chosen.motor(candidate).name];
+    kept.extend(chosen.take_up(candidate).map(|take_up| &take_up.name));
+    kept.extend(chosen.sensor(candidate).map(|sensor| &sensor.name));
+    for name in free.into_iter().filter(|name| !kept.contains(name)) {
         let imports =
             |line: &&str| line.trim_start().starts_with("use std.") && line.trim_end().ends_with(&format!(".{name}"));
         let Some(line) = text.lines().find(imports).map(str::to_owned) else { continue };

@@ -33,8 +33,8 @@ pub struct Choose {
     /// Show the candidates that no other one beats in two or three measures: --pareto price,capacity.
     #[arg(long, value_enum, value_name = "MEASURES", value_delimiter = ',')]
     pareto: Vec<Measure>,
-    /// Candidates that are checked in the dynamic model until one passes, at most; 0 leaves this check and that of the
-    /// simulated capacity out.
+    /// Candidates that are checked in the dynamic model until one passes, at most, not counting those whose sensor alone
+    /// measures too little; 0 leaves this check and that of the simulated capacity out.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(0..=1000))]
     checks: u32,
     /// Folder for the outputs; created if it is missing.

@@ -103,7 +103,7 @@ impl Compiled {
 
     /// Whether a whole number of carts closes within the catalogue's take-up.
     pub fn chain_fits(&self) -> bool {
-        self.chain.is_some_and(|fit| fit.is_within(self.layout.catalog.take_up))
+        self.chain.is_some_and(|fit| fit.is_within(self.layout.take_up_travel()))
     }
 
     /// How the solve ended, in words that go on with how long it took.

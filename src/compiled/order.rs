@@ -1,7 +1,7 @@
 //! What has to be ordered for a layout beside its track: chain, drive, measuring equipment, supports, and what stands along the
 //! track.
 
-use crate::base::number::fixed;
+use crate::base::number::{fixed, trimmed};
 use crate::compiled::Compiled;
 use crate::model::{Article, Motors};
 
@@ -87,6 +87,10 @@ pub fn lines(compiled: &Compiled) -> Vec<OrderLine> {
         OrderLine::new(Group::Chain, &cart.joint.article, format!("joint {}", cart.joint.name), carts),
         OrderLine::new(Group::Drive, &motor.article, thrust, motors),
     ];
+    if let Some(take_up) = &layout.take_up {
+        let description = format!("take-up {}, {} mm", take_up.name, trimmed(take_up.travel * 1e3, 3));
+        lines.push(OrderLine::new(Group::Drive, &take_up.article, description, 1));
+    }
     let measures = equipment.photocell.is_some();
     let sensor = format!("sensor cart's equipment {}, on cart {}", layout.sensor.name, equipment.sensor_cart);
     let none = Article::default();

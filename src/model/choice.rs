@@ -1,6 +1,6 @@
 //! Which components are free to be chosen, what the drive has to do, and what energy costs.
 
-use super::{Cart, Motor};
+use super::{Cart, Motor, Sensor, TakeUp};
 use crate::source::{Span, Spanned};
 use serde::Serialize;
 
@@ -10,6 +10,11 @@ pub struct Choice {
     /// Each family in each of its lengths.
     pub carts: Vec<Free<Cart>>,
     pub motors: Vec<Free<Motor>>,
+    /// Take-ups and sensors: what of them serves is known once all else is chosen.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub take_ups: Vec<Free<TakeUp>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<Free<Sensor>>,
     /// Whether motors may lie on straights only; else they stand evenly along the whole track.
     pub on_straights: bool,
     /// Speeds of the chain, m/s, ascending.
@@ -68,7 +73,8 @@ impl Choice {
     /// Whether something is free.
     pub fn is_open(&self) -> bool {
         let components = self.carts.is_empty() && self.motors.is_empty() && self.speeds.is_empty();
-        !(components && self.radii.is_empty() && self.counts.is_empty())
+        let beside = self.take_ups.is_empty() && self.sensors.is_empty();
+        !(components && beside && self.radii.is_empty() && self.counts.is_empty())
     }
 }
 
@@ -102,6 +108,8 @@ pub struct ChoiceStatements {
     pub cart: Option<Span>,
     pub speed: Option<Span>,
     pub motor: Option<Span>,
+    pub take_up: Option<Span>,
+    pub sensor: Option<Span>,
     /// `motors ...`
     pub places: Vec<Span>,
     pub radii: Option<Span>,

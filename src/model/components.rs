@@ -14,7 +14,7 @@ pub struct Catalog {
     pub curve: CurveStock,
     pub vertical: Option<VerticalStock>,
     pub spiral: Option<SpiralStock>,
-    /// Length that the chain's take-up compensates, m.
+    /// Length that the chain's take-up compensates, m, unless the layout names a take-up: [`super::Layout::take_up_travel`].
     pub take_up: f64,
     /// From one section's centre line up to that of another which crosses it, at least, m.
     pub headroom: f64,
@@ -251,5 +251,20 @@ pub struct Sensor {
     pub rate: f64,
     /// Length past the photocell over which the trigger reads 1, m.
     pub trigger_length: f64,
+    /// Largest force that its load cells measure, N; `None` where the declaration does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<f64>,
+    pub article: Article,
+}
+
+/// The unit that keeps the chain at its tension.
+#[derive(Clone, Debug, Serialize)]
+pub struct TakeUp {
+    pub name: String,
+    /// Length of chain that it compensates, longer or shorter, m.
+    pub travel: f64,
+    /// Largest tension of the chain that it holds, N; `None` where the declaration does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<f64>,
     pub article: Article,
 }

@@ -58,6 +58,9 @@ pub struct Layout {
     pub cart: Cart,
     pub drive: Drive,
     pub sensor: Sensor,
+    /// Else what the catalogue says of it holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub take_up: Option<TakeUp>,
     /// Chain speed, m/s.
     pub speed: Spanned<f64>,
     /// Outer envelope swept by carts and carriers, m.
@@ -101,6 +104,11 @@ impl Layout {
     /// `P4..P5`
     pub fn section_name(&self, section: usize) -> String {
         format!("{}..{}", self.vertices[section].name, self.vertices[self.next(section)].name)
+    }
+
+    /// Length of chain that the take-up compensates, m: of the layout's own, else the catalogue's.
+    pub fn take_up_travel(&self) -> f64 {
+        self.take_up.as_ref().map_or(self.catalog.take_up, |take_up| take_up.travel)
     }
 
     /// Whether the whole track lies at one height: its plan is then all there is to optimise.

@@ -65,6 +65,9 @@ impl Printer {
             out.line(format!("motor {}", layout.drive.motor.name));
             out.line(format!("controller {}", layout.drive.controller.name));
             out.line(format!("sensor {}", layout.sensor.name));
+            if let Some(take_up) = &layout.take_up {
+                out.line(format!("take_up {}", take_up.name));
+            }
             out.line(format!("speed {}", unit(layout.speed.value, "m/s")));
             out.line(format!("width {}", metres(layout.width.value)));
             out.line(format!("turns {}", range(layout.turns.value, degrees)));

@@ -114,7 +114,7 @@ fn stages(known: &Known, compiled: &Compiled) -> Markup {
 }
 
 fn chain(compiled: &Compiled) -> Markup {
-    let take_up = 1e3 * compiled.layout.catalog.take_up;
+    let take_up = 1e3 * compiled.layout.take_up_travel();
     html! {
         section {
             h2 { "Chain" }

@@ -3,7 +3,7 @@
 
 use crate::model::{
     Article, Cart, Catalog, ContactParameters, Controller, CurveStock, EquipmentKind, EquipmentSide, EquipmentType,
-    Fatigue, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock, Strength, VerticalStock, Wheel,
+    Fatigue, Joint, Motor, Rate, Sensor, SpiralStock, StraightStock, Strength, TakeUp, VerticalStock, Wheel,
 };
 use crate::semantics::component::Component;
 use crate::source::Span;
@@ -172,6 +172,16 @@ pub(super) fn sensor(c: &Component) -> Option<Sensor> {
         lowpass: c.number("lowpass")?,
         rate: c.number("rate")?,
         trigger_length: c.number("trigger_length")?,
+        range: c.number("range"),
+        article: article(c, ""),
+    })
+}
+
+pub(super) fn take_up(c: &Component) -> Option<TakeUp> {
+    Some(TakeUp {
+        name: c.name.clone(),
+        travel: c.number("travel")?,
+        force: c.number("force"),
         article: article(c, ""),
     })
 }

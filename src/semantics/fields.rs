@@ -205,9 +205,18 @@ const SENSOR: &[FieldSpec] = &[
         Required,
         "past the photocell, where the trigger reads 1",
     ),
+    field("range", Number("N", POSITIVE), Optional, "largest force that its load cells measure"),
     field("article", Text, Optional, "article number"),
     field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of a sensor cart's equipment"),
     field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of a sensor cart's equipment"),
+];
+
+const TAKE_UP: &[FieldSpec] = &[
+    field("travel", Number("m", LENGTH_OR_ZERO), Required, "length of chain that it compensates, longer or shorter"),
+    field("force", Number("N", POSITIVE), Optional, "largest tension of the chain that it holds"),
+    field("article", Text, Optional, "article number"),
+    field("price", Number("EUR", NOT_NEGATIVE), Optional, "price of one"),
+    field("mass", Number("kg", NOT_NEGATIVE), Optional, "mass of one"),
 ];
 
 const EQUIPMENT: &[FieldSpec] = &[
@@ -239,6 +248,7 @@ pub(super) fn fields(kind: DeclarationKind) -> &'static [FieldSpec] {
         DeclarationKind::Motor => MOTOR,
         DeclarationKind::Controller => CONTROLLER,
         DeclarationKind::Sensor => SENSOR,
+        DeclarationKind::TakeUp => TAKE_UP,
         DeclarationKind::Equipment => EQUIPMENT,
     }
 }

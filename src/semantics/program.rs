@@ -32,6 +32,7 @@ impl Space {
             Space::Component(DeclarationKind::Motor) => "a motor",
             Space::Component(DeclarationKind::Controller) => "a controller",
             Space::Component(DeclarationKind::Sensor) => "a sensor",
+            Space::Component(DeclarationKind::TakeUp) => "a take_up",
             Space::Component(DeclarationKind::Equipment) => "a kind of equipment",
             Space::Let => "a value",
             Space::Layout => "a layout",

@@ -8,7 +8,7 @@ use crate::model::{ConstraintKind, FixKind, Layout};
 
 /// The warning that the chain does not fit, with what would make it fit.
 pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Option<Fit>) -> Option<Diagnostic> {
-    let take_up = layout.catalog.take_up;
+    let take_up = layout.take_up_travel();
     if found.is_some_and(|fit| fit.is_within(take_up)) {
         return None;
     }
@@ -32,17 +32,17 @@ pub fn left_over(layout: &Layout, track: &Track, line: &CentreLine, found: Optio
         (Some(one), None) | (None, Some(one)) => one,
         (None, None) => "give a section some freedom, so that the track can be lengthened".to_owned(),
     };
-    let expected = format!(
-        "at most {}, which the take-up of catalogue `{}` compensates",
-        tenths_of_mm(take_up),
-        layout.catalog.name
-    );
+    let whose = match &layout.take_up {
+        Some(own) => format!("`{}`", own.name),
+        None => format!("of catalogue `{}`", layout.catalog.name),
+    };
+    let expected = format!("at most {}, which the take-up {whose} compensates", tenths_of_mm(take_up));
     Some(Diagnostic::new(Code::W0712, message, layout.cart.span, label).expected(expected, left).help(help))
 }
 
 /// How this track could get a length that closes.
 fn close(layout: &Layout, track: &Track, found: Option<Fit>) -> Option<String> {
-    let closes = format!("`chain closes within {}`", tenths_of_mm(layout.catalog.take_up));
+    let closes = format!("`chain closes within {}`", tenths_of_mm(layout.take_up_travel()));
     if layout.objective.terms.is_empty() {
         return lengthen(layout, track, found?.left_over);
     }
@@ -72,7 +72,7 @@ fn other(layout: &Layout, line: &CentreLine) -> Option<String> {
     if line.length > MOST_CARTS * shortest {
         return None;
     }
-    let (length, fit) = better_length(line, cart.length, &cart.lengths, layout.catalog.take_up)?;
+    let (length, fit) = better_length(line, cart.length, &cart.lengths, layout.take_up_travel())?;
     Some(format!(
         "take carts of {}: {} of them leave {} over on this track",
         tenths_of_mm(length),

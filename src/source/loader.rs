@@ -18,6 +18,7 @@ pub const STDLIB: &[(&str, &str)] = &[
     ("equipment", include_str!("../../stdlib/equipment.lss")),
     ("joints", include_str!("../../stdlib/joints.lss")),
     ("sensors", include_str!("../../stdlib/sensors.lss")),
+    ("take_ups", include_str!("../../stdlib/take_ups.lss")),
     ("tracks", include_str!("../../stdlib/tracks.lss")),
     ("wheels", include_str!("../../stdlib/wheels.lss")),
 ];

@@ -108,7 +108,7 @@ mod tests {
         ] {
             assert_eq!(shown(Context::Statement, begun), expected, "{begun}");
         }
-        assert_eq!(continuations(Context::Statement, "").len(), 47);
+        assert_eq!(continuations(Context::Statement, "").len(), 48);
         assert_eq!(shown(Context::Item, "layout a "), "`from`");
         assert_eq!(shown(Context::Item, "use "), "Name Text");
         assert_eq!(shown(Context::Field, "lengths = 500 mm .. 1 m "), "`step` End");

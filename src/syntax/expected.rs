@@ -258,7 +258,7 @@ pub fn digits_around(text: &str, comma: usize) -> (&str, &str) {
 }
 
 /// The words that start a statement of a layout.
-pub const STATEMENT_WORDS: [&str; 48] = [
+pub const STATEMENT_WORDS: [&str; 49] = [
     "axis",
     "building",
     "cart",
@@ -302,6 +302,7 @@ pub const STATEMENT_WORDS: [&str; 48] = [
     "stops",
     "storage",
     "supports",
+    "take_up",
     "turns",
     "vertex",
     "wave",
@@ -336,7 +337,7 @@ pub fn keywords() -> impl Iterator<Item = &'static str> {
 pub(super) fn words_of(rule: Rule) -> Vec<String> {
     let words: Vec<&str> = match rule {
         Rule::kind => DeclarationKind::ALL.map(DeclarationKind::word).to_vec(),
-        Rule::component | Rule::component_kind => vec!["cart", "catalog", "controller", "motor", "sensor"],
+        Rule::component | Rule::component_kind => vec!["cart", "catalog", "controller", "motor", "sensor", "take_up"],
         Rule::fix_kind => FixKind::ALL.map(FixKind::word).to_vec(),
         Rule::axis => vec!["x", "y"],
         Rule::side => SideWord::ALL.map(SideWord::word).to_vec(),
@@ -351,6 +352,8 @@ pub(super) fn words_of(rule: Rule) -> Vec<String> {
         Rule::chain_closes => vec!["closes"],
         Rule::choose_cart => vec!["cart"],
         Rule::choose_motor => vec!["motor"],
+        Rule::choose_sensor => vec!["sensor"],
+        Rule::choose_take_up => vec!["take_up"],
         Rule::choose_speed => vec!["speed"],
         Rule::choose_radii => vec!["radii"],
         Rule::choose_count => vec!["count"],

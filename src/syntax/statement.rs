@@ -107,8 +107,13 @@ impl Builder<'_> {
             },
             Rule::choose => {
                 let what = |part: &Pair<Rule>| {
-                    use Rule::{choose_cart, choose_count, choose_motor, choose_radii, choose_speed};
-                    matches!(part.as_rule(), choose_cart | choose_motor | choose_speed | choose_radii | choose_count)
+                    use Rule::{
+                        choose_cart, choose_count, choose_motor, choose_radii, choose_sensor, choose_speed,
+                        choose_take_up,
+                    };
+                    let rule = part.as_rule();
+                    matches!(rule, choose_cart | choose_motor | choose_sensor | choose_take_up)
+                        || matches!(rule, choose_speed | choose_radii | choose_count)
                 };
                 self.choose(parts.find(what)?)?
             }
@@ -191,7 +196,9 @@ impl Builder<'_> {
         }
         Some(match rule {
             Rule::choose_cart => Statement::ChooseCart { carts: references, lengths },
-            _ => Statement::ChooseMotor { motors: references, on_straights },
+            Rule::choose_motor => Statement::ChooseMotor { motors: references, on_straights },
+            Rule::choose_sensor => Statement::ChooseComponent { kind: DeclarationKind::Sensor, components: references },
+            _ => Statement::ChooseComponent { kind: DeclarationKind::TakeUp, components: references },
         })
     }
 

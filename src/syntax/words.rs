@@ -3,7 +3,7 @@
 use super::tree::*;
 
 impl DeclarationKind {
-    pub const ALL: [DeclarationKind; 8] = [
+    pub const ALL: [DeclarationKind; 9] = [
         DeclarationKind::Catalog,
         DeclarationKind::Cart,
         DeclarationKind::Wheel,
@@ -11,6 +11,7 @@ impl DeclarationKind {
         DeclarationKind::Motor,
         DeclarationKind::Controller,
         DeclarationKind::Sensor,
+        DeclarationKind::TakeUp,
         DeclarationKind::Equipment,
     ];
 
@@ -23,6 +24,7 @@ impl DeclarationKind {
             DeclarationKind::Motor => "motor",
             DeclarationKind::Controller => "controller",
             DeclarationKind::Sensor => "sensor",
+            DeclarationKind::TakeUp => "take_up",
             DeclarationKind::Equipment => "equipment",
         }
     }

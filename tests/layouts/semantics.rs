@@ -497,6 +497,7 @@ fn waves_and_failures_that_cannot_be_are_told() {
 
 const FREE: &str = "  choose cart tilt_tray lengths 1100 mm .. 1250 mm\n  choose speed 1.5 m/s .. 2 m/s step 0.25 m/s\n  \
      choose motor linear_motor, strong on straights\n  choose radii [3 m, 4 m]\n  \
+     choose take_up short, long\n  choose sensor short\n  \
      drive load 15 kg starts within 10 s stops within 3 s spare 1\n  \
      energy 0.36 EUR/kWh for 1000 h per year over 8 years";
 
@@ -504,7 +505,10 @@ const FREE: &str = "  choose cart tilt_tray lengths 1100 mm .. 1250 mm\n  choose
 fn free(statements: &str) -> String {
     with(statements).replace(
         HEAD,
-        &format!("{HEAD}use std.drives.linear_motor\nmotor strong from linear_motor {{\n  force = 900 N\n}}\n"),
+        &format!("{HEAD}use std.drives.linear_motor\nmotor strong from linear_motor {{\n  force = 900 N\n}}\n\
+             take_up short {{\n  travel = 20 mm\n  force = 450 N\n}}\ntake_up long {{\n  travel = 60 mm\n  price = 5 EUR\n}}\n\
+             sensor short {{\n  lowpass = 50 Hz\n  rate = 200 Hz\n  trigger_length = 0.1 m\n  range = 2 kN\n}}\n"
+        ),
     )
 }
 
@@ -529,6 +533,9 @@ fn a_choice_has_every_length_of_a_family() {
     assert!(choice.on_straights);
     let forces: Vec<(f64, &str)> = choice.motors.iter().map(|m| (m.item.force, m.written.as_str())).collect();
     assert_eq!(forces, [(400.0, "linear_motor"), (900.0, "strong")]);
+    let take_ups: Vec<_> = choice.take_ups.iter().map(|t| (t.item.travel, t.item.force, t.written.as_str())).collect();
+    assert_eq!(take_ups, [(0.02, Some(450.0), "short"), (0.06, None, "long")]);
+    assert_eq!(choice.sensors[0].item.range, Some(2000.0));
     let drive = &choice.drive;
     let times = [&drive.starts, &drive.stops].map(|time| time.as_ref().map(|time| time.value));
     assert_eq!((drive.load, times, drive.spare), (15.0, [Some(10.0), Some(3.0)], 1));
@@ -540,6 +547,17 @@ fn a_choice_has_every_length_of_a_family() {
     let other = analysis.layouts.iter().find(|layout| layout.name == "other").unwrap();
     let lengths: Vec<f64> = other.choice.carts.iter().map(|cart| cart.item.length).collect();
     assert_eq!((lengths, other.choice.speeds.len()), (vec![0.6], 3));
+}
+
+/// Its travel is what the chain may leave over, whatever the catalogue says.
+#[test]
+fn a_layout_names_its_take_up() {
+    let own = built(&free("  take_up long"));
+    assert_eq!((own.take_up_travel(), built(&free("")).take_up_travel()), (0.06, 0.02));
+    assert_eq!(own.catalog.take_up, 0.02);
+    let printed = model::print(&own);
+    assert!(printed.contains("take_up long {\n  travel = 0.06 m\n  price = 5 EUR\n}"), "{printed}");
+    assert_eq!(built(&printed).take_up_travel(), 0.06);
 }
 
 #[test]
@@ -565,6 +583,11 @@ fn a_choice_is_checked() {
         ("  choose speed [-1 m/s]", "E0306"),
         ("  choose radii [3.5 m]", "E0306"),
         ("  choose motor linear_motor\n  choose motor strong", "E0213"),
+        ("  choose take_up long\n  choose take_up short", "E0213"),
+        ("  choose sensor long", "E0206"),
+        ("  choose take_up linear_motor", "E0206"),
+        // It does not hold the chain's tension.
+        ("  take_up short", "E0306"),
         ("  drive spare 1.5", "E0306"),
         ("  drive starts within 0 s", "E0306"),
         ("  energy 0.22 EUR for 6000 h per year over 10 years", "E0301"),

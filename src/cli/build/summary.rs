@@ -271,6 +271,6 @@ fn chain(fit: Fit, layout: &Layout) -> ChainSummary {
     ChainSummary {
         carts: fit.carts,
         left_over_mm: millimetres(fit.left_over),
-        take_up_mm: millimetres(layout.catalog.take_up),
+        take_up_mm: millimetres(layout.take_up_travel()),
     }
 }

@@ -261,11 +261,11 @@ fn names_row(begun: &str) -> bool {
     begun.ends_with(',') || last_word(begun) == "to" && !begun.ends_with("up to")
 }
 
-/// The kind of component that is named next behind `choose cart` or a comma there.
+/// The kind of component that is named next behind `choose cart`, the like, or a comma there.
 fn chosen(begun: &str) -> Option<DeclarationKind> {
     let named = begun.strip_prefix("choose ")?.trim_start();
-    let kind =
-        [DeclarationKind::Cart, DeclarationKind::Motor].into_iter().find(|kind| first_word(named) == kind.word())?;
+    let free = [DeclarationKind::Cart, DeclarationKind::Motor, DeclarationKind::Sensor, DeclarationKind::TakeUp];
+    let kind = free.into_iter().find(|kind| first_word(named) == kind.word())?;
     let behind = named[kind.word().len()..].trim();
     (behind.is_empty() || behind.ends_with(',')).then_some(kind)
 }

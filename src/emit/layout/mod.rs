@@ -52,7 +52,7 @@ impl LayoutFile {
                 carts: fit.carts,
                 cart_length_m: layout.cart.length,
                 left_over_m: tidy(fit.left_over),
-                take_up_m: layout.catalog.take_up,
+                take_up_m: layout.take_up_travel(),
                 fits: compiled.chain_fits(),
             }),
             vertices: vertices.collect(),

@@ -62,7 +62,7 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
             fit.carts,
             metres(layout.cart.length),
             trimmed(1e3 * fit.left_over, 1),
-            trimmed(1e3 * layout.catalog.take_up, 1),
+            trimmed(1e3 * layout.take_up_travel(), 1),
             if compiled.chain_fits() { "" } else { ": THE CHAIN DOES NOT FIT" }
         ),
     };

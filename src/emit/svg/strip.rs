@@ -306,7 +306,7 @@ pub fn fields(sheet: &Sheet, compiled: &Compiled) -> Vec<Vec<TitleField>> {
 /// How many carts the chain has, and what they leave over beside what the take-up compensates.
 fn chain(compiled: &Compiled) -> (String, String) {
     let millimetres = |metres: f64| trimmed(1e3 * metres, 1);
-    let take_up = millimetres(compiled.layout.catalog.take_up);
+    let take_up = millimetres(compiled.layout.take_up_travel());
     match compiled.chain {
         Some(fit) => (fit.carts.to_string(), format!("{} mm ({take_up} mm)", millimetres(fit.left_over))),
         None => ("none".to_owned(), "no chain closes".to_owned()),

@@ -1,6 +1,6 @@
 //! What of the components is free, as text.
 
-use super::super::{Cart, Choice, Equipment, Free, Motor, Strength};
+use super::super::{Cart, Choice, Equipment, Free, Motor, Sensor, Strength, TakeUp};
 use super::{Printer, list, metres, number, unit};
 use std::fmt::Write;
 
@@ -14,6 +14,38 @@ impl Printer {
             }
         }
         choice.motors.iter().for_each(|motor| self.motor(&motor.item));
+        choice.sensors.iter().for_each(|sensor| self.sensor(&sensor.item));
+        choice.take_ups.iter().for_each(|take_up| self.take_up(&take_up.item));
+    }
+
+    pub(super) fn sensor(&mut self, sensor: &Sensor) {
+        if !self.printed.insert(format!("sensor {}", sensor.name)) {
+            return;
+        }
+        self.block(format!("sensor {}", sensor.name), |out| {
+            out.field("lowpass", unit(sensor.lowpass, "Hz"));
+            out.field("rate", unit(sensor.rate, "Hz"));
+            out.field("trigger_length", metres(sensor.trigger_length));
+            if let Some(range) = sensor.range {
+                out.field("range", unit(range, "N"));
+            }
+            out.article(&sensor.article);
+        });
+        self.text.push('\n');
+    }
+
+    pub(super) fn take_up(&mut self, take_up: &TakeUp) {
+        if !self.printed.insert(format!("take_up {}", take_up.name)) {
+            return;
+        }
+        self.block(format!("take_up {}", take_up.name), |out| {
+            out.field("travel", metres(take_up.travel));
+            if let Some(force) = take_up.force {
+                out.field("force", unit(force, "N"));
+            }
+            out.article(&take_up.article);
+        });
+        self.text.push('\n');
     }
 
     pub(super) fn motor(&mut self, motor: &Motor) {
@@ -58,6 +90,13 @@ impl Printer {
             let names: Vec<&str> = choice.motors.iter().map(|motor| motor.item.name.as_str()).collect();
             let on = if choice.on_straights { " on straights" } else { "" };
             self.line(format!("choose motor {}{on}", names.join(", ")));
+        }
+        let sensors = choice.sensors.iter().map(|sensor| sensor.item.name.as_str());
+        let take_ups = choice.take_ups.iter().map(|take_up| take_up.item.name.as_str());
+        for (word, names) in [("sensor", sensors.collect::<Vec<_>>()), ("take_up", take_ups.collect())] {
+            if !names.is_empty() {
+                self.line(format!("choose {word} {}", names.join(", ")));
+            }
         }
         if !choice.radii.is_empty() {
             self.line(format!("choose radii {}", list(&choice.radii)));

@@ -152,13 +152,8 @@ impl Printer {
             out.field("period", unit(controller.period, "s"));
         });
         self.text.push('\n');
-        self.block(format!("sensor {}", sensor.name), |out| {
-            out.field("lowpass", unit(sensor.lowpass, "Hz"));
-            out.field("rate", unit(sensor.rate, "Hz"));
-            out.field("trigger_length", metres(sensor.trigger_length));
-            out.article(&sensor.article);
-        });
-        self.text.push('\n');
+        self.sensor(sensor);
+        layout.take_up.iter().for_each(|take_up| self.take_up(take_up));
     }
 }
 

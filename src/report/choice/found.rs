@@ -50,6 +50,11 @@ struct Row {
     speed_m_s: f64,
     motor: String,
     motors: usize,
+    /// Take-up and sensor, where they were free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    take_up: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sensor: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     least_radius_m: Option<f64>,
     /// Numbers of equipment that were free.
@@ -96,6 +101,9 @@ struct Checked {
     #[serde(skip_serializing_if = "Option::is_none")]
     spare_speed_m_s: Option<f64>,
     parts: Vec<PartRow>,
+    /// Largest force that a load cell of the sensor cart measures, where the sensor has a range; as `rated_n`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load_cell: Option<PartRow>,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -142,6 +150,7 @@ pub fn name(requirement: Requirement) -> &'static str {
     match requirement {
         Requirement::Capacity => "capacity",
         Requirement::Closes => "chain closes",
+        Requirement::Tension => "chain tension",
         Requirement::Starts => "start-up time",
         Requirement::Stops => "stopping time",
         Requirement::Spare => "spare motors",
@@ -165,6 +174,8 @@ impl Row {
             speed_m_s: c.speed,
             motor: motor.name.clone(),
             motors: c.motors,
+            take_up: chosen.take_up(c).map(|take_up| take_up.name.clone()),
+            sensor: chosen.sensor(c).map(|sensor| sensor.name.clone()),
             least_radius_m: track.radius,
             equipment: chosen.numbers(c).into_iter().map(|(name, count)| (name.to_owned(), count)).collect(),
             capacity_per_hour: c.capacity.as_ref().map(|bound| rounded(bound.throughput)),
@@ -205,6 +216,12 @@ impl Checked {
             speed_m_s: rounded(check.speed),
             spare_speed_m_s: check.spare_speed.map(rounded),
             parts: check.carried.iter().map(part).collect(),
+            load_cell: check.measured.map(|(peak, range)| PartRow {
+                part: "load cell",
+                peak_n: rounded(peak),
+                rated_n: Some(range),
+                life_years: None,
+            }),
         }
     }
 }
@@ -390,7 +407,7 @@ impl Checked {
             let life = part.life_years.map_or_else(String::new, |life| format!(", lives {}", years(life)));
             format!("{} {} N{rated}{life}", part.part, fixed(part.peak_n, 0))
         };
-        let parts: Vec<String> = self.parts.iter().map(part).collect();
+        let parts: Vec<String> = self.parts.iter().chain(&self.load_cell).map(part).collect();
         let spare = self
             .spare_speed_m_s
             .map_or_else(String::new, |speed| format!(", {} m/s with the spare motors out of order", fixed(speed, 3)));
@@ -436,6 +453,8 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
         "speed_m_s",
         "motor",
         "motors",
+        "take_up",
+        "sensor",
         "capacity_per_hour",
         "simulated_per_hour",
         "simulated_half_width",
@@ -468,6 +487,8 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
             trimmed(row.speed_m_s, 6),
             row.motor,
             row.motors.to_string(),
+            row.take_up.unwrap_or_default(),
+            row.sensor.unwrap_or_default(),
             some(row.capacity_per_hour, 2),
             some(row.simulated_per_hour.map(|mean| mean.value), 2),
             some(row.simulated_per_hour.map(|mean| mean.half_width), 2),

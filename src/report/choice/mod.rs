@@ -210,6 +210,9 @@ fn checked(check: &Check) -> Markup {
                 td { (part.part) } td.number { (fixed(part.peak, 0)) }
                 td.number { @if let Some(rated) = part.rated { (fixed(rated, 0)) } @else { "not declared" } }
                 td.number { @match part.life { None => "no S-N curve", Some(life) if life > 1000.0 => "over 1000", Some(life) => (trimmed(life, 1)) } }
+            } }
+            @if let Some((peak, range)) = check.measured { tr {
+                td { "load cell" } td.number { (fixed(peak, 0)) } td.number { (fixed(range, 0)) " measured" } td.number { "–" }
             } } }
         } }
     }

@@ -5,9 +5,9 @@ use super::{offered, offered_text};
 use crate::base::number::{shortest, trimmed};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
-    Cart, Catalog, Choice, CountPlace, DriveDuty, EnergyUse, Equipment, Free, FreeCount, Interval, Motor, Stands,
+    Cart, Catalog, Choice, CountPlace, DriveDuty, EnergyUse, Equipment, Free, FreeCount, Interval, Stands,
 };
-use crate::semantics::component::FieldValue;
+use crate::semantics::component::{Component, FieldValue};
 use crate::semantics::components;
 use crate::semantics::dimension::Dimension;
 use crate::semantics::fields::{Bounds, FieldSpec, Presence, Shape};
@@ -78,6 +78,8 @@ impl<'t> Context<'t> {
         match placed.statement {
             Statement::Component { kind: DeclarationKind::Cart, .. } => at.cart = Some(placed.span),
             Statement::Component { kind: DeclarationKind::Motor, .. } => at.motor = Some(placed.span),
+            Statement::Component { kind: DeclarationKind::TakeUp, .. } => at.take_up = Some(placed.span),
+            Statement::Component { kind: DeclarationKind::Sensor, .. } => at.sensor = Some(placed.span),
             Statement::Speed(_) => at.speed = Some(placed.span),
             Statement::MotorsEvenly { .. } | Statement::MotorsRow(_) => at.places.push(placed.span),
             Statement::Radii { .. } => at.radii = Some(placed.span),
@@ -87,10 +89,16 @@ impl<'t> Context<'t> {
             }
             Statement::ChooseMotor { motors, on_straights } => {
                 at.free.push(placed.span);
-                let motor = |reference| self.free_motor(placed, reference);
-                let motors: Vec<Option<Free<Motor>>> = motors.iter().map(motor).collect();
-                choice.motors = motors.into_iter().collect::<Option<_>>()?;
+                choice.motors = self.free(placed, DeclarationKind::Motor, motors, components::motor)?;
                 choice.on_straights = *on_straights;
+            }
+            Statement::ChooseComponent { kind: DeclarationKind::TakeUp, components: named } => {
+                at.free.push(placed.span);
+                choice.take_ups = self.free(placed, DeclarationKind::TakeUp, named, components::take_up)?;
+            }
+            Statement::ChooseComponent { components: named, .. } => {
+                at.free.push(placed.span);
+                choice.sensors = self.free(placed, DeclarationKind::Sensor, named, components::sensor)?;
             }
             Statement::ChooseSpeed(values) => {
                 at.free.push(placed.span);
@@ -231,10 +239,21 @@ impl<'t> Context<'t> {
         false
     }
 
-    fn free_motor(&self, placed: &Placed<'t>, reference: &'t Reference) -> Option<Free<Motor>> {
-        let component = self.component(&placed.env, DeclarationKind::Motor, reference)?;
-        let motor = component.complete.then(|| components::motor(&component))??;
-        Some(Free { item: motor, written: self.sources.text(reference.span).trim_end().to_owned() })
+    /// Components of a kind that are named beside each other, all mistakes told.
+    fn free<T>(
+        &self,
+        placed: &Placed<'t>,
+        kind: DeclarationKind,
+        references: &'t [Reference],
+        read: fn(&Component) -> Option<T>,
+    ) -> Option<Vec<Free<T>>> {
+        let one = |reference: &'t Reference| {
+            let component = self.component(&placed.env, kind, reference)?;
+            let item = component.complete.then(|| read(&component))??;
+            Some(Free { item, written: self.sources.text(reference.span).trim_end().to_owned() })
+        };
+        let all: Vec<Option<Free<T>>> = references.iter().map(one).collect();
+        all.into_iter().collect()
     }
 
     /// Each family in each of its lengths within the limits. A reference that gives the length, and a family without a

@@ -115,6 +115,8 @@ fn key(statement: &Statement) -> Option<(Key<'_>, Option<&Name>)> {
         Statement::RequireCapacity { .. } => once("require capacity"),
         Statement::ChooseCart { .. } => once("choose cart"),
         Statement::ChooseMotor { .. } => once("choose motor"),
+        Statement::ChooseComponent { kind: DeclarationKind::TakeUp, .. } => once("choose take_up"),
+        Statement::ChooseComponent { .. } => once("choose sensor"),
         Statement::ChooseSpeed(_) => once("choose speed"),
         Statement::ChooseRadii(_) => once("choose radii"),
         Statement::Drive { .. } => once("drive"),

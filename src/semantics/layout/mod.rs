@@ -23,7 +23,7 @@ use super::program::{Space, Symbol, mentions};
 use super::scope::{Context, Env, Scope};
 use super::value::{metres, shown};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Cart, Catalog, ChainDeclaration, Drive, Interval, Layout, Sensor};
+use crate::model::{Cart, Catalog, ChainDeclaration, Drive, Interval, Layout, Sensor, TakeUp};
 use crate::semantics::component::Component;
 use crate::semantics::layout::checks::{Facts, Limits};
 use crate::source::{Span, Spanned};
@@ -45,6 +45,7 @@ impl<'t> Context<'t> {
         let speed = self.required(&draft, "speed", Dimension::SPEED, Bounds::above(0.0, 100.0));
         let width = self.required(&draft, "width", Dimension::LENGTH, Bounds::above(0.0, 50.0));
         let chain = self.chain(&draft);
+        let take_up = self.take_up(&draft, chain.as_ref());
         let turns = self.limits(&draft, catalog.as_ref(), "turns", Dimension::ANGLE, |c| c.curve.turns);
         let radii = self.limits(&draft, catalog.as_ref(), "radii", Dimension::LENGTH, |c| Interval {
             low: c.curve.radii.first().copied().unwrap_or(0.0),
@@ -96,6 +97,7 @@ impl<'t> Context<'t> {
             cart: cart?,
             drive: drive?,
             sensor: sensor?,
+            take_up: take_up?,
             speed: speed?,
             width: width?,
             vertices: if draft.once("route").is_some() { Vec::new() } else { geometry.vertices? },
@@ -286,6 +288,28 @@ impl<'t> Context<'t> {
     fn sensor(&self, draft: &Draft<'t>) -> Option<Sensor> {
         let sensor = self.stated_or(draft, DeclarationKind::Sensor, self.program.sensors, "standard")?;
         components::sensor(&sensor)
+    }
+
+    /// What the layout names, if anything: it has to hold the chain's tension.
+    fn take_up(&self, draft: &Draft<'t>, chain: Option<&ChainDeclaration>) -> Option<Option<TakeUp>> {
+        if draft.once(keyword(DeclarationKind::TakeUp)).is_none() {
+            return Some(None);
+        }
+        let (component, _, span) = self.stated(draft, DeclarationKind::TakeUp)?;
+        let take_up = components::take_up(&component)?;
+        if let Some((force, tension)) = take_up.force.zip(chain.map(|chain| chain.tension))
+            && tension > force
+        {
+            let (held, found) = (shown(force, Dimension::FORCE), shown(tension, Dimension::FORCE));
+            let message = format!("`{}` does not hold the chain's tension", take_up.name);
+            let diagnostic = Diagnostic::new(Code::E0306, message, span, format!("holds {held}"))
+                .expected(format!("a tension of at most {held}"), found)
+                .related(component.place("force"), "what it holds")
+                .help("take another take-up, or less `chain tension`");
+            self.report(diagnostic);
+            return None;
+        }
+        Some(Some(take_up))
     }
 
     /// What the layout states, else the standard library's.

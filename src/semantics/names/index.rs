@@ -231,6 +231,10 @@ impl Index<'_> {
                 let motor = Space::Component(DeclarationKind::Motor);
                 motors.iter().for_each(|reference| self.reference(scope, motor, Some(reference)));
             }
+            Statement::ChooseComponent { kind, components } => {
+                let space = Space::Component(*kind);
+                components.iter().for_each(|reference| self.reference(scope, space, Some(reference)));
+            }
             Statement::Drive { load, starts, stops, spare } => {
                 self.all(scope, [load, starts, stops, spare].into_iter().flatten());
             }

@@ -60,7 +60,7 @@ pub fn base(
     };
     let (left, path) = lacks(&variables);
     let stated = layout.chain.closes_within.as_ref().map(|c| (c.value, c.span));
-    let (slack, span) = stated.unwrap_or((left.abs().max(layout.catalog.take_up), layout.span));
+    let (slack, span) = stated.unwrap_or((left.abs().max(layout.take_up_travel()), layout.span));
     // The shortest layout can only become longer, and a cheaper one is mostly shorter.
     let carts = match left.abs() > slack && goal.base(&layout.objective).is_some() {
         true => ((path - slack) / pitch).ceil(),

@@ -157,6 +157,9 @@ impl Writer<'_> {
                 self.references("choose motor ", motors);
                 self.push(if *on_straights { " on straights" } else { "" });
             }
+            Statement::ChooseComponent { kind, components } => {
+                self.references(&format!("choose {} ", kind.word()), components);
+            }
             Statement::ChooseSpeed(values) => self.word_value("choose speed ", values),
             Statement::ChooseRadii(values) => self.word_value("choose radii ", values),
             Statement::ChooseCount { equipment, counts } => {

@@ -48,7 +48,7 @@ fn the_rest_of_a_file_is_read_after_a_forgotten_bracket() {
 #[test]
 fn a_choice_of_what_cannot_be_chosen_names_what_can() {
     let message = one("choose wheel x");
-    assert!(message.contains("expected `cart`, `count`, `motor`, `radii` or `speed`, found `wheel`"), "{message}");
+    assert!(message.contains("`motor`, `radii`, `sensor`, `speed` or `take_up`, found `wheel`"), "{message}");
 }
 
 /// What stands freely is as many as `at least` says; a capacity is of an hour.

@@ -21,6 +21,7 @@ pub enum DeclarationKind {
     Motor,
     Controller,
     Sensor,
+    TakeUp,
     Equipment,
 }
 

@@ -163,6 +163,11 @@ pub enum Statement {
         motors: Vec<Reference>,
         on_straights: bool,
     },
+    /// `choose sensor light, standard`, `choose take_up spring_20, spring_60`
+    ChooseComponent {
+        kind: DeclarationKind,
+        components: Vec<Reference>,
+    },
     /// `choose speed 1.5 m/s .. 2.5 m/s step 0.1 m/s`
     ChooseSpeed(Expr),
     /// `choose radii [3 m, 4 m, 5 m]`

@@ -51,6 +51,9 @@ fn what_may_follow_is_proposed_with_units_and_docs() {
     assert_eq!(labels(&all), ["standard", "thesis"]);
     // What is not imported comes with its import.
     assert_eq!(all[1]["additionalTextEdits"][0]["newText"], "\nuse std.tracks.thesis");
+    // What may be chosen is of the kind that the line asks for.
+    assert_eq!(labels(&inside("choose take_up ")), ["spring_20", "spring_60", "pneumatic_150"]);
+    assert_eq!(labels(&inside("choose sensor light, ")), ["standard", "light"]);
     assert_eq!(labels(&inside("vertex P9 (1 m, 2 m) ")), ["radius"]);
     assert!(labels(&inside("width ")).contains(&"aisle"));
     assert!(labels(&inside("require length(")).contains(&"straight"));
@@ -63,7 +66,7 @@ fn what_may_follow_is_proposed_with_units_and_docs() {
     assert_eq!(labels(&all), ["anywhere", "at", "on"]);
     assert!(inside("// fix ").is_empty());
     let modules = proposed(&mut client, &path, "use std.|");
-    assert_eq!(labels(&modules), ["carts", "drives", "equipment", "joints", "sensors", "tracks", "wheels"]);
+    assert_eq!(labels(&modules), ["carts", "drives", "equipment", "joints", "sensors", "take_ups", "tracks", "wheels"]);
     assert_eq!(labels(&proposed(&mut client, &path, "use std.tracks.|")), ["standard", "thesis"]);
     assert_eq!(labels(&proposed(&mut client, &path, "use \"|\"")), ["shared.lss", "variant.lss"]);
     let fields = proposed(&mut client, &path, "cart a {\n  |\n}");
