@@ -54,6 +54,13 @@ impl Equipment {
         }
     }
 
+    /// Names of all that stands along the track: of inductions, rows of chutes, and equipment of declared kinds.
+    pub fn all_names(&self) -> impl Iterator<Item = &str> {
+        let own = self.inductions.iter().map(|induction| induction.name.as_str());
+        let own = own.chain(self.chutes.iter().map(|row| row.name.as_str()));
+        own.chain(self.declared.iter().map(|declared| declared.name.as_str()))
+    }
+
     /// Names of inductions, and of rows of chutes, by the index that feeds and storages have.
     pub fn names(&self, kind: EquipmentKind) -> Vec<&str> {
         let own: Vec<&str> = match kind {

@@ -15,7 +15,8 @@ pub fn hint(text: &str, at: usize) -> Option<&'static str> {
             Some("say how many: `at least 10 anywhere`")
         }
         ("chutes", _) if token == "at" && before.contains("at least") => Some(
-            "as many as `at least` says are placed: leave `at most` out; a line such as `choose count row_a 8 .. 16 step 4` leaves open how many",
+            "as many as `at least` says are placed: leave `at most` out; a line such as \
+             `choose count row_a 8 .. 16 step 4` leaves open how many",
         ),
         _ => None,
     }

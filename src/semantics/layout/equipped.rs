@@ -82,9 +82,7 @@ impl<'t> Context<'t> {
 
     /// Names in `after` and `before` have to stand along the track, and their order has to be possible.
     pub(super) fn check_order(&self, draft: &Draft<'t>, equipment: &Equipment) -> Option<()> {
-        let own = equipment.inductions.iter().map(|i| i.name.as_str());
-        let own = own.chain(equipment.chutes.iter().map(|c| c.name.as_str()));
-        let all: Vec<&str> = own.chain(equipment.declared.iter().map(|d| d.name.as_str())).collect();
+        let all: Vec<&str> = equipment.all_names().collect();
         let mut sound = true;
         for placed in &draft.statements {
             let Statement::Equipped(equipped) = placed.statement else { continue };

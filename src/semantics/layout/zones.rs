@@ -54,13 +54,12 @@ impl<'t> Context<'t> {
         }
         if zones.is_empty() {
             let message = "no row of chutes comes after an induction, so that there are no zones";
-            self.report(
-                Diagnostic::new(Code::E0214, message, span, "after which one?")
-                    .help("say which inductions a row comes after, with a line such as `chutes row of chute at least 20 anywhere after west`"),
-            );
+            let help = "say which inductions a row comes after, with a line such as \
+                        `chutes row of chute at least 20 anywhere after west`";
+            self.report(Diagnostic::new(Code::E0214, message, span, "after which one?").help(help));
             return None;
         }
-        let taken: BTreeSet<&str> = names(known).collect();
+        let taken: BTreeSet<&str> = known.all_names().collect();
         let mut pieces = Vec::new();
         for (number, (inductions, rows)) in zones.iter().enumerate() {
             let mut piece = one.clone();
@@ -130,13 +129,6 @@ fn asked(statement: &Statement) -> Option<(&str, Span)> {
     }
 }
 
-/// All that stands along the track.
-fn names(equipment: &Equipment) -> impl Iterator<Item = &str> {
-    let own = equipment.inductions.iter().map(|induction| induction.name.as_str());
-    let own = own.chain(equipment.chutes.iter().map(|row| row.name.as_str()));
-    own.chain(equipment.declared.iter().map(|declared| declared.name.as_str()))
-}
-
 /// In the order in which their first rows are written.
 fn zones(equipment: &Equipment, sections: usize) -> Vec<Zone<'_>> {
     let earlier = earlier(equipment, sections);
@@ -159,9 +151,10 @@ fn zones(equipment: &Equipment, sections: usize) -> Vec<Zone<'_>> {
 
 /// What comes before each piece or row, by name.
 fn earlier(equipment: &Equipment, sections: usize) -> BTreeMap<&str, BTreeSet<&str>> {
-    let mut earlier: BTreeMap<&str, BTreeSet<&str>> = names(equipment).map(|name| (name, BTreeSet::new())).collect();
+    let mut earlier: BTreeMap<&str, BTreeSet<&str>> =
+        equipment.all_names().map(|name| (name, BTreeSet::new())).collect();
     let mut add = |a: &'_ str, b: &'_ str| {
-        let known = names(equipment).find(|name| *name == a).zip(names(equipment).find(|name| *name == b));
+        let known = equipment.all_names().find(|name| *name == a).zip(equipment.all_names().find(|name| *name == b));
         if let Some((a, b)) = known {
             earlier.entry(b).or_default().insert(a);
         }
