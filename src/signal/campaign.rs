@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! layout = "reference.lss"      # of every run that names none
+//! zeroed = ["run_left"]         # of every run whose sidecar says none; so may [columns]
 //!
 //! [[run]]
 //! file = "run-01.csv"
@@ -10,7 +11,7 @@
 //! ```
 
 use super::keys::{self, Reader, Table, Text};
-use super::{DataPlace, DataProblem, Run, RunError, Sidecar, read, sidecar_path};
+use super::{DataPlace, DataProblem, Run, RunError, Sidecar, SidecarDefaults, read, sidecar_path};
 use crate::source::{InputError, Root, SIZE_LIMIT, one_line, root, steers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -28,6 +29,8 @@ pub struct Campaign {
     pub runs: Vec<Entry>,
     /// Channels that another machine declares for itself, name to unit. Such a campaign needs no layout.
     pub channels: BTreeMap<String, String>,
+    /// Of all runs whose sidecars say nothing else.
+    pub defaults: SidecarDefaults,
 }
 
 /// A run of a campaign.
@@ -49,6 +52,8 @@ pub struct Entry {
     pub tension: Option<f64>,
     /// Further numbers of a run in a campaign that declares its own channels: settings of its machine.
     pub settings: BTreeMap<String, f64>,
+    /// The campaign's, for what the sidecar does not say.
+    pub defaults: SidecarDefaults,
 }
 
 /// A run of a campaign that cannot be read, and why.
@@ -59,7 +64,7 @@ pub struct Refused {
     pub error: RunError,
 }
 
-const KEYS: &[&str] = &["layout", "run", "channels", "fmu"];
+const KEYS: &[&str] = &["layout", "run", "channels", "fmu", "columns", "zeroed"];
 const RUN_KEYS: &[&str] = &["file", "layout", "speed", "tension"];
 
 /// The tables of a `campaign.toml`, read for the lines of their keys.
@@ -146,7 +151,7 @@ impl Campaign {
                 return Err(RunError { place: run.place, problem: DataProblem::DuplicateRun(other) });
             }
             let file = run.file.clone();
-            match run.entry(&name, !campaign.channels.is_empty(), &campaign.root) {
+            match run.entry(&name, !campaign.channels.is_empty(), &campaign.root, &campaign.defaults) {
                 Ok(entry) => campaign.runs.push(entry),
                 Err(error) => refused.push(Refused { name, file, error: *error }),
             }
@@ -175,6 +180,7 @@ impl Campaign {
         reader.optional("channels", "a table headed by [channels]", |value| value.as_table().map(|_| ()))?;
         // What the unit of another machine is asked for is read by what runs it.
         reader.optional("fmu", "a table headed by [fmu]", |value| value.as_table().map(|_| ()))?;
+        self.defaults = SidecarDefaults::take(&mut reader, file)?;
         reader.finish(KEYS)?;
         let Tables { run, channels } = text.parse()?;
         let names: Vec<String> = channels.keys().cloned().collect();
@@ -231,7 +237,7 @@ impl Listed {
     }
 
     /// The run, when its files are there and a layout is named.
-    fn entry(self, name: &str, foreign: bool, root: &Root) -> Result<Entry, Box<RunError>> {
+    fn entry(self, name: &str, foreign: bool, root: &Root, defaults: &SidecarDefaults) -> Result<Entry, Box<RunError>> {
         let Listed { file, layout, speed, tension, settings, place } = self;
         match root.place(&file) {
             Ok(there) if there.is_file() => {}
@@ -245,10 +251,11 @@ impl Listed {
             None if foreign => PathBuf::new(),
             None => {
                 let beside = sidecar_path(&file);
-                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file, root)?.0.layout)
+                beside.parent().unwrap_or(Path::new("")).join(Sidecar::beside(&file, root, defaults)?.0.layout)
             }
         };
-        Ok(Entry { name: name.to_owned(), file, root: root.clone(), layout, speed, tension, settings })
+        let (name, root, defaults) = (name.to_owned(), root.clone(), defaults.clone());
+        Ok(Entry { name, file, root, layout, speed, tension, settings, defaults })
     }
 }
 
@@ -259,7 +266,7 @@ impl Entry {
     ///
     /// As [`Run::read`].
     pub fn run(&self) -> Result<Run, RunError> {
-        Run::read_within(&self.file, &self.root)
+        Run::read_within(&self.file, &self.root, &self.defaults)
     }
 
     /// The file of the layout that the campaign or the sidecar names, if it is there.
@@ -312,7 +319,9 @@ fn found(folder: &Path) -> std::io::Result<Vec<Listed>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mapping::Mapping;
     use super::*;
+    use crate::signal::Channel;
 
     const SIDECAR: &str = "layout = \"lines/b.lss\"\nsensor_cart = 1\nspeed_setpoint = 2\ntrigger_position = 0\n\
                            lowpass = 100\nlaps = 1\n";
@@ -354,6 +363,7 @@ mod tests {
             speed: nominal.map(|n| n.0),
             tension: nominal.map(|n| n.1),
             settings: BTreeMap::new(),
+            defaults: SidecarDefaults::default(),
         };
         let one = entry("one", "one.csv", "a.lss", Some((2.0, 1000.0)));
         assert_eq!(campaign.runs, [one.clone(), entry("two", "sub/two.parquet", "sub/lines/b.lss", None)]);
@@ -364,6 +374,27 @@ mod tests {
         fs::write(at.path().join("campaign.toml"), format!("layout = \"d.lss\"\n{list}")).expect("written");
         let campaign = Campaign::read(at.path()).expect("a campaign");
         assert_eq!(campaign.runs, [one, entry("two", "sub/two.parquet", "d.lss", None)]);
+    }
+
+    /// What the runs of one recorder have in common is said once; a sidecar that says it has the last word.
+    #[test]
+    fn a_campaign_says_what_its_recorder_did() {
+        let list = "zeroed = [\"run_left\"]\n[columns]\n\"Zug [kN]\" = { channel = \"joint_xi\", factor = 1000 }\n\
+                    [[run]]\nfile = \"a.csv\"\n[[run]]\nfile = \"b.csv\"\n";
+        let data = "time,trigger,Zug [kN]\n0,0,1\n0.002,1,2\n0.004,0,3\n";
+        let own = format!("{SIDECAR}zeroed = []\n[columns]\n\"Zug [kN]\" = {{ channel = \"joint_xi\", factor = 1 }}\n");
+        let at =
+            folder(&[("campaign.toml", list), ("a.csv", data), ("a.toml", SIDECAR), ("b.csv", data), ("b.toml", &own)]);
+        let campaign = Campaign::read(at.path()).expect("a campaign");
+        let [a, b] = [0, 1].map(|k| campaign.runs[k].run().expect("a run"));
+        let forces = |run: &Run| run.channels[&Channel::JointXi].clone();
+        assert_eq!((forces(&a), forces(&b)), (vec![1000.0, 2000.0, 3000.0], vec![1.0, 2.0, 3.0]));
+        assert_eq!((a.sidecar.zeroed, b.sidecar.zeroed), (vec![Channel::RunLeft], Vec::new()));
+        // A mistake is told where it stands.
+        let wrong = list.replace("joint_xi", "joint_x");
+        fs::write(at.path().join("campaign.toml"), wrong).expect("written");
+        let said = Campaign::read(at.path()).expect_err("no channel").to_string();
+        assert!(said.contains("campaign.toml") && said.contains("Zug [kN]") && said.contains(Mapping::ENTRY), "{said}");
     }
 
     #[test]

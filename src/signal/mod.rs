@@ -45,5 +45,5 @@ pub use channel::{Channel, FORCES};
 pub use columns::{Column, MOST_NUMBERS};
 pub use error::{DataPlace, DataProblem, RunError};
 pub use run::Run;
-pub use sidecar::{Sidecar, sidecar_path};
+pub use sidecar::{Sidecar, SidecarDefaults, sidecar_path};
 pub use supports::SupportLoad;

@@ -1,6 +1,6 @@
 //! Reads runs from files.
 
-use super::{DataProblem, Run, RunError, Sidecar, csv, mdf4, parquet};
+use super::{DataProblem, Run, RunError, Sidecar, SidecarDefaults, csv, mdf4, parquet};
 use crate::source::{InputError, Root, input, root};
 use std::fs::File;
 use std::path::Path;
@@ -14,19 +14,25 @@ impl Run {
     /// What [`DataProblem`] lists, with file, row and column.
     pub fn read(path: &Path) -> Result<Run, RunError> {
         let root = Root::of_campaign(path.parent().unwrap_or(Path::new("")));
-        Run::read_as(path, root::open_given(path), &root)
+        Run::read_as(path, root::open_given(path), &root, &SidecarDefaults::default())
     }
 
-    /// As [`Run::read`], of a path that another file names: it has to lie within the root.
+    /// As [`Run::read`], of a path that another file names: it has to lie within the root. What the sidecar does not say
+    /// of the recorder, `defaults` may.
     ///
     /// # Errors
     ///
     /// Those of [`Run::read`].
-    pub fn read_within(path: &Path, root: &Root) -> Result<Run, RunError> {
-        Run::read_as(path, root.open(path), root)
+    pub fn read_within(path: &Path, root: &Root, defaults: &SidecarDefaults) -> Result<Run, RunError> {
+        Run::read_as(path, root.open(path), root, defaults)
     }
 
-    fn read_as(path: &Path, data: Result<File, InputError>, root: &Root) -> Result<Run, RunError> {
+    fn read_as(
+        path: &Path,
+        data: Result<File, InputError>,
+        root: &Root,
+        defaults: &SidecarDefaults,
+    ) -> Result<Run, RunError> {
         let error = |problem| RunError::new(path, problem);
         let unreadable = |why: InputError| RunError::unreadable(path, why);
         let ending = ending(path);
@@ -34,7 +40,7 @@ impl Run {
             return Err(error(DataProblem::foreign(path).unwrap_or(DataProblem::UnknownFormat)));
         }
         let data = data.map_err(unreadable)?;
-        let (sidecar, mapping) = Sidecar::beside(path, root)?;
+        let (sidecar, mapping) = Sidecar::beside(path, root, defaults)?;
         let (time, channels) = match ending.as_deref() {
             Some("csv") => csv::read_mapped(bounded(data, path)?, path, &mapping)?,
             Some("mf4") => mdf4::read_mapped(bounded(data, path)?, path, &mapping)?,

@@ -1,6 +1,6 @@
 //! The sidecar: what stands beside the data, in TOML.
 
-use super::keys::{self, Text};
+use super::keys::{self, Reader, Text};
 use super::mapping::Mapping;
 use super::{Channel, DataProblem, RunError};
 use crate::source::{InputError, Root, SIZE_LIMIT};
@@ -32,13 +32,44 @@ pub struct Sidecar {
     pub notes: BTreeMap<String, Value>,
 }
 
+/// What a campaign says of the recorder of all its runs, where a run's sidecar does not say it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SidecarDefaults {
+    /// As `columns` of a sidecar.
+    columns: Option<toml::Table>,
+    /// As `zeroed` of a sidecar.
+    zeroed: Option<Vec<Channel>>,
+}
+
+impl SidecarDefaults {
+    /// Its keys, as of a sidecar.
+    pub(super) const KEYS: [&str; 2] = ["columns", "zeroed"];
+
+    /// Takes them from a table; `file` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`DataProblem::WrongValue`]
+    pub(super) fn take(reader: &mut Reader, file: &Path) -> Result<SidecarDefaults, RunError> {
+        let columns = reader.optional("columns", "a table headed by [columns]", |value| value.as_table().cloned())?;
+        let zeroed = reader.optional("zeroed", "a list of forces such as [\"joint_xi\"]", forces)?;
+        let defaults = SidecarDefaults { columns, zeroed };
+        defaults.mapping(file).map(|_| defaults)
+    }
+
+    fn mapping(&self, file: &Path) -> Result<Mapping, RunError> {
+        Mapping::new(self.columns.as_ref().unwrap_or(&toml::Table::new()))
+            .map_err(|name| RunError::new(file, DataProblem::WrongValue { expected: Mapping::ENTRY }).column(&name))
+    }
+}
+
 impl Sidecar {
     /// The keys that every sidecar has, in the order they are written.
     pub const KEYS: [&str; 6] = ["layout", "sensor_cart", "speed_setpoint", "trigger_position", "lowpass", "laps"];
 
     /// Adds a line of free text. The names of the other keys are taken and change nothing.
     pub fn note(&mut self, key: &str, text: impl Into<Value>) {
-        if !Sidecar::KEYS.contains(&key) && !["zeroed", "columns"].contains(&key) {
+        if !Sidecar::KEYS.contains(&key) && !SidecarDefaults::KEYS.contains(&key) {
             self.notes.insert(key.to_owned(), text.into());
         }
     }
@@ -49,16 +80,17 @@ impl Sidecar {
         toml::to_string(self).unwrap_or_default().into_bytes()
     }
 
-    /// Reads the sidecar of a data file, which has to lie within the root, and what it says of the file's columns.
+    /// Reads the sidecar of a data file, which has to lie within the root, and what it says of the file's columns. What it
+    /// does not say of its recorder, the campaign's may.
     ///
     /// # Errors
     ///
     /// [`DataProblem::MissingSidecar`] of the data file; of the sidecar, [`DataProblem::Unreadable`],
     /// [`DataProblem::OutsideRoot`], [`DataProblem::TooLarge`] and those of [`Sidecar::read`].
-    pub fn beside(data: &Path, root: &Root) -> Result<(Sidecar, Mapping), RunError> {
+    pub fn beside(data: &Path, root: &Root, defaults: &SidecarDefaults) -> Result<(Sidecar, Mapping), RunError> {
         let file = sidecar_path(data);
         match root.read(&file, SIZE_LIMIT) {
-            Ok(bytes) => Sidecar::read_mapped(&bytes, &file),
+            Ok(bytes) => Sidecar::read_mapped(&bytes, &file, defaults),
             Err(InputError::Missing(_)) => {
                 Err(RunError::new(data, DataProblem::MissingSidecar { path: file, keys: &Sidecar::KEYS }))
             }
@@ -73,15 +105,14 @@ impl Sidecar {
     /// [`DataProblem::Malformed`] for text that is no TOML, [`DataProblem::MissingKey`] and [`DataProblem::WrongValue`]
     /// with the key and its line.
     pub fn read(bytes: &[u8], file: &Path) -> Result<Sidecar, RunError> {
-        Sidecar::read_mapped(bytes, file).map(|(sidecar, _)| sidecar)
+        Sidecar::read_mapped(bytes, file, &SidecarDefaults::default()).map(|(sidecar, _)| sidecar)
     }
 
-    fn read_mapped(bytes: &[u8], file: &Path) -> Result<(Sidecar, Mapping), RunError> {
+    fn read_mapped(bytes: &[u8], file: &Path, defaults: &SidecarDefaults) -> Result<(Sidecar, Mapping), RunError> {
         let text = Text::new(bytes, file)?;
         let mut reader = text.reader(text.parse()?);
-        let columns = reader.optional("columns", "a table headed by [columns]", |value| value.as_table().cloned())?;
-        let mapping = Mapping::new(&columns.unwrap_or_default())
-            .map_err(|name| RunError::new(file, DataProblem::WrongValue { expected: Mapping::ENTRY }).column(&name))?;
+        let own = SidecarDefaults::take(&mut reader, file)?;
+        let mapping = if own.columns.is_some() { &own } else { defaults }.mapping(file)?;
         let sidecar = Sidecar {
             layout: reader.take("layout", "a path", keys::text)?,
             sensor_cart: reader.take("sensor_cart", "a whole number from 1", |v| keys::whole(v).filter(|&n| n > 0))?,
@@ -89,7 +120,7 @@ impl Sidecar {
             trigger_position: reader.take("trigger_position", "a number", keys::number)?,
             lowpass: reader.take("lowpass", "a frequency above 0", keys::positive)?,
             laps: reader.take("laps", "a whole number", keys::whole)?,
-            zeroed: reader.optional("zeroed", "a list of forces such as [\"joint_xi\"]", forces)?.unwrap_or_default(),
+            zeroed: own.zeroed.or_else(|| defaults.zeroed.clone()).unwrap_or_default(),
             notes: reader.rest(),
         };
         Ok((sidecar, mapping))
