@@ -174,7 +174,7 @@ pub struct ChainInput {
     pub chord_excess_m: f64,
     /// Track length less chord excess less carts at their pitch, m; negative when the chain has to be compressed.
     pub left_over_m: f64,
-    /// What the catalogue's take-up compensates, m; `null` when not known.
+    /// What the take-up compensates, m; `null` when not known.
     #[serde(default)]
     pub take_up_m: Option<f64>,
     /// Tension on the centre line, T₀, N.

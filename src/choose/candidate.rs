@@ -69,6 +69,7 @@ impl Fitted {
     pub fn new(index: (usize, usize), track: &Track, cart: &Cart, layout: &Layout) -> Self {
         let mut compiled = track.compiled.clone();
         compiled.layout.cart = cart.clone();
+        compiled.layout.chain.tension = layout.tension_with(cart);
         compiled.layout.equipment.motors = Motors::Evenly { count: 0 };
         compiled.chain = fit(&compiled.space.line, cart.length);
         compiled.layout.choice = layout.choice.clone();
@@ -163,7 +164,7 @@ impl Candidate {
         duty.spare = if holds(Requirement::Spare) { duty.spare } else { 0 };
         duty.load = if holds(Requirement::Load) { duty.load } else { 0.0 };
         let carts = on.fit.map_or(0, |fit| fit.carts);
-        let chain = Chain { cart, carts, speed, load: duty.load, tension: layout.chain.tension };
+        let chain = Chain { cart, carts, speed, load: duty.load, tension: layout.tension_with(cart) };
         let thrust = chain.thrust(&track.lap, &duty);
         let motors = match layout.choice.motors.is_empty() {
             // Those that the layout has.
@@ -183,13 +184,15 @@ impl Candidate {
                 short(Requirement::Capacity, found, required.least.value);
             }
         }
-        let take_up = take_up(layout, |candidate| {
+        let tension = layout.tension_with(cart);
+        let take_up = take_up(layout, tension, |candidate| {
             let closes = !holds(Requirement::Closes) || on.fit.is_some_and(|fit| fit.is_within(candidate.travel));
-            closes && (!holds(Requirement::Tension) || holds_tension(layout, candidate))
+            closes && (!holds(Requirement::Tension) || candidate.holds(tension))
         });
         let chosen = layout.choice.take_ups.get(take_up).map(|free| &free.item);
-        if let Some(force) = chosen.filter(|c| holds(Requirement::Tension) && !holds_tension(layout, c)) {
-            short(Requirement::Tension, force.force.unwrap_or(f64::INFINITY), layout.chain.tension);
+        let own = chosen.or(layout.take_up.as_ref());
+        if let Some(weak) = own.filter(|own| holds(Requirement::Tension) && !own.holds(tension)) {
+            short(Requirement::Tension, weak.force.unwrap_or(f64::INFINITY), tension);
         }
         if holds(Requirement::Closes) {
             let travel = chosen.map_or(layout.take_up_travel(), |chosen| chosen.travel);
@@ -222,19 +225,14 @@ impl Candidate {
     }
 }
 
-/// Whether a take-up holds the chain's tension.
-fn holds_tension(layout: &Layout, take_up: &TakeUp) -> bool {
-    take_up.force.is_none_or(|force| layout.chain.tension <= force)
-}
-
 /// The cheapest of the free take-ups that serves; where none does, of those that hold the chain's tension the one of the
 /// longest travel, and where none holds it the strongest. The first of equal ones.
-fn take_up(layout: &Layout, serves: impl Fn(&TakeUp) -> bool) -> usize {
+fn take_up(layout: &Layout, tension: f64, serves: impl Fn(&TakeUp) -> bool) -> usize {
     let all: &[Free<TakeUp>] = &layout.choice.take_ups;
     let price = |k: &usize| all[*k].item.article.price.unwrap_or(0.0);
     let serving = (0..all.len()).filter(|k| serves(&all[*k].item));
     serving.min_by(|a, b| price(a).total_cmp(&price(b))).unwrap_or_else(|| {
-        let holding = (0..all.len()).filter(|k| holds_tension(layout, &all[*k].item));
+        let holding = (0..all.len()).filter(|k| all[*k].item.holds(tension));
         let longest = holding.rev().max_by(|a, b| all[*a].item.travel.total_cmp(&all[*b].item.travel));
         let force = |k: &usize| all[*k].item.force.unwrap_or(f64::INFINITY);
         let strongest = || (0..all.len()).rev().max_by(|a, b| force(a).total_cmp(&force(b)));

@@ -9,7 +9,7 @@ use super::tracks::{self, NoTrack, Track};
 use crate::base::parallel;
 use crate::capacity::{Mean, Sorter};
 use crate::compiled::Compiled;
-use crate::model::{Cart, Layout, Motor, Motors, Sensor, TakeUp};
+use crate::model::{Cart, Free, Layout, Motor, Motors, Sensor, TakeUp};
 use std::fmt;
 
 /// Candidates, and tracks that they are on, at most.
@@ -153,7 +153,7 @@ fn costs(
     let asked = [
         (Requirement::Capacity, layout.capacity.required.is_some()),
         (Requirement::Closes, true),
-        (Requirement::Tension, !layout.choice.take_ups.is_empty()),
+        (Requirement::Tension, !layout.choice.take_ups.is_empty() || layout.take_up.is_some()),
         (Requirement::Starts, drive.starts.is_some()),
         (Requirement::Stops, drive.stops.is_some()),
         (Requirement::Spare, drive.spare > 0),
@@ -179,13 +179,18 @@ impl Chosen {
     }
 
     /// The take-up that a candidate has, where it was free.
-    pub fn take_up(&self, candidate: &Candidate) -> Option<&TakeUp> {
-        self.layout.choice.take_ups.get(candidate.take_up).map(|free| &free.item)
+    pub fn take_up(&self, candidate: &Candidate) -> Option<&Free<TakeUp>> {
+        self.layout.choice.take_ups.get(candidate.take_up)
     }
 
     /// The sensor that a candidate has, where it was free.
-    pub fn sensor(&self, candidate: &Candidate) -> Option<&Sensor> {
-        self.layout.choice.sensors.get(candidate.sensor).map(|free| &free.item)
+    pub fn sensor(&self, candidate: &Candidate) -> Option<&Free<Sensor>> {
+        self.layout.choice.sensors.get(candidate.sensor)
+    }
+
+    /// Those that do what is required in closed form and are not known to fail a check, the least total first.
+    pub fn cheapest(&self) -> impl Iterator<Item = usize> {
+        self.order.iter().copied().filter(|k| self.falls_short(&self.candidates[*k]).is_none())
     }
 
     pub fn track(&self, candidate: &Candidate) -> &Track {
@@ -237,13 +242,14 @@ impl Chosen {
         let mut compiled = track.compiled.clone();
         let layout = &mut compiled.layout;
         layout.cart = self.cart(candidate).clone();
+        layout.chain.tension = self.layout.tension_with(&layout.cart);
         layout.drive.motor = self.motor(candidate).clone();
         layout.speed.value = candidate.speed;
         if let Some(take_up) = self.take_up(candidate) {
-            layout.take_up = Some(take_up.clone());
+            layout.take_up = Some(take_up.item.clone());
         }
         if let Some(sensor) = self.sensor(candidate) {
-            layout.sensor = sensor.clone();
+            layout.sensor = sensor.item.clone();
         }
         if !self.layout.choice.motors.is_empty() {
             let length = layout.drive.motor.length;

@@ -53,8 +53,9 @@ fn free(chosen: &Chosen) -> Span {
 pub fn words(chosen: &Chosen, candidate: &Candidate) -> String {
     let (cart, motor) = (chosen.cart(candidate), chosen.motor(candidate));
     let radius = chosen.track(candidate).radius;
-    let take_up = chosen.take_up(candidate).map_or_else(String::new, |take_up| format!(", take-up {}", take_up.name));
-    let sensor = chosen.sensor(candidate).map_or_else(String::new, |sensor| format!(", sensor {}", sensor.name));
+    let take_up =
+        chosen.take_up(candidate).map_or_else(String::new, |take_up| format!(", take-up {}", take_up.written));
+    let sensor = chosen.sensor(candidate).map_or_else(String::new, |sensor| format!(", sensor {}", sensor.written));
     let numbers = chosen.numbers(candidate).into_iter().map(|(name, count)| format!(", {count} × {name}"));
     format!(
         "cart {} {} mm at {} m/s with {} × {}{}{take_up}{sensor}{}",
@@ -250,6 +251,15 @@ fn failed_checks(chosen: &Chosen) -> Diagnostic {
         1 => "the choice does not pass its check in the dynamic model".to_owned(),
         n => format!("none of the {n} cheapest choices passes its check in the dynamic model"),
     };
+    let alone = chosen.checked.iter().all(|(_, found)| found.as_ref().is_ok_and(super::Check::is_but_for_range));
+    let strongest = chosen.checked.iter().filter_map(|(_, found)| found.as_ref().ok()?.beyond_range());
+    let strongest = strongest.fold(f64::INFINITY, f64::min);
+    if alone && strongest.is_finite() {
+        let message = "no sensor that may be chosen measures what the sensor cart carries";
+        let label = format!("a load cell measures {} N at least", fixed(strongest, 0));
+        return Diagnostic::new(Code::E0605, message, free(chosen), label)
+            .help(format!("leave a sensor with a `range` of {} N or more free", fixed(strongest.ceil(), 0)));
+    }
     let said = Diagnostic::new(Code::E0605, message, free(chosen), "checked with forces and fatigue");
     let of = |(k, found): &(usize, Result<super::Check, String>)| {
         let why = match found {

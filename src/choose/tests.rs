@@ -335,7 +335,7 @@ fn the_take_up_is_the_one_that_costs_least_in_all() {
         let chosen = choose(&layout, &settings(), &|_| ()).unwrap();
         let winner = &chosen.candidates[chosen.winner.unwrap()];
         assert!((winner.total - expected).abs() < 1e-6, "{closes:?}: {} for {expected}", winner.total);
-        let named = chosen.take_up(winner).unwrap();
+        let named = &chosen.take_up(winner).unwrap().item;
         let left = chosen.fitted[winner.fitted].fit.unwrap().left_over.abs();
         assert!(left <= named.travel + 1e-6 && named.force.unwrap() >= 500.0, "{left} m with {}", named.name);
         // It is ordered, with its price, and said.
@@ -371,10 +371,10 @@ fn a_sensor_measures_what_the_winner_simulates() {
         vec![sensor("dear", None, 900.0), sensor("weak", Some(20.0), 100.0), sensor("fit", Some(1e5), 300.0)];
     let closed = choose(&layout, &settings(), &|_| ()).unwrap();
     let first = &closed.candidates[closed.winner.unwrap()];
-    assert_eq!(closed.sensor(first).unwrap().name, "weak");
+    assert_eq!(closed.sensor(first).unwrap().written, "weak");
     let chosen = choose(&layout, &Settings { checks: 2, ..settings() }, &|_| ()).unwrap();
     let winner = &chosen.candidates[chosen.winner.unwrap()];
-    assert_eq!(chosen.sensor(winner).unwrap().name, "fit");
+    assert_eq!(chosen.sensor(winner).unwrap().written, "fit");
     assert_eq!((winner.fitted, winner.motor, winner.motors), (first.fitted, first.motor, first.motors));
     assert!((winner.price - first.price - 200.0).abs() < 1e-6 && (winner.total - first.total - 200.0).abs() < 1e-6);
     let failed = chosen.checked[0].1.as_ref().unwrap();

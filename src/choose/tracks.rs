@@ -15,6 +15,8 @@ pub struct Track {
     pub radius: Option<f64>,
     /// Length of cart that it closes for, m; `None` where any may be tried on it.
     pub length: Option<f64>,
+    /// What its chain may leave over, m; `None` where the layout's own holds.
+    pub left_over: Option<f64>,
     /// Numbers of equipment, one for each that is free.
     pub counts: Vec<usize>,
     pub compiled: Compiled,
@@ -68,10 +70,14 @@ pub fn asked(layout: &Layout) -> Vec<Asked> {
         let with = |known: &Vec<usize>, count: usize| known.iter().copied().chain([count]).collect();
         all.iter().flat_map(|known| free.counts.iter().map(move |count| with(known, *count))).collect()
     });
-    // A take-up of more travel lets the track be another one.
+    // A take-up of more travel lets the track be another one, where it is not built as it is written.
     let mut slacks: Vec<Option<f64>> = vec![None];
-    if let Some(within) = layout.chain.closes_within.as_ref().filter(|_| !layout.choice.take_ups.is_empty()) {
+    let moves = !layout.objective.terms.is_empty();
+    if let Some(within) = layout.chain.closes_within.as_ref().filter(|_| moves) {
         slacks = layout.choice.take_ups.iter().map(|free| Some(free.item.travel.min(within.value))).collect();
+        if slacks.is_empty() {
+            slacks.push(Some(layout.take_up_travel().min(within.value)));
+        }
         slacks.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
         slacks.dedup();
     }
@@ -102,6 +108,7 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
             false => Ok(Track {
                 radius: asked.radius,
                 length: asked.length,
+                left_over: asked.left_over,
                 counts: asked.counts.clone(),
                 lap: Lap::new(&compiled.space.line),
                 proven: compiled.stages.last().and_then(|s| s.certificate.as_ref()).is_some_and(|c| c.proven),
@@ -131,6 +138,7 @@ fn variant(layout: &Layout, asked: &Asked) -> Layout {
     if let Some(length) = asked.length {
         let near = carts(layout).into_iter().find(|cart| cart.length == length);
         if let Some(cart) = near {
+            variant.chain.tension = layout.tension_with(cart);
             variant.cart = cart.clone();
         }
     }

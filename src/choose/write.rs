@@ -118,6 +118,13 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
         put(places.next().copied(), Some(&lines.places.join("\n")));
         removed.extend(places.copied());
     }
+    // A take-up of little travel asks for less than the layout allows.
+    if let Some((within, left_over)) = chosen.layout.chain.closes_within.as_ref().zip(chosen.track(candidate).left_over)
+        && left_over < within.value
+        && within.span.file == file
+    {
+        edits.push((within.span, format!("{} mm", trimmed(left_over * 1e3, 6))));
+    }
     // The track is written as it was found: motors stand on it, and a build begins there. Of one that is not proven best a
     // build could find another, with another price.
     let found = chosen.track(candidate);
@@ -168,8 +175,8 @@ fn unimport(text: &mut String, chosen: &Chosen, candidate: &Candidate) {
     free.extend(choice.take_ups.iter().map(|take_up| &take_up.item.name));
     free.extend(choice.sensors.iter().map(|sensor| &sensor.item.name));
     let mut kept = vec![&chosen.cart(candidate).name, &chosen.motor(candidate).name];
-    kept.extend(chosen.take_up(candidate).map(|take_up| &take_up.name));
-    kept.extend(chosen.sensor(candidate).map(|sensor| &sensor.name));
+    kept.extend(chosen.take_up(candidate).map(|take_up| &take_up.item.name));
+    kept.extend(chosen.sensor(candidate).map(|sensor| &sensor.item.name));
     for name in free.into_iter().filter(|name| !kept.contains(name)) {
         let imports =
             |line: &&str| line.trim_start().starts_with("use std.") && line.trim_end().ends_with(&format!(".{name}"));

@@ -174,6 +174,9 @@ pub struct Cart {
     /// Air drag, c in c v², kg/m; `None` where the declaration does not say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drag: Option<f64>,
+    /// Tension of a chain of them, N, where the layout does not say another: [`super::Layout::tension_with`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tension: Option<f64>,
     /// Its mass is the cart's own.
     pub article: Article,
 }
@@ -267,4 +270,11 @@ pub struct TakeUp {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<f64>,
     pub article: Article,
+}
+
+impl TakeUp {
+    /// Whether it holds a chain's tension, N.
+    pub fn holds(&self, tension: f64) -> bool {
+        self.force.is_none_or(|force| tension <= force)
+    }
 }

@@ -140,6 +140,8 @@ pub struct Ramp {
 pub struct ChainDeclaration {
     /// T₀, N
     pub tension: f64,
+    /// Whether the layout says it; else it is the cart's.
+    pub tension_is_said: bool,
     /// Largest left-over that a whole number of carts may have, m; `None`: only reported.
     pub closes_within: Option<Spanned<f64>>,
 }

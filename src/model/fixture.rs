@@ -63,7 +63,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         choice: Choice::default(),
         levels: Vec::new(),
         ramps: Vec::new(),
-        chain: ChainDeclaration { tension: 500.0, closes_within: None },
+        chain: ChainDeclaration { tension: 500.0, tension_is_said: true, closes_within: None },
         effects: Vec::new(),
         drawing: DrawingSettings::default(),
         objective: Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None },
@@ -148,6 +148,7 @@ fn cart() -> Cart {
         },
         motor_height: 0.10,
         drag: None,
+        tension: None,
         article: Article::default(),
     }
 }

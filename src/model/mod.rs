@@ -111,6 +111,11 @@ impl Layout {
         self.take_up.as_ref().map_or(self.catalog.take_up, |take_up| take_up.travel)
     }
 
+    /// T₀ of a chain of such carts, N: what the layout says, else what the cart does.
+    pub fn tension_with(&self, cart: &Cart) -> f64 {
+        cart.tension.filter(|_| !self.chain.tension_is_said).unwrap_or(self.chain.tension)
+    }
+
     /// Whether the whole track lies at one height: its plan is then all there is to optimise.
     pub fn is_flat(&self) -> bool {
         let mut heights = self.levels.iter().map(|level| level.height);

@@ -166,7 +166,9 @@ impl Printer {
             self.line(format!("supports every {}", metres(supports.value)));
         }
         self.line(format!("sensor_cart at cart {}", equipment.sensor_cart));
-        self.line(format!("chain tension {}", unit(layout.chain.tension, "N")));
+        if layout.chain.tension_is_said {
+            self.line(format!("chain tension {}", unit(layout.chain.tension, "N")));
+        }
         if let Some(closes) = &layout.chain.closes_within {
             self.line(format!("chain closes within {}", metres(closes.value)));
         }

@@ -7,7 +7,7 @@ use crate::base::number::trimmed;
 use crate::base::words::list;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Track;
-use crate::model::{EquipmentKind, Layout, TOLERANCE};
+use crate::model::{EquipmentKind, Layout, Stands, TOLERANCE};
 use crate::source::Span;
 
 /// An error for each declaration that is not placed as a whole, and for equipment that stands in something where the layout
@@ -71,12 +71,19 @@ fn given(layout: &Layout, track: &Track, task: &Task, i: usize) -> Option<(Optio
     }
     let nearest = room.iter().flat_map(|room| &room.free).map(|f| begin.clamp(f.0, f.1));
     let nearest = nearest.min_by(|a, b| (a - begin).abs().total_cmp(&(b - begin).abs()));
-    let help = match nearest {
-        Some(at) => {
+    let help = match (&declared.stands, nearest) {
+        (Stands::Row(row), _) if row.every + TOLERANCE < of.stretch => {
+            format!("each of the row is {} m long: write `every {} m` at least", trimmed(of.stretch, 3), up(of.stretch))
+        }
+        (Stands::Row(row), Some(at)) => {
+            let from = row.place.at + at - begin;
+            format!("there is room for this one where the row begins at another place: `from {} m`", trimmed(from, 3))
+        }
+        (_, Some(at)) => {
             let way = if at > begin { "on" } else { "back" };
             format!("{} m {way} there is room: `at {} m`", up((at - begin).abs()), trimmed(at + middle, 3))
         }
-        None => format!("there is no room for it anywhere on {}", layout.section_name(own.place.section)),
+        (_, None) => format!("there is no room for it anywhere on {}", layout.section_name(own.place.section)),
     };
     let stands = |what: &str| format!("{name} stands in {what}, or too near to it");
     let blocks: Vec<&Block> = room

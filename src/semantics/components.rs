@@ -91,6 +91,7 @@ pub(super) fn cart(c: &Component, span: Span) -> Option<Cart> {
         joint: joint(c.component("joint")?)?,
         motor_height: c.number("motor_height")?,
         drag: c.number("drag"),
+        tension: c.number("tension"),
         article: Article { mass: None, ..article(c, "") },
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Track, self_crossings};
-use crate::model::{Layout, Side};
+use crate::model::{EquipmentKind, Layout, Side};
 use crate::solve::MOST_OPEN;
 use crate::solve::budget::Budget;
 use crate::solve::polygon::{Smooth, Traded};
@@ -47,11 +47,11 @@ pub fn unsupported(layout: &Layout) -> Vec<Diagnostic> {
         say(span, what, "write `optimise nothing`: the layout is then built as written");
     }
     for declared in layout.equipment.declared.iter().filter(|_| !layout.is_flat()) {
-        say(
-            declared.span,
-            "equipment of a declared kind on different heights",
-            "leave the kind out, and give its place",
-        );
+        let help = match declared.of.kind {
+            EquipmentKind::Gate | EquipmentKind::Lift => "leave it out: it stands on layouts of one height",
+            _ => "leave the kind out, and give its place",
+        };
+        say(declared.span, "equipment of a declared kind on different heights", help);
     }
     found.sort_by_key(|d| d.label.span);
     found

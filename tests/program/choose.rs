@@ -225,3 +225,83 @@ fn price(folder: &Path) -> f64 {
     let beside = bill["beside"].as_array().expect("lines").iter().filter_map(|line| line["price_eur"].as_f64());
     bill["price_eur"].as_f64().expect("a price") + beside.sum::<f64>()
 }
+
+const OVAL: &str = "use std.carts.tilt_tray
+use std.take_ups.pneumatic_150
+use std.take_ups.spring_20
+use std.take_ups.spring_60
+use std.tracks.standard
+
+cart taut(length: 1250 mm) from tilt_tray(length: length) {
+  tension = 2000 N
+  price   = 300 EUR
+}
+
+layout oval {
+  catalog standard
+  cart tilt_tray(length: 1250 mm)
+  speed 2 m/s
+  width 1.2 m
+  choose take_up spring_20, spring_60, pneumatic_150
+  vertex P1 (8 m, 8 m) radius 4 m
+  vertex P2 (44 m, 8 m) radius 4 m
+  vertex P3 (44 m, 24 m) radius 4 m
+  vertex P4 (8 m, 24 m) radius 4 m
+  fix all P1..P2
+  fix rotation P3..P4
+  motors 6 evenly
+";
+
+fn oval(folder: &Path, more: &str) -> std::path::PathBuf {
+    let file = folder.join("oval.lss");
+    let import = if more.contains("of chute") { "use std.equipment.chute\n" } else { "" };
+    fs::write(&file, format!("{import}{OVAL}{more}\n}}\n")).expect("a layout");
+    file
+}
+
+/// Of each choice the layout that is written builds, to its price, with its take-up.
+#[test]
+fn what_is_written_fits_the_take_up_that_was_chosen() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let closes = "  require length(P2..P3) >= 16 m\n  chain closes within";
+    for (more, take_up) in [
+        // What is left over is as little as the take-up asks for, though the layout allows more.
+        (format!("{closes} 60 mm\n  optimise length"), Some("spring_20")),
+        // The chosen cart's tension is another than that of the layout's own.
+        (format!("  choose cart taut\n{closes} 60 mm\n  optimise length"), Some("spring_60")),
+        (format!("  choose cart taut\n  chain tension 400 N\n{closes} 15 mm\n  optimise length"), Some("spring_20")),
+        // Built as written, some cart leaves so little over.
+        ("  choose cart tilt_tray lengths 600 mm .. 1250 mm\n  optimise nothing".to_owned(), None),
+    ] {
+        let out = folder.path().join("out");
+        let file = oval(folder.path(), &more);
+        let assert = lss()
+            .arg("choose")
+            .arg(&file)
+            .args(["--format", "json", "--checks", "0", "-o"])
+            .arg(&out)
+            .assert()
+            .success();
+        let found: Value = serde_json::from_slice(&assert.get_output().stdout).expect("JSON");
+        let choice = &found["choice"];
+        assert!(take_up.is_none_or(|take_up| choice["take_up"] == take_up), "{more}: {found}");
+        let built = folder.path().join("built");
+        let assert = lss().arg("build").arg(out.join("layout.lss")).arg("-o").arg(&built).assert().success();
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(!said.contains("W0712"), "{more}: {said}");
+        let told = choice["price_eur"].as_f64().expect("a price");
+        assert!((price(&built) - told).abs() < 0.005, "{more}: {told}, not {}", price(&built));
+    }
+}
+
+/// Where no track can be built there is no candidate to draw: the files say so, and the message is that of a build.
+#[test]
+fn without_any_track_there_are_files_and_a_reason() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = oval(folder.path(), "  chutes row of chute at least 60 on P1..P2\n  optimise nothing");
+    let out = folder.path().join("out");
+    let assert = lss().arg("choose").arg(&file).arg("-o").arg(&out).assert().code(1);
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("E0606"), "{said}");
+    assert!(out.join("choice.html").is_file() && out.join("candidates.csv").is_file());
+}

@@ -67,7 +67,7 @@ pub struct ChainFit {
     pub cart_length_m: f64,
     /// What so many carts lack to close, m, the mean over phases; negative when the chain has to be compressed.
     pub left_over_m: f64,
-    /// What the catalogue's take-up compensates, m.
+    /// What the take-up compensates, m.
     pub take_up_m: f64,
     /// Whether it compensates what is left over.
     pub fits: bool,

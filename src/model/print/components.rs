@@ -100,6 +100,9 @@ impl Printer {
             if let Some(drag) = cart.drag {
                 out.field("drag", unit(drag, "kg/m"));
             }
+            if let Some(tension) = cart.tension {
+                out.field("tension", unit(tension, "N"));
+            }
             out.article(&cart.article);
         });
         self.text.push('\n');

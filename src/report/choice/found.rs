@@ -34,7 +34,7 @@ pub struct Found {
     check: Option<Checked>,
     /// Cheaper ones that failed their checks: in the simulation of the capacity, and in the dynamic model.
     failed_checks: Vec<FailedCheck>,
-    /// The cheapest ones by closed form.
+    /// The cheapest ones by closed form, without those that failed a check; the choice itself was checked, the others were not.
     cheapest: Vec<Row>,
     requirements: Vec<RequirementRow>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -174,8 +174,8 @@ impl Row {
             speed_m_s: c.speed,
             motor: motor.name.clone(),
             motors: c.motors,
-            take_up: chosen.take_up(c).map(|take_up| take_up.name.clone()),
-            sensor: chosen.sensor(c).map(|sensor| sensor.name.clone()),
+            take_up: chosen.take_up(c).map(|take_up| take_up.written.clone()),
+            sensor: chosen.sensor(c).map(|sensor| sensor.written.clone()),
             least_radius_m: track.radius,
             equipment: chosen.numbers(c).into_iter().map(|(name, count)| (name.to_owned(), count)).collect(),
             capacity_per_hour: c.capacity.as_ref().map(|bound| rounded(bound.throughput)),
@@ -226,16 +226,25 @@ impl Checked {
     }
 }
 
+/// What the checks of a candidate say: `passed`, or why it failed; `None` where it was not checked.
+fn outcome(chosen: &Chosen, k: usize) -> Option<String> {
+    if let Some(short) = chosen.falls_short(&chosen.candidates[k]) {
+        return Some(simulated_words(short));
+    }
+    let (_, found) = chosen.checked.iter().find(|(other, _)| *other == k)?;
+    Some(match found {
+        Err(why) => why.clone(),
+        Ok(check) if check.passes() => "passed".to_owned(),
+        Ok(check) => failures(check).join("; "),
+    })
+}
+
 /// Candidates that failed a check, with why, in the order in which they were checked.
 pub(super) fn failed(chosen: &Chosen) -> Vec<(String, String)> {
     let of = |k: &usize| &chosen.candidates[*k];
-    let short = chosen.short.iter().filter_map(|k| Some((*k, simulated_words(chosen.falls_short(of(k))?))));
-    let dynamic = chosen.checked.iter().filter_map(|(k, found)| match found {
-        Err(why) => Some((*k, why.clone())),
-        Ok(check) if check.passes() => None,
-        Ok(check) => Some((*k, failures(check).join("; "))),
-    });
-    let mut all: Vec<(usize, String)> = short.chain(dynamic).collect();
+    let looked_at = chosen.short.iter().copied().chain(chosen.checked.iter().map(|(k, _)| *k));
+    let looked_at = looked_at.filter(|k| Some(*k) != chosen.winner);
+    let mut all: Vec<(usize, String)> = looked_at.filter_map(|k| Some((k, outcome(chosen, k)?))).collect();
     all.sort_by(|a, b| of(&a.0).total.total_cmp(&of(&b.0).total).then(a.0.cmp(&b.0)));
     all.into_iter().map(|(k, why)| (words(chosen, of(&k)), why)).collect()
 }
@@ -257,7 +266,7 @@ impl Found {
                 .map_or_else(Vec::new, |lines| lines.all().into_iter().map(str::to_owned).collect()),
             check: check.and_then(|(_, found)| found.as_ref().ok()).map(Checked::new),
             failed_checks: failed(chosen).into_iter().map(|(choice, why)| FailedCheck { choice, why }).collect(),
-            cheapest: chosen.order.iter().take(TOLD).map(|k| Row::new(chosen, &chosen.candidates[*k])).collect(),
+            cheapest: chosen.cheapest().take(TOLD).map(|k| Row::new(chosen, &chosen.candidates[k])).collect(),
             requirements: chosen
                 .costs
                 .iter()
@@ -377,7 +386,8 @@ impl Found {
             );
         }
         for failed in self.failed_checks.iter().take(FAILED) {
-            let _ = writeln!(out, "  cheaper, but fails its check: {}: {}", failed.choice, failed.why);
+            let than = if chosen.winner.is_some() { "cheaper, but fails its check" } else { "fails its check" };
+            let _ = writeln!(out, "  {than}: {}: {}", failed.choice, failed.why);
         }
         if self.failed_checks.len() > FAILED {
             let _ = writeln!(out, "  and {} more that fail their checks", self.failed_checks.len() - FAILED);
@@ -385,11 +395,16 @@ impl Found {
         if let Some((winner, next)) = chosen.winner.zip(chosen.next_best()) {
             let next = &chosen.candidates[next];
             let more = next.total - chosen.candidates[winner].total;
-            let _ = writeln!(out, "  next best, {} EUR more: {}", fixed(more, 2), words(chosen, next));
+            let _ = writeln!(
+                out,
+                "  next best by closed form, not checked, {} EUR more: {}",
+                fixed(more, 2),
+                words(chosen, next)
+            );
         }
         for row in &self.requirements {
             let costs = match row.costs_eur {
-                Some(costs) if chosen.winner.is_some() => format!(", costs {} EUR", fixed(costs, 2)),
+                Some(costs) if chosen.winner.is_some() => format!(", costs {} EUR by closed form", fixed(costs, 2)),
                 _ => String::new(),
             };
             if row.missed_by > 0 || row.costs_eur.is_some_and(|costs| costs > 0.005) {
@@ -468,14 +483,15 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
         "energy_kwh_per_year",
         "total_eur",
         "short_of",
+        "check",
     ];
     let numbers = chosen.layout.choice.counts.iter().flat_map(|free| &free.declared);
     let numbers: Vec<&str> = numbers.map(|k| chosen.layout.equipment.declared[*k].name.as_str()).collect();
-    let short_of = heads.len() - 1;
+    let short_of = heads.len() - 2;
     heads.splice(short_of..short_of, numbers.iter().copied());
     writer.write_record(heads).map_err(|why| why.to_string())?;
     let some = |value: Option<f64>, decimals: usize| value.map_or_else(String::new, |x| fixed(x, decimals));
-    for c in &chosen.candidates[..chosen.worked_out] {
+    for (k, c) in chosen.candidates.iter().enumerate() {
         let row = Row::new(chosen, c);
         let short: Vec<String> = c.shortfalls.iter().map(short_words).collect();
         let mut cells = vec![
@@ -502,6 +518,7 @@ pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
             some(row.energy_kwh_per_year, 1),
             fixed(row.total_eur, 2),
             short.join("; "),
+            outcome(chosen, k).unwrap_or_default(),
         ];
         let counts = numbers.iter().filter_map(|name| row.equipment.get(*name)).map(usize::to_string);
         cells.splice(short_of..short_of, counts);

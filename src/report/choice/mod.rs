@@ -26,7 +26,7 @@ const PIECES: usize = 400;
 pub fn page(chosen: &Chosen, measures: &[Measure], trade: Option<&[(usize, Vec<f64>)]>) -> String {
     let mut pictures = Pictures::new(&chosen.layout.name);
     let winner = chosen.winner.map(|k| &chosen.candidates[k]);
-    let capacity = Measure::Capacity.of(chosen, chosen.order.first().copied().unwrap_or(0));
+    let capacity = chosen.order.first().and_then(|k| Measure::Capacity.of(chosen, *k));
     pictures.data.plan = winner.and_then(|c| Some(ways(&Simulation::new(&chosen.built(c)?))));
     let body = html! {
         p.kicker.note { "Choice of components · " (chosen.layout.name) }
@@ -51,6 +51,7 @@ pub fn page(chosen: &Chosen, measures: &[Measure], trade: Option<&[(usize, Vec<f
         h2 { "What requirements cost" }
         (costs(chosen))
         h2 { "The cheapest choices" }
+        p.note { "By closed form, without those that failed a check. The choice above was checked, the others were not." }
         (cheapest(chosen))
         (failed(chosen))
     };
@@ -237,7 +238,7 @@ fn cheapest(chosen: &Chosen) -> Markup {
             thead { tr {
                 th { "choice" } th { "carts" } th { "items/h" } th { "simulated" } th { "price, EUR" } th { "kWh/a" } th { "total, EUR" }
             } }
-            tbody { @for k in chosen.order.iter().copied().take(ROWS) { @let c = &chosen.candidates[k]; tr {
+            tbody { @for k in chosen.cheapest().take(ROWS) { @let c = &chosen.candidates[k]; tr {
                 td { (words(chosen, c)) }
                 td.number { (chosen.fitted[c.fitted].fit.map_or(0, |fit| fit.carts)) }
                 td.number { @if let Some(bound) = &c.capacity { (fixed(bound.throughput, 0)) } @else { "–" } }

@@ -349,7 +349,8 @@ impl<'t> Context<'t> {
                 usual
             }
         };
-        Some(ChainDeclaration { tension: tension?, closes_within })
+        let tension_is_said = draft.once("chain tension").is_some();
+        Some(ChainDeclaration { tension: tension?, tension_is_said, closes_within })
     }
 
     /// `turns` or `radii`: the catalogue's limits, narrowed by the layout.
