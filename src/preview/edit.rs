@@ -11,6 +11,9 @@ use std::ops::Range;
 /// Coordinates are written to this, m, or finer where they were.
 const RESOLUTION: f64 = 1e-3;
 
+/// Decimals that are kept as they are written, at most.
+const MOST_KEPT: usize = 6;
+
 /// A number with a unit, as it is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written {
@@ -41,9 +44,11 @@ impl Written {
     fn text(&self, metres: f64) -> String {
         let needed = trig::log10(self.factor / RESOLUTION).ceil().max(0.0) as usize;
         let value = metres / self.factor;
-        let text = trimmed(value, needed.max(self.decimals));
+        // With all the digits of a computed coordinate nobody says how exact the new one is to be.
+        let written = if self.decimals > MOST_KEPT { 0 } else { self.decimals };
+        let text = trimmed(value, needed.max(written));
         let has = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        if has < self.decimals { fixed(value, self.decimals) } else { text }
+        if has < written { fixed(value, written) } else { text }
     }
 }
 
@@ -155,6 +160,7 @@ layout hall {{
             (["far - 1 m", "(2 m)"], (31.0, 1.0), ["far - 1 m", "(2 m)"]),
             // Finer than a millimetre only where it was written so.
             (["30 m", "0.00000 m"], (29.123_456, 0.123_456), ["29.123 m", "0.12346 m"]),
+            (["7.792036732051 m", "0.0000000 m"], (11.4, 1.25), ["11.4 m", "1.25 m"]),
         ] {
             let (found, _) = after(&text(x, y), Point::new(to.0, to.1));
             assert_eq!(found, text(new_x, new_y));

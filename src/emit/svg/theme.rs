@@ -33,7 +33,7 @@ const COLOURS: [(&str, &str, &str); 15] = [
 ];
 
 /// Selector and declarations; `{name}` stands for a colour.
-const RULES: [(&str, &str); 51] = [
+const RULES: [(&str, &str); 53] = [
     ("path,circle,rect", "fill:none;stroke-linejoin:round"),
     ("text", "font-family:'DejaVu Sans',Verdana,Arial,sans-serif;fill:{ink};stroke:none"),
     (".halo", "stroke:{paper};stroke-width:.7;stroke-linejoin:round;paint-order:stroke"),
@@ -67,6 +67,7 @@ const RULES: [(&str, &str); 51] = [
     (".vertex", "stroke:{ink};stroke-width:.35"),
     (".tangent", "stroke:{muted};stroke-width:.18;stroke-dasharray:2.4 .8 .4 .8"),
     (".dimension", "stroke:{ink};stroke-width:.18"),
+    (".conveyor-line", "stroke:{ink};stroke-width:.5;stroke-dasharray:3 1.2"),
     (".dimension-arrow", "fill:{ink}"),
     (".grid-axis", "stroke:{muted};stroke-width:.25;stroke-dasharray:8 1.5 1 1.5"),
     (".bubble", "stroke:{ink};stroke-width:.35;fill:{paper}"),
@@ -77,6 +78,7 @@ const RULES: [(&str, &str); 51] = [
     (".chute", "stroke:{chute};stroke-width:.35;fill:{paper}"),
     (".chute-text", "fill:{chute}"),
     (".induction", "fill:{induction}"),
+    (".induction-footprint", "fill:{induction};fill-opacity:.25;stroke:{induction};stroke-width:.25"),
     (".induction-text", "fill:{induction}"),
     (".support", "stroke:{ink};stroke-width:.25;fill:{paper}"),
     (".photocell", "stroke:{sensor};stroke-width:.35;fill:{paper}"),

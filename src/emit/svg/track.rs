@@ -230,9 +230,7 @@ fn covered(sheet: &Sheet, mark: &Mark) -> XmlElement {
 /// Outlines that equipment covers.
 pub fn footprint(kind: MarkKind, outlines: &str) -> XmlElement {
     match kind {
-        MarkKind::Induction => {
-            path(outlines, "induction").attr("style", "fill-opacity:.25;stroke:currentColor;stroke-width:.25")
-        }
+        MarkKind::Induction => path(outlines, "induction-footprint"),
         MarkKind::Chute => path(outlines, "chute"),
         _ => path(outlines, "photocell"),
     }
@@ -240,9 +238,11 @@ pub fn footprint(kind: MarkKind, outlines: &str) -> XmlElement {
 
 /// A conveyor from where items come to the induction.
 pub fn conveyor(from: PaperPoint, to: PaperPoint) -> XmlElement {
-    XmlElement::group("conveyor")
-        .with(path(&path_line(from, to), "dimension").attr("style", "stroke-width:.5;stroke-dasharray:3 1.2"))
-        .with(symbol::circle(from, 1.0, "photocell"))
+    XmlElement::group("conveyor").with(path(&path_line(from, to), "conveyor-line")).with(symbol::circle(
+        from,
+        1.0,
+        "photocell",
+    ))
 }
 
 /// How far what a mark covers reaches from the band, mm.
