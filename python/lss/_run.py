@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -83,7 +83,7 @@ class Run:
         return f"<lss.Run {self.name!r}: {self.time.size} samples of {len(self.channels)} channels{span}>"
 
     def _repr_html_(self) -> str:
-        amounts = {"mean": np.nanmean, "sd": np.nanstd, "min": np.nanmin, "max": np.nanmax}
+        amounts: dict[str, Callable[[Any], Any]] = {"mean": np.nanmean, "sd": np.nanstd, "min": np.nanmin, "max": np.nanmax}
         rows = [
             {"channel": name, "unit": CHANNELS[name][0], **{amount: of(x) for amount, of in amounts.items()}}
             for name, x in self.channels.items()
