@@ -83,7 +83,12 @@ class Run:
         return f"<lss.Run {self.name!r}: {self.time.size} samples of {len(self.channels)} channels{span}>"
 
     def _repr_html_(self) -> str:
-        amounts: dict[str, Callable[[Any], Any]] = {"mean": np.nanmean, "sd": np.nanstd, "min": np.nanmin, "max": np.nanmax}
+        amounts: dict[str, Callable[[Any], Any]] = {
+            "mean": np.nanmean,
+            "sd": np.nanstd,
+            "min": np.nanmin,
+            "max": np.nanmax,
+        }
         rows = [
             {"channel": name, "unit": CHANNELS[name][0], **{amount: of(x) for amount, of in amounts.items()}}
             for name, x in self.channels.items()

@@ -164,7 +164,8 @@ impl Candidate {
         duty.spare = if holds(Requirement::Spare) { duty.spare } else { 0 };
         duty.load = if holds(Requirement::Load) { duty.load } else { 0.0 };
         let carts = on.fit.map_or(0, |fit| fit.carts);
-        let chain = Chain { cart, carts, speed, load: duty.load, tension: layout.tension_with(cart) };
+        let tension = layout.tension_with(cart);
+        let chain = Chain { cart, carts, speed, load: duty.load, tension };
         let thrust = chain.thrust(&track.lap, &duty);
         let motors = match layout.choice.motors.is_empty() {
             // Those that the layout has.
@@ -184,7 +185,6 @@ impl Candidate {
                 short(Requirement::Capacity, found, required.least.value);
             }
         }
-        let tension = layout.tension_with(cart);
         let take_up = take_up(layout, tension, |candidate| {
             let closes = !holds(Requirement::Closes) || on.fit.is_some_and(|fit| fit.is_within(candidate.travel));
             closes && (!holds(Requirement::Tension) || candidate.holds(tension))
@@ -210,12 +210,10 @@ impl Candidate {
         if holds(why) && needed > most {
             short(why, most as f64, needed as f64);
         }
-        let cents = |price: f64| (price * 100.0).round() / 100.0;
-        let each = cents(kind.article.price.unwrap_or(0.0));
         let sensor = cheapest_sensor(layout, 0.0).unwrap_or(0);
-        let of = |article: Option<&Article>| cents(article.and_then(|article| article.price).unwrap_or(0.0));
-        let beside = of(chosen.map(|chosen| &chosen.article)) + sensor_price(layout, sensor);
-        let price = cents(on.price + each * motors as f64 + beside);
+        let beside = chosen.map_or(0.0, |chosen| chosen.article.cost()) + sensor_price(layout, sensor);
+        let price = on.price + kind.article.cost() * motors as f64 + beside;
+        let price = (price * 100.0).round() / 100.0;
         let (mut energy, mut total) = (0.0, price);
         if let Some(used) = &layout.choice.energy {
             energy = drive::energy(&thrust.resistance, speed, used.running, kind.efficiency);
@@ -229,7 +227,7 @@ impl Candidate {
 /// longest travel, and where none holds it the strongest. The first of equal ones.
 fn take_up(layout: &Layout, tension: f64, serves: impl Fn(&TakeUp) -> bool) -> usize {
     let all: &[Free<TakeUp>] = &layout.choice.take_ups;
-    let price = |k: &usize| all[*k].item.article.price.unwrap_or(0.0);
+    let price = |k: &usize| all[*k].item.article.cost();
     let serving = (0..all.len()).filter(|k| serves(&all[*k].item));
     serving.min_by(|a, b| price(a).total_cmp(&price(b))).unwrap_or_else(|| {
         let holding = (0..all.len()).filter(|k| all[*k].item.holds(tension));
@@ -244,13 +242,12 @@ fn take_up(layout: &Layout, tension: f64, serves: impl Fn(&TakeUp) -> bool) -> u
 pub(super) fn cheapest_sensor(layout: &Layout, force: f64) -> Option<usize> {
     let all = &layout.choice.sensors;
     let measures = |k: &usize| all[*k].item.range.is_none_or(|range| force <= range);
-    let price = |k: &usize| all[*k].item.article.price.unwrap_or(0.0);
+    let price = |k: &usize| all[*k].item.article.cost();
     (0..all.len()).filter(measures).min_by(|a, b| price(a).total_cmp(&price(b)))
 }
 
 /// What a free sensor costs, EUR; nothing where the layout has no photocell, and so nothing that is measured.
 pub(super) fn sensor_price(layout: &Layout, sensor: usize) -> f64 {
-    let price = layout.choice.sensors.get(sensor).and_then(|free| free.item.article.price);
-    let counts = layout.equipment.photocell.is_some();
-    price.filter(|_| counts).map_or(0.0, |price| (price * 100.0).round() / 100.0)
+    let ordered = layout.choice.sensors.get(sensor).filter(|_| layout.equipment.photocell.is_some());
+    ordered.map_or(0.0, |free| free.item.article.cost())
 }

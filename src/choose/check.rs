@@ -53,7 +53,8 @@ pub struct Carried {
 }
 
 impl Check {
-    /// Whether forces are within what is declared and what load cells measure, parts live as long as they have to, and the chain keeps its speed.
+    /// Whether forces are within what is declared and what load cells measure, parts live as long as they have to, and the
+    /// chain keeps its speed.
     pub fn passes(&self) -> bool {
         self.is_but_for_range() && self.beyond_range().is_none()
     }
@@ -132,8 +133,8 @@ pub fn check(
         ],
         measured: {
             let range = compiled.layout.sensor.range.filter(|_| compiled.layout.equipment.photocell.is_some());
-            let each = || Channel::ALL.into_iter().filter(|channel| channel.unit() == "N").map(|c| peak(&[c]));
-            range.map(|range| (each().fold(0.0, f64::max), range))
+            let largest = || Channel::FORCES.iter().map(|force| peak(&[*force])).fold(0.0, f64::max);
+            range.map(|range| (largest(), range))
         },
         thrust: outcomes[0].mean_thrust,
         speed: speed(&outcomes[0]),

@@ -15,7 +15,7 @@ use std::fmt;
 /// Candidates, and tracks that they are on, at most.
 const MOST: usize = 400_000;
 const MOST_TRACKS: usize = 1000;
-/// Runs in the dynamic model for each candidate that may be checked: chain and drive of some do, and only their sensor does not.
+/// Runs in the dynamic model for each candidate that may be checked: of some only the sensor fails.
 const TRIES: usize = 10;
 
 /// There are more than can be looked at.
@@ -343,7 +343,7 @@ impl Chosen {
         if motors > 0 && (self.layout.choice.motors.is_empty() || more.motors + motors > room.most) {
             return;
         }
-        let mut added = motors as f64 * (motor.article.price.unwrap_or(0.0) * 100.0).round() / 100.0;
+        let mut added = motors as f64 * motor.article.cost();
         if let Some(force) = measured {
             let Some(sensor) = candidate::cheapest_sensor(&self.layout, force) else { return };
             added += candidate::sensor_price(&self.layout, sensor) - candidate::sensor_price(&self.layout, more.sensor);

@@ -113,10 +113,10 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
             let (found, wanted) = (fixed(short.found * 1e3, 1), fixed(short.wanted * 1e3, 1));
             diagnostic(none("close", "closes", "the chain"), span, format!("{found} mm left over at the least"))
                 .expected(format!("at most {wanted} mm left over"), format!("{found} mm, with {near}"))
-                .help(match chosen.layout.choice.take_ups.is_empty() {
-                    true => "`chain closes within` lets the track adapt to each cart; or take a take-up of more `travel`",
-                    false => "`chain closes within` lets the track adapt to each cart; or leave take-ups of more `travel` free",
-                })
+                .help(format!(
+                    "`chain closes within` lets the track adapt to each cart; or {} of more `travel`",
+                    if layout.choice.take_ups.is_empty() { "take a take-up" } else { "leave a take-up free" }
+                ))
         }
         Requirement::Tension => {
             let (found, wanted) = (fixed(short.found, 0), fixed(short.wanted, 0));
@@ -252,13 +252,13 @@ fn failed_checks(chosen: &Chosen) -> Diagnostic {
         n => format!("none of the {n} cheapest choices passes its check in the dynamic model"),
     };
     let alone = chosen.checked.iter().all(|(_, found)| found.as_ref().is_ok_and(super::Check::is_but_for_range));
-    let strongest = chosen.checked.iter().filter_map(|(_, found)| found.as_ref().ok()?.beyond_range());
-    let strongest = strongest.fold(f64::INFINITY, f64::min);
-    if alone && strongest.is_finite() {
+    let measured = chosen.checked.iter().filter_map(|(_, found)| found.as_ref().ok()?.beyond_range());
+    let least = measured.fold(f64::INFINITY, f64::min);
+    if alone && least.is_finite() {
         let message = "no sensor that may be chosen measures what the sensor cart carries";
-        let label = format!("a load cell measures {} N at least", fixed(strongest, 0));
+        let label = format!("a load cell measures {} N at least", fixed(least, 0));
         return Diagnostic::new(Code::E0605, message, free(chosen), label)
-            .help(format!("leave a sensor with a `range` of {} N or more free", fixed(strongest.ceil(), 0)));
+            .help(format!("leave a sensor with a `range` of {} N or more free", fixed(least.ceil(), 0)));
     }
     let said = Diagnostic::new(Code::E0605, message, free(chosen), "checked with forces and fatigue");
     let of = |(k, found): &(usize, Result<super::Check, String>)| {
@@ -287,7 +287,7 @@ pub fn failures(check: &super::Check) -> Vec<String> {
             told.push(format!("{} lives {} years of {}", part.part, trimmed(life, 2), trimmed(years, 2)));
         }
     }
-    if let Some((peak, range)) = check.measured.filter(|(peak, range)| peak > range) {
+    if let Some((peak, range)) = check.beyond_range().and(check.measured) {
         told.push(format!("a load cell measures {} N of {} N", fixed(peak, 0), fixed(range, 0)));
     }
     let slow = |speed: f64| speed < 0.98 * check.wanted_speed;

@@ -1,5 +1,6 @@
 //! The tracks that a choice is made on: one for each least radius and each number of equipment, and where the chain has to
-//! close one for each length of cart and each travel of a take-up. Each is the best of the layout's own objective, with its own proof.
+//! close one for each length of cart and each travel of a take-up. Each is the best of the layout's own objective, with its
+//! own proof.
 
 use super::drive::Lap;
 use super::settings::{Tell, Told};

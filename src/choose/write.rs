@@ -91,9 +91,14 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     let all = [Some(cart), at.speed, at.motor, at.take_up, at.sensor, at.radii];
     let vertices = chosen.layout.vertices.iter().map(|vertex| &vertex.span);
     let numbers = || places_of_numbers(chosen, candidate);
+    // A take-up of little travel asks for less than the layout allows.
+    let within = chosen.layout.chain.closes_within.as_ref();
+    let closes = within.zip(chosen.track(candidate).left_over).filter(|(within, left_over)| *left_over < within.value);
+    let closes = closes.map(|(within, left_over)| (within.span, left_over));
     let elsewhere = |span: &Span| span.file != file;
     if all.iter().flatten().chain(&at.places).chain(&at.free).chain(vertices).any(elsewhere)
         || numbers().any(|(place, _)| elsewhere(&place.span))
+        || closes.is_some_and(|(span, _)| elsewhere(&span))
     {
         return None;
     }
@@ -118,13 +123,7 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
         put(places.next().copied(), Some(&lines.places.join("\n")));
         removed.extend(places.copied());
     }
-    // A take-up of little travel asks for less than the layout allows.
-    if let Some((within, left_over)) = chosen.layout.chain.closes_within.as_ref().zip(chosen.track(candidate).left_over)
-        && left_over < within.value
-        && within.span.file == file
-    {
-        edits.push((within.span, format!("{} mm", trimmed(left_over * 1e3, 6))));
-    }
+    edits.extend(closes.map(|(span, left_over)| (span, format!("{} mm", trimmed(left_over * 1e3, 6)))));
     // The track is written as it was found: motors stand on it, and a build begins there. Of one that is not proven best a
     // build could find another, with another price.
     let found = chosen.track(candidate);

@@ -101,7 +101,7 @@ impl Compiled {
         if self.raised() { self.space.line.length } else { self.track.length }
     }
 
-    /// Whether a whole number of carts closes within the catalogue's take-up.
+    /// Whether a whole number of carts closes within the take-up's travel.
     pub fn chain_fits(&self) -> bool {
         self.chain.is_some_and(|fit| fit.is_within(self.layout.take_up_travel()))
     }

@@ -50,6 +50,13 @@ pub struct Article {
     pub mass: Option<f64>,
 }
 
+impl Article {
+    /// Its price rounded to the cent, EUR; nothing where the declaration has none.
+    pub fn cost(&self) -> f64 {
+        (self.price.unwrap_or(0.0) * 100.0).round() / 100.0
+    }
+}
+
 /// Straight track: stock lengths, and pieces cut to length.
 #[derive(Clone, Debug, Serialize)]
 pub struct StraightStock {

@@ -3,7 +3,7 @@
 use crate::base::number::{fixed, normal, trimmed};
 use crate::base::words::counted;
 use crate::capacity::Mean;
-use crate::choose::refused::{failures, limited, mean_words, short_words, simulated_words, words};
+use crate::choose::refused::{failures, limited, mean_words, simulated_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure, Requirement, write};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -42,40 +42,40 @@ pub struct Found {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Row {
-    cart: String,
-    cart_length_m: f64,
-    carts: usize,
-    left_over_mm: f64,
-    speed_m_s: f64,
-    motor: String,
-    motors: usize,
+pub(super) struct Row {
+    pub(super) cart: String,
+    pub(super) cart_length_m: f64,
+    pub(super) carts: usize,
+    pub(super) left_over_mm: f64,
+    pub(super) speed_m_s: f64,
+    pub(super) motor: String,
+    pub(super) motors: usize,
     /// Take-up and sensor, where they were free.
     #[serde(skip_serializing_if = "Option::is_none")]
-    take_up: Option<String>,
+    pub(super) take_up: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    sensor: Option<String>,
+    pub(super) sensor: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    least_radius_m: Option<f64>,
+    pub(super) least_radius_m: Option<f64>,
     /// Numbers of equipment that were free.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    equipment: BTreeMap<String, usize>,
+    pub(super) equipment: BTreeMap<String, usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    capacity_per_hour: Option<f64>,
+    pub(super) capacity_per_hour: Option<f64>,
     /// Simulated, with items at every induction at any time: a mean and half its interval of 95 %. Absent where no
     /// capacity is required, and where it was not simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
-    simulated_per_hour: Option<Mean>,
+    pub(super) simulated_per_hour: Option<Mean>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    limited_by: Option<String>,
-    length_m: f64,
-    footprint_m2: f64,
+    pub(super) limited_by: Option<String>,
+    pub(super) length_m: f64,
+    pub(super) footprint_m2: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    polygon_action_mm: Option<f64>,
-    price_eur: f64,
+    pub(super) polygon_action_mm: Option<f64>,
+    pub(super) price_eur: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    energy_kwh_per_year: Option<f64>,
-    total_eur: f64,
+    pub(super) energy_kwh_per_year: Option<f64>,
+    pub(super) total_eur: f64,
     thrust_n: Forces,
 }
 
@@ -161,7 +161,7 @@ pub fn name(requirement: Requirement) -> &'static str {
 }
 
 impl Row {
-    fn new(chosen: &Chosen, c: &Candidate) -> Self {
+    pub(super) fn new(chosen: &Chosen, c: &Candidate) -> Self {
         let (cart, motor, track) = (chosen.cart(c), chosen.motor(c), chosen.track(c));
         let on = &chosen.fitted[c.fitted];
         let (rounded, resistance) = (|x: f64| normal((x * 1e3).round() / 1e3), &c.thrust.resistance);
@@ -227,7 +227,7 @@ impl Checked {
 }
 
 /// What the checks of a candidate say: `passed`, or why it failed; `None` where it was not checked.
-fn outcome(chosen: &Chosen, k: usize) -> Option<String> {
+pub(super) fn outcome(chosen: &Chosen, k: usize) -> Option<String> {
     if let Some(short) = chosen.falls_short(&chosen.candidates[k]) {
         return Some(simulated_words(short));
     }
@@ -454,75 +454,4 @@ impl Trade {
         }
         out
     }
-}
-
-/// `candidates.csv`: every candidate with what it falls short of.
-pub fn table(chosen: &Chosen) -> Result<Vec<u8>, String> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut heads = vec![
-        "cart",
-        "cart_length_m",
-        "carts",
-        "left_over_mm",
-        "least_radius_m",
-        "speed_m_s",
-        "motor",
-        "motors",
-        "take_up",
-        "sensor",
-        "capacity_per_hour",
-        "simulated_per_hour",
-        "simulated_half_width",
-        "thrust_running_n",
-        "thrust_starting_n",
-        "thrust_stopping_n",
-        "length_m",
-        "footprint_m2",
-        "polygon_action_mm",
-        "price_eur",
-        "energy_kwh_per_year",
-        "total_eur",
-        "short_of",
-        "check",
-    ];
-    let numbers = chosen.layout.choice.counts.iter().flat_map(|free| &free.declared);
-    let numbers: Vec<&str> = numbers.map(|k| chosen.layout.equipment.declared[*k].name.as_str()).collect();
-    let short_of = heads.len() - 2;
-    heads.splice(short_of..short_of, numbers.iter().copied());
-    writer.write_record(heads).map_err(|why| why.to_string())?;
-    let some = |value: Option<f64>, decimals: usize| value.map_or_else(String::new, |x| fixed(x, decimals));
-    for (k, c) in chosen.candidates.iter().enumerate() {
-        let row = Row::new(chosen, c);
-        let short: Vec<String> = c.shortfalls.iter().map(short_words).collect();
-        let mut cells = vec![
-            row.cart,
-            trimmed(row.cart_length_m, 6),
-            row.carts.to_string(),
-            fixed(row.left_over_mm, 2),
-            some(row.least_radius_m, 3),
-            trimmed(row.speed_m_s, 6),
-            row.motor,
-            row.motors.to_string(),
-            row.take_up.unwrap_or_default(),
-            row.sensor.unwrap_or_default(),
-            some(row.capacity_per_hour, 2),
-            some(row.simulated_per_hour.map(|mean| mean.value), 2),
-            some(row.simulated_per_hour.map(|mean| mean.half_width), 2),
-            fixed(c.thrust.resistance.most(), 2),
-            some(c.thrust.starting, 2),
-            some(c.thrust.stopping, 2),
-            fixed(row.length_m, 3),
-            fixed(row.footprint_m2, 3),
-            some(row.polygon_action_mm, 4),
-            fixed(row.price_eur, 2),
-            some(row.energy_kwh_per_year, 1),
-            fixed(row.total_eur, 2),
-            short.join("; "),
-            outcome(chosen, k).unwrap_or_default(),
-        ];
-        let counts = numbers.iter().filter_map(|name| row.equipment.get(*name)).map(usize::to_string);
-        cells.splice(short_of..short_of, counts);
-        writer.write_record(cells).map_err(|why| why.to_string())?;
-    }
-    writer.into_inner().map_err(|why| why.to_string())
 }

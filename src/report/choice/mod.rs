@@ -2,8 +2,10 @@
 //! one beats.
 
 mod found;
+mod table;
 
-pub use found::{Found, table};
+pub use found::Found;
+pub use table::table;
 
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, document, how, plan, plan_place};
