@@ -81,6 +81,7 @@ fn measured(nominal: &Simulation, number: usize, (speed, tension): (f64, f64)) -
     assert_eq!(outcome.end, End::Complete);
     let mut run: Run = outcome.run;
     run.sidecar.speed_setpoint = simulation.chain.speed_m_s;
+    run.sidecar.tension_setpoint = Some(simulation.chain.tension_n);
     run.sidecar.trigger_position = simulation.sensor.photocell_s_m;
     let mut state = number as u64 + 1;
     for samples in run.channels.iter_mut().filter(|(c, _)| c.unit() == "N").map(|(_, samples)| samples) {

@@ -16,6 +16,7 @@ pub fn record(real: &Simulation, nominal: &Simulation, mut plan: Plan) -> Run {
         plan.step = plan.step.map(|h| 0.5 * h);
     };
     run.sidecar.speed_setpoint = nominal.chain.speed_m_s;
+    run.sidecar.tension_setpoint = Some(nominal.chain.tension_n);
     run.sidecar.trigger_position = nominal.sensor.photocell_s_m;
     run
 }

@@ -16,7 +16,7 @@ use lss::base::random::{normal, uniform};
 use lss::chain_input::{ContactLaw, Simulation};
 use lss::dynamics::{Method, Plan, Width};
 use lss::identify::study::{RunFit, Subject, fit_run};
-use lss::identify::{COUNT, FitSettings, Parameter};
+use lss::identify::{COUNT, Counter, FitSettings, Parameter};
 use lss::signal::{Run, csv};
 use record::record;
 use std::path::{Path, PathBuf};
@@ -81,7 +81,8 @@ fn measure(nominal: &Simulation, truth: &[f64; COUNT], case: u64, state: &mut u6
 
 fn fitted(subject: &Subject, seed: u64) -> RunFit {
     let settings = FitSettings { seed, ..FitSettings::default() };
-    fit_run(subject, ContactLaw::default(), None, &settings, Width::widest(), String::new()).expect("a fit")
+    fit_run(subject, ContactLaw::default(), None, &settings, (Width::widest(), &Counter::default()), String::new())
+        .expect("a fit")
 }
 
 fn recovery(cases: u64) {

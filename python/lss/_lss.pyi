@@ -54,6 +54,8 @@ class Sidecar:
         trigger_position: float,
         lowpass: float,
         laps: int,
+        tension_setpoint: float | None = None,
+        zeroed: Sequence[str] = (),
     ) -> None: ...
     def json(self) -> str: ...
 

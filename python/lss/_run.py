@@ -38,7 +38,9 @@ class Run:
     channels : mapping of arrays, shape (samples,)
         By the names of `CHANNELS`, in their units. NaN is a lost sample.
     sidecar : mapping
-        Nominal values: `sensor_cart` (from 1), `speed_setpoint` (m/s), `trigger_position` (m), `lowpass` (Hz), `laps`.
+        Nominal values: `sensor_cart` (from 1), `speed_setpoint` (m/s), `trigger_position` (m), `lowpass` (Hz), `laps`;
+        where the layout's is not meant, `tension_setpoint` (N); and `zeroed`, names of forces that were set to zero
+        under load.
     simulation : Simulation, optional
         The chain that is thought to have made it: `identify` and `diagnose` ask for it.
     name : str

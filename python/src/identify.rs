@@ -14,7 +14,7 @@ use lss::identify::law_fits::LawFits;
 use lss::identify::reports::{LawReport, Study, laws_named};
 use lss::identify::share::Shared;
 use lss::identify::study::RunFit;
-use lss::identify::{FitSettings, Parameter};
+use lss::identify::{Counter, FitSettings, Parameter};
 use lss::report::identification;
 use lss::signal::Run;
 use lss::solve::Stop;
@@ -64,7 +64,7 @@ impl Runs {
             Runs::Memory(runs) => {
                 let one = |(name, run, simulation): (String, Run, Arc<lss::chain_input::Simulation>)| {
                     let layout = PathBuf::from(&simulation.name);
-                    let (case, said) = Case::new(&name, run, (*simulation).clone(), &layout, None);
+                    let (case, said) = Case::new(&name, run, (*simulation).clone(), &layout, (None, None));
                     warnings.extend(said.into_iter().map(|warning| format!("{name}: {warning}")));
                     case
                 };
@@ -173,7 +173,9 @@ fn fitted(runs: Runs, wanted: &Wanted, ended: &'static AtomicBool, board: &Board
     for &law in &wanted.laws {
         let first = done.first().map(|(_, fits, _)| fits.clone());
         let width = Width::used();
-        let work = LawFits { law, settings, width, first: first.as_deref(), kept_in: None, trusted: false };
+        let counter = Counter::default();
+        let first = first.as_deref();
+        let work = LawFits { law, settings, width, first, kept_in: None, trusted: false, counter: &counter };
         let results = parallel::map(&cases, threads, |case| {
             let fit = work.fit(case);
             let done = count.fetch_add(1, Ordering::Relaxed) + 1;

@@ -8,6 +8,7 @@ use lss::report::lap;
 use lss::signal::position::position as positioned;
 use lss::signal::{self, Channel, SupportLoad, csv, parquet};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
@@ -26,6 +27,8 @@ pub struct Sidecar {
 #[pymethods]
 impl Sidecar {
     #[new]
+    #[pyo3(signature = (layout, sensor_cart, speed_setpoint, trigger_position, lowpass, laps, tension_setpoint=None, zeroed=Vec::new()))]
+    #[expect(clippy::too_many_arguments, reason = "the keys of a sidecar, given by name")]
     fn new(
         layout: String,
         sensor_cart: usize,
@@ -33,25 +36,38 @@ impl Sidecar {
         trigger_position: f64,
         lowpass: f64,
         laps: usize,
-    ) -> Sidecar {
+        tension_setpoint: Option<f64>,
+        zeroed: Vec<String>,
+    ) -> PyResult<Sidecar> {
+        let zeroed = zeroed.iter().map(|name| channel(name, &Channel::FORCES)).collect::<Result<_, _>>();
+        let zeroed = zeroed.map_err(PyValueError::new_err)?;
         let notes = BTreeMap::new();
         let own = signal::Sidecar {
             layout,
             sensor_cart,
             speed_setpoint,
+            tension_setpoint,
             trigger_position,
             lowpass,
             laps,
-            zeroed: Vec::new(),
+            zeroed,
             notes,
         };
-        Sidecar { own, supports: Arc::default() }
+        Ok(Sidecar { own, supports: Arc::default() })
     }
 
     /// As JSON.
     fn json(&self) -> String {
         serde_json::to_string(&self.own).unwrap_or_default()
     }
+}
+
+/// The channel of a name.
+fn channel(name: &str, known: &[Channel]) -> Result<Channel, String> {
+    Channel::from_name(name).filter(|found| known.contains(found)).ok_or_else(|| {
+        let known: Vec<&str> = known.iter().map(|channel| channel.name()).collect();
+        format!("there is no channel {name:?}; there are {}", known.join(", "))
+    })
 }
 
 /// A run of arrays: each is copied once, in memory.
@@ -72,10 +88,7 @@ impl Arrays<'_> {
         }
         let mut channels = BTreeMap::new();
         for (name, samples) in &self.channels {
-            let channel = Channel::from_name(name).ok_or_else(|| {
-                let known: Vec<&str> = Channel::ALL.iter().map(|c| c.name()).collect();
-                wrong(format!("there is no channel {name:?}; there are {}", known.join(", ")))
-            })?;
+            let channel = channel(name, &Channel::ALL).map_err(wrong)?;
             let samples = samples.as_array().to_vec();
             if samples.len() != time.len() {
                 return Err(wrong(format!("{name} has {} samples, time has {}", samples.len(), time.len())));

@@ -253,6 +253,7 @@ pub fn measured(mut run: Run, planned: &Simulation, layout: &str, state: &mut u6
     }
     run.sidecar.layout = layout.to_owned();
     run.sidecar.speed_setpoint = planned.chain.speed_m_s;
+    run.sidecar.tension_setpoint = None;
     run.sidecar.trigger_position = planned.sensor.photocell_s_m;
     // Whatever a simulation noted of itself.
     run.sidecar.notes.clear();

@@ -7,7 +7,8 @@ use crate::solve::Progress;
 use crate::source::one_line;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Between two lines where there is no terminal.
@@ -15,120 +16,151 @@ const EVERY: Duration = Duration::from_secs(60);
 
 /// The line of one piece of work. Any thread may tell.
 pub struct Line {
-    /// On a terminal.
-    bar: Option<ProgressBar>,
-    /// Elsewhere; none where nothing but messages for machines may be written.
-    log: Option<Mutex<Log>>,
-    /// Steps in all, where they are known.
-    whole: Option<u64>,
+    shared: Arc<Shared>,
+    /// Shows what was told last with the time that is left, though nothing is told for long.
+    clock: Option<JoinHandle<()>>,
 }
 
-/// What was told last where there is no terminal.
-struct Log {
+/// What the line and its clock have in common.
+struct Shared {
+    /// On a terminal.
+    bar: Option<ProgressBar>,
+    /// Whether lines are written where there is no terminal: not beside messages for machines.
+    logs: bool,
+    kind: Kind,
+    state: Mutex<State>,
+    finished: Condvar,
+}
+
+/// What is known of the whole.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// So many steps, and what they are called: `fits`.
+    Steps(u64, &'static str),
+    /// A whole that is done in shares.
+    Shares,
+    /// Nobody knows how long it takes.
+    Open,
+}
+
+/// What was told last.
+struct State {
     begin: Instant,
-    last: Instant,
-    done: u64,
+    done: f64,
     /// Of them, those that were done before.
-    known: u64,
+    known: f64,
+    message: String,
+    /// Whether the line was taken away; what is told afterwards shows it again.
+    hidden: bool,
+    /// Whether the line has come to its end.
+    over: bool,
+    /// Share of the steps under way that is done, as far as that can be known.
+    under_way: Box<dyn Fn() -> f64 + Send>,
 }
 
 impl Line {
     /// A line of work whose steps are known, and what they are called: `fits`.
-    pub fn steps(whole: u64, name: &str) -> Self {
-        let template = format!("{{spinner}} [{{bar:24}}] {{pos}} of {{len}} {name}, {{msg}}, {{eta}} left");
-        Line::new(&template, Some(whole), MessageFormat::Text)
+    pub fn steps(whole: u64, name: &'static str) -> Self {
+        Line::new(Kind::Steps(whole, name), MessageFormat::Text)
     }
 
     /// The same, of which so many were done before.
-    pub fn resumed(whole: u64, done: u64, name: &str) -> Self {
+    pub fn resumed(whole: u64, done: u64, name: &'static str) -> Self {
         let line = Line::steps(whole, name);
-        if let Some(bar) = &line.bar {
-            bar.set_position(done);
-            bar.reset_eta();
-        }
-        if let Some(log) = &line.log {
-            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
-            (log.done, log.known) = (done, done);
-        }
+        let mut state = line.shared.state();
+        (state.done, state.known) = (done as f64, done as f64);
+        drop(state);
+        line.shared.show();
+        line
+    }
+
+    /// The same; `under_way` says how many steps' worth is done of those that were begun.
+    pub fn watched(whole: u64, name: &'static str, under_way: impl Fn() -> f64 + Send + 'static) -> Self {
+        let line = Line::steps(whole, name);
+        line.shared.state().under_way = Box::new(under_way);
+        line.shared.show();
         line
     }
 
     /// A line of work that is done in shares, without a count of steps.
     pub fn shares() -> Self {
-        Line::new("{spinner} [{bar:24}] {msg}, {eta} left", Some(WHOLE), MessageFormat::Text)
+        Line::new(Kind::Shares, MessageFormat::Text)
     }
 
     /// A line of work of which nobody knows how long it takes.
     pub fn open(format: MessageFormat) -> Self {
-        Line::new("{spinner} {msg}, {elapsed}", None, format)
+        Line::new(Kind::Open, format)
     }
 
-    fn new(template: &str, whole: Option<u64>, format: MessageFormat) -> Self {
-        if !std::io::stderr().is_terminal() {
-            let now = Instant::now();
-            let log =
-                (format == MessageFormat::Text).then(|| Mutex::new(Log { begin: now, last: now, done: 0, known: 0 }));
-            return Line { bar: None, log, whole };
-        }
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = whole.map_or_else(ProgressBar::new_spinner, ProgressBar::new);
-        let bar = bar.with_style(style.progress_chars("=> "));
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Line { bar: Some(bar), log: None, whole }
+    fn new(kind: Kind, format: MessageFormat) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = terminal.then(|| {
+            let (template, whole) = match kind {
+                Kind::Steps(whole, name) => {
+                    (format!("{{spinner}} [{{bar:24}}] {{pos}} of {{len}} {name}{{msg}}"), whole)
+                }
+                Kind::Shares => ("{spinner} [{bar:24}]{msg}".to_owned(), WHOLE),
+                Kind::Open => ("{spinner}{msg}, {elapsed}".to_owned(), 0),
+            };
+            let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+            let bar = if whole > 0 { ProgressBar::new(whole) } else { ProgressBar::new_spinner() };
+            let bar = bar.with_style(style.progress_chars("=> "));
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        });
+        let state = State {
+            begin: Instant::now(),
+            done: 0.0,
+            known: 0.0,
+            message: String::new(),
+            hidden: false,
+            over: false,
+            under_way: Box::new(|| 0.0),
+        };
+        let logs = !terminal && format == MessageFormat::Text;
+        let shared = Arc::new(Shared { bar, logs, kind, state: Mutex::new(state), finished: Condvar::new() });
+        let clock = (terminal || logs).then(|| {
+            let shared = shared.clone();
+            std::thread::spawn(move || shared.tick(if terminal { SECOND } else { EVERY }))
+        });
+        Line { shared, clock }
     }
 
     /// Shows what is done now; `message` is only made where it is shown.
     pub fn say(&self, message: impl Fn() -> String) {
-        self.show(None, message);
+        self.show(|done| done, message);
     }
 
     /// One step more is done.
     pub fn step(&self, message: impl Fn() -> String) {
-        if let Some(bar) = &self.bar {
-            bar.inc(1);
-        }
-        let done = self.log.as_ref().map(|log| {
-            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
-            log.done += 1;
-            log.done
-        });
-        self.show(done, message);
+        self.show(|done| done + 1.0, message);
     }
 
     /// So many steps are done.
     pub fn at(&self, done: u64, message: impl Fn() -> String) {
-        self.show(Some(done), message);
+        self.show(|_| done as f64, message);
     }
 
     /// This share of the whole is done, from 0 to 1.
     pub fn share(&self, done: f64, message: impl Fn() -> String) {
-        self.show(Some((done * WHOLE as f64) as u64), message);
+        self.show(|_| done, message);
     }
 
-    fn show(&self, done: Option<u64>, message: impl Fn() -> String) {
-        if let Some(bar) = &self.bar {
-            if bar.is_finished() {
-                bar.reset();
-            }
-            if let Some(done) = done {
-                bar.set_position(done);
-            }
-            bar.set_message(one_line(&message()).into_owned());
+    fn show(&self, done: impl Fn(f64) -> f64, message: impl Fn() -> String) {
+        if self.clock.is_none() {
+            return;
         }
-        let Some(log) = &self.log else { return };
-        let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
-        log.done = done.unwrap_or(log.done);
-        let now = Instant::now();
-        if now.duration_since(log.last) >= EVERY {
-            log.last = now;
-            let worked = now.duration_since(log.begin).as_secs_f64();
-            report::note(&format!("{}{}", one_line(&message()), so_far(worked, (log.known, log.done), self.whole)));
-        }
+        let mut state = self.shared.state();
+        state.done = done(state.done);
+        state.message = one_line(&message()).into_owned();
+        state.hidden = false;
+        drop(state);
+        self.shared.show();
     }
 
     /// Does what writes beside the line, such as a warning.
     pub fn beside(&self, write: impl FnOnce()) {
-        match &self.bar {
+        match &self.shared.bar {
             Some(bar) => bar.suspend(write),
             None => write(),
         }
@@ -136,30 +168,101 @@ impl Line {
 
     /// Whether somebody looks at a moving line.
     pub fn moves(&self) -> bool {
-        self.bar.is_some()
+        self.shared.bar.is_some()
     }
 
+    /// Takes the line away.
     pub fn finish(&self) {
-        if let Some(bar) = &self.bar {
+        self.shared.state().hidden = true;
+        if let Some(bar) = &self.shared.bar {
             bar.finish_and_clear();
         }
     }
 }
 
-/// Steps of a line of shares.
+impl Drop for Line {
+    fn drop(&mut self) {
+        self.shared.state().over = true;
+        self.shared.finished.notify_all();
+        if let Some(clock) = self.clock.take() {
+            let _ = clock.join();
+        }
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Shows the line on a terminal.
+    fn show(&self) {
+        let Some(bar) = &self.bar else { return };
+        let state = self.state();
+        if state.hidden {
+            return;
+        }
+        if bar.is_finished() {
+            bar.reset();
+        }
+        let done = state.done;
+        bar.set_position(if matches!(self.kind, Kind::Shares) { (done * WHOLE as f64) as u64 } else { done as u64 });
+        let (_, left) = self.timing(&state);
+        let comma = if matches!(self.kind, Kind::Steps(..)) { ", " } else { " " };
+        let message = if state.message.is_empty() { String::new() } else { format!("{comma}{}", state.message) };
+        bar.set_message(format!("{message}{left}"));
+    }
+
+    /// Shows the line anew every so often until the line ends.
+    fn tick(&self, every: Duration) {
+        loop {
+            let state = self.state();
+            let waited = self.finished.wait_timeout_while(state, every, |state| !state.over);
+            let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+            if state.over {
+                return;
+            }
+            if self.logs && !state.hidden {
+                let (so_far, left) = self.timing(&state);
+                let message = if state.message.is_empty() { "working" } else { &state.message };
+                report::note(&format!("{message}{so_far}{left}"));
+            }
+            drop(state);
+            self.show();
+        }
+    }
+
+    /// The time so far with what is done, and about how much is left.
+    fn timing(&self, state: &State) -> (String, String) {
+        let whole = match self.kind {
+            Kind::Steps(whole, name) => Some((whole as f64, name)),
+            Kind::Shares => Some((1.0, "")),
+            Kind::Open => None,
+        };
+        timing(state.begin.elapsed().as_secs_f64(), (state.known, state.done, (state.under_way)()), whole)
+    }
+}
+
+/// Between two looks on a terminal.
+const SECOND: Duration = Duration::from_secs(1);
+
+/// Steps of a bar of shares.
 const WHOLE: u64 = 1000;
 
-/// The time so far, and how much is left if steps go on as they did since those that were known.
-fn so_far(worked: f64, (known, done): (u64, u64), whole: Option<u64>) -> String {
+/// The time so far and how much is done, and how much is left if work goes on as it did since what was known before.
+fn timing(worked: f64, (known, done, under_way): (f64, f64, f64), whole: Option<(f64, &str)>) -> (String, String) {
     let after = format!(", after {}", duration(worked));
-    match whole {
-        Some(whole) if done > known && done < whole => {
-            let left = worked / (done - known) as f64 * (whole - done) as f64;
-            let share = 100.0 * done as f64 / whole as f64;
-            format!(", {} % done{after}, about {} left", fixed(share, 0), duration(left))
-        }
-        _ => after,
+    let Some((whole, name)) = whole else { return (after, String::new()) };
+    let made = (done + under_way).min(whole) - known;
+    let of =
+        if name.is_empty() { String::new() } else { format!(", {} of {} {name}", fixed(done, 0), fixed(whole, 0)) };
+    if made <= 0.0 || done >= whole {
+        return (format!("{of}{after}"), String::new());
     }
+    let left = worked / made * (whole - known - made);
+    let share = if name.is_empty() { format!(", {} % done", fixed(100.0 * done / whole, 0)) } else { String::new() };
+    let left = if left < 0.5 { String::new() } else { format!(", about {} left", duration(left)) };
+    (format!("{of}{share}{after}"), left)
 }
 
 /// The line of a solve.
@@ -200,13 +303,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_log_says_how_far_it_is() {
-        assert_eq!(so_far(60.0, (0, 0), Some(12)), ", after 60 s");
-        assert_eq!(so_far(120.0, (0, 3), Some(12)), ", 25 % done, after 2 min, about 6 min left");
-        assert_eq!(so_far(120.0, (0, 12), Some(12)), ", after 2 min");
+    fn a_line_says_how_far_it_is() {
+        let fits = |worked, (known, done, under_way)| {
+            let (so_far, left) = timing(worked, (known, done, under_way), Some((12.0, "fits")));
+            so_far + &left
+        };
+        assert_eq!(fits(60.0, (0.0, 0.0, 0.0)), ", 0 of 12 fits, after 60 s");
+        // Of the first two fits, a quarter each.
+        assert_eq!(fits(60.0, (0.0, 0.0, 0.5)), ", 0 of 12 fits, after 60 s, about 23 min left");
+        assert_eq!(fits(120.0, (0.0, 3.0, 0.0)), ", 3 of 12 fits, after 2 min, about 6 min left");
+        assert_eq!(fits(120.0, (0.0, 12.0, 0.0)), ", 12 of 12 fits, after 2 min");
         // What was done before took no time of this run.
-        assert_eq!(so_far(120.0, (6, 9), Some(12)), ", 75 % done, after 2 min, about 2 min left");
-        assert_eq!(so_far(240.0, (0, 7), None), ", after 4 min");
+        assert_eq!(fits(120.0, (6.0, 9.0, 0.0)), ", 9 of 12 fits, after 2 min, about 2 min left");
+        let share = timing(120.0, (0.0, 0.25, 0.0), Some((1.0, "")));
+        assert_eq!(share.0 + &share.1, ", 25 % done, after 2 min, about 6 min left");
+        assert_eq!(timing(240.0, (0.0, 7.0, 0.0), None).0, ", after 4 min");
+    }
+
+    #[test]
+    fn a_line_ends_while_its_clock_waits() {
+        let begin = Instant::now();
+        let line = Line::steps(3, "fits");
+        line.step(|| "run-01".to_owned());
+        drop(line);
+        assert!(begin.elapsed() < EVERY / 2, "the clock was waited for");
     }
 
     #[test]

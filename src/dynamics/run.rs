@@ -254,6 +254,7 @@ fn sidecar(simulation: &Simulation, plan: &Plan) -> Sidecar {
         layout: "simulation.json".into(),
         sensor_cart: simulation.sensor.cart,
         speed_setpoint: simulation.chain.speed_m_s,
+        tension_setpoint: Some(simulation.chain.tension_n),
         trigger_position: simulation.sensor.photocell_s_m,
         lowpass: simulation.sensor.lowpass_hz,
         laps: plan.laps,

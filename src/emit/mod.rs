@@ -28,6 +28,8 @@ pub use draw_error::DrawError;
 pub use drawing::{change_png, change_svg, drawing_files, drawing_pdf, stages_pdf, stages_png, stages_svg};
 pub use layout_report::pdf as report_pdf;
 pub use own_numbers::{OwnNumbers, own_numbers};
+#[cfg(test)]
+pub use plan::samples;
 
 /// The data outputs, name and content: `layout.json`, `simulation.json`, `bom.csv` and `bom.json`.
 pub fn data_files(compiled: &Compiled, own: &OwnNumbers) -> Vec<(String, Vec<u8>)> {

@@ -40,15 +40,18 @@ pub enum NoCases<E> {
 }
 
 impl Case {
-    /// A run on a chain, and what there is to warn of. `layout` is what the layout is called; `speed` is the campaign's,
-    /// m/s.
+    /// A run on a chain, and what there is to warn of. `layout` is what the layout is called; `speed` (m/s) and
+    /// `tension` (N) are the campaign's; else the sidecar's count, and of the tension then the layout's.
     pub fn new(
         name: &str,
         mut run: Run,
-        simulation: Simulation,
+        mut simulation: Simulation,
         layout: &Path,
-        speed: Option<f64>,
+        (speed, tension): (Option<f64>, Option<f64>),
     ) -> (Case, Vec<String>) {
+        if let Some(tension) = tension.or(run.sidecar.tension_setpoint) {
+            simulation.chain.tension_n = tension;
+        }
         let found = health(&run, Some(&simulation));
         // How much of the lap it covers, the wheels may know better.
         let mut warnings = [run.warnings(None), found.suspicions].concat();
@@ -139,11 +142,7 @@ pub fn cases<E>(
             layouts.insert(path.clone(), simulation(&path).map_err(NoCases::Layout)?);
         }
         let Some(known) = layouts.get(&path) else { continue };
-        let mut simulation = known.clone();
-        if let Some(tension) = entry.tension {
-            simulation.chain.tension_n = tension;
-        }
-        let (case, warnings) = Case::new(&entry.name, run, simulation, &path, entry.speed);
+        let (case, warnings) = Case::new(&entry.name, run, known.clone(), &path, (entry.speed, entry.tension));
         warnings.into_iter().for_each(|warning| tell(Said::Warning(format!("{}: {warning}", entry.name))));
         cases.push(case);
     }

@@ -5,7 +5,7 @@ use super::cases::Case;
 use super::reports::law_name;
 use super::share::{Shared, combine};
 use super::study::{self, RunFit, carry, fit_run};
-use super::{FitSettings, Measured, Model, Parameter};
+use super::{Counter, FitSettings, Measured, Model, Parameter};
 use crate::base::{json, parallel};
 use crate::chain_input::ContactLaw;
 use crate::dynamics::Width;
@@ -24,6 +24,8 @@ pub struct LawFits<'a> {
     pub kept_in: Option<&'a Path>,
     /// Whether fits that were kept may be used.
     pub trusted: bool,
+    /// Counts what is simulated.
+    pub counter: &'a Counter,
 }
 
 /// How many kept fits are looked at again.
@@ -48,11 +50,18 @@ impl LawFits<'_> {
             let within = start.and_then(|s| study::within(subject, s, self.law, &self.settings, width));
             if let Some(at) = within {
                 let settings = FitSettings { steps: 0, ..self.settings };
-                return fit_run(subject, self.law, Some((self.law, &at)), &settings, width, key.clone());
+                return fit_run(
+                    subject,
+                    self.law,
+                    Some((self.law, &at)),
+                    &settings,
+                    (width, self.counter),
+                    key.clone(),
+                );
             }
             let from = start.map(|s| (s.law, s.at()));
             let from = from.as_ref().map(|(law, at)| (*law, at));
-            fit_run(subject, self.law, from, &self.settings, width, key.clone())
+            fit_run(subject, self.law, from, &self.settings, (width, self.counter), key.clone())
         })
     }
 
@@ -129,7 +138,14 @@ impl LawFits<'_> {
             let key = study::key(&case.subject, self.law, &settings, &format!("{at:?}"));
             let name = format!("{}-shared", fit.run);
             self.kept(&name, &key, || {
-                fit_run(&case.subject, self.law, Some((self.law, &at)), &settings, self.width, key.clone())
+                fit_run(
+                    &case.subject,
+                    self.law,
+                    Some((self.law, &at)),
+                    &settings,
+                    (self.width, self.counter),
+                    key.clone(),
+                )
             })
         });
         *fits = again.into_iter().collect::<Result<_, String>>()?;

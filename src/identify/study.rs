@@ -4,6 +4,7 @@
 //! damping χ, and only where that is beyond a law's bounds is the run fitted again. Kelvin and Voigt's damper is
 //! another model.
 
+use super::effort::Counter;
 use super::fit::{Fit, FitSettings, fit};
 use super::goodness::{Goodness, is_wrong};
 use super::hum::Hum;
@@ -174,7 +175,8 @@ pub fn key(subject: &Subject, law: ContactLaw, settings: &FitSettings, held: &st
     sha256(format!("{} {} {law:?} {settings:?} {held}", base::program(), subject.content()).as_bytes())
 }
 
-/// Fits a run in a law; `start` is the fit to begin from, whose values what is not free keeps.
+/// Fits a run in a law; `start` is the fit to begin from, whose values what is not free keeps. What is simulated is
+/// counted.
 ///
 /// # Errors
 ///
@@ -184,12 +186,13 @@ pub fn fit_run(
     law: ContactLaw,
     start: Option<(ContactLaw, &Coordinates)>,
     settings: &FitSettings,
-    width: Width,
+    (width, counter): (Width, &Counter),
     key: String,
 ) -> Result<RunFit, String> {
     let lap = subject.simulation.track.centre_line().length;
     let measured = Measured::new(&subject.run, &subject.simulation, lap)?;
     let mut model = Model::new(&subject.simulation, law, &measured, width);
+    model.counter = counter.clone();
     let start = start.map(|(from, at)| carried(&model, from, at));
     let found = fit(&mut model, &measured, start, settings)?;
     fitted(subject, &model, &measured, &found, settings, key)

@@ -1,5 +1,6 @@
 //! What a layout amounts to, beside its plan: length and proof, stages, chain, what holds it, bill, polygon action.
 
+use super::forces::Forces;
 use super::known::Known;
 use crate::base::number::{fixed, trimmed};
 use crate::chain_input::Simulation;
@@ -15,10 +16,12 @@ use maud::{Markup, html};
 /// Rows that are shown with their price at once.
 const DEAREST: usize = 8;
 
-/// The facts as HTML.
-pub fn html(known: &Known, compiled: &Compiled) -> String {
+/// The facts as HTML; `forces` are those that the plan tells.
+pub fn html(known: &Known, compiled: &Compiled, forces: Option<&Forces>) -> String {
+    let silent = forces.and_then(|forces| forces.of(compiled).err());
     let body = html! {
         (numbers(compiled))
+        @if let Some(why) = silent { p.note { "No forces: " (why) "." } }
         (stages(known, compiled))
         (chain(compiled))
         (capacity(compiled))

@@ -41,25 +41,25 @@ impl Forces {
         Ok(Forces { simulation, run })
     }
 
-    /// Mean and extremes on each straight and curve (`s3`, `c3`), in words. Nothing of another track, and nothing where
-    /// the run does not tell its places.
-    pub fn of(&self, compiled: &Compiled) -> BTreeMap<String, Vec<String>> {
-        let track = &compiled.track;
-        // Along slopes, places in the plan are others than along the track.
-        if compiled.raised() || Simulation::new(compiled).track != self.simulation.track {
-            return BTreeMap::new();
+    /// Mean and extremes on each straight and curve (`s3`, `c3`), in words.
+    ///
+    /// # Errors
+    ///
+    /// Why there are none: the run is of another track, or does not tell its places.
+    pub fn of(&self, compiled: &Compiled) -> Result<BTreeMap<String, Vec<String>>, &'static str> {
+        if Simulation::new(compiled).track != self.simulation.track {
+            return Err("the run is of another track: `lss simulate` makes one of this");
         }
         let lap = self.simulation.chain.track_length_m;
-        let Some(place) = position::position(&self.run, lap) else { return BTreeMap::new() };
-        let start = compiled.start();
-        let pieces: Vec<_> = track.pieces.iter().filter(|piece| piece.length > 1e-9).collect();
-        let along = |s: f64| (s - start).rem_euclid(lap);
+        let place = position::position(&self.run, lap).ok_or("the run does not tell where its carts are")?;
+        let pieces: Vec<_> = compiled.track.pieces.iter().filter(|piece| piece.length > 1e-9).collect();
         let sections: Vec<TrackSection> = pieces
             .iter()
             .map(|piece| {
                 let kind = if piece.kind == PieceKind::Straight { 's' } else { 'c' };
                 let name = format!("{kind}{}", piece.vertex);
-                TrackSection { name, from: along(piece.s), to: along(piece.s + piece.length) }
+                let [from, to] = [piece.s, piece.s + piece.length].map(|plan| compiled.past_start(plan));
+                TrackSection { name, from, to }
             })
             .collect();
         let mut told: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -72,7 +72,7 @@ impl Forces {
                 told.entry(section.name.clone()).or_default().push(line);
             }
         }
-        told
+        Ok(told)
     }
 }
 
@@ -80,32 +80,38 @@ impl Forces {
 mod tests {
     use super::*;
     use crate::compiled::fixture::compile;
+    use crate::emit::samples;
     use crate::model::fixture::rectangle;
     use crate::signal::Sidecar;
 
-    /// A run whose steering force is the arc length itself: what is told of a place is where it is.
+    /// A run whose steering force is the arc length itself: what is told of a place is where it is, on a level track and
+    /// along slopes.
     #[test]
     fn forces_are_told_of_the_place_where_they_were_measured() {
-        let compiled = compile(rectangle(30.0, 20.0, 4.0));
-        let simulation = Simulation::new(&compiled);
-        let (lap, speed) = (simulation.chain.track_length_m, 2.0);
-        let time: Vec<f64> = (0..).map(|k| f64::from(k) * 0.01).take_while(|t| t * speed < 2.0 * lap).collect();
-        let s: Vec<f64> = time.iter().map(|t| (t * speed).rem_euclid(lap)).collect();
-        let trigger = s.iter().map(|s| if *s < 0.5 { 1.0 } else { 0.0 }).collect();
-        let sidecar = Sidecar { sensor_cart: 1, speed_setpoint: speed, laps: 2, ..Sidecar::default() };
-        let channels = [(Channel::SteerLeft, s), (Channel::Trigger, trigger)].into();
-        let forces = Forces { simulation, run: Run { time, channels, sidecar } };
-        let told = forces.of(&compiled);
-        assert_eq!(told.len(), 8, "{told:?}");
-        for piece in &compiled.track.pieces {
-            let kind = if piece.kind == PieceKind::Straight { 's' } else { 'c' };
-            let from = (piece.s - compiled.start()).rem_euclid(lap);
-            let middle = fixed(from + piece.length / 2.0, 0).parse::<f64>().unwrap();
-            let [line] = told[&format!("{kind}{}", piece.vertex)].as_slice() else { panic!("{told:?}") };
-            let mean = line.split(": ").nth(1).and_then(|t| t.split(' ').next()).unwrap().parse::<f64>().unwrap();
-            assert!((mean - middle).abs() <= 1.0, "{line} in the middle of {middle}");
+        for compiled in [compile(rectangle(30.0, 20.0, 4.0)), samples::raised()] {
+            let simulation = Simulation::new(&compiled);
+            let (lap, speed) = (simulation.chain.track_length_m, 2.0);
+            let time: Vec<f64> = (0..).map(|k| f64::from(k) * 0.01).take_while(|t| t * speed < 2.0 * lap).collect();
+            let s: Vec<f64> = time.iter().map(|t| (t * speed).rem_euclid(lap)).collect();
+            let trigger = s.iter().map(|s| if *s < 0.5 { 1.0 } else { 0.0 }).collect();
+            let sidecar = Sidecar { sensor_cart: 1, speed_setpoint: speed, laps: 2, ..Sidecar::default() };
+            let channels = [(Channel::SteerLeft, s), (Channel::Trigger, trigger)].into();
+            let forces = Forces { simulation, run: Run { time, channels, sidecar } };
+            let told = forces.of(&compiled).unwrap();
+            assert_eq!(told.len(), 8, "{told:?}");
+            for piece in &compiled.track.pieces {
+                let kind = if piece.kind == PieceKind::Straight { 's' } else { 'c' };
+                // Where the middle of its plan lies in space.
+                let (point, _) = piece.at(piece.length / 2.0);
+                let metres = (0..(100.0 * lap) as usize).map(|k| f64::from(k as u32) / 100.0);
+                let away = |s: &f64| compiled.station_at(*s).point.distance(point);
+                let middle = metres.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+                let [line] = told[&format!("{kind}{}", piece.vertex)].as_slice() else { panic!("{told:?}") };
+                let mean = line.split(": ").nth(1).and_then(|t| t.split(' ').next()).unwrap().parse::<f64>().unwrap();
+                assert!((mean - middle).abs() <= 1.0, "{line} in the middle of {middle}");
+            }
+            // Of another track there is nothing to say but that.
+            assert!(forces.of(&compile(rectangle(31.0, 20.0, 4.0))).is_err());
         }
-        // Of another track there is nothing to say.
-        assert!(forces.of(&compile(rectangle(31.0, 20.0, 4.0))).is_empty());
     }
 }

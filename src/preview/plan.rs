@@ -136,7 +136,8 @@ fn vertices(known: &Known) -> Vec<Value> {
 /// What a pointer is told of each straight and curve, as HTML: `s3`, `c3`.
 fn tips(subject: &Subject) -> Map<String, Value> {
     let (compiled, layout, track) = (subject.compiled, &subject.compiled.layout, &subject.compiled.track);
-    let forces = subject.forces.filter(|_| !subject.near).map(|forces| forces.of(compiled)).unwrap_or_default();
+    let forces =
+        subject.forces.filter(|_| !subject.near).and_then(|forces| forces.of(compiled).ok()).unwrap_or_default();
     let tip = |piece: &crate::geometry::Piece| {
         let straight = piece.kind == PieceKind::Straight;
         let (title, measures) = match piece.kind {

@@ -348,8 +348,10 @@ impl Worker {
         match plan::part(&Subject { before, ..self.subject(known, &compiled) }) {
             Ok((sheet, plan)) => {
                 self.sheet = Some(sheet);
-                let (facts, status) =
-                    (json!(facts::html(known, &compiled)), self.status(compiled.state(), false, false));
+                let (facts, status) = (
+                    json!(facts::html(known, &compiled, self.settings.forces.as_deref())),
+                    self.status(compiled.state(), false, false),
+                );
                 self.show([("errors", errors), ("plan", plan), ("facts", facts), ("moving", Value::Null), status]);
             }
             Err(why) => {

@@ -19,6 +19,9 @@ pub struct Sidecar {
     pub sensor_cart: usize,
     /// m/s
     pub speed_setpoint: f64,
+    /// Tension that the chain was set to, N; the layout's where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tension_setpoint: Option<f64>,
     /// Arc length of the photocell, m.
     pub trigger_position: f64,
     /// Corner of the second-order Butterworth low-pass before sampling, Hz.
@@ -69,7 +72,8 @@ impl Sidecar {
 
     /// Adds a line of free text. The names of the other keys are taken and change nothing.
     pub fn note(&mut self, key: &str, text: impl Into<Value>) {
-        if !Sidecar::KEYS.contains(&key) && !SidecarDefaults::KEYS.contains(&key) {
+        let taken = Sidecar::KEYS.contains(&key) || SidecarDefaults::KEYS.contains(&key) || key == "tension_setpoint";
+        if !taken {
             self.notes.insert(key.to_owned(), text.into());
         }
     }
@@ -117,6 +121,7 @@ impl Sidecar {
             layout: reader.take("layout", "a path", keys::text)?,
             sensor_cart: reader.take("sensor_cart", "a whole number from 1", |v| keys::whole(v).filter(|&n| n > 0))?,
             speed_setpoint: reader.take("speed_setpoint", "a speed above 0", keys::positive)?,
+            tension_setpoint: reader.optional("tension_setpoint", "a force in N", keys::number)?,
             trigger_position: reader.take("trigger_position", "a number", keys::number)?,
             lowpass: reader.take("lowpass", "a frequency above 0", keys::positive)?,
             laps: reader.take("laps", "a whole number", keys::whole)?,

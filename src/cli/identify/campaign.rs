@@ -14,10 +14,12 @@ use crate::identify::law_fits::LawFits;
 use crate::identify::reports::{LawReport, Study, law_name, laws_named};
 use crate::identify::share::Shared;
 use crate::identify::study::{RunFit, fit_run};
-use crate::identify::{FitSettings, Parameter};
+use crate::identify::{Counter, FitSettings, Parameter};
 use crate::report::identification;
 use crate::source::shown;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 #[derive(Debug, clap::Args)]
 pub struct Campaign {
@@ -80,6 +82,7 @@ impl Campaign {
         if self.identifiability {
             return self.tell(&cases, &settings, threads, broken);
         }
+        let counter = Counter::default();
         let begin = LawFits {
             law: self.law.0[0],
             settings,
@@ -87,12 +90,16 @@ impl Campaign {
             first: None,
             kept_in: Some(output),
             trusted: true,
+            counter: &counter,
         };
         let trusted = begin.confirmed(&cases);
         if !trusted {
             report::warning("a fit that was kept here comes out otherwise now: all fits are made anew");
         }
-        let line = Line::steps((cases.len() * self.law.0.len()) as u64, "fits");
+        let begun = Arc::new(Begun::new(&counter, threads));
+        let of_begun = begun.clone();
+        let whole = (cases.len() * self.law.0.len()) as u64;
+        let line = Line::watched(whole, "fits", move || of_begun.share());
         let mut done: Vec<(ContactLaw, Vec<RunFit>, Vec<Shared>)> = Vec::new();
         let mut failed = broken;
         for &law in &self.law.0 {
@@ -100,6 +107,7 @@ impl Campaign {
             let work = LawFits { law, first: first.as_deref(), trusted, ..begin };
             let results = parallel::map(&cases, threads, |case| {
                 let fit = work.fit(case);
+                begun.ended(fit.as_ref().map_or(0, |fit| fit.simulations as u64));
                 line.step(|| format!("{}, {}", case.subject.name, law_name(law)));
                 fit
             });
@@ -161,7 +169,7 @@ impl Campaign {
         let settings = FitSettings { steps: 0, ..*settings };
         let law = self.law.0[0];
         let results = parallel::map(cases, threads, |case| {
-            fit_run(&case.subject, law, None, &settings, Width::used(), String::new())
+            fit_run(&case.subject, law, None, &settings, (Width::used(), &Counter::default()), String::new())
         });
         let mut failed = broken;
         let mut text = String::new();
@@ -176,5 +184,38 @@ impl Campaign {
         }
         report::print(&text);
         if failed { Outcome::Problems } else { Outcome::Clean }
+    }
+}
+
+/// How much of the fits that were begun is done.
+struct Begun {
+    counter: Counter,
+    threads: usize,
+    /// Fits that ended, and their simulations.
+    ended: [AtomicU64; 2],
+}
+
+/// Simulations of a fit, until one has ended.
+const USUAL: f64 = 80.0;
+
+impl Begun {
+    fn new(counter: &Counter, threads: usize) -> Self {
+        Begun { counter: counter.clone(), threads, ended: Default::default() }
+    }
+
+    fn ended(&self, simulations: u64) {
+        // A fit that was kept is read in no time.
+        if simulations > 0 && self.counter.effort().simulations > 0 {
+            self.ended[0].fetch_add(1, Ordering::Relaxed);
+            self.ended[1].fetch_add(simulations, Ordering::Relaxed);
+        }
+    }
+
+    /// In fits.
+    fn share(&self) -> f64 {
+        let [fits, ended] = [0, 1].map(|k| self.ended[k].load(Ordering::Relaxed));
+        let each = if fits > 0 { ended as f64 / fits as f64 } else { USUAL };
+        let open = self.counter.effort().simulations.saturating_sub(ended);
+        (open as f64 / each).min(0.8 * self.threads as f64)
     }
 }

@@ -75,7 +75,7 @@ fn head(layout: &Layout, group: &RunGroup, fits: &[&RunFit]) -> String {
         let _ = writeln!(
             out,
             "// WARNING: the model does not fit {which}: the objective of {} is {}, repeatability allows {}.\n\
-             // These values make up for something that the model lacks. Look for it with `lss gap diagnose` before you
+             // These values make up for something that the model lacks. Look for it with `lss gap diagnose` before you\n\
              // use them.",
             worst.run,
             fixed(worst.objective, 2),
