@@ -17,6 +17,7 @@ pub fn changed(before: &Layout, after: &Layout) -> Vec<Line> {
         lines
     };
     let [before, after] = [before, after].map(told);
+    let [before, after] = [in_one(&before, &after), in_one(&after, &before)];
     let only = |own: &[(String, String)], other: &[(String, String)], change: Change| -> Vec<Line> {
         let mut known: BTreeMap<&(String, String), usize> = BTreeMap::new();
         other.iter().for_each(|line| *known.entry(line).or_default() += 1);
@@ -32,6 +33,27 @@ pub fn changed(before: &Layout, after: &Layout) -> Vec<Line> {
     };
     let mut out = only(&before, &after, Change::Removed);
     out.extend(only(&after, &before, Change::Added));
+    out
+}
+
+/// Statements of a block at most that stands in one line.
+const SHORT: usize = 8;
+
+/// A declaration that the other does not have at all stands in one line, if it is short: `take_up spring { … }`.
+fn in_one(own: &[(String, String)], other: &[(String, String)]) -> Vec<(String, String)> {
+    let mut out: Vec<(String, String)> = Vec::new();
+    for block in own.chunk_by(|a, b| a.0 == b.0) {
+        let within = &block[0].0;
+        let is_whole = !within.is_empty() && !within.contains(" / ") && block.len() <= SHORT;
+        let is_new = other.iter().all(|(there, _)| there.split(" / ").next() != Some(within));
+        let is_split = own.iter().filter(|(there, _)| there.split(" / ").next() == Some(within)).count() > block.len();
+        if is_whole && is_new && !is_split {
+            let statements: Vec<&str> = block.iter().map(|(_, text)| text.trim_end_matches(';')).collect();
+            out.push((String::new(), format!("{within} {{ {} }}", statements.join("; "))));
+        } else {
+            out.extend(block.iter().cloned());
+        }
+    }
     out
 }
 

@@ -11,7 +11,7 @@ pub use equipment::{EquipmentChange, Standing};
 pub use forces::{ChannelChange, Forces, Moments};
 
 use crate::base::number::tidy;
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, order};
 use crate::elements::{self, BillLine, OrderedPiece};
 use crate::geometry::Point;
 use crate::solve::Status;
@@ -135,6 +135,13 @@ pub struct ArticleChange {
     pub after_eur: f64,
 }
 
+/// What is ordered costs in all, and where some of it has no price.
+const IN_ALL: &str = "price in all";
+const PRICED: &str = "price of all that has one";
+/// What is not built.
+const CLEARANCE: &str = "least clearance";
+const GAP: &str = "gap of the proof";
+
 /// What is told of lengths, m: solvers end this near to their rows.
 const TOLD: f64 = 2e-6;
 /// Of headings, deg.
@@ -165,12 +172,13 @@ impl Comparison {
 
     /// Whether both mean the same and come out the same.
     pub fn is_same(&self) -> bool {
-        self.lines.is_empty() && self.is_built_alike() && self.before.status == self.after.status
+        let is_measured_alike = !self.quantities.iter().any(Quantity::is_changed);
+        self.lines.is_empty() && is_measured_alike && self.is_built_alike() && self.before.status == self.after.status
     }
 
     /// Whether what is built is the same, whatever is written.
     pub fn is_built_alike(&self) -> bool {
-        let moved = self.quantities.iter().any(Quantity::is_changed);
+        let moved = self.quantities.iter().any(|quantity| quantity.is_built() && quantity.is_changed());
         let is_placed_alike = self.vertices.is_empty() && self.sections.is_empty() && self.equipment.is_empty();
         !moved && is_placed_alike && self.is_billed_alike()
     }
@@ -189,6 +197,11 @@ impl Version {
 }
 
 impl Quantity {
+    /// Whether it is of what is built, and not of what is known or demanded of it.
+    fn is_built(&self) -> bool {
+        ![CLEARANCE, GAP].contains(&self.name)
+    }
+
     pub fn is_changed(&self) -> bool {
         match (self.before, self.after) {
             (Some(before), Some(after)) => (after - before).abs() >= self.told,
@@ -213,18 +226,21 @@ fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
         of("conveyors", "m", (TOLD, 3), &|c| equipped(c).then(|| conveyors(c))),
     ];
     equipment.retain(|quantity| quantity.before.is_some() || quantity.after.is_some());
+    let unpriced = [before, after].iter().any(|c| !order::total(c).unpriced.is_empty());
+    let in_all = if unpriced { PRICED } else { IN_ALL };
     let mut all = vec![
         of("length", "m", (TOLD, 3), &|c| Some(c.length())),
         of("footprint", "m²", (0.005, 2), &|c| Some(c.footprint)),
         of("elements", "", count, &|c| Some(c.bill.count as f64)),
-        of("price", "EUR", (0.005, 2), &|c| Some(c.bill.price)),
+        of("price of the track", "EUR", (0.005, 2), &|c| Some(c.bill.price)),
+        of(in_all, "EUR", (0.005, 2), &|c| Some(order::total(c).all)),
         of("mass", "kg", (0.0005, 1), &|c| Some(c.bill.mass)),
         of("carts", "", count, &|c| c.chain.map(|fit| fit.carts as f64)),
         of("left over by the chain", "mm", (0.05, 1), &|c| c.chain.map(|fit| 1e3 * fit.left_over)),
-        of("least clearance", "m", (TOLD, 3), &|c| {
+        of(CLEARANCE, "m", (TOLD, 3), &|c| {
             c.contacts.iter().map(|contact| contact.clearance - contact.required).min_by(f64::total_cmp)
         }),
-        of("gap of the proof", "%", (0.005, 2), &|c| {
+        of(GAP, "%", (0.005, 2), &|c| {
             let certificate = c.stages.last().and_then(|stage| stage.certificate.as_ref());
             certificate.map(|certificate| 100.0 * certificate.gap)
         }),
@@ -241,15 +257,29 @@ fn paired<T: Clone>(before: &[(String, T)], after: &[(String, T)]) -> Vec<(Strin
     kept.chain(gone.map(|(name, own)| (name.clone(), Some(own.clone()), None))).collect()
 }
 
+fn corners(compiled: &Compiled) -> Vec<(String, [f64; 3])> {
+    let corners = compiled.track.corners.iter().map(|c| [c.point.x, c.point.y, c.radius].map(tidy));
+    compiled.layout.vertices.iter().map(|vertex| vertex.name.clone()).zip(corners).collect()
+}
+
+fn is_moved(a: [f64; 3], b: [f64; 3]) -> bool {
+    Point::new(a[0], a[1]).distance(Point::new(b[0], b[1])) >= TOLD || (a[2] - b[2]).abs() >= TOLD
+}
+
+/// The vertices of the first as the second calls them: one that only has another name is built as it was.
+fn names(before: &Compiled, after: &Compiled) -> Vec<String> {
+    let (old, new) = (corners(before), corners(after));
+    let in_both = |name: &str| old.iter().any(|own| own.0 == name) && new.iter().any(|own| own.0 == name);
+    let renamed = |(name, at): &(String, [f64; 3])| {
+        let now = new.iter().find(|(other, there)| !in_both(other) && !is_moved(*at, *there));
+        now.filter(|_| !in_both(name)).map_or_else(|| name.clone(), |(other, _)| other.clone())
+    };
+    old.iter().map(renamed).collect()
+}
+
 fn vertices(before: &Compiled, after: &Compiled) -> Vec<VertexChange> {
-    let of = |compiled: &Compiled| -> Vec<(String, [f64; 3])> {
-        let corners = compiled.track.corners.iter().map(|c| [c.point.x, c.point.y, c.radius].map(tidy));
-        compiled.layout.vertices.iter().map(|vertex| vertex.name.clone()).zip(corners).collect()
-    };
-    let is_moved = |a: [f64; 3], b: [f64; 3]| {
-        Point::new(a[0], a[1]).distance(Point::new(b[0], b[1])) >= TOLD || (a[2] - b[2]).abs() >= TOLD
-    };
-    paired(&of(before), &of(after))
+    let was: Vec<_> = names(before, after).into_iter().zip(corners(before).into_iter().map(|(_, at)| at)).collect();
+    paired(&was, &corners(after))
         .into_iter()
         .filter(|(_, a, b)| a.zip(*b).is_none_or(|(a, b)| is_moved(a, b)))
         .map(|(name, before_m, after_m)| VertexChange { name, before_m, after_m })
@@ -257,20 +287,24 @@ fn vertices(before: &Compiled, after: &Compiled) -> Vec<VertexChange> {
 }
 
 fn sections(before: &Compiled, after: &Compiled) -> Vec<SectionChange> {
-    let of = |compiled: &Compiled| -> Vec<(String, Straight)> {
-        (0..compiled.layout.vertices.len())
+    let of = |compiled: &Compiled, names: &[String]| -> Vec<(String, Straight)> {
+        (0..names.len())
             .map(|i| {
                 let straight = compiled.track.straight(i);
                 let heading_deg = tidy(straight.heading.to_degrees());
-                (compiled.layout.section_name(i), Straight { length_m: tidy(straight.length), heading_deg })
+                // Rounding puts what goes along −x on either side of it.
+                let heading_deg = if heading_deg <= -180.0 + TOLD_DEGREES { heading_deg + 360.0 } else { heading_deg };
+                let name = format!("{}..{}", names[i], names[(i + 1) % names.len()]);
+                (name, Straight { length_m: tidy(straight.length), heading_deg: tidy(heading_deg) })
             })
             .collect()
     };
+    let now: Vec<String> = after.layout.vertices.iter().map(|vertex| vertex.name.clone()).collect();
     let is_other = |a: Straight, b: Straight| {
         let turned = (a.heading_deg - b.heading_deg).rem_euclid(360.0);
         (a.length_m - b.length_m).abs() >= TOLD || turned.min(360.0 - turned) >= TOLD_DEGREES
     };
-    paired(&of(before), &of(after))
+    paired(&of(before, &names(before, after)), &of(after, &now))
         .into_iter()
         .filter(|(_, a, b)| a.zip(*b).is_none_or(|(a, b)| is_other(a, b)))
         .map(|(name, before, after)| SectionChange { name, before, after })
@@ -338,6 +372,34 @@ mod tests {
         assert_eq!(straights, ["P1..P2", "P2..P3", "P3..P4"]);
         let longer = found.quantities[0].after.unwrap() - found.quantities[0].before.unwrap();
         assert!((longer - (after.length() - before.length())).abs() < 1e-9);
+    }
+
+    /// Another name is a change of the text.
+    #[test]
+    fn a_renamed_vertex_is_built_as_before() {
+        let before = compile(rectangle(20.0, 12.0, 4.0));
+        let mut layout = rectangle(20.0, 12.0, 4.0);
+        layout.vertices[2].name = "corner".to_owned();
+        let renamed = compile(layout.clone());
+        let found = Comparison::new(("a", &before), ("b", &renamed));
+        assert!(found.is_built_alike() && !found.is_same(), "{found:?}");
+        assert!(found.text().contains("what is built is the same"), "{}", found.text());
+        // One that moved as well is another vertex.
+        layout.vertices[2].point.x += 0.5;
+        let found = Comparison::new(("a", &before), ("b", &compile(layout)));
+        let names: Vec<&str> = found.vertices.iter().map(|v| v.name.as_str()).collect();
+        assert_eq!(names, ["corner", "P3"]);
+    }
+
+    #[test]
+    fn without_its_building_a_layout_is_built_as_before() {
+        let mut layout = rectangle(20.0, 12.0, 4.0);
+        let without = compile(layout.clone());
+        layout.building = crate::emit::samples::equipped().layout.building;
+        let found = Comparison::new(("a", &compile(layout)), ("b", &without));
+        assert!(found.is_built_alike() && !found.is_same(), "{found:?}");
+        let told = found.text();
+        assert!(told.contains("what is built is the same; least clearance changed"), "{told}");
     }
 
     /// What stands beside the track is on the bill, too.

@@ -1,7 +1,7 @@
 //! A comparison as text and as Markdown.
 
 use super::{BesideChange, Change, ChannelChange, Comparison, EquipmentChange, Line, Moments, Quantity};
-use super::{Standing, Straight};
+use super::{IN_ALL, PRICED, Standing, Straight};
 use crate::base::number::{self, trimmed};
 use crate::solve::Status;
 use std::fmt::Write;
@@ -96,11 +96,11 @@ impl Comparison {
             (false, false) => {}
         }
         if self.is_built_alike() {
-            let written = if self.lines.is_empty() { "nothing changed" } else { "what is built is the same" };
-            parts.push(written.to_owned());
+            parts.push(if self.is_same() { "nothing changed" } else { "what is built is the same" }.to_owned());
+            parts.extend(self.known_otherwise());
             return parts.join("; ");
         }
-        for quantity in self.quantities.iter().filter(|q| ["length", "price", "carts"].contains(&q.name)) {
+        for quantity in self.quantities.iter().filter(|q| ["length", IN_ALL, PRICED, "carts"].contains(&q.name)) {
             if let (Some(before), Some(after), true) = (quantity.before, quantity.after, quantity.is_changed()) {
                 let share = if before == 0.0 { String::new() } else { percent(after / before - 1.0) };
                 let by = quantity.signed(after - before);
@@ -120,9 +120,18 @@ impl Comparison {
             parts.push("equipment moved".to_owned());
         }
         if parts.is_empty() {
+            parts.extend(self.known_otherwise());
+        }
+        if parts.is_empty() {
             parts.push("small changes".to_owned());
         }
         parts.join("; ")
+    }
+
+    /// Which figures changed.
+    fn known_otherwise(&self) -> Option<String> {
+        let names: Vec<&str> = self.quantities.iter().filter(|q| q.is_changed()).map(|q| q.name).collect();
+        (!names.is_empty()).then(|| format!("{} changed", names.join(", ")))
     }
 
     fn tables(&self) -> Vec<Table> {
