@@ -7,6 +7,7 @@ mod table;
 pub use found::Found;
 pub use table::table;
 
+use self::found::Row;
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::{fixed, trimmed};
@@ -144,12 +145,24 @@ fn cloud(chosen: &Chosen, (x, y): (Measure, Option<Measure>), front: &[usize]) -
     let mut plot = Plot::new(id, Axis::Own, unit, Rounded::to(points.iter().map(|(x, ..)| *x).collect(), 4));
     plot.x_unit = x.words().1.to_owned();
     plot.height = 340;
-    plot.curves.push(Curve::dots("choices", "soft", only(&|_| true)));
+    let names = points.iter().map(|(.., k)| components(chosen, &chosen.candidates[*k])).collect();
+    plot.curves.push(Curve::dots("choices", "soft", only(&|_| true)).named(names));
     if !front.is_empty() {
         plot.curves.push(Curve::dots("beaten by none", "trace", only(&|k| front.contains(&k))));
     }
     plot.curves.push(Curve::dots("chosen", "c1", only(&|k| chosen.winner == Some(k))));
     plot
+}
+
+/// What a candidate is: `tilt_tray, 2 m/s, 8 × linear`.
+fn components(chosen: &Chosen, candidate: &Candidate) -> String {
+    let row = Row::new(chosen, candidate);
+    let mut parts =
+        vec![row.cart, format!("{} m/s", trimmed(row.speed_m_s, 3)), format!("{} × {}", row.motors, row.motor)];
+    parts.extend(row.least_radius_m.map(|radius| format!("{} m radii", trimmed(radius, 3))));
+    parts.extend(row.take_up.into_iter().chain(row.sensor));
+    parts.extend(row.equipment.iter().map(|(name, count)| format!("{count} × {name}")));
+    parts.join(", ")
 }
 
 fn front(chosen: &Chosen, measures: &[Measure], rows: &[(usize, Vec<f64>)], pictures: &mut Pictures) -> Markup {

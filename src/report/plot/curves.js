@@ -260,7 +260,8 @@ class Curves {
       const text = this.at(curve, at, this.spec.unit);
       this.entries[k].value.textContent = text;
     });
-    const x = this.logX ? 10 ** value : value;
+    // Where the values are, which between far points is not where the cursor is.
+    const x = this.logX ? 10 ** this.x[at] : this.x[at];
     this.place.textContent = `${short(Number(x.toPrecision(5)))} ${this.spec.x_unit}`.trim();
     if (this.plot && !this.hovered) {
       const left = this.plot.valToPos(value, "x");
@@ -271,7 +272,9 @@ class Curves {
 
   at(curve, k, unit) {
     if ("low" in curve) return `${written(curve.low[k])} … ${written(curve.high[k], unit)}`;
-    return written((curve.y || curve.dots)[k], unit);
+    const value = (curve.y || curve.dots)[k];
+    const name = value === null || !curve.named ? "" : `, ${curve.named[k]}`;
+    return written(value, unit) + name;
   }
 
   nearest(value) {

@@ -139,6 +139,9 @@ pub struct Curve {
     /// Hidden until it is turned on.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub hidden: bool,
+    /// What each dot is, told with its value.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub named: Vec<String>,
 }
 
 /// Of a line, or of the edges of a band.
@@ -170,7 +173,12 @@ impl Curve {
             values: Values::Line { y: Rounded::new(y) },
             dashed: false,
             hidden: false,
+            named: Vec::new(),
         }
+    }
+
+    pub fn named(self, named: Vec<String>) -> Self {
+        Curve { named, ..self }
     }
 
     pub fn dashed(self) -> Self {

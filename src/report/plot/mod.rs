@@ -100,7 +100,7 @@ pub fn how() -> Markup {
     html! {
         p.note.how {
             "Drag over a stretch to see it larger, with shift to move along; double click for the whole. Ctrl and scrolling, or + and −, do the same. \
-            A name below a picture turns its curve on and off. The cursor is the same in all pictures of one axis, and on the plan."
+            A name below a picture turns its curve on and off. The cursor is the same in all pictures of one axis, and on a plan of the track where there is one."
         }
     }
 }

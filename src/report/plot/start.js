@@ -65,6 +65,7 @@ if (other) {
   other.addEventListener("change", async () => {
     const [file] = other.files;
     if (!file) return;
+    for (const own of page.curves.values()) if (own.others.length) own.lay([]);
     let read = null;
     try {
       const text = await file.text();
@@ -108,7 +109,9 @@ function between(xs, ys, x) {
     else low = middle;
   }
   if (ys[low] === null || ys[high] === null) return null;
-  return ys[low] + ((ys[high] - ys[low]) * (x - xs[low])) / (xs[high] - xs[low] || 1);
+  const y = ys[low] + ((ys[high] - ys[low]) * (x - xs[low])) / (xs[high] - xs[low] || 1);
+  // A page's own values have no more digits.
+  return Number(y.toPrecision(6));
 }
 
 // For tests, and for who looks closer in the browser's console.

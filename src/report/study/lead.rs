@@ -3,7 +3,7 @@
 use super::unit;
 use crate::base::number::{decimal, fixed, significant};
 use crate::study::table::{Cells, Column};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Parameters that are told.
 const TOLD: usize = 4;
@@ -28,11 +28,26 @@ struct Change<'a> {
 
 /// A sentence for each parameter that changes something, the one that changes most first.
 pub fn sentences(parameters: &[&Column], results: &[&Column]) -> Vec<String> {
+    changes(parameters, results).iter().map(Change::words).collect()
+}
+
+/// The parameter and the result of the first sentence.
+pub fn first<'a>(parameters: &[&'a Column], results: &[&'a Column]) -> Option<(&'a Column, &'a Column)> {
+    changes(parameters, results).first().map(|change| (change.parameter, change.result))
+}
+
+/// How many values of a parameter a result was found at.
+pub fn values(parameter: &Column, cells: &[Option<f64>]) -> usize {
+    let found = (0..cells.len()).filter(|row| cells[*row].is_some_and(f64::is_finite));
+    found.filter_map(|row| key(parameter, row)).collect::<BTreeSet<_>>().len()
+}
+
+fn changes<'a>(parameters: &[&'a Column], results: &[&'a Column]) -> Vec<Change<'a>> {
     let mut changes: Vec<Change> = parameters.iter().filter_map(|parameter| most(parameter, results)).collect();
     changes.retain(|change| change.share >= LEAST);
     changes.sort_by(|a, b| b.share.total_cmp(&a.share));
     changes.truncate(TOLD);
-    changes.iter().map(Change::words).collect()
+    changes
 }
 
 /// The result that a parameter changes most.

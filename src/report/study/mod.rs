@@ -28,7 +28,7 @@ const BELOW: f64 = 40.0;
 
 /// Rules beyond the house style sheet.
 const STYLE: &str = ".small { display: grid; grid-template-columns: repeat(auto-fill, minmax(280px, 1fr)); gap: 8px 20px; } \
-    .small figure { margin: 4px 0; } .small figcaption { overflow-wrap: anywhere; } \
+    figure.first { max-width: 420px; margin: 8px 0; } .small figure { margin: 4px 0; } .small figcaption { overflow-wrap: anywhere; } \
     .dot { fill: var(--trace); fill-opacity: .55; } .range { stroke: var(--fill); stroke-width: 3; } \
     tr.failed td, tr.open td { color: var(--soft); } ";
 
@@ -52,6 +52,14 @@ pub fn page(table: &Table) -> String {
         h1 { (table.name) }
         p.lead { (table.rows) @if table.rows == 1 { " task: " } @else { " tasks: " } (counts.join(", ")) "." }
         @for sentence in lead::sentences(&parameters, &results) { p { (sentence) } }
+        @if let Some((parameter, result)) = lead::first(&parameters, &results) {
+            @if let Cells::Numbers(cells) = &result.cells {
+                figure.first {
+                    figcaption { b { (result.name) } " against " (parameter.name) }
+                    (picture(parameter, cells, unit(result)))
+                }
+            }
+        }
         @if !parameters.is_empty() && !results.is_empty() { (pictures(&parameters, &results)) }
         (rows(table, &parameters, &results, &states))
         (constant(table))
@@ -97,6 +105,13 @@ fn pictures(parameters: &[&Column], results: &[&Column]) -> Markup {
             _ => None,
         })
         .collect();
+    // A result at one value of a parameter says nothing of it.
+    let of =
+        |parameter: &Column| drawn.iter().filter(|(_, cells)| lead::values(parameter, cells) > 1).collect::<Vec<_>>();
+    let parameters: Vec<&Column> = parameters.iter().copied().filter(|parameter| !of(parameter).is_empty()).collect();
+    if parameters.is_empty() {
+        return html! {};
+    }
     html! {
         h2 { "Results against parameters" }
         p.note { "The line goes through the means of the tasks with one value of the parameter; bars reach from the least to the largest of them." }
@@ -108,7 +123,7 @@ fn pictures(parameters: &[&Column], results: &[&Column]) -> Markup {
             @for (k, parameter) in parameters.iter().enumerate() {
                 div class=(format!("view by-{k}")) {
                     div.small {
-                        @for (column, cells) in drawn.iter().take(PICTURES) {
+                        @for (column, cells) in of(parameter).into_iter().take(PICTURES) {
                             figure {
                                 figcaption { b { (column.name) } }
                                 (picture(parameter, cells, unit(column)))
