@@ -137,6 +137,23 @@ fn equipment_anywhere_takes_no_longer_track_than_rectangles_do() {
 }
 
 /// A column in the way: the shortest track is longer than lengths alone ask for, and the bound does not claim it.
+/// The written layout is shorter than any that closes, and is no result.
+#[test]
+fn what_is_found_closes_the_chain_as_asked() {
+    for goal in ["length", "cost"] {
+        let layout = hall(
+            "standard",
+            &format!(
+                "  fix all P1..P2\n  fix rotation P3..P4\n  require length(P2..P3) >= 15 m\n  chain closes within 5 mm\n  \
+                 chutes row_a of slide at least 8 anywhere\n  optimise {goal}\n"
+            ),
+        );
+        let compiled = built(&layout);
+        let left = compiled.chain.expect("a chain").left_over;
+        assert!(left.abs() <= 0.005 + 1e-6, "{goal}: {left} m left over on {} m", compiled.track.length);
+    }
+}
+
 #[test]
 fn a_column_makes_the_track_longer() {
     let lines = "  fix P1\n  fix rotation P1..P2\n  chutes row_a of slide at least 4 on P1..P2\n  \

@@ -337,12 +337,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes the written layout if it meets every row, is of the catalogue and has room for everything.
+    /// Takes the written layout if it meets every row, is of the catalogue, closes as asked and has room for everything.
     fn keep_written(&mut self, stages: &[Stage], certificate: &Certificate) {
         let problem = Problem::new(self.layout, Scope::Obstacles);
         let corners = self.layout.corners();
         let of_catalogue = off_grid(self.layout, &problem, &to_variables(&corners), 1e-6).is_empty();
-        if !of_catalogue || !meets_all(&problem, &corners) {
+        let closes = exact::Closes::new(self.layout).is_none_or(|c| c.lack(&self.written) == Some(0.0));
+        if !of_catalogue || !closes || !meets_all(&problem, &corners) {
             return;
         }
         let placement = placement::place(self.layout, &self.written);

@@ -26,6 +26,7 @@ mod told;
 mod touched;
 
 pub use class::{of_class, suffices};
+pub use closes::Closes;
 pub use tariff::{least_price, worth};
 
 use super::options::Discretised;
@@ -36,7 +37,6 @@ use crate::model::Layout;
 use crate::problem::Problem;
 use crate::solve::options::{Effort, Tell};
 use beside::Beside;
-use closes::Closes;
 use closes::Polish;
 use enclosing::Enclosing;
 use grid::{Grid, NoGrid, track};
