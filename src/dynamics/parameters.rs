@@ -93,7 +93,7 @@ fn set_one(simulation: &Simulation, name: &str, text: &str) -> Result<Simulation
         _ => {
             let all = parameters(simulation);
             let near = nearest(name, all.iter().map(|(name, _)| name.as_str()));
-            let hint = near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
+            let hint = near.map_or_else(|| ".".to_owned(), |near| format!(", did you mean `{near}`?"));
             return Err(refuse(format!("there is no such parameter{hint} See --list-parameters.")));
         }
     };

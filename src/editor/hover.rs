@@ -8,6 +8,12 @@ use crate::semantics::Checked;
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 use std::path::Path;
 
+/// Where the first name of `P3..P4` ends, if a place is between its dots.
+fn before_dots(text: &str, offset: usize) -> usize {
+    let end = text.get(..offset).map_or(offset, |before| before.trim_end_matches('.').len());
+    if text.get(end..).is_some_and(|rest| rest.starts_with("..")) && offset <= end + 2 { end } else { offset }
+}
+
 /// What is to be said of a byte of a document.
 pub fn hover(
     workspace: &Workspace,
@@ -19,7 +25,7 @@ pub fn hover(
 ) -> Option<Hover> {
     let text = checked.text(checked.main);
     let lines = workspace.lines(text);
-    let names = checked.names_at(offset);
+    let names = checked.names_at(before_dots(text, offset));
     let mut parts = Vec::new();
     let mut span = None;
     for name in names {

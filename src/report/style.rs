@@ -16,7 +16,7 @@ figcaption b { color: var(--ink); } figure { margin: 12px 0; }
 svg { display: block; width: 100%; height: auto; font: 11px system-ui, sans-serif; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; } .scroll { overflow-x: auto; }
 th, td { padding: 3px 12px 3px 0; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
-th { font-weight: 600; color: var(--soft); } td.number { text-align: right; }
+td.wraps { white-space: normal; min-width: 220px; } th { font-weight: 600; color: var(--soft); } td.number { text-align: right; }
 .axis { stroke: var(--line); } .tick { fill: var(--soft); } \
 .trace { fill: none; stroke: var(--trace); stroke-width: 1; }
 .fill { fill: var(--fill); stroke: none; } .curve { fill: var(--curve); } .climb { fill: var(--climb); }

@@ -188,6 +188,9 @@ impl Build {
             if let Err(outcome) = written::write(&files, folder) {
                 return outcome;
             }
+            if self.message_format == MessageFormat::Text {
+                self.more.tell_missing(&compiled, own);
+            }
         }
         match &freedom {
             Some(table) if self.format == OutputFormat::Text => report::print(&table.text),

@@ -2,11 +2,12 @@
 
 use super::emit::Emit;
 use crate::cli::{Outcome, could_not, report};
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, order};
 use crate::emit::freedom::Table;
 use crate::emit::{self, DrawError, Files, OwnNumbers};
 use crate::source::disk::{Found, inspect};
 use crate::source::{SIZE_LIMIT, root, shown};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Files beside those of every build.
@@ -47,6 +48,22 @@ impl More {
             report::error(&format!("{}{why}", shown(file)));
             Outcome::Problems
         })
+    }
+
+    /// Says of which articles on a bill the table has no own number.
+    pub fn tell_missing(&self, compiled: &Compiled, own: &OwnNumbers) {
+        let Some(file) = &self.articles else { return };
+        let beside = order::lines(compiled).into_iter().filter_map(|line| line.article);
+        let all: BTreeSet<String> = compiled.bill.lines.iter().map(|line| line.article.clone()).chain(beside).collect();
+        let missing: Vec<&str> = all.iter().map(String::as_str).filter(|article| own.of(article).is_none()).collect();
+        if !missing.is_empty() {
+            let (file, count, all) = (shown(file), missing.len(), all.len());
+            let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
+            let names = missing[..count.min(NAMED)].join(", ");
+            report::warning(&format!(
+                "{file} has no own number of {count} of the {all} articles ordered: {names}{more}"
+            ));
+        }
     }
 
     /// All files of a build.
@@ -90,6 +107,9 @@ impl More {
         Ok(files)
     }
 }
+
+/// Articles without an own number that are named.
+const NAMED: usize = 12;
 
 /// Of the manifest in the folder of the outputs.
 const SET: &str = "build";

@@ -194,8 +194,14 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
                 false if at(c.low) || at(c.high) => "at its limit",
                 false => "",
             };
+            // The row of a direction counts how far one end is off the line through the other.
+            let direction = c.row.starts_with("fix rotation") && c.low == c.high;
+            let (limits, is) = match direction {
+                true => ("as written".to_owned(), format!("{} off", unit(c.value, &c.unit))),
+                false => (limits, unit(c.value, &c.unit)),
+            };
             let row = c.reason.as_ref().map_or_else(|| c.row.clone(), |why| format!("{}, \"{why}\"", c.row));
-            vec![row, limits, unit(c.value, &c.unit), text(state)]
+            vec![row, limits, is, text(state)]
         };
         let rows: Vec<Vec<String>> = file.constraints.iter().map(row).collect();
         pages.table(&[words("line"), narrow("asks for"), number("is"), narrow("")], &rows);

@@ -132,6 +132,7 @@ fn areas(compiled: &Compiled, sheet: &Sheet) -> XmlElement {
 mod tests {
     use super::*;
     use crate::compiled::fixture::compile;
+    use crate::emit::samples;
     use crate::model::instances::thesis10;
     use crate::solve::{Discretise, Options, solve_with};
 
@@ -152,6 +153,13 @@ mod tests {
         }
         assert!(!svg.contains("style=") && !svg.contains("<style"));
         assert_eq!(svg.matches("class=\"stage-").count(), 3, "the written layout and two stages");
+        // Nor is equipment, which the page's security policy would leave out.
+        for compiled in [samples::equipped(), samples::raised()] {
+            let written = compiled.layout.corners();
+            let sheet = screen_sheet(&compiled, &written, None).expect("a sheet");
+            let svg = screen(&compiled, &written, &sheet, Detail::All);
+            assert!(!svg.contains("style=") && !svg.contains("<style"), "{}", compiled.layout.name);
+        }
     }
 
     /// Points of the floor stay where they are on the paper while somebody moves a vertex a little.

@@ -7,7 +7,6 @@ mod table;
 pub use found::Found;
 pub use table::table;
 
-use self::found::Row;
 use super::lap_track::LapTrack;
 use super::plot::{Axis, Curve, Layer, LayerOf, Pictures, Plan, Plot, Rounded, document, how, plan, plan_place};
 use crate::base::number::{fixed, trimmed};
@@ -145,24 +144,13 @@ fn cloud(chosen: &Chosen, (x, y): (Measure, Option<Measure>), front: &[usize]) -
     let mut plot = Plot::new(id, Axis::Own, unit, Rounded::to(points.iter().map(|(x, ..)| *x).collect(), 4));
     plot.x_unit = x.words().1.to_owned();
     plot.height = 340;
-    let names = points.iter().map(|(.., k)| components(chosen, &chosen.candidates[*k])).collect();
+    let names = points.iter().map(|(.., k)| words(chosen, &chosen.candidates[*k])).collect();
     plot.curves.push(Curve::dots("choices", "soft", only(&|_| true)).named(names));
     if !front.is_empty() {
         plot.curves.push(Curve::dots("beaten by none", "trace", only(&|k| front.contains(&k))));
     }
     plot.curves.push(Curve::dots("chosen", "c1", only(&|k| chosen.winner == Some(k))));
     plot
-}
-
-/// What a candidate is: `tilt_tray, 2 m/s, 8 × linear`.
-fn components(chosen: &Chosen, candidate: &Candidate) -> String {
-    let row = Row::new(chosen, candidate);
-    let mut parts =
-        vec![row.cart, format!("{} m/s", trimmed(row.speed_m_s, 3)), format!("{} × {}", row.motors, row.motor)];
-    parts.extend(row.least_radius_m.map(|radius| format!("{} m radii", trimmed(radius, 3))));
-    parts.extend(row.take_up.into_iter().chain(row.sensor));
-    parts.extend(row.equipment.iter().map(|(name, count)| format!("{count} × {name}")));
-    parts.join(", ")
 }
 
 fn front(chosen: &Chosen, measures: &[Measure], rows: &[(usize, Vec<f64>)], pictures: &mut Pictures) -> Markup {
@@ -254,7 +242,7 @@ fn cheapest(chosen: &Chosen) -> Markup {
                 th { "choice" } th { "carts" } th { "items/h" } th { "simulated" } th { "price, EUR" } th { "kWh/a" } th { "total, EUR" }
             } }
             tbody { @for k in chosen.cheapest().take(ROWS) { @let c = &chosen.candidates[k]; tr {
-                td { (words(chosen, c)) }
+                td.wraps { (words(chosen, c)) }
                 td.number { (chosen.fitted[c.fitted].fit.map_or(0, |fit| fit.carts)) }
                 td.number { @if let Some(bound) = &c.capacity { (fixed(bound.throughput, 0)) } @else { "–" } }
                 td.number { @if let Some(simulated) = chosen.takes(c) { (mean_words(simulated)) } @else { "–" } }
@@ -272,7 +260,7 @@ fn failed(chosen: &Chosen) -> Markup {
             h2 { "What failed its checks" }
             div.scroll { table {
                 thead { tr { th { "choice" } th { "why" } } }
-                tbody { @for (choice, why) in failed.iter().take(ROWS) { tr { td { (choice) } td { (why) } } } }
+                tbody { @for (choice, why) in failed.iter().take(ROWS) { tr { td.wraps { (choice) } td.wraps { (why) } } } }
             } }
             @if failed.len() > ROWS { p.note { "and " (failed.len() - ROWS) " more" } }
         }

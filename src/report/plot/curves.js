@@ -131,13 +131,19 @@ class Curves {
       }
     });
     const label = (values, log) => values.map(v => (v === null ? "" : short(log ? 10 ** v : v)));
+    // What would end beyond the paper is left out.
+    const pad = Math.max(WIDE, spec.axis === "track" ? 0 : 3.2 * ((spec.x_unit ?? "").length + 4));
+    const inside = (u, texts, values) => {
+      const [{ min, max }, room] = [u.scales.x, u.width - LEFT - pad];
+      return texts.map((text, k) => (((values[k] - min) / (max - min)) * room + 3 * text.length > room + pad ? "" : text));
+    };
     const common = { stroke: () => colour("soft"), font: FONT, grid: { stroke: () => colour("line"), width: 1 }, ticks: { show: false } };
     const frame = {
       width,
       height: spec.height,
       legend: { show: false },
       // The last number on the axis is half beyond its place, and with a long unit farther than that.
-      padding: [8, Math.max(WIDE, 6 * (spec.x_unit ?? "").length), 0, 0],
+      padding: [8, pad, 0, 0],
       scales: {
         x: { time: false },
         y: { range: (u, low, high) => this.room(low, high) },
@@ -148,9 +154,9 @@ class Curves {
           size: 26,
           gap: 4,
           splits: this.logX ? (u, i, low, high) => decades(low, high, width / 60) : undefined,
-          values: (u, values) => label(values, this.logX).map(t => (t && spec.x_unit ? t + " " + spec.x_unit : t)),
+          values: (u, values) => inside(u, label(values, this.logX).map(t => (t && spec.x_unit ? t + " " + spec.x_unit : t)), values),
           grid: { show: false },
-          space: 64,
+          space: Math.max(64, 6.4 * ((spec.x_unit ?? "").length + 6)),
         },
         {
           ...common,
@@ -193,7 +199,7 @@ class Curves {
   /** A margin above and below, and some height where all values are the same. */
   room(low, high) {
     if (low === null || high === null) return [0, 1];
-    const room = Math.max(0.05 * (high - low), 1e-6 * Math.max(Math.abs(high), 1e-3));
+    const room = high > low ? Math.max(0.05 * (high - low), 1e-6 * Math.abs(high)) : Math.max(0.02 * Math.abs(high), 1e-6);
     return [low - room, high + room];
   }
 
@@ -221,6 +227,7 @@ class Curves {
     ctx.save();
     ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
     ctx.strokeStyle = ctx.fillStyle = colour("soft");
+    const names = [];
     for (const mark of this.spec.marks || []) {
       const x = u.valToPos(this.logX ? Math.log10(mark.x) : mark.x, "x", true);
       if (x < bbox.left || x > bbox.left + bbox.width) continue;
@@ -230,8 +237,21 @@ class Curves {
       ctx.lineTo(x, bbox.top + bbox.height);
       ctx.stroke();
       // To either side, as two marks may lie near each other.
-      ctx.textAlign = mark.dotted ? "left" : "right";
-      ctx.fillText(mark.name, x + (mark.dotted ? 3 : -3) * devicePixelRatio, bbox.top + 10 * devicePixelRatio);
+      const side = mark.dotted ? 1 : -1;
+      const [from, width] = [x + 3 * side * devicePixelRatio, ctx.measureText(mark.name).width];
+      const [left, right] = [Math.min(from, from + side * width), Math.max(from, from + side * width)];
+      let line = 0;
+      while (names.some(own => own.line === line && own.left < right && left < own.right)) line += 1;
+      names.push({ name: mark.name, line, left, right });
+    }
+    // Names stand over curves and the lines of the grid, on paper.
+    ctx.textAlign = "left";
+    for (const { name, line, left, right } of names) {
+      const top = bbox.top + 13 * line * devicePixelRatio;
+      ctx.fillStyle = colour("paper");
+      ctx.fillRect(left - devicePixelRatio, top, right - left + 2 * devicePixelRatio, 13 * devicePixelRatio);
+      ctx.fillStyle = colour("soft");
+      ctx.fillText(name, left, top + 10 * devicePixelRatio);
     }
     ctx.restore();
   }

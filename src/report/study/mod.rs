@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn every_result_that_varies_is_drawn_against_every_parameter_that_does() {
         let page = page(&table());
-        assert_eq!(page.matches("<svg").count(), 2, "one result, two parameters");
+        assert_eq!(page.matches("<svg").count(), 3, "one result, two parameters, and first of all what changes most");
         assert!(page.contains("4 tasks: 3 done, 1 failed") && page.contains("it broke"));
         assert!(page.contains("speeds &lt;b&gt;") && !page.contains("speeds <b>"));
         // Three points, and a bar where two tasks share a speed: from 20 to 30.

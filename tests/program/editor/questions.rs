@@ -91,6 +91,7 @@ fn a_place_says_what_it_is() {
     assert!(client.hover(&path, position(&base, "length(", 0)).contains("length(straight(P1..P2))"));
     let said = client.hover(&path, position(&base, "P1..P2", 0));
     assert!(said.contains("| length | 38 m | – |") && said.contains("not solved yet"), "{said}");
+    assert_eq!(client.hover(&path, position(&base, ".P2", 0)), said, "between the dots");
     assert_eq!(client.shut_down(), (Some(0), String::new()));
 }
 
