@@ -6,6 +6,7 @@ use crate::base::number::trimmed;
 use crate::model::{CountPlace, Motors};
 use crate::source::{SourceMap, Span};
 use crate::syntax;
+use crate::syntax::tree::Item;
 
 /// Decimals of coordinates, m, as a found route has them.
 const DECIMALS: usize = 10;
@@ -95,9 +96,11 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     let within = chosen.layout.chain.closes_within.as_ref();
     let closes = within.zip(chosen.track(candidate).left_over).filter(|(within, left_over)| *left_over < within.value);
     let closes = closes.map(|(within, left_over)| (within.span, left_over));
+    let variant = Variant::of(sources, chosen);
+    let is_base = |span: &Span| variant.as_ref().is_some_and(|own| !own.has(span));
     let elsewhere = |span: &Span| span.file != file;
     if all.iter().flatten().chain(&at.places).chain(&at.free).chain(vertices).any(elsewhere)
-        || numbers().any(|(place, _)| elsewhere(&place.span))
+        || numbers().any(|(place, _)| elsewhere(&place.span) || is_base(&place.span))
         || closes.is_some_and(|(span, _)| elsewhere(&span))
     {
         return None;
@@ -123,7 +126,10 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
         put(places.next().copied(), Some(&lines.places.join("\n")));
         removed.extend(places.copied());
     }
-    edits.extend(closes.map(|(span, left_over)| (span, format!("{} mm", trimmed(left_over * 1e3, 6)))));
+    edits.extend(closes.map(|(span, left_over)| {
+        let within = format!("{} mm", trimmed(left_over * 1e3, 6));
+        (span, if is_base(&span) { format!("chain closes within {within}") } else { within })
+    }));
     // The track is written as it was found: motors stand on it, and a build begins there. Of one that is not proven best a
     // build could find another, with another price.
     let found = chosen.track(candidate);
@@ -141,11 +147,18 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     }
     let own = sources.text(cart).to_owned();
     let cart_line = if chosen.layout.choice.carts.is_empty() { own } else { lines.cart };
-    edits.push((cart, cart_line + &behind));
+    let stays = is_base(&cart) && chosen.layout.choice.carts.is_empty();
+    edits.push((cart, if stays { behind.trim_start().to_owned() } else { cart_line + &behind }));
     edits.extend(numbers().map(|(place, count)| (place.span, format!("{}{count}", place.word))));
     edits.extend(removed.into_iter().map(|span| (span, String::new())));
     edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let (base, mut edits): (Vec<_>, Vec<_>) = edits.into_iter().partition(|(span, _)| is_base(span));
     let mut text = sources.file(file).text.to_string();
+    if let Some(own) = variant {
+        // What the base says stays there, and the variant says otherwise.
+        let said: Vec<String> = base.into_iter().rev().map(|(_, new)| new).filter(|new| !new.is_empty()).collect();
+        edits.insert(0, own.with(&said.join("\n")));
+    }
     for (span, new) in edits {
         let (mut start, mut end) = (span.start as usize, span.end as usize);
         if new.is_empty() {
@@ -164,6 +177,40 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     unimport(&mut text, chosen, candidate);
     let (tree, said) = syntax::parse(file, &text);
     said.iter().all(|d| !d.is_error()).then(|| syntax::format(&tree, &text))
+}
+
+/// A layout that changes another one.
+struct Variant {
+    span: Span,
+    /// Whether it has a body.
+    has_body: bool,
+}
+
+impl Variant {
+    /// The layout, where it is one.
+    fn of(sources: &SourceMap, chosen: &Chosen) -> Option<Variant> {
+        let at = chosen.layout.span;
+        let text = &sources.file(at.file).text;
+        let (tree, _) = syntax::parse(at.file, text);
+        let own = tree.items.iter().find_map(|item| match item {
+            Item::Layout(own) if own.name.span == at => Some(own),
+            _ => None,
+        })?;
+        own.from.as_ref()?;
+        Some(Variant { span: own.span, has_body: !own.body.is_absent() })
+    }
+
+    /// Whether something stands in it, and not in what it changes.
+    fn has(&self, span: &Span) -> bool {
+        self.span.file == span.file && self.span.start <= span.start && span.end <= self.span.end
+    }
+
+    /// More statements at its end.
+    fn with(&self, lines: &str) -> (Span, String) {
+        let end = self.span.end - u32::from(self.has_body);
+        let at = Span { start: end, end, ..self.span };
+        (at, if self.has_body { format!("{lines}\n") } else { format!(" {{\n{lines}\n}}") })
+    }
 }
 
 /// Takes out imports of components that were not chosen and are named nowhere else.

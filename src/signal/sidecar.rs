@@ -176,6 +176,16 @@ hall = 3
     }
 
     #[test]
+    fn the_tension_that_was_set_may_be_told() {
+        let text = WRITTEN.replace("trigger_position", "tension_setpoint = 400.0\ntrigger_position");
+        let sidecar = read(&text).expect("a sidecar");
+        assert_eq!(sidecar.tension_setpoint, Some(400.0));
+        assert_eq!(String::from_utf8(sidecar.write()).expect("text"), text);
+        assert_eq!(read(WRITTEN).expect("a sidecar").tension_setpoint, None);
+        assert!(read(&text.replace("400.0", "\"400 N\"")).is_err());
+    }
+
+    #[test]
     fn forces_that_were_set_to_zero_are_named() {
         let text = WRITTEN.replace("laps = 1\n", "laps = 1\nzeroed = [\"joint_xi\", \"run_left\"]\n");
         let sidecar = read(&text).expect("a sidecar");

@@ -63,6 +63,7 @@ fn simulated(nominal: &Simulation) -> Run {
     let plan = Plan { laps: 3, step: Some(2.5e-4), front: 0.3, ..Plan::default() };
     let mut run = simulate(&real, &plan, Width::widest(), &mut |_| true).expect("a chain").run;
     run.sidecar.speed_setpoint = nominal.chain.speed_m_s;
+    run.sidecar.tension_setpoint = Some(nominal.chain.tension_n);
     run.sidecar.trigger_position = nominal.sensor.photocell_s_m;
     run.sidecar.layout = "small.lss".into();
     run

@@ -49,6 +49,43 @@ fn what_is_written_is_what_was_promised() {
     }
 }
 
+/// A variant says its choice itself: the layout that it changes, and others of the file, stay as they were.
+#[test]
+fn a_choice_of_a_variant_leaves_its_base_alone() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    let base = "use std.carts.tilt_tray\nuse std.drives.linear_motor\nuse std.drives.linear_motor_800\n\
+                use std.tracks.standard\n\nlayout a {\n  catalog standard\n  cart tilt_tray(length: 1000 mm)\n  \
+                motor linear_motor\n  speed 2 m/s\n  width 1.2 m\n  vertex P1 (4 m, 4 m) radius 4 m\n  \
+                vertex P2 (24 m, 4 m) radius 4 m\n  vertex P3 (24 m, 16 m) radius 4 m\n  \
+                vertex P4 (4 m, 16 m) radius 4 m\n  fix all P1..P2\n  fix rotation P3..P4\n  \
+                require length(straight(P2..P3)) >= 4 m\n  motors 6 evenly\n  chain closes within 20 mm\n  optimise length\n}\n";
+    let free = "  choose cart tilt_tray lengths 900 mm .. 1100 mm\n  choose motor linear_motor, linear_motor_800 on straights\n";
+    for (variants, layout) in [
+        (format!("\nlayout b from a {{\n{free}}}\n\nlayout c from a {{\n  speed 1.8 m/s\n}}\n"), "b"),
+        (format!("\nlayout b from a {{\n{free}}}\n\nlayout c from b\n"), "c"),
+    ] {
+        let (file, out) = (place.path().join("variants.lss"), place.path().join(layout));
+        fs::write(&file, format!("{base}{variants}")).expect("a layout");
+        let choose = |file: &Path, more: &[&str]| {
+            let mut command = lss();
+            command.args(["choose", "--layout", layout, "--checks", "0", "--format", "json"]).args(more).arg(file);
+            command
+        };
+        let told = choose(&file, &["-o", out.to_str().expect("a path")]).assert().success();
+        let found: Value = serde_json::from_slice(&told.get_output().stdout).expect("one JSON object");
+        let text = fs::read_to_string(out.join("layout.lss")).expect("a layout");
+        let block = |text: &str| text[text.find("layout a").expect("a")..text.find("layout b").expect("b")].to_owned();
+        assert_eq!(block(&text), block(base.to_owned().as_str().replace("}\n", "}\n\nlayout b").as_str()), "{text}");
+        if layout == "c" {
+            assert!(text.contains("choose cart tilt_tray"), "what `b` leaves free stays free there\n{text}");
+        }
+        let built = out.join("built");
+        lss().args(["build", "--layout", layout]).arg(out.join("layout.lss")).arg("-o").arg(&built).assert().success();
+        let price = price(&built);
+        assert!((price - found["choice"]["price_eur"].as_f64().expect("a price")).abs() < 0.005, "{price}\n{text}");
+    }
+}
+
 /// The dynamic model needs the thrust of the closed form where the chain runs so slowly that it hardly vibrates.
 #[test]
 fn a_slow_chain_needs_the_thrust_of_the_closed_form() {
