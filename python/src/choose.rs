@@ -36,7 +36,7 @@ fn chosen(
         return Err(Failure::Value(why.to_owned()));
     }
     let options = Options { threads, stop: Stop::when(ended), ..Options::default() };
-    let settings = Settings { options, width: Width::used(), checks };
+    let settings = Settings { options, width: Width::used(), checks, tracks_within: None };
     let (tracks, simulated, checked) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let one_more = |count: &AtomicUsize| count.fetch_add(1, Ordering::Relaxed) + 1;
     let chosen = lss::choose::choose(&layout, &settings, &|told| {

@@ -7,9 +7,11 @@ use super::settings::{Settings, Tell, Told};
 use super::simulated::{self, Simulated};
 use super::tracks::{self, NoTrack, Track};
 use crate::base::parallel;
+use crate::base::stop::Stop;
 use crate::capacity::{Mean, Sorter};
 use crate::compiled::Compiled;
 use crate::model::{Cart, Free, Layout, Motor, Motors, Sensor, TakeUp};
+use crate::solve::Options;
 use std::fmt;
 
 /// Candidates, and tracks that they are on, at most.
@@ -78,7 +80,9 @@ pub fn choose(layout: &Layout, settings: &Settings, told: Tell) -> Result<Chosen
     if asked > MOST_TRACKS {
         return Err(TooMany::Tracks(asked));
     }
-    let (tracks, untracked) = tracks::tracks(layout, &settings.options, told);
+    let stop = settings.tracks_within.map_or(settings.options.stop, Stop::after);
+    let of_tracks = Options { stop, ..settings.options };
+    let (tracks, untracked) = tracks::tracks(layout, &of_tracks, told);
     let carts = tracks::carts(layout);
     let pairs: Vec<(usize, usize)> = (0..tracks.len())
         .flat_map(|track| (0..carts.len()).map(move |cart| (track, cart)))

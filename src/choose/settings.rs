@@ -2,11 +2,14 @@
 
 use crate::dynamics::Width;
 use crate::solve::Options;
+use std::time::Duration;
 
 /// How a choice is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     pub options: Options,
+    /// How long tracks are searched, all together; what is not proven by then is the best that was found.
+    pub tracks_within: Option<Duration>,
     pub width: Width,
     /// Candidates that are checked in the dynamic model until one passes, at most; 0 leaves this check and that of the
     /// simulated capacity out.

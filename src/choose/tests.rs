@@ -32,7 +32,12 @@ fn near(found: f64, expected: f64, share: f64) {
 }
 
 fn settings() -> Settings {
-    Settings { options: Options { threads: 1, ..Options::default() }, width: Width::used(), checks: 0 }
+    Settings {
+        options: Options { threads: 1, ..Options::default() },
+        width: Width::used(),
+        checks: 0,
+        tracks_within: None,
+    }
 }
 
 /// A rectangle as written, with an induction and chutes, and carts of five lengths, two motors and four speeds to choose

@@ -12,6 +12,7 @@ use crate::semantics::given::GivenLet;
 use crate::solve::{Options, unsupported};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 /// Choose carts, speed, motors and radii that do what a layout requires, at the least price with energy.
 ///
@@ -37,6 +38,10 @@ pub struct Choose {
     /// measures too little; 0 leaves this check and that of the simulated capacity out.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(0..=1000))]
     checks: u32,
+    /// Search tracks no longer than this, all together: 30, 30s, 2min. What is not proven by then is the best that was
+    /// found, and on another machine it may be another.
+    #[arg(long, value_name = "TIME", value_parser = limits::time)]
+    time_limit: Option<Duration>,
     /// Folder for the outputs; created if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -69,7 +74,8 @@ impl Choose {
             return Outcome::CouldNotRun;
         }
         let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
-        let settings = Settings { options, width: Width::used(), checks: self.checks as usize };
+        let (checks, tracks_within) = (self.checks as usize, self.time_limit);
+        let settings = Settings { options, width: Width::used(), checks, tracks_within };
         let line = Line::open(self.message_format);
         let (tracks, checks) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let one_more = |count: &AtomicUsize| count.fetch_add(1, Ordering::Relaxed) + 1;

@@ -97,7 +97,12 @@ fn run(code: Code) -> (SourceMap, Vec<Diagnostic>) {
             diagnostics.extend(compiled.short_of_capacity());
         }
         (Code::E0605, Ok(Some(layout))) => {
-            let settings = choose::Settings { options: solve::Options::default(), width: Width::used(), checks: 0 };
+            let settings = choose::Settings {
+                options: solve::Options::default(),
+                width: Width::used(),
+                checks: 0,
+                tracks_within: None,
+            };
             diagnostics.extend(choose::refused(&choose::choose(layout, &settings, &|_| ()).unwrap()));
         }
         (Code::E0606, Ok(Some(layout))) => {
