@@ -173,11 +173,9 @@ fn fitted(runs: Runs, wanted: &Wanted, ended: &'static AtomicBool, board: &Board
     for &law in &wanted.laws {
         let first = done.first().map(|(_, fits, _)| fits.clone());
         let width = Width::used();
-        let counter = Counter::default();
-        let first = first.as_deref();
-        let work = LawFits { law, settings, width, first, kept_in: None, trusted: false, counter: &counter };
+        let work = LawFits { law, settings, width, first: first.as_deref(), kept_in: None, trusted: false };
         let results = parallel::map(&cases, threads, |case| {
-            let fit = work.fit(case);
+            let fit = work.fit(case, &Counter::default());
             let done = count.fetch_add(1, Ordering::Relaxed) + 1;
             board.tell(done as f64, Some(all as f64), format!("fitted {}", case.subject.name));
             fit

@@ -24,20 +24,18 @@ pub struct LawFits<'a> {
     pub kept_in: Option<&'a Path>,
     /// Whether fits that were kept may be used.
     pub trusted: bool,
-    /// Counts what is simulated.
-    pub counter: &'a Counter,
 }
 
 /// How many kept fits are looked at again.
 const ASKED_AGAIN: usize = 2;
 
 impl LawFits<'_> {
-    /// A run's fit: from the disk when it is there and nothing has changed, else made and kept.
+    /// A run's fit: from the disk when it is there and nothing has changed, else made and kept. What is simulated is counted.
     ///
     /// # Errors
     ///
     /// In words.
-    pub fn fit(&self, case: &Case) -> Result<RunFit, String> {
+    pub fn fit(&self, case: &Case, counter: &Counter) -> Result<RunFit, String> {
         let (subject, width) = (&case.subject, self.width);
         let start = self.first.and_then(|fits| fits.iter().find(|f| f.run == subject.name));
         if let Some(carried) = start.and_then(|from| carry(subject, from, self.law, &self.settings, width)) {
@@ -50,18 +48,11 @@ impl LawFits<'_> {
             let within = start.and_then(|s| study::within(subject, s, self.law, &self.settings, width));
             if let Some(at) = within {
                 let settings = FitSettings { steps: 0, ..self.settings };
-                return fit_run(
-                    subject,
-                    self.law,
-                    Some((self.law, &at)),
-                    &settings,
-                    (width, self.counter),
-                    key.clone(),
-                );
+                return fit_run(subject, self.law, Some((self.law, &at)), &settings, (width, counter), key.clone());
             }
             let from = start.map(|s| (s.law, s.at()));
             let from = from.as_ref().map(|(law, at)| (*law, at));
-            fit_run(subject, self.law, from, &self.settings, (width, self.counter), key.clone())
+            fit_run(subject, self.law, from, &self.settings, (width, counter), key.clone())
         })
     }
 
@@ -143,7 +134,7 @@ impl LawFits<'_> {
                     self.law,
                     Some((self.law, &at)),
                     &settings,
-                    (self.width, self.counter),
+                    (self.width, &Counter::default()),
                     key.clone(),
                 )
             })

@@ -18,8 +18,7 @@ use crate::identify::{Counter, FitSettings, Parameter};
 use crate::report::identification;
 use crate::source::shown;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 #[derive(Debug, clap::Args)]
 pub struct Campaign {
@@ -82,7 +81,6 @@ impl Campaign {
         if self.identifiability {
             return self.tell(&cases, &settings, threads, broken);
         }
-        let counter = Counter::default();
         let begin = LawFits {
             law: self.law.0[0],
             settings,
@@ -90,24 +88,22 @@ impl Campaign {
             first: None,
             kept_in: Some(output),
             trusted: true,
-            counter: &counter,
         };
         let trusted = begin.confirmed(&cases);
         if !trusted {
             report::warning("a fit that was kept here comes out otherwise now: all fits are made anew");
         }
-        let begun = Arc::new(Begun::new(&counter, threads));
-        let of_begun = begun.clone();
+        let under_way = Arc::new(UnderWay::default());
+        let watched = under_way.clone();
         let whole = (cases.len() * self.law.0.len()) as u64;
-        let line = Line::watched(whole, "fits", move || of_begun.share());
+        let line = Line::watched(whole, "fits", move || watched.fits());
         let mut done: Vec<(ContactLaw, Vec<RunFit>, Vec<Shared>)> = Vec::new();
         let mut failed = broken;
         for &law in &self.law.0 {
             let first = done.first().map(|(_, fits, _)| fits.clone());
             let work = LawFits { law, first: first.as_deref(), trusted, ..begin };
             let results = parallel::map(&cases, threads, |case| {
-                let fit = work.fit(case);
-                begun.ended(fit.as_ref().map_or(0, |fit| fit.simulations as u64));
+                let fit = under_way.watch(|counter| work.fit(case, counter));
                 line.step(|| format!("{}, {}", case.subject.name, law_name(law)));
                 fit
             });
@@ -187,35 +183,68 @@ impl Campaign {
     }
 }
 
-/// How much of the fits that were begun is done.
-struct Begun {
-    counter: Counter,
-    threads: usize,
-    /// Fits that ended, and their simulations.
-    ended: [AtomicU64; 2],
+/// The fits that were begun: how much each has simulated, and whether it has ended.
+#[derive(Default)]
+struct UnderWay(Mutex<Vec<(Counter, bool)>>);
+
+/// Simulations of a fit, until one has ended that made some.
+const USUAL: f64 = 80.0;
+/// Share of a fit that is done at most before it has ended, as some take more simulations than others.
+const NEARLY: f64 = 0.9;
+
+impl UnderWay {
+    /// Does a fit, which counts its simulations.
+    fn watch<T>(&self, fit: impl FnOnce(&Counter) -> T) -> T {
+        let counter = Counter::default();
+        let number = {
+            let mut all = self.all();
+            all.push((counter.clone(), false));
+            all.len() - 1
+        };
+        let made = fit(&counter);
+        if let Some((_, ended)) = self.all().get_mut(number) {
+            *ended = true;
+        }
+        made
+    }
+
+    /// What is done of those that have not ended, in fits.
+    fn fits(&self) -> f64 {
+        let all = self.all();
+        let made = |wanted: bool| {
+            let of = all.iter().filter(move |(_, ended)| *ended == wanted);
+            of.map(|(counter, _)| counter.effort().simulations as f64).filter(|made| *made > 0.0)
+        };
+        // Those that were kept or carried over made none.
+        let (count, sum) = made(true).fold((0.0, 0.0), |(count, sum), made| (count + 1.0, sum + made));
+        let each = if count > 0.0 { sum / count } else { USUAL };
+        made(false).map(|made| (made / each).min(NEARLY)).sum()
+    }
+
+    fn all(&self) -> MutexGuard<'_, Vec<(Counter, bool)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
-/// Simulations of a fit, until one has ended.
-const USUAL: f64 = 80.0;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Begun {
-    fn new(counter: &Counter, threads: usize) -> Self {
-        Begun { counter: counter.clone(), threads, ended: Default::default() }
-    }
-
-    fn ended(&self, simulations: u64) {
-        // A fit that was kept is read in no time.
-        if simulations > 0 && self.counter.effort().simulations > 0 {
-            self.ended[0].fetch_add(1, Ordering::Relaxed);
-            self.ended[1].fetch_add(simulations, Ordering::Relaxed);
-        }
-    }
-
-    /// In fits.
-    fn share(&self) -> f64 {
-        let [fits, ended] = [0, 1].map(|k| self.ended[k].load(Ordering::Relaxed));
-        let each = if fits > 0 { ended as f64 / fits as f64 } else { USUAL };
-        let open = self.counter.effort().simulations.saturating_sub(ended);
-        (open as f64 / each).min(0.8 * self.threads as f64)
+    #[test]
+    fn fits_that_were_kept_say_nothing_of_how_long_others_take() {
+        let fits = UnderWay::default();
+        let simulate = |counter: &Counter, times: usize| (0..times).for_each(|_| counter.add(1.0));
+        fits.watch(|counter| {
+            simulate(counter, 40);
+            assert_eq!(fits.fits(), 0.5, "of the usual number");
+        });
+        assert_eq!(fits.fits(), 0.0);
+        fits.watch(|_| ());
+        fits.watch(|counter| {
+            simulate(counter, 10);
+            assert_eq!(fits.fits(), 0.25, "of the first's");
+            simulate(counter, 90);
+            assert_eq!(fits.fits(), NEARLY);
+        });
     }
 }
