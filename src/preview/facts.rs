@@ -18,7 +18,7 @@ const DEAREST: usize = 8;
 
 /// The facts as HTML; `forces` are those that the plan tells.
 pub fn html(known: &Known, compiled: &Compiled, forces: Option<&Forces>) -> String {
-    let silent = forces.and_then(|forces| forces.of(compiled).err());
+    let silent = forces.and_then(|forces| forces.places(compiled).err());
     let body = html! {
         (numbers(compiled))
         @if let Some(why) = silent { p.note { "No forces: " (why) "." } }

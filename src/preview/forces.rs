@@ -5,7 +5,8 @@ use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 use crate::geometry::PieceKind;
 use crate::signal::measures::{TrackSection, by_section};
-use crate::signal::{Channel, Run, position};
+use crate::signal::position::{self, Position};
+use crate::signal::{Channel, Run};
 use crate::source::{input, root, shown};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,17 +42,27 @@ impl Forces {
         Ok(Forces { simulation, run })
     }
 
+    /// Where the run's samples were taken.
+    ///
+    /// # Errors
+    ///
+    /// The run is of another track, or does not tell its places.
+    pub fn places(&self, compiled: &Compiled) -> Result<Position, &'static str> {
+        if Simulation::new(compiled).track != self.simulation.track {
+            return Err("the run is of another track: `lss simulate` makes one of this");
+        }
+        position::position(&self.run, self.simulation.chain.track_length_m)
+            .ok_or("the run does not tell where its carts are")
+    }
+
     /// Mean and extremes on each straight and curve (`s3`, `c3`), in words.
     ///
     /// # Errors
     ///
-    /// Why there are none: the run is of another track, or does not tell its places.
+    /// As [`Forces::places`].
     pub fn of(&self, compiled: &Compiled) -> Result<BTreeMap<String, Vec<String>>, &'static str> {
-        if Simulation::new(compiled).track != self.simulation.track {
-            return Err("the run is of another track: `lss simulate` makes one of this");
-        }
+        let place = self.places(compiled)?;
         let lap = self.simulation.chain.track_length_m;
-        let place = position::position(&self.run, lap).ok_or("the run does not tell where its carts are")?;
         let pieces: Vec<_> = compiled.track.pieces.iter().filter(|piece| piece.length > 1e-9).collect();
         let sections: Vec<TrackSection> = pieces
             .iter()

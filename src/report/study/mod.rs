@@ -98,43 +98,42 @@ fn unit(column: &Column) -> &str {
 }
 
 fn pictures(parameters: &[&Column], results: &[&Column]) -> Markup {
-    let drawn: Vec<(&Column, &[Option<f64>])> = results
-        .iter()
-        .filter_map(|column| match &column.cells {
+    // A result at one value of a parameter says nothing of it.
+    let drawn = |parameter: &Column| -> Vec<(&Column, &[Option<f64>])> {
+        let numbers = results.iter().filter_map(|column| match &column.cells {
             Cells::Numbers(cells) => Some((*column, cells.as_slice())),
             _ => None,
-        })
-        .collect();
-    // A result at one value of a parameter says nothing of it.
-    let of =
-        |parameter: &Column| drawn.iter().filter(|(_, cells)| lead::values(parameter, cells) > 1).collect::<Vec<_>>();
-    let parameters: Vec<&Column> = parameters.iter().copied().filter(|parameter| !of(parameter).is_empty()).collect();
-    if parameters.is_empty() {
+        });
+        numbers.filter(|(_, cells)| lead::values(parameter, cells) > 1).collect()
+    };
+    let views: Vec<_> = parameters.iter().map(|parameter| (parameter, drawn(parameter))).collect();
+    let views: Vec<_> = views.into_iter().filter(|(_, drawn)| !drawn.is_empty()).collect();
+    if views.is_empty() {
         return html! {};
     }
     html! {
         h2 { "Results against parameters" }
         p.note { "The line goes through the means of the tasks with one value of the parameter; bars reach from the least to the largest of them." }
         div.views {
-            @for (k, parameter) in parameters.iter().enumerate() {
+            @for (k, (parameter, _)) in views.iter().enumerate() {
                 input type="radio" name="by" id=(format!("by-{k}")) checked[k == 0];
                 label for=(format!("by-{k}")) { "against " (parameter.name) }
             }
-            @for (k, parameter) in parameters.iter().enumerate() {
+            @for (k, (parameter, drawn)) in views.iter().enumerate() {
                 div class=(format!("view by-{k}")) {
                     div.small {
-                        @for (column, cells) in of(parameter).into_iter().take(PICTURES) {
+                        @for (column, cells) in drawn.iter().take(PICTURES) {
                             figure {
                                 figcaption { b { (column.name) } }
                                 (picture(parameter, cells, unit(column)))
                             }
                         }
                     }
+                    @if drawn.len() > PICTURES {
+                        p.note { (drawn.len() - PICTURES) " more results vary; study.csv and study.parquet have them." }
+                    }
                 }
             }
-        }
-        @if drawn.len() > PICTURES {
-            p.note { (drawn.len() - PICTURES) " more results vary; study.csv and study.parquet have them." }
         }
     }
 }
