@@ -16,8 +16,8 @@ use crate::choose::refused::{limited, mean_words, words};
 use crate::choose::{Candidate, Check, Chosen, Measure};
 use maud::{Markup, html};
 
-/// Dots of a picture, at most.
-const DOTS: usize = 4000;
+/// Dots of a picture, at most: each has a name, and a page stays small.
+const DOTS: usize = 2000;
 /// Rows of the table of the cheapest.
 const ROWS: usize = 20;
 
