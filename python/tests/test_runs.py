@@ -103,7 +103,7 @@ def test_own_measurements_are_a_run(tmp_path: Path) -> None:
             lss.Run(time, wrong, sidecar=sidecar).write(tmp_path)
     own = lss.Run(time, {"steer_left": time}, sidecar={**sidecar, "tension_setpoint": 400.0, "zeroed": ["steer_left"]})
     assert own.sidecar["tension_setpoint"] == 400.0 and own.sidecar["zeroed"] == ["steer_left"]
-    with pytest.raises(ValueError, match="no channel 'trigger'"):
+    with pytest.raises(ValueError, match='no channel "trigger"'):
         lss.Run(time, {"steer_left": time}, sidecar={**sidecar, "zeroed": ["trigger"]})
     with pytest.raises(ValueError, match="increase"):
         lss.Run(time[::-1], {"steer_left": time}, sidecar=sidecar).write(tmp_path)

@@ -7,7 +7,7 @@ use crate::chain_input::Simulation;
 use crate::compiled::Compiled;
 use crate::emit::{DrawError, Files, change_png, change_svg};
 use crate::review::{Comparison, Forces};
-use crate::signal::Run;
+use crate::signal::Entry;
 use crate::source::shown;
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
@@ -112,11 +112,12 @@ impl Diff {
     fn forces(&self, layouts: [&Compiled; 2]) -> Result<Option<Forces>, Outcome> {
         let [before, after] = self.runs.as_slice() else { return Ok(None) };
         let read = |path: &PathBuf, compiled: &Compiled| {
-            let run = Run::read(path).map_err(|why| {
+            let read = Entry::of(path).and_then(|entry| entry.run().map(|run| (entry, run)));
+            let (entry, run) = read.map_err(|why| {
                 report::error(&why.to_string());
                 if why.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
             })?;
-            match simulation_of(path, &run) {
+            match simulation_of(&entry) {
                 Some((_, Ok(of))) if of.track != Simulation::new(compiled).track => {
                     let name = &compiled.layout.name;
                     report::error(&format!("{} is of another track than that of `{name}`", shown(path)));
@@ -129,7 +130,7 @@ impl Diff {
                     report::warning(&format!("whether {run} is of this track is not known: {file}: {why}"));
                 }
                 None => report::warning(&format!(
-                    "whether {} is of this track is not known: its sidecar names no simulation.json",
+                    "whether {} is of this track is not known: the layout that its sidecar names is not there",
                     shown(path)
                 )),
             }

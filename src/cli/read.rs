@@ -136,6 +136,18 @@ pub fn simulation(file: &Path, name: Option<&str>, format: MessageFormat) -> Res
     simulation_with(file, name, &[], format)
 }
 
+/// The same; what is only warned of is not said, as the layout is not what was asked about.
+pub fn simulation_quietly(file: &Path) -> Result<Simulation, Outcome> {
+    if is_json(file) {
+        return simulation(file, None, MessageFormat::Text);
+    }
+    let read = Read { mute: true, ..read_any(file, None, &[], MessageFormat::Text)? };
+    match solved(read, MessageFormat::Text)? {
+        (compiled, Outcome::Clean) => Ok(Simulation::new(&compiled)),
+        (_, failed) => Err(failed),
+    }
+}
+
 /// The same, with values for a layout's `let`s.
 pub fn simulation_with(
     file: &Path,

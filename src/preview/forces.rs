@@ -6,7 +6,7 @@ use crate::compiled::Compiled;
 use crate::geometry::PieceKind;
 use crate::signal::measures::{TrackSection, by_section};
 use crate::signal::position::{self, Position};
-use crate::signal::{Channel, Run};
+use crate::signal::{Channel, Entry, Run};
 use crate::source::{input, root, shown};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -34,7 +34,7 @@ impl Forces {
     ///
     /// What cannot be read, and why, in a sentence.
     pub fn read(path: &Path) -> Result<Forces, String> {
-        let run = Run::read(path).map_err(|why| why.to_string())?;
+        let run = Entry::of(path).and_then(|entry| entry.run()).map_err(|why| why.to_string())?;
         let beside = path.parent().unwrap_or(Path::new("")).join("simulation.json");
         let bytes = root::read_given(&beside, input::JSON_LIMIT)
             .map_err(|why| format!("{}: {why}; `lss simulate` writes it beside its run", shown(&beside)))?;

@@ -52,7 +52,7 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
     out
 }
 
-/// A row as text: `length(P7..P8) >= 18`; angles in degrees.
+/// A row as text: `length(P7..P8) >= 18 m`; angles in degrees.
 pub fn relation(problem: &Problem, row: &ConstraintRow) -> String {
     let scale = if row.angle { 180.0 / crate::base::trig::PI } else { 1.0 };
     let name = match &row.function {
@@ -77,15 +77,53 @@ pub fn relation(problem: &Problem, row: &ConstraintRow) -> String {
             number(direction.x),
             number(direction.y)
         ),
+        // A difference is compared with nothing: both sides read better.
+        Function::Formula(Formula::Sum(terms)) if is_zero(row) => {
+            if let [a, Formula::Negative(b)] = terms.as_slice() {
+                let sign = if row.low == row.high {
+                    "="
+                } else if row.low.is_finite() {
+                    ">="
+                } else {
+                    "<="
+                };
+                return format!("{} {sign} {}", formula(problem, a), formula(problem, b));
+            }
+            sum(problem, terms)
+        }
+        Function::Formula(Formula::Sum(terms)) => sum(problem, terms),
         Function::Formula(f) => formula(problem, f),
     };
-    let (low, high) = (number(row.low * scale), number(row.high * scale));
+    let unit = if row.angle { "deg" } else { "m" };
+    let [low, high] = [row.low, row.high].map(|limit| format!("{} {unit}", number(limit * scale)));
     match (row.low == row.high, row.low.is_finite(), row.high.is_finite()) {
         (true, ..) => format!("{name} = {low}"),
         (_, true, true) => format!("{low} <= {name} <= {high}"),
         (_, true, false) => format!("{name} >= {low}"),
         _ => format!("{name} <= {high}"),
     }
+}
+
+/// Whether a row's only limit is zero.
+fn is_zero(row: &ConstraintRow) -> bool {
+    let limits = [row.low, row.high].into_iter().filter(|limit| limit.is_finite());
+    limits.clone().count() > 0 && limits.into_iter().all(|limit| limit == 0.0)
+}
+
+fn sum(p: &Problem, terms: &[Formula]) -> String {
+    let mut out = String::new();
+    for (k, term) in terms.iter().enumerate() {
+        let (sign, term) = match term {
+            Formula::Negative(term) => ("-", term.as_ref()),
+            term => ("+", term),
+        };
+        out += &match (k, sign) {
+            (0, "+") => formula(p, term),
+            (0, _) => format!("-{}", formula(p, term)),
+            _ => format!(" {sign} {}", formula(p, term)),
+        };
+    }
+    out
 }
 
 fn formula(p: &Problem, f: &Formula) -> String {
@@ -106,7 +144,7 @@ fn formula(p: &Problem, f: &Formula) -> String {
             format!("distance({}, {})", vertex(i), keepout.map_or("obstacle", |k| &k.name))
         }
         Formula::DistanceBuilding(i) => format!("distance({}, building)", vertex(i)),
-        Formula::Sum(terms) => format!("({})", list(terms, " + ")),
+        Formula::Sum(terms) => format!("({})", sum(p, terms)),
         Formula::Product(terms) => list(terms, " * "),
         Formula::Negative(f) => format!("-{}", formula(p, f)),
         Formula::Reciprocal(f) => format!("1 / {}", formula(p, f)),

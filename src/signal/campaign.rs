@@ -16,7 +16,7 @@ use crate::source::{InputError, Root, SIZE_LIMIT, one_line, root, steers};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use toml::{Spanned, Value};
 
 /// Runs that belong together.
@@ -92,7 +92,8 @@ impl Campaign {
     pub const FILE: &str = "campaign.toml";
 
     /// Reads the folder of a campaign, or its `campaign.toml`. A folder without one is a campaign of all data files
-    /// that have a sidecar, and a single data file is a campaign of one run.
+    /// that have a sidecar, and a single data file is a campaign of one run, as the `campaign.toml` beside it lists it
+    /// where it does.
     ///
     /// # Errors
     ///
@@ -126,7 +127,7 @@ impl Campaign {
         }
         let mut campaign = Campaign { folder, root, ..Campaign::default() };
         let listed = if read::is_data(&list) {
-            vec![Listed::found(list.clone())]
+            vec![campaign.single(&list)?]
         } else {
             match campaign.root.read(&list, SIZE_LIMIT) {
                 Ok(bytes) => campaign.listed(&bytes, &list)?,
@@ -201,6 +202,21 @@ impl Campaign {
         runs.collect()
     }
 
+    /// A single data file, as the `campaign.toml` beside it lists it, or on its own.
+    fn single(&mut self, data: &Path) -> Result<Listed, RunError> {
+        let list = self.folder.join(Campaign::FILE);
+        let Ok(bytes) = self.root.read(&list, SIZE_LIMIT) else { return Ok(Listed::found(data.to_owned())) };
+        let mut beside = Campaign { folder: self.folder.clone(), root: self.root.clone(), ..Campaign::default() };
+        let listed = beside.listed(&bytes, &list)?.into_iter().find(|run| is_same(&run.file, data));
+        Ok(match listed {
+            Some(run) => {
+                *self = beside;
+                run
+            }
+            None => Listed::found(data.to_owned()),
+        })
+    }
+
     /// One `[[run]]`, which begins on the line `begin`.
     fn entry(&self, mut keys: Reader, list: &Path, begin: usize, layout: Option<&Path>) -> Result<Listed, RunError> {
         let line = keys.line("file").unwrap_or(begin);
@@ -260,6 +276,17 @@ impl Listed {
 }
 
 impl Entry {
+    /// The run of a single data file, as the `campaign.toml` beside it lists it where it does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Campaign::read`], and [`DataProblem::UnknownFormat`].
+    pub fn of(data: &Path) -> Result<Entry, RunError> {
+        let no_data = || RunError::new(data, DataProblem::foreign(data).unwrap_or(DataProblem::UnknownFormat));
+        let runs = if read::is_data(data) { Campaign::read(data)?.runs } else { Vec::new() };
+        runs.into_iter().next().ok_or_else(no_data)
+    }
+
     /// Reads the run.
     ///
     /// # Errors
@@ -286,6 +313,12 @@ impl Entry {
     pub fn open(&self) -> Result<fs::File, InputError> {
         self.root.open(&self.file)
     }
+}
+
+/// Whether two paths are written alike but for `./`.
+fn is_same(a: &Path, b: &Path) -> bool {
+    let parts = |path: &'_ Path| path.components().filter(|part| *part != Component::CurDir).collect::<PathBuf>();
+    parts(a) == parts(b)
 }
 
 /// The first data file of a folder that has no sidecar, by name; runs before other tables.
@@ -408,6 +441,25 @@ mod tests {
         let mut single = Campaign::read(&at.path().join("b.csv")).expect("a campaign");
         single.runs[0].root.clone_from(&campaign.root);
         assert_eq!(single.runs, campaign.runs[1..]);
+    }
+
+    #[test]
+    fn a_run_alone_is_as_the_campaign_beside_it_lists_it() {
+        let list =
+            "layout = \"d.lss\"\nzeroed = [\"run_left\"]\n[[run]]\nfile = \"./a.csv\"\nspeed = 2\ntension = 700\n";
+        let data = "time,trigger,run_left\n0,0,1\n0.002,1,2\n0.004,0,3\n";
+        let files =
+            [("campaign.toml", list), ("a.csv", data), ("a.toml", SIDECAR), ("b.csv", data), ("b.toml", SIDECAR)];
+        let at = folder(&files);
+        let [a, b] = ["a.csv", "b.csv"].map(|name| Entry::of(&at.path().join(name)).expect("a run"));
+        assert_eq!((a.layout.clone(), a.speed, a.tension), (at.path().join("d.lss"), Some(2.0), Some(700.0)));
+        assert_eq!(a.run().expect("samples").sidecar.zeroed, [Channel::RunLeft]);
+        assert_eq!((b.layout.clone(), b.tension), (at.path().join("lines/b.lss"), None));
+        assert_eq!(b.run().expect("samples").sidecar.zeroed, []);
+        assert!(matches!(
+            Entry::of(&at.path().join("a.toml")).expect_err("no data").problem,
+            DataProblem::UnknownFormat
+        ));
     }
 
     #[test]

@@ -282,6 +282,37 @@ fn scripts_for_slurm_are_written_where_there_is_none() {
     assert!(code == Some(0) && text.contains("nothing to submit"), "{text}");
 }
 
+/// What docs/study.md has for Dask and for Ray, run as it stands there.
+#[test]
+fn the_recipes_for_python_do_all_tasks() {
+    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/study.md")).unwrap();
+    let recipes: Vec<&str> = page.split("```python\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(recipes.len(), 2);
+    for (module, recipe) in ["dask.distributed", "ray"].into_iter().zip(recipes) {
+        let there = Command::new("python3").args(["-c", &format!("import {module}")]).output();
+        if !there.is_ok_and(|output| output.status.success()) {
+            eprintln!("skipped: {module} is not there");
+            continue;
+        }
+        let scene = Scene::new(STUDY);
+        fs::write(scene.path("recipe.py"), recipe).unwrap();
+        let program = Path::new(env!("CARGO_BIN_EXE_lss")).parent().unwrap();
+        let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap_or_default());
+        let mut python = Command::new("python3");
+        python
+            .arg("recipe.py")
+            .current_dir(scene.path(""))
+            .env("PATH", path)
+            .env("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0");
+        let output = python.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{module}: {said}{}", String::from_utf8_lossy(&output.stderr));
+        assert!(said.lines().any(|line| line.trim() == "0 failed"), "{module}: {said}");
+        assert_eq!(scene.results("out"), 6, "{module}");
+        assert!(scene.path("out/study.parquet").is_file(), "{module}");
+    }
+}
+
 #[test]
 #[ignore = "starts a cluster: needs root and Slurm"]
 fn slurm_loses_nothing_when_a_node_dies() {

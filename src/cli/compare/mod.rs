@@ -8,7 +8,7 @@ use crate::emit::Files;
 use crate::report::comparison::{self, Compared};
 use crate::signal::compare::{Deviation, compare};
 use crate::signal::measures::Statistics;
-use crate::signal::{Channel, Run};
+use crate::signal::{Channel, Entry, Run};
 use crate::source::shown;
 use scale::Known;
 pub use scale::simulation_of;
@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 
 /// Compare two runs, measured or simulated, channel by channel.
 ///
-/// Lap length and cart pitch come from --lap and --pitch, else from the simulation.json that a run's sidecar names,
-/// else the lap from the trigger's lap time and the nominal speed. Two replicate simulations of the same lap differ by
+/// Lap length and cart pitch come from --lap and --pitch, else from the layout that --layout, the campaign.toml beside a
+/// run or its sidecar names, else the lap from the trigger's lap time and the nominal speed. Two replicate simulations of the same lap differ by
 /// 0.5 to 3 % (NRMSD), and by 0.0 to 0.3 % in the mean over two carts.
 #[derive(Debug, clap::Args)]
 pub struct Compare {
@@ -27,6 +27,9 @@ pub struct Compare {
     run_a: PathBuf,
     /// The run that is compared with it.
     run_b: PathBuf,
+    /// Layout of both runs, .lss or simulation.json, instead of those that campaign and sidecars name.
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
     /// Length of a lap: 214m.
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     lap: Option<f64>,
@@ -91,7 +94,8 @@ struct Moments {
 
 impl Compare {
     pub fn run(&self) -> Outcome {
-        let (a, b) = match (Run::read(&self.run_a), Run::read(&self.run_b)) {
+        let read = |path: &Path| Entry::of(path).and_then(|entry| entry.run().map(|run| (entry, run)));
+        let ((entry_a, a), (entry_b, b)) = match (read(&self.run_a), read(&self.run_b)) {
             (Ok(a), Ok(b)) => (a, b),
             (a, b) => {
                 let errors: Vec<_> = [a, b].into_iter().filter_map(Result::err).collect();
@@ -100,10 +104,13 @@ impl Compare {
                 return if unreadable { Outcome::CouldNotRun } else { Outcome::Problems };
             }
         };
-        let sides = [(self.run_a.as_path(), &a), (self.run_b.as_path(), &b)];
-        let known = Known::new(self.lap, self.pitch, &sides);
+        let entries = [(&entry_a, &a), (&entry_b, &b)];
+        let known = match Known::new(self.lap, self.pitch, self.layout.as_deref(), &entries) {
+            Ok(known) => known,
+            Err(outcome) => return outcome,
+        };
         known.warnings.iter().for_each(|w| report::warning(w));
-        for (path, run) in sides {
+        for (path, run) in [(self.run_a.as_path(), &a), (self.run_b.as_path(), &b)] {
             for warning in run.warnings(known.lap()) {
                 report::warning(&format!("{}: {warning}", shown(path)));
             }
@@ -198,9 +205,4 @@ fn slope(text: &str) -> Result<f64, String> {
         Ok(m) if m.is_finite() && m >= 1.0 => Ok(m),
         _ => Err("the slope of an S-N curve is a number from 1".into()),
     }
-}
-
-/// A path in a sidecar, seen from the sidecar's folder.
-fn beside(data: &Path, layout: &str) -> PathBuf {
-    data.parent().unwrap_or(Path::new("")).join(layout)
 }

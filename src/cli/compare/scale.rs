@@ -1,11 +1,12 @@
 //! Where lap length and cart pitch come from.
 
-use super::beside;
 use crate::base::number::fixed;
 use crate::chain_input::Simulation;
+use crate::cli::{MessageFormat, Outcome, read};
+use crate::identify::cases::named_layout;
 use crate::signal::compare::Scale;
-use crate::signal::{Run, position};
-use crate::source::{Root, input, shown};
+use crate::signal::{Entry, Run, position};
+use crate::source::shown;
 use std::path::{Path, PathBuf};
 
 /// Lap and pitch in metres, each with where it was found.
@@ -18,17 +19,31 @@ pub struct Known {
 }
 
 impl Known {
-    /// What was told on the command line goes first, then the layouts of the runs' sidecars, then the runs themselves.
-    pub fn new(lap: Option<f64>, pitch: Option<f64>, sides: &[(&Path, &Run); 2]) -> Self {
+    /// What was told on the command line goes first, then `layout`, which is said to be that of both, then the layouts
+    /// that campaign and sidecars name, then the runs themselves. What is wrong with `layout` is told, and an error.
+    pub fn new(
+        lap: Option<f64>,
+        pitch: Option<f64>,
+        layout: Option<&Path>,
+        sides: &[(&Entry, &Run); 2],
+    ) -> Result<Self, Outcome> {
         let mut warnings = Vec::new();
         let mut layouts = Vec::new();
-        for (data, run) in sides {
-            if let Some((path, read)) = simulation_of(data, run) {
-                let name = shown(&path);
+        let mut take = |path: &Path, layout: Simulation| {
+            layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, shown(path), layout));
+        };
+        if let Some(path) = layout {
+            take(path, read::simulation(path, None, MessageFormat::Text)?);
+        } else {
+            // Runs of one campaign have one layout, which is built once.
+            let paths = sides.map(|(entry, _)| entry.layout.as_path());
+            let found = simulation_of(sides[0].0);
+            let other = if paths[0] == paths[1] { found.clone() } else { simulation_of(sides[1].0) };
+            for (path, read) in [found, other].into_iter().flatten() {
                 match read {
-                    Ok(layout) => layouts.push((layout.chain.track_length_m, layout.chain.pitch_m, name, layout)),
+                    Ok(layout) => take(&path, layout),
                     Err(why) => {
-                        let warning = format!("{name} is not taken into account: {why}");
+                        let warning = format!("{} is not taken into account: {why}", shown(&path));
                         if !warnings.contains(&warning) {
                             warnings.push(warning);
                         }
@@ -44,21 +59,21 @@ impl Known {
                 .push(format!("the runs are of different tracks: a lap is {a} m in the first and {b} m in the second"));
         }
         let told = |value: Option<f64>, option: &str| value.map(|v| (v, option.to_owned()));
-        let lap_of = |(_, run): &(&Path, &Run)| {
+        let lap_of = |(_, run): &(&Entry, &Run)| {
             let lap = position::lap_time(run)? * run.sidecar.speed_setpoint;
             Some((lap, "the trigger's lap time and the nominal speed".to_owned()))
         };
         let found = layouts.first();
         // Another lap than that of the layout is another track.
         let as_built = |l: &&(f64, f64, String, Simulation)| lap.is_none_or(|lap| (lap - l.0).abs() < 1e-3 * l.0);
-        Known {
+        Ok(Known {
             simulation: found.filter(as_built).map(|l| l.3.clone()),
             lap: told(lap, "--lap")
                 .or_else(|| found.map(|l| (l.0, l.2.clone())))
                 .or_else(|| sides.iter().find_map(lap_of)),
             pitch: told(pitch, "--pitch").or_else(|| found.map(|l| (l.1, l.2.clone()))),
             warnings,
-        }
+        })
     }
 
     pub fn lap(&self) -> Option<f64> {
@@ -70,16 +85,10 @@ impl Known {
     }
 }
 
-/// The input of the simulation that a run's sidecar names, if it names one: its file, and what it says.
-pub fn simulation_of(data: &Path, run: &Run) -> Option<(PathBuf, Result<Simulation, String>)> {
-    let path = beside(data, &run.sidecar.layout);
-    let read = path.extension().is_some_and(|e| e == "json").then(|| read(data, &path))?;
+/// The layout that a run's campaign or sidecar names, as the input of its simulation: its file, and what it says or why
+/// it cannot be used. A layout that is not there is none: runs are handed on without it.
+pub fn simulation_of(entry: &Entry) -> Option<(PathBuf, Result<Simulation, String>)> {
+    let path = named_layout(entry).ok()?;
+    let read = read::simulation_quietly(&path).map_err(|_| "it cannot be used".to_owned());
     Some((path, read))
-}
-
-/// The layout that the sidecar of some data names.
-fn read(data: &Path, path: &Path) -> Result<Simulation, String> {
-    let root = Root::of_campaign(data.parent().unwrap_or(Path::new("")));
-    let bytes = root.read(path, input::JSON_LIMIT).map_err(|why| why.to_string())?;
-    Simulation::read(&bytes).map_err(|why| format!("it{why}"))
 }

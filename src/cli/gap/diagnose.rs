@@ -23,7 +23,7 @@ use crate::solve::Stop;
 use crate::source::shown;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Simulations of a diagnosis that was stopped, in the folder of its outputs.
@@ -99,8 +99,11 @@ impl Diagnose {
         let mut bar = Progress::new();
         let subjects: Vec<Subject> = cases.iter().map(|c| c.subject.clone()).collect();
         bar.say("fitting the nominal model to each run");
-        let line = bar.line.clone();
-        let tell = |run: &str| line.say(|| format!("fitted {run}"));
+        let (line, fits) = (bar.line.clone(), RunsFitted::new(subjects.len()));
+        let tell = |run: &str| {
+            let said = fits.one_more(run);
+            line.say(|| said.clone());
+        };
         let (settings, origin) = (Settings::default(), self.origin(&subjects));
         let work = Work { seed: self.seed, threads: threads(), width: Width::used(), stop: Stop::NEVER };
         let mut books = Vec::new();
@@ -110,6 +113,7 @@ impl Diagnose {
             books.push(self.output.join(name));
             if round == 1 {
                 bar.say("fitting the runs with what was found");
+                fits.begin();
                 bar.costs.enter("nominal_fits", chains.effort());
             }
             answer
@@ -287,6 +291,39 @@ fn threads() -> usize {
     crate::cli::limits::threads()
 }
 
+/// How far a pass of fits is: one of each run.
+struct RunsFitted {
+    of: usize,
+    /// When the pass began, and how many runs are fitted.
+    state: Mutex<(Instant, usize)>,
+}
+
+impl RunsFitted {
+    fn new(of: usize) -> Self {
+        RunsFitted { of, state: Mutex::new((Instant::now(), 0)) }
+    }
+
+    /// A pass begins.
+    fn begin(&self) {
+        *self.state.lock().unwrap_or_else(PoisonError::into_inner) = (Instant::now(), 0);
+    }
+
+    /// One more run is fitted; in words, with the time that is left of the pass. The last one begins another.
+    fn one_more(&self, run: &str) -> String {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let (begin, done) = (state.0, state.1 + 1);
+        let left = match self.of.saturating_sub(done) {
+            0 => String::new(),
+            more => {
+                let seconds = begin.elapsed().as_secs_f64() / done as f64 * more as f64;
+                format!(", about {} left of this step", duration(seconds))
+            }
+        };
+        *state = if done >= self.of { (Instant::now(), 0) } else { (begin, done) };
+        format!("fitted {run}, {done} of {} runs{left}", self.of)
+    }
+}
+
 /// How far a diagnosis is, and what it costs.
 struct Progress {
     line: Arc<Line>,
@@ -325,7 +362,13 @@ impl Progress {
                 about(each * (expected - simulations) as f64, "")
             }
             (None, Stage::Screening { done, of } | Stage::Relinearising { done, of }) if *done > 0 && done < of => {
-                about(self.stage.1.elapsed().as_secs_f64() / *done as f64 * (of - done) as f64, " of this step")
+                let since = self.stage.1.elapsed().as_secs_f64();
+                // What has only begun tells nothing, nor what was known before.
+                if since < 1.0 {
+                    String::new()
+                } else {
+                    about(since / *done as f64 * (of - done) as f64, " of this step")
+                }
             }
             _ => String::new(),
         }
@@ -355,5 +398,22 @@ impl Progress {
         self.clear();
         self.costs = costs.clone();
         Answer { found, explained, cost: costs.finish(model.effort()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_pass_of_fits_is_counted_anew() {
+        let fits = RunsFitted::new(2);
+        for _ in 0..2 {
+            assert!(fits.one_more("a").starts_with("fitted a, 1 of 2 runs, about "));
+            assert_eq!(fits.one_more("b"), "fitted b, 2 of 2 runs");
+        }
+        fits.one_more("a");
+        fits.begin();
+        assert!(fits.one_more("b").starts_with("fitted b, 1 of 2 runs"));
     }
 }

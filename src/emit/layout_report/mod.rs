@@ -5,6 +5,7 @@ mod pages;
 
 use super::bill_row::BillRow;
 use super::layout::LayoutFile;
+use super::paper::PaperPoint;
 use super::{DrawError, OwnNumbers, pdf, svg};
 use crate::base::number::{fixed, trimmed};
 use crate::compiled::Compiled;
@@ -19,8 +20,7 @@ use pages::{Pages, narrow, number, words};
 pub fn pdf(compiled: &Compiled, own: &OwnNumbers) -> Result<Vec<u8>, DrawError> {
     let layout = &compiled.layout;
     let title = &layout.drawing.title;
-    let mut pages = Pages::new();
-    summary(&mut pages, compiled);
+    let mut pages = front(compiled)?;
     pages.turn();
     tables(&mut pages, compiled, own);
     let told =
@@ -34,7 +34,26 @@ pub fn pdf(compiled: &Compiled, own: &OwnNumbers) -> Result<Vec<u8>, DrawError> 
     pdf::render(&all, &layout.name)
 }
 
-fn summary(pages: &mut Pages, compiled: &Compiled) {
+/// Least and largest height of the plan on the front page, mm.
+const PLAN: (f64, f64) = (45.0, 110.0);
+
+/// The front page. Words go first: the plan has the room that they leave, and is left out where that is too little.
+fn front(compiled: &Compiled) -> Result<Pages, DrawError> {
+    let mut words = Pages::new();
+    title(&mut words, compiled);
+    summary(&mut words, compiled);
+    let (room, mut pages) = (words.room_left(), Pages::new());
+    if !words.is_one() || room.y < PLAN.0 {
+        return Ok(words);
+    }
+    title(&mut pages, compiled);
+    let (picture, size) = svg::overview(compiled, PaperPoint::new(room.x, (room.y - 2.0).min(PLAN.1)))?;
+    pages.picture(picture, size);
+    summary(&mut pages, compiled);
+    Ok(pages)
+}
+
+fn title(pages: &mut Pages, compiled: &Compiled) {
     let layout = &compiled.layout;
     let title = &layout.drawing.title;
     pages.title(&layout.name);
@@ -53,6 +72,10 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
     let fields: Vec<(&str, String)> =
         fields.iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| (*name, (*text).clone())).collect();
     pages.facts(&fields);
+}
+
+fn summary(pages: &mut Pages, compiled: &Compiled) {
+    let layout = &compiled.layout;
     pages.heading("The layout");
     let metres = |value: f64| format!("{} m", trimmed(value, 3));
     let chain = match compiled.chain {
@@ -117,6 +140,9 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
     };
     let rows: Vec<Vec<String>> = compiled.stages.iter().map(stage).collect();
     pages.table(&[narrow("stage"), number("length, m"), words("ended as"), number("largest violation, m")], &rows);
+    if cut {
+        pages.words("The limit of time ended the search: with more time it may find a better layout.", "warn");
+    }
     if let Some(certificate) = compiled.stages.last().and_then(|s| s.certificate.as_ref()) {
         for line in certificate.words() {
             pages.words(&sentence(&line), "");
@@ -269,10 +295,8 @@ mod tests {
     use crate::model::RequiredCapacity;
     use crate::source::Spanned;
 
-    fn front(compiled: &Compiled) -> String {
-        let mut pages = Pages::new();
-        summary(&mut pages, compiled);
-        pages.finish("title", "foot", (1, 0)).concat()
+    fn front_page(compiled: &Compiled) -> String {
+        front(compiled).expect("a plan").finish("title", "foot", (1, 0)).concat()
     }
 
     #[test]
@@ -280,18 +304,19 @@ mod tests {
         let mut compiled = samples::equipped();
         compiled.layout.capacity.required =
             Some(RequiredCapacity { least: Spanned::new(2e6, crate::model::fixture::span()), reason: None });
-        let text = front(&compiled);
+        let text = front_page(&compiled);
         let (track, placement) = (compiled.bill.price, &compiled.placement);
         for price in [placement.equipment, placement.conveyors, track + placement.equipment + placement.conveyors] {
             assert!(price > 0.0 && text.contains(&format!("{price:.2} EUR")), "{price} in {text}");
         }
         let takes = compiled.takes().expect("a sorter");
+        assert!(text.contains("overview") && text.contains("class=\"band\""), "a plan");
         assert!(text.contains(&takes.words) && text.contains("2000000 have to be reached: NOT"), "{text}");
     }
 
     #[test]
     fn what_nobody_could_measure_is_no_violation() {
         assert_eq!([violation(4.4e-16), violation(9.9e-7), violation(1.5e-3)], ["none", "none", "0.0015"]);
-        assert!(front(&samples::rectangle()).contains(">none<"));
+        assert!(front_page(&samples::rectangle()).contains(">none<"));
     }
 }

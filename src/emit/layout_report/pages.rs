@@ -3,7 +3,7 @@
 use crate::emit::paper::PaperPoint;
 use crate::emit::svg::sheet::{path, path_line};
 use crate::emit::svg::text::{self, Height};
-use crate::emit::svg::{Theme, XmlElement, page};
+use crate::emit::svg::{Theme, XmlElement, page, xml};
 
 /// A4 upright, mm.
 const WIDTH: f64 = 210.0;
@@ -114,6 +114,24 @@ impl Pages {
             }
         }
         self.y += 1.5;
+    }
+
+    /// Whether no page is full yet.
+    pub fn is_one(&self) -> bool {
+        self.full.is_empty()
+    }
+
+    /// The room that is left on this page for a picture, mm.
+    pub fn room_left(&self) -> PaperPoint {
+        PaperPoint::new(RIGHT - LEFT, BOTTOM - self.y)
+    }
+
+    /// A picture of a size, mm, in the middle of the page; its upper left corner is the origin.
+    pub fn picture(&mut self, picture: XmlElement, size: PaperPoint) {
+        let (x, y) = (LEFT + 0.5 * (RIGHT - LEFT - size.x), self.y - 0.7 * LINE);
+        let moved = format!("translate({} {})", xml::number(x), xml::number(y));
+        self.current.push(picture.attr("transform", moved));
+        self.y += size.y + 2.0;
     }
 
     /// A table, whose head stands on every page that it reaches.

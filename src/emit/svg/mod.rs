@@ -4,6 +4,7 @@ mod decimals;
 mod general;
 mod labels;
 mod obstacles;
+mod overview;
 mod place;
 mod profile;
 mod screen;
@@ -22,6 +23,7 @@ pub(crate) mod xml;
 mod tests;
 
 pub use general::{Furniture, drawing, furniture};
+pub use overview::overview;
 pub use screen::{Detail, screen, screen_sheet};
 pub use sheet::Sheet;
 pub use stages::{change, stages};
