@@ -141,6 +141,7 @@ fn variant(layout: &Layout, asked: &Asked) -> Layout {
         if let Some(cart) = near {
             variant.chain.tension = layout.tension_with(cart);
             variant.cart = cart.clone();
+            variant.count_total_price();
         }
     }
     for (free, number) in layout.choice.counts.iter().zip(&asked.counts) {

@@ -10,6 +10,7 @@ mod sorter;
 mod station;
 mod takes;
 
+use order::Group;
 pub use solved::solved;
 pub use station::Station;
 pub use takes::Takes;
@@ -19,9 +20,9 @@ use crate::elements::{self, Bill, OrderedPiece, Sequence, Space};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Hand, Outline, Track};
 use crate::kinematics::{Fit, fit};
-use crate::model::{Layout, Side};
+use crate::model::{Layout, Side, Stands};
 use crate::placement::{self, Placement};
-use crate::solve::{Stage, Status};
+use crate::solve::{Counted, Stage, Status};
 
 /// How the track's band meets an obstacle, or the building's outside.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -75,7 +76,7 @@ impl Compiled {
         let (space, mut heights) = Space::new(&layout, &sequence);
         let pieces = elements::pieces(&sequence, &space, &layout);
         heights.extend(elements::climbs_lacking(&pieces, &layout));
-        Compiled {
+        let mut compiled = Compiled {
             bill: elements::bill(&pieces, &layout),
             chain: fit(&space.line, layout.cart.length),
             contacts: contacts(&layout, &track),
@@ -88,7 +89,33 @@ impl Compiled {
             track,
             stages,
             layout,
+        };
+        compiled.prove_total_price();
+        compiled
+    }
+
+    /// What is proven of track, equipment and metres, as it is of all that is ordered.
+    fn prove_total_price(&mut self) {
+        if !self.layout.objective.total_price {
+            return;
         }
+        let (total, more) = (order::total(self).all, self.beyond_cost());
+        let certificate = self.stages.last_mut().and_then(|stage| stage.certificate.as_mut());
+        if let Some(certificate) = certificate.filter(|c| c.counted != Counted::Length && !c.in_all) {
+            certificate.in_total(total, more);
+        }
+    }
+
+    /// How much more any layout of these components is ordered for than its cost and metres count, at least, EUR.
+    pub fn beyond_cost(&self) -> f64 {
+        let layout = &self.layout;
+        let total = order::total(self);
+        let lines = self.bill.lines.len() + self.bill.count;
+        let same = total.groups.iter().filter(|(group, _)| matches!(group, Group::Drive | Group::Sensors));
+        let free = layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }));
+        let equipment = if free { 0.0 } else { self.placement.equipment };
+        // Prices are rounded to the cent line by line.
+        same.map(|(_, price)| price).sum::<f64>() + equipment - layout.rounding_of_total_price() - 0.005 * lines as f64
     }
 
     /// Whether the layout has heights: arc length then counts along the slope.

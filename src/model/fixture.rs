@@ -66,7 +66,7 @@ pub fn loop_through(name: &str, corners: &[(f64, f64, f64)]) -> Layout {
         chain: ChainDeclaration { tension: 500.0, tension_is_said: true, closes_within: None },
         effects: Vec::new(),
         drawing: DrawingSettings::default(),
-        objective: Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None },
+        objective: Objective { terms: vec![(1.0, Goal::Length)], ..Objective::default() },
         route: None,
     }
 }

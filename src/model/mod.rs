@@ -16,6 +16,7 @@ mod prices;
 mod print;
 mod route;
 mod sheet;
+mod total_price;
 
 pub use capacity::*;
 pub use choice::*;
@@ -181,12 +182,16 @@ pub enum Side {
 }
 
 /// What is optimised.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Objective {
     /// Weight and goal; empty for `optimise nothing`.
     pub terms: Vec<(f64, Goal)>,
     /// A budget: this goal may exceed its own optimum by the ratio.
     pub within: Option<(Goal, f64)>,
+    /// Whether it is the price of all that is ordered. Its terms are cost, and what a metre of track takes of chain and
+    /// supports, see [`Layout::count_total_price`].
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub total_price: bool,
     /// Where it was written; `None` when the default (length) holds.
     pub span: Option<Span>,
 }

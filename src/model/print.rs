@@ -261,6 +261,9 @@ fn part_text(part: &TrackSection) -> String {
 }
 
 fn objective_text(objective: &Objective) -> String {
+    if objective.total_price {
+        return "optimise total_price".to_owned();
+    }
     let word = |goal: Goal| match goal {
         Goal::Length => "length",
         Goal::Cost => "cost",

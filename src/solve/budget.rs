@@ -203,7 +203,7 @@ fn lower_bound(certificate: &Certificate, weights: Weights) -> f64 {
 fn weighted(layout: &Layout, weights: Weights) -> Layout {
     let terms = [(weights.cost, Goal::Cost), (weights.length, Goal::Length)];
     let terms = terms.into_iter().filter(|(weight, _)| *weight > 0.0).collect();
-    Layout { objective: Objective { terms, within: None, span: layout.objective.span }, ..layout.clone() }
+    Layout { objective: Objective { terms, span: layout.objective.span, ..Objective::default() }, ..layout.clone() }
 }
 
 /// What the last stage measures; the stages where it is none.

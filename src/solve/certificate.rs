@@ -49,6 +49,8 @@ pub struct Certificate {
     pub assumed: Vec<String>,
     /// What only layouts within a budget were compared by, in words.
     pub budget: Option<String>,
+    /// Whether EUR are those of all that is ordered.
+    pub in_all: bool,
 }
 
 /// What may be left between value and bound of a proof.
@@ -65,7 +67,20 @@ impl Certificate {
         let gap = if value > 0.0 { (value - lower_bound) / value } else { 0.0 };
         let whole = Part { chain: "loop".to_owned(), lower_bound, nodes, proven };
         let (parts, seconds, budget) = (vec![whole], 0.0, None);
-        Certificate { counted, value, lower_bound, gap, proven, nodes, parts, seconds, assumed, budget }
+        Certificate { counted, value, lower_bound, gap, proven, nodes, parts, seconds, assumed, budget, in_all: false }
+    }
+
+    /// What it says of the price of all that is ordered: of this layout, and of others at least so much more than is
+    /// counted, EUR.
+    pub fn in_total(&mut self, total: f64, more: f64) {
+        let bound = self.lower_bound + more;
+        let parts = std::mem::take(&mut self.parts);
+        let (seconds, budget) = (self.seconds, self.budget.take());
+        let assumed = std::mem::take(&mut self.assumed);
+        let whole = Certificate::new(Counted::Price { metre: 0.0 }, total, bound, self.nodes, assumed);
+        let moved = |part: Part| Part { lower_bound: (part.lower_bound + more).max(0.0).min(total), ..part };
+        let parts = parts.into_iter().map(moved).collect();
+        *self = Certificate { in_all: true, parts, seconds, budget, ..whole };
     }
 
     /// Chains by name, with how far each leaves the value from the best, and nodes; the whole where there are none.
@@ -87,6 +102,7 @@ impl Certificate {
             Counted::Price { metre } if metre > 0.0 => {
                 ("best", format!("better than {bound:.3} EUR, a metre counted as {metre} EUR"))
             }
+            Counted::Price { .. } if self.in_all => ("cheapest", format!("cheaper than {bound:.2} EUR in all")),
             Counted::Price { .. } => ("cheapest", format!("cheaper than {bound:.3} EUR")),
         };
         let these = if self.budget.is_some() {

@@ -66,7 +66,7 @@ pub fn objective(layout: &Layout, metre: Option<f64>) -> Objective {
         Some(0.0) => vec![(1.0, Goal::Cost)],
         Some(metre) => vec![(1.0, Goal::Cost), (metre, Goal::Length)],
     };
-    Objective { terms, within: None, span: layout.objective.span }
+    Objective { terms, span: layout.objective.span, ..Objective::default() }
 }
 
 fn trade(layout: &Layout, metre: Option<f64>, options: &Options, watch: Tell) -> Option<Trade> {

@@ -61,12 +61,13 @@ impl StationWord {
 }
 
 impl Goal {
-    pub const ALL: [Goal; 4] = [Goal::Length, Goal::Cost, Goal::PolygonAction, Goal::Nothing];
+    pub const ALL: [Goal; 5] = [Goal::Length, Goal::Cost, Goal::TotalPrice, Goal::PolygonAction, Goal::Nothing];
 
     pub fn word(self) -> &'static str {
         match self {
             Goal::Length => "length",
             Goal::Cost => "cost",
+            Goal::TotalPrice => "total_price",
             Goal::PolygonAction => "polygon_action",
             Goal::Nothing => "nothing",
         }

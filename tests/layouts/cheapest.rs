@@ -5,10 +5,14 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use crate::small::{Asked, PITCH, Random, SHORTEST, STEP, Small, WITHIN, choices, last, layout, random, text};
-use lss::compiled::Compiled;
+use lss::compiled::{Compiled, order};
+use lss::diagnostic::{Code, Diagnostic};
 use lss::geometry::{PieceKind, Track};
 use lss::kinematics::{fit, level};
-use lss::solve::{Counted, Effort, Options, pareto};
+use lss::model::Layout;
+use lss::semantics::analyse;
+use lss::solve::{Counted, Effort, Options, pareto, solve};
+use lss::source::{Loader, SourceMap};
 
 /// The catalogue of `small`, from `standard`: EUR a metre, a piece and a cut of straights; EUR a metre and a piece of
 /// curves.
@@ -301,4 +305,58 @@ fn length_within_a_budget_of_cost_keeps_to_it() {
         shorter += usize::from(kept.0.length < cheap.0.length - 1e-3);
     }
     assert!(shorter > 0);
+}
+
+fn check(text: &str) -> (Option<Layout>, Vec<Diagnostic>) {
+    let mut sources = SourceMap::default();
+    let (mut loader, main) = Loader::memory(&mut sources, &[("l.lss", text.as_bytes())]).expect("text");
+    let analysis = analyse(&mut sources, &mut loader, main, None);
+    (analysis.chosen().ok().flatten().cloned(), analysis.diagnostics)
+}
+
+/// The cheapest pieces are on a longer track, which needs more carts; what is ordered in all is told by the bill alone. No
+/// layout that another goal finds contradicts the bound.
+#[test]
+fn the_price_of_all_that_is_ordered_counts_carts_and_supports() {
+    let text =
+        include_str!("../../examples/thesis10.lss").replace("  optimise length", "  supports every 2.5 m\n  GOAL");
+    let effort = Effort { nodes: 400, ..Effort::default() };
+    let built = |goal: &str| {
+        let layout = check(&text.replace("GOAL", goal)).0.expect("a layout");
+        let stages = solve(&layout, &Options { effort, threads: 2, ..Options::default() }, &|_| ());
+        Compiled::new(layout, stages)
+    };
+    let [pieces, shortest, all] = ["optimise cost", "optimise length", "optimise total_price"].map(built);
+    let [of_pieces, of_shortest, of_all] = [&pieces, &shortest, &all].map(|compiled| order::total(compiled).all);
+    assert!(of_all < of_shortest && of_shortest < of_pieces, "{of_all} {of_shortest} {of_pieces}");
+    assert!(pieces.bill.price < all.bill.price && all.length() < pieces.length());
+    let certificate = all.stages.last().and_then(|stage| stage.certificate.clone()).expect("a certificate");
+    assert!((certificate.value - of_all).abs() < 0.005, "{certificate:?} {of_all}");
+    assert!(certificate.lower_bound <= of_all && certificate.gap < 0.02, "{certificate:?}");
+    assert!(certificate.words()[0].contains("EUR in all"), "{:?}", certificate.words());
+    // By hand: 128 pitches with cart and joint, supports counted up, motors and take-up beside the pieces.
+    let carts = all.chain.expect("a chain").carts as f64;
+    let [chain, supports] = [order::Group::Chain, order::Group::Supports].map(|group| {
+        order::lines(&all).iter().filter(|line| line.group == group).filter_map(|l| l.price()).sum::<f64>()
+    });
+    assert!((chain - carts * all.layout.price_of_a_pitch()).abs() < 0.005, "{chain}");
+    assert!(supports > 0.0 && supports == (all.length() / 2.5).ceil() * all.layout.price_of_a_support());
+    // What one metre counts is what a long track takes for each of its metres, but for rounding.
+    let metres = all.layout.price_of_a_metre() * all.length();
+    let rounding = all.layout.price_of_a_pitch() + all.layout.price_of_a_support();
+    assert!((metres - chain - supports).abs() < rounding, "{metres} {chain} {supports}");
+}
+
+#[test]
+fn the_total_price_stands_alone() {
+    let text = include_str!("../../examples/thesis10.lss");
+    for goal in [
+        "total_price + length",
+        "total_price within length + 1 %",
+        "length within total_price + 1 %",
+        "2 * total_price",
+    ] {
+        let (_, said) = check(&text.replace("optimise length", &format!("optimise {goal}")));
+        assert!(said.iter().any(|d| d.code == Code::E0304 && d.message.contains("stands alone")), "{goal}: {said:?}");
+    }
 }

@@ -4,7 +4,7 @@ use crate::base::number::trimmed;
 use crate::cli::MessageFormat;
 use crate::cli::limits;
 use crate::cli::progress::Solving;
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, order};
 use crate::diagnostic::Diagnostic;
 use crate::model::Layout;
 use crate::route::{self, Summary};
@@ -63,7 +63,12 @@ impl Routed {
     }
 
     pub fn summary(&self) -> RouteSummary<'_> {
-        let (value, price) = (self.summary.value, self.summary.cheapest);
+        let (mut value, mut price) = (self.summary.value, self.summary.cheapest);
+        if self.compiled.layout.objective.total_price {
+            let more = self.compiled.beyond_cost();
+            value = order::total(&self.compiled).all;
+            price = price.map(|price| (price + more).clamp(0.0, value));
+        }
         let bound = price.unwrap_or(self.summary.shortest);
         RouteSummary {
             vertices: self.compiled.layout.vertices.len(),

@@ -90,7 +90,7 @@ impl<'t> Context<'t> {
         if self.sink.borrow().errors() > before || !draft.bad.is_empty() || !draft.base_known {
             return None;
         }
-        Some(Layout {
+        let mut layout = Layout {
             name: declaration.name.text.clone(),
             span: declaration.name.span,
             catalog: catalog?,
@@ -116,7 +116,9 @@ impl<'t> Context<'t> {
             drawing: drawing?,
             objective: objective?,
             route: route?.0,
-        })
+        };
+        layout.count_total_price();
+        Some(layout)
     }
 
     /// Every let is evaluated, also one that nothing uses.

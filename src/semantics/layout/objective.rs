@@ -12,9 +12,25 @@ impl<'t> Context<'t> {
     /// The objective: the length when nothing is said.
     pub(super) fn objective(&self, draft: &Draft<'t>) -> Option<Objective> {
         let Some(placed) = draft.once("optimise") else {
-            return Some(Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None });
+            return Some(Objective { terms: vec![(1.0, Goal::Length)], ..Objective::default() });
         };
         let Placed { statement: Statement::Optimise(written), span, .. } = placed else { return None };
+        let all = written.terms.iter().map(|(_, goal, place)| (goal, *place));
+        let budget = written.within.iter().map(|(goal, _)| (goal, written.span));
+        let total = all.chain(budget).find(|(goal, _)| **goal == tree::Goal::TotalPrice).map(|(_, place)| place);
+        if let Some(place) = total {
+            if written.terms.len() > 1 || written.within.is_some() || written.terms.iter().any(|(w, ..)| w.is_some()) {
+                self.report(
+                    Diagnostic::new(Code::E0304, "`total_price` stands alone", place, "beside other goals")
+                        .expected("`optimise total_price`, or other goals", "both")
+                        .help("`cost` is the price of track, equipment and conveyors: it goes into sums and budgets"),
+                );
+                return None;
+            }
+            // A metre's share of the chain and its supports is known with the whole layout.
+            let terms = vec![(1.0, Goal::Cost)];
+            return Some(Objective { terms, total_price: true, within: None, span: Some(*span) });
+        }
         let mut terms: Vec<(f64, Goal)> = Vec::new();
         let mut sound = true;
         for (weight, goal, place) in &written.terms {
@@ -62,7 +78,7 @@ impl<'t> Context<'t> {
                 Some((goal?, ratio?))
             }
         };
-        sound.then_some(Objective { terms, within, span: Some(*span) })
+        sound.then_some(Objective { terms, within, span: Some(*span), ..Objective::default() })
     }
 
     /// What costs nothing has no cheapest layout.
@@ -97,6 +113,7 @@ fn meant(goal: tree::Goal) -> Option<Goal> {
         tree::Goal::Length => Some(Goal::Length),
         tree::Goal::Cost => Some(Goal::Cost),
         tree::Goal::PolygonAction => Some(Goal::PolygonAction),
-        tree::Goal::Nothing => None,
+        // These stand alone.
+        tree::Goal::Nothing | tree::Goal::TotalPrice => None,
     }
 }

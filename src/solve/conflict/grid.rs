@@ -30,7 +30,7 @@ pub fn conflicts(layout: &Layout, stages: &[Stage]) -> Vec<Conflict> {
     }
     let open: Vec<Span> = layout.obstacles.iter().filter(|o| o.side == Side::Either).map(|o| o.span).collect();
     let mut layout = decided(layout, failed);
-    layout.objective = Objective { terms: vec![(1.0, Goal::Length)], within: None, span: None };
+    layout.objective = Objective { terms: vec![(1.0, Goal::Length)], ..Objective::default() };
     layout.chain.closes_within = None;
     let layout = &layout;
     let problem = Problem::new(layout, Scope::Obstacles);

@@ -197,7 +197,7 @@ pub fn worth(layout: &Layout, track: &Track, metre: f64) -> f64 {
 
 /// What a layout costs when it is bought for the least money, whatever is optimised, EUR.
 pub fn least_price(layout: &Layout, track: &Track) -> f64 {
-    let objective = Objective { terms: vec![(1.0, Goal::Cost)], within: None, span: None };
+    let objective = Objective { terms: vec![(1.0, Goal::Cost)], ..Objective::default() };
     worth(&Layout { objective, ..layout.clone() }, track, 0.0)
 }
 

@@ -42,7 +42,7 @@ impl Smooth {
             Some((limited, _)) => vec![(1.0, limited)],
             None => sum.collect(),
         };
-        (!terms.is_empty()).then_some(Objective { terms, within: None, span: written.span })
+        (!terms.is_empty()).then_some(Objective { terms, span: written.span, ..Objective::default() })
     }
 
     /// Whether prices matter.

@@ -129,7 +129,7 @@ fn boxed(terms: Vec<(f64, Goal)>, within: Option<(Goal, f64)>) -> Layout {
 /// What a rectangle with straights a and b measures: length, m, price, EUR, and polygon action, mm².
 fn measured(layout: &Layout, corners: &[Corner]) -> [f64; 3] {
     let mut priced = layout.clone();
-    priced.objective = Objective { terms: vec![(1.0, Goal::Cost)], within: None, span: None };
+    priced.objective = Objective { terms: vec![(1.0, Goal::Cost)], ..Objective::default() };
     let track = Track::new(corners);
     [track.length, crate::solve::worth(&priced, &track, 0.0), value(corners, 1.25)]
 }

@@ -45,7 +45,7 @@ impl Traded {
     pub fn solve(&self, layout: &Layout, options: &Options, discretise: Discretise, watch: Tell) -> Vec<Stage> {
         let span = layout.objective.span;
         let seek = |terms: Vec<(f64, Goal)>| {
-            let objective = Objective { terms, within: None, span };
+            let objective = Objective { terms, span, ..Objective::default() };
             let smooth = Smooth::of(&objective);
             let layout = Layout { objective, ..layout.clone() };
             let stages = match smooth {

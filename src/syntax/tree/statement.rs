@@ -284,6 +284,7 @@ pub enum SideWord {
 pub enum Goal {
     Length,
     Cost,
+    TotalPrice,
     PolygonAction,
     Nothing,
 }
