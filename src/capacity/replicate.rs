@@ -117,6 +117,11 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
     };
     let each: Vec<f64> = seen.iter().map(per_hour).collect();
     let throughput = Mean::of(&each);
+    // All else is of the same time.
+    let marked = seen.iter().all(|s| s.is_marked(kept.end));
+    let end = if marked { kept.end as f64 * interval } else { plan(0).duration };
+    let hours = (end - kept.start as f64 * interval) / 3600.0;
+    let seen: Vec<Seen> = seen.into_iter().map(|s| s.within(&kept)).collect();
     let time = Mean::of(&seen.iter().map(|s| s.time / s.items.max(1) as f64).collect::<Vec<_>>());
     let mean = |of: &dyn Fn(&Seen) -> f64| seen.iter().map(of).sum::<f64>() / count;
     let share = |part: u64, all: u64| if all == 0 { 0.0 } else { part as f64 / all as f64 };
@@ -126,10 +131,10 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
     let carriers = 1.0 + sorter.items.double;
     let before = of_inductions(&|i| 1.0 - share(i.free, i.passed));
     let added = of_inductions(&|i| share(i.items, i.passed) * carriers);
-    let rates = of_inductions(&|i| i.items as f64 / settings.hours);
+    let rates = of_inductions(&|i| i.items as f64 / hours);
     let waits = of_inductions(&|i| i.waited / i.items.max(1) as f64);
     let chutes = (0..sorter.chutes.len()).map(|c| {
-        let rate = mean(&|s| s.chutes[c].items as f64) / settings.hours;
+        let rate = mean(&|s| s.chutes[c].items as f64) / hours;
         (rate, mean(&|s| share(s.chutes[c].refused, s.chutes[c].came())))
     });
     let of_wave = |k: usize| {
@@ -142,7 +147,7 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
         each,
         warm_up: kept.start as f64 * interval,
         time,
-        passing: of_inductions(&|i| i.passed as f64 / settings.hours).first().copied().unwrap_or(0.0),
+        passing: of_inductions(&|i| i.passed as f64 / hours).first().copied().unwrap_or(0.0),
         used: before.iter().zip(&added).map(|(b, a)| (*b, (b + a).min(1.0))).collect(),
         inductions: rates.into_iter().zip(waits).collect(),
         queues: of_inductions(&|i| i.queue as f64),

@@ -7,10 +7,12 @@
 use super::outage::Outage;
 use super::sorter::{Failures, Sorter, Waves};
 use super::stream::{Cause, exponential, stream};
+use super::warm_up;
 use super::waves::{Turn, running_sums};
 use crate::base::random::Random;
 use crate::base::stop::Stop;
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// Steps between two looks whether to stop.
 const A_LOOK: u64 = 4096;
@@ -47,6 +49,74 @@ pub struct Seen {
     pub time: f64,
     /// Items that came, were put on carriers, read and given out, or tried to be.
     pub events: u64,
+    /// What had been counted when an interval began, of those at which a warm-up may end.
+    marks: Vec<(usize, Counts)>,
+}
+
+/// What is counted from the beginning on.
+#[derive(Clone, Debug, PartialEq)]
+struct Counts {
+    inductions: Vec<InductionSeen>,
+    chutes: Vec<ChuteSeen>,
+    /// Items given out and misplaced; laps in vain: unread, refused, down, closed.
+    items: [u64; 6],
+    time: f64,
+}
+
+impl Seen {
+    /// What was seen from the beginning of one interval of the series to that of another, which is the end where it is
+    /// none of those at which a warm-up may end. Series, waves, queues and events stay those of the whole.
+    pub fn within(mut self, kept: &Range<usize>) -> Seen {
+        let at = |interval: usize| self.marks.iter().find(|(at, _)| *at == interval).map(|(_, counts)| counts.clone());
+        let (begin, end) = (at(kept.start), at(kept.end));
+        if let Some(end) = end {
+            let queues: Vec<usize> = self.inductions.iter().map(|seen| seen.queue).collect();
+            self.put(end);
+            self.inductions.iter_mut().zip(queues).for_each(|(seen, queue)| seen.queue = queue);
+        }
+        if let Some(begin) = begin {
+            let mut counts = self.counts();
+            counts.subtract(&begin);
+            self.put(counts);
+        }
+        self
+    }
+
+    /// Whether it is known what had been counted when an interval began.
+    pub fn is_marked(&self, interval: usize) -> bool {
+        self.marks.iter().any(|(at, _)| *at == interval)
+    }
+
+    fn counts(&self) -> Counts {
+        let items = [self.items, self.misplaced, self.unread, self.refused, self.down, self.closed];
+        Counts { inductions: self.inductions.clone(), chutes: self.chutes.clone(), items, time: self.time }
+    }
+
+    fn put(&mut self, counts: Counts) {
+        let Counts { inductions, chutes, items, time } = counts;
+        (self.inductions, self.chutes, self.time) = (inductions, chutes, time);
+        [self.items, self.misplaced, self.unread, self.refused, self.down, self.closed] = items;
+    }
+}
+
+impl Counts {
+    fn subtract(&mut self, before: &Counts) {
+        for (now, was) in self.inductions.iter_mut().zip(&before.inductions) {
+            now.items -= was.items;
+            now.passed -= was.passed;
+            now.free -= was.free;
+            now.down -= was.down;
+            now.waited -= was.waited;
+        }
+        for (now, was) in self.chutes.iter_mut().zip(&before.chutes) {
+            now.items -= was.items;
+            now.refused -= was.refused;
+            now.down -= was.down;
+            now.closed -= was.closed;
+        }
+        self.items.iter_mut().zip(before.items).for_each(|(now, was)| *now -= was);
+        self.time -= before.time;
+    }
 }
 
 /// What an induction saw.
@@ -198,8 +268,11 @@ pub fn simulate(sorter: &Sorter, plan: &Plan, stop: Stop) -> Seen {
             closed: 0,
             time: 0.0,
             events: 0,
+            marks: Vec::new(),
         },
     };
+    let cycle = waves.map_or(usize::MAX, |waves| (waves.cycle() / plan.interval).round().max(1.0) as usize);
+    let mut begun = 0usize;
     let mut stops = stream(plan.seed, Cause::Stops, 0);
     let mut stopped = 0.0;
     let mut fails = sorter.stops.map_or(f64::INFINITY, |s| exponential(&mut stops, s.between));
@@ -220,6 +293,13 @@ pub fn simulate(sorter: &Sorter, plan: &Plan, stop: Stop) -> Seen {
         let now = running + stopped;
         if now >= plan.duration || (m.is_multiple_of(A_LOOK) && stop.now()) {
             break;
+        }
+        while now >= begun as f64 * plan.interval {
+            if begun.is_multiple_of(warm_up::BATCH) || begun.is_multiple_of(cycle) {
+                let counts = run.seen.counts();
+                run.seen.marks.push((begun, counts));
+            }
+            begun += 1;
         }
         if let Some(turn) = &mut turn {
             while now >= turn.next() {

@@ -59,6 +59,31 @@ fn near(found: f64, expected: f64, share: f64) {
     assert!((found / expected - 1.0).abs() < share, "{found} for {expected}");
 }
 
+/// What chutes give out adds up to the throughput, as all is counted in the same time; so does what inductions put on, but
+/// for what is on the way at both ends.
+#[test]
+fn rows_add_up_to_the_whole() {
+    for every in [None, Some(1200.0)] {
+        let mut sorter = sorter(200, &[0.0, 120.0], &[60.3, 100.7, 180.1, 230.9]);
+        sorter.inductions.iter_mut().for_each(|i| i.demand = Some(1500.0));
+        let each = vec![
+            Wave { name: "a".into(), shares: vec![1.0, 0.0, 2.0, 0.0] },
+            Wave { name: "b".into(), shares: vec![0.0, 1.0, 0.0, 1.0] },
+        ];
+        sorter.waves = every.map(|every| Waves { every, changeover: 30.0, spread: 0.0, each });
+        for hours in [4.0, 5.26] {
+            let measured = measure(&sorter, &Settings { hours, replications: 3, ..Settings::default() });
+            let out: f64 = measured.chutes.iter().map(|(rate, _)| rate).sum();
+            let whole_intervals = every.is_some() || hours == 4.0;
+            let room = if whole_intervals { 1e-9 } else { 2e-3 };
+            near(out, measured.throughput.value, room);
+            let on: f64 = measured.inductions.iter().map(|(rate, _)| rate).sum();
+            near(on, measured.throughput.value, 0.01);
+            assert!(measured.warm_up > 0.0, "{measured:?}");
+        }
+    }
+}
+
 #[test]
 fn one_induction_fills_every_carrier() {
     let sorter = sorter(100, &[0.0], &[30.3, 60.7, 90.1]);

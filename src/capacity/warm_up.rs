@@ -1,9 +1,9 @@
 //! Where a simulation's warm-up ends: the truncation with the least standard error of what is left (MSER-5, White 1997).
 
 /// Values that are averaged before the rule looks at them.
-const BATCH: usize = 5;
+pub const BATCH: usize = 5;
 
-/// How many of the first values to leave out: at most half of them.
+/// How many of the first values to leave out: at most half of them, a multiple of [`BATCH`].
 pub fn truncation(values: &[f64]) -> usize {
     let means: Vec<f64> = values.chunks_exact(BATCH).map(|batch| batch.iter().sum::<f64>() / BATCH as f64).collect();
     let n = means.len();

@@ -174,11 +174,19 @@ impl Lacking<'_> {
         let least = |section: usize| {
             // One that is too short for a single piece first has to become as long.
             let short = of.stretch + 2.0 * of.from_curve - self.task.lines[section].length;
-            LONGER.into_iter().find_map(|times| {
-                let by = times * alone + short.max(0.0);
-                let by = ((by / STEP) - 1e-6).ceil() * STEP;
-                self.stretched(section, by).into_iter().any(|track| self.is_enough(self.layout, &track)).then_some(by)
-            })
+            let enough = |steps: u32| {
+                let by = f64::from(steps) * STEP;
+                self.stretched(section, by).into_iter().any(|track| self.is_enough(self.layout, &track))
+            };
+            let steps = |times: f64| (((times * alone + short.max(0.0)) / STEP) - 1e-6).ceil() as u32;
+            let mut steps = LONGER.into_iter().map(steps).find(|steps| enough(*steps))?;
+            // Pieces that stand closer, or gaps that one just does not fill, take less.
+            let mut less = 0;
+            while steps - less > 1 {
+                let middle = less + (steps - less) / 2;
+                if enough(middle) { steps = middle } else { less = middle }
+            }
+            Some(f64::from(steps) * STEP)
         };
         let found = sections.filter_map(|section| Some((section, least(section)?)));
         let (section, by) = found.min_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -136,7 +136,7 @@ fn what_was_expected_is_said_in_the_words_of_the_line() {
         ("require 3 m", "one of `<`, `<=`, `==`, `>=`, `>`"),
         ("building", "a list of points such as"),
         ("mirror P1, P2 about", "`x` or `y`"),
-        ("optimise", "`length`, `cost`, `polygon_action` or `nothing`"),
+        ("optimise", "`length`, `cost`, `total_price`, `polygon_action` or `nothing`"),
         ("ramp P1..P2 slope", "a ratio such as `0.14`"),
         ("effect", "a name such as"),
         ("effect a b", "the end of the line"),
