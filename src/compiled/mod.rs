@@ -99,23 +99,25 @@ impl Compiled {
         if !self.layout.objective.total_price {
             return;
         }
-        let (total, more) = (order::total(self).all, self.beyond_cost());
+        let (total, more) = (order::total(self).all, self.beyond_cost(self.layout.most_cut_by_chords()));
         let certificate = self.stages.last_mut().and_then(|stage| stage.certificate.as_mut());
         if let Some(certificate) = certificate.filter(|c| c.counted != Counted::Length && !c.in_all) {
             certificate.in_total(total, more);
         }
     }
 
-    /// How much more any layout of these components is ordered for than its cost and metres count, at least, EUR.
-    pub fn beyond_cost(&self) -> f64 {
+    /// How much more any layout of these components is ordered for than its cost and metres count, at least, EUR. Its
+    /// chain has a whole number of carts, and is so much shorter than its track, m, at most, as carts are chords.
+    pub fn beyond_cost(&self, cut: f64) -> f64 {
         let layout = &self.layout;
         let total = order::total(self);
-        let lines = self.bill.lines.len() + self.bill.count;
         let same = total.groups.iter().filter(|(group, _)| matches!(group, Group::Drive | Group::Sensors));
         let free = layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }));
         let equipment = if free { 0.0 } else { self.placement.equipment };
+        let chain = layout.price_of_a_pitch() / layout.cart.length * (layout.most_left_over() + cut);
         // Prices are rounded to the cent line by line.
-        same.map(|(_, price)| price).sum::<f64>() + equipment - layout.rounding_of_total_price() - 0.005 * lines as f64
+        let lines = self.bill.lines.len() + self.bill.count;
+        same.map(|(_, price)| price).sum::<f64>() + equipment - chain - 0.005 * lines as f64
     }
 
     /// Whether the layout has heights: arc length then counts along the slope.

@@ -41,12 +41,15 @@ fn numbers(compiled: &Compiled) -> Markup {
             dl.numbers {
                 div { dt { "length" } dd { (fixed(compiled.length(), 3)) " m" } }
                 div {
-                    dt { @if equipped { "price of the track" } @else { "price" } }
+                    dt { @if equipped || compiled.layout.objective.total_price { "price of the track" } @else { "price" } }
                     dd { (thousands(compiled.bill.price)) " EUR" }
                 }
                 div { dt { "elements" } dd { (compiled.bill.count) } }
                 div { dt { "mass" } dd { (fixed(compiled.bill.mass, 0)) " kg" } }
                 div { dt { "floor" } dd { (fixed(compiled.footprint, 1)) " m²" } }
+                @if compiled.layout.objective.total_price {
+                    div { dt { "price of all that is ordered" } dd { (thousands(order::total(compiled).all)) " EUR" } }
+                }
                 @if equipped {
                     div { dt { "pieces of equipment" } dd { (placement.placed.len()) } }
                     div { dt { "price of equipment" } dd { (thousands(placement.equipment)) " EUR" } }

@@ -41,6 +41,7 @@ impl Problem {
             places: Places {
                 obstacles: layout.obstacles.iter().map(|o| o.polygon.clone()).collect(),
                 building: layout.building.as_ref().map(|b| b.polygon.clone()),
+                names: layout.obstacles.iter().map(|o| o.name.clone()).collect(),
             },
         };
         for (i, vertex) in layout.vertices.iter().enumerate() {
@@ -247,6 +248,9 @@ impl Problem {
 /// The objective in words.
 fn minimises(layout: &Layout) -> &'static str {
     let wants = |goal: Goal| layout.objective.terms.iter().any(|(_, g)| *g == goal);
+    if layout.objective.total_price {
+        return "price of all that is ordered, EUR, in stage 3; track length, m, in the stages before it";
+    }
     if wants(Goal::Cost) && !wants(Goal::PolygonAction) {
         return "price of the pieces, EUR, in stage 3; track length, m, in the stages before it";
     }

@@ -74,6 +74,7 @@ impl Certificate {
     /// counted, EUR.
     pub fn in_total(&mut self, total: f64, more: f64) {
         let bound = self.lower_bound + more;
+        debug_assert!(bound <= total, "a bound of {bound} EUR for a layout of {total} EUR");
         let parts = std::mem::take(&mut self.parts);
         let (seconds, budget) = (self.seconds, self.budget.take());
         let assumed = std::mem::take(&mut self.assumed);

@@ -360,3 +360,51 @@ fn the_total_price_stands_alone() {
         assert!(said.iter().any(|d| d.code == Code::E0304 && d.message.contains("stands alone")), "{goal}: {said:?}");
     }
 }
+
+/// Carts are chords: a chain is shorter than its track, the more so the more it turns, and has a whole number of carts. What
+/// other goals and layouts as they are written cost in all does not contradict the bound.
+#[test]
+fn no_layout_is_cheaper_in_all_than_the_bound() {
+    let tray = "cart tilt_tray(length: 1250 mm)";
+    let big = "cart big from tilt_tray(length: 1250 mm) {\n  length = 2.542 m\n  lengths = [2.542 m]\n  price = 20000 EUR\n}\n";
+    let cases = [
+        ("", tray, 22.69, ""),
+        ("", tray, 22.7, ""),
+        ("", tray, 22.4197, "take_up spring_60\n  chain closes within 60 mm"),
+        (big, "cart big", 23.0, "chain closes within 20 mm"),
+    ];
+    for (head, cart, right, more) in cases {
+        let built = |goal: &str, height: f64| {
+            let top = 3.0 + height;
+            let text = format!(
+                "use std.carts.tilt_tray\nuse std.take_ups.spring_60\nuse std.tracks.standard\n{head}layout c {{\n  \
+                 catalog standard\n  {cart}\n  speed 2.0 m/s\n  width 1.2 m\n  vertex P1 (3 m, 3 m) radius 3 m\n  \
+                 vertex P2 ({right} m, 3 m) radius 3 m\n  vertex P3 ({right} m, {top} m) radius 3 m\n  \
+                 vertex P4 (3 m, {top} m) radius 3 m\n  fix all P1..P2\n  \
+                 require length(straight(P2..P3)) >= 0.9 m\n  {more}\n  optimise {goal}\n}}\n"
+            );
+            let (layout, said) = check(&text);
+            let layout = layout.unwrap_or_else(|| panic!("{said:#?}"));
+            let stages = solve(&layout, &Options::default(), &|_| ());
+            let failed = stages.last().is_some_and(|stage| stage.status == lss::solve::Status::Infeasible);
+            (!failed).then(|| Compiled::new(layout, stages))
+        };
+        let all = built("total_price", 7.0).expect("a layout");
+        let certificate = all.stages.last().and_then(|stage| stage.certificate.clone()).expect("a certificate");
+        assert!(certificate.lower_bound > 0.9 * certificate.value, "{certificate:?}");
+        let others = [("cost", 7.0), ("length", 7.0), ("nothing", 6.95), ("nothing", 7.0), ("nothing", 7.5)];
+        for (goal, height) in others {
+            let Some(other) = built(goal, height) else { continue };
+            let closed = other
+                .layout
+                .chain
+                .closes_within
+                .is_none_or(|w| other.chain.is_some_and(|fit| fit.left_over.abs() <= w.value));
+            let total = order::total(&other).all;
+            assert!(
+                !closed || certificate.lower_bound <= total,
+                "{cart} {right} {goal} {height}: {total} {certificate:?}"
+            );
+        }
+    }
+}

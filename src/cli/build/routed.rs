@@ -65,9 +65,11 @@ impl Routed {
     pub fn summary(&self) -> RouteSummary<'_> {
         let (mut value, mut price) = (self.summary.value, self.summary.cheapest);
         if self.compiled.layout.objective.total_price {
-            let more = self.compiled.beyond_cost();
+            // How often another loop turns is not known: what chords cut is a share of its length.
+            let more = self.compiled.beyond_cost(0.0);
             value = order::total(&self.compiled).all;
-            price = price.map(|price| (price + more).clamp(0.0, value));
+            let share = 1.0 - self.compiled.layout.share_cut_by_chords();
+            price = price.map(|price| (share * price + more).clamp(0.0, value));
         }
         let bound = price.unwrap_or(self.summary.shortest);
         RouteSummary {

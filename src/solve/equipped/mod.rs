@@ -416,6 +416,8 @@ impl<'a> Search<'a> {
         let seconds = last.certificate.as_ref().map_or(0.0, |c| c.seconds);
         assumed.push(match counted {
             Counted::Length => "equipment has room on the track".to_owned(),
+            // Of all that is ordered, which is counted when the layout is compiled.
+            Counted::Price { .. } if self.layout.objective.total_price => "equipment has room on the track".to_owned(),
             Counted::Price { .. } => "the price is that of track, equipment and conveyors".to_owned(),
         });
         let certificate = Certificate::new(counted, value, self.closed.min(value), self.nodes, assumed);
