@@ -26,7 +26,7 @@ pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
 pub use formula::nearest;
 pub use perturb::{moved, perturbed};
-pub use print::{print, relation};
+pub use print::{limited, print, relation};
 
 use crate::geometry::clearance::Region;
 use crate::geometry::{Piece, Track, self_crossings};

@@ -26,6 +26,8 @@ pub struct Glance {
     pub about: String,
     /// m/s, as the trigger has it, else as it was set; `None` where neither is known.
     pub speed: Option<f64>,
+    /// N, as it was set; `None` where nobody says.
+    pub tension: Option<f64>,
     pub channels: BTreeMap<Channel, Statistics>,
     /// Means of forces along the track; empty where places cannot be told.
     pub along: BTreeMap<Channel, Vec<f64>>,
@@ -108,7 +110,7 @@ fn lead(runs: &[Glance]) -> String {
     if runs.len() < 2 {
         return String::new();
     }
-    let told = [speeds(runs), means(runs)];
+    let told = [speeds(runs), tensions(runs), means(runs)];
     let swing = |s: &Statistics| s.sd;
     let peak = |s: &Statistics| s.max.abs().max(s.min.abs());
     let more = [most(runs, "standard deviations", &swing), most(runs, "peaks", &peak)];
@@ -135,6 +137,16 @@ fn speeds(runs: &[Glance]) -> Option<String> {
         format!(
             "The runs have different speeds, from {from} m/s in {low} to {to} m/s in {high}; forces differ with that."
         )
+    })
+}
+
+/// That the chain was set to other tensions, which explains differing forces, too.
+fn tensions(runs: &[Glance]) -> Option<String> {
+    let [low, high] = ends(runs.iter().filter_map(|run| Some((run.name.as_str(), run.tension?))))?;
+    (high.1 - low.1 >= SPEED * high.1 && high.1 > 0.0).then(|| {
+        let ((low, from), (high, to)) = (low, high);
+        let [from, to] = [from, to].map(|tension| fixed(tension, 0));
+        format!("Their chains were set to tensions from {from} N in {low} to {to} N in {high}.")
     })
 }
 
@@ -280,6 +292,7 @@ mod tests {
             name: name.into(),
             about: String::new(),
             speed: Some(speed),
+            tension: None,
             channels: [(Channel::SteerLeft, level), (Channel::JointXi, same)].into(),
             along: BTreeMap::new(),
             lap: 0.0,

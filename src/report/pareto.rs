@@ -60,7 +60,8 @@ fn lead(pareto: &Pareto) -> String {
     }
     let (metres, price) = (cheap.length_m - short.length_m, short.price_eur - cheap.price_eur);
     format!(
-        "From {} m for {} EUR to {} m for {} EUR: {} m less track cost {} EUR more, {} EUR a metre.",
+        "From {} m for {} EUR to {} m for {} EUR: {} m less track cost {} EUR more, {} EUR a metre. Prices are those of the \
+         track's pieces: carts of the longer track are not counted.",
         fixed(short.length_m, 3),
         fixed(short.price_eur, 2),
         fixed(cheap.length_m, 3),

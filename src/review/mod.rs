@@ -103,6 +103,14 @@ pub struct VertexChange {
     pub after_m: Option<[f64; 3]>,
 }
 
+impl VertexChange {
+    /// Whether it stands elsewhere, is new or is gone; else only its radius is another.
+    pub fn is_moved(&self) -> bool {
+        let (Some(before), Some(after)) = (self.before_m, self.after_m) else { return true };
+        (0..2).any(|axis| (after[axis] - before[axis]).abs() >= TOLD)
+    }
+}
+
 /// The straight of a section, as it is built.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -228,6 +236,12 @@ fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
     equipment.retain(|quantity| quantity.before.is_some() || quantity.after.is_some());
     let unpriced = [before, after].iter().any(|c| !order::total(c).unpriced.is_empty());
     let in_all = if unpriced { PRICED } else { IN_ALL };
+    // Of other goals there are other gaps.
+    let goal = |c: &Compiled| {
+        let certificate = c.stages.last().and_then(|stage| stage.certificate.as_ref());
+        certificate.map(|certificate| (certificate.counted, certificate.in_all))
+    };
+    let one_goal = goal(before).zip(goal(after)).is_none_or(|(a, b)| a == b);
     let mut all = vec![
         of("length", "m", (TOLD, 3), &|c| Some(c.length())),
         of("footprint", "m²", (0.005, 2), &|c| Some(c.footprint)),
@@ -242,7 +256,7 @@ fn quantities(before: &Compiled, after: &Compiled) -> Vec<Quantity> {
         }),
         of(GAP, "%", (0.005, 2), &|c| {
             let certificate = c.stages.last().and_then(|stage| stage.certificate.as_ref());
-            certificate.map(|certificate| 100.0 * certificate.gap)
+            certificate.filter(|_| one_goal).map(|certificate| 100.0 * certificate.gap)
         }),
     ];
     all.extend(equipment);

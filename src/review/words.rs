@@ -107,7 +107,7 @@ impl Comparison {
                 parts.push(format!("{} {by}{share}", quantity.name).trim_end().to_owned());
             }
         }
-        let moved = self.vertices.len();
+        let moved = self.vertices.iter().filter(|vertex| vertex.is_moved()).count();
         if moved > 0 {
             parts.push(format!("{moved} {} moved", if moved == 1 { "vertex" } else { "vertices" }));
         }

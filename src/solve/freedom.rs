@@ -13,7 +13,7 @@ use crate::base::number::{normal, significant};
 use crate::base::trig::PI;
 use crate::model::{ConstraintKind, Interval, Layout};
 use crate::problem::measures::{self, to_variables};
-use crate::problem::{Evaluation, Expansion, Problem, RowKey, RowValue, Scope};
+use crate::problem::{Evaluation, Expansion, Problem, RowKey, RowValue, Scope, limited};
 use crate::source::Span;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -127,7 +127,14 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
     let mut rows: Vec<ActiveRow> = active
         .iter()
         .map(|row| {
-            let (name, span) = problem.describe(row.key);
+            let (mut name, span) = problem.describe(row.key);
+            if let RowKey::Listed(i) = row.key
+                && problem.rows[i].label == "require"
+            {
+                let row = &problem.rows[i];
+                let reason = row.reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
+                name = format!("{}{reason}", limited(&problem, row));
+            }
             ActiveRow::new(name, span, row_limit(row), problem.unit(row.key), prices.next())
         })
         .collect();

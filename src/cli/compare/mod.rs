@@ -4,6 +4,7 @@ mod scale;
 mod table;
 
 use super::{Outcome, OutputFormat, build, could_not, report};
+use crate::base::number::trimmed;
 use crate::emit::Files;
 use crate::report::comparison::{self, Compared};
 use crate::signal::compare::{Deviation, compare};
@@ -110,6 +111,9 @@ impl Compare {
             Err(outcome) => return outcome,
         };
         known.warnings.iter().for_each(|w| report::warning(w));
+        if let Some(differ) = set_points([(&entry_a, &a), (&entry_b, &b)]) {
+            report::warning(&differ);
+        }
         for (path, run) in [(self.run_a.as_path(), &a), (self.run_b.as_path(), &b)] {
             for warning in run.warnings(known.lap()) {
                 report::warning(&format!("{}: {warning}", shown(path)));
@@ -193,6 +197,20 @@ impl Moments {
     fn new(of: &Statistics) -> Self {
         Moments { mean: of.mean, sd: of.sd, min: of.min, max: of.max }
     }
+}
+
+/// That the runs were set to other speeds or tensions, which forces differ by.
+fn set_points(sides: [(&Entry, &Run); 2]) -> Option<String> {
+    let speeds = sides.map(|(entry, run)| Some(entry.speed.unwrap_or(run.sidecar.speed_setpoint)));
+    let tensions = sides.map(|(entry, run)| entry.tension.or(run.sidecar.tension_setpoint));
+    let differ = |[a, b]: [Option<f64>; 2], what: &str, unit: &str| {
+        let (a, b) = a.zip(b)?;
+        let far = (a - b).abs() > 5e-3 * a.abs().max(b.abs());
+        far.then(|| format!("{what} {} and {} {unit}", trimmed(a, 3), trimmed(b, 3)))
+    };
+    let told = [differ(speeds, "speeds of", "m/s"), differ(tensions, "tensions of", "N")];
+    let told: Vec<String> = told.into_iter().flatten().collect();
+    (!told.is_empty()).then(|| format!("the runs were set to {}: forces differ with that", told.join(" and to ")))
 }
 
 /// A length above zero.

@@ -9,6 +9,9 @@ use crate::signal::{Entry, Run, position};
 use crate::source::shown;
 use std::path::{Path, PathBuf};
 
+/// By what share a lap's speed may be off its set point: a layout for which it is further is another track's.
+const FAR: f64 = 0.1;
+
 /// Lap and pitch in metres, each with where it was found.
 pub struct Known {
     pub lap: Option<(f64, String)>,
@@ -57,6 +60,21 @@ impl Known {
             let (a, b) = (fixed(a, 3), fixed(b, 3));
             warnings
                 .push(format!("the runs are of different tracks: a lap is {a} m in the first and {b} m in the second"));
+        }
+        for (entry, run) in sides {
+            if let Some((length, .., name, _)) = layouts.first()
+                && let Some(time) = position::lap_time(run)
+                && (length / time / run.sidecar.speed_setpoint - 1.0).abs() > FAR
+            {
+                warnings.push(format!(
+                    "{}: {length_text} m of {name} in {} s between triggers is {} m/s, and it was set to {} m/s: is it of this track?",
+                    shown(&entry.file),
+                    fixed(time, 2),
+                    fixed(length / time, 3),
+                    fixed(run.sidecar.speed_setpoint, 3),
+                    length_text = fixed(*length, 3),
+                ));
+            }
         }
         let told = |value: Option<f64>, option: &str| value.map(|v| (v, option.to_owned()));
         let lap_of = |(_, run): &(&Entry, &Run)| {

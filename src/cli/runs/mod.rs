@@ -136,6 +136,7 @@ fn picture(entry: &Entry, run: &Run, layout: Option<&Simulation>, health: &Healt
     pages::Glance {
         name: entry.name.clone(),
         about: format!("{} s at {} Hz{laps}{speed}", fixed(health.duration, 1), trimmed(health.rate, 2)),
+        tension: entry.tension.or(run.sidecar.tension_setpoint),
         speed: health.speed_trigger.or(Some(run.sidecar.speed_setpoint)).filter(|speed| *speed > 0.0),
         channels: health.channels.clone(),
         along: pages::along(run, lap, runs),

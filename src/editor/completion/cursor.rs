@@ -50,7 +50,7 @@ impl<'a> Cursor<'a> {
                             quoted: Some(rest),
                         });
                     };
-                    at += end + 1;
+                    at += end;
                 }
                 b'/' if bytes.get(at + 1) == Some(&b'/') => match before[at..].find('\n') {
                     Some(end) => {
@@ -147,6 +147,11 @@ mod tests {
         assert_eq!(at("cart c(length: 1250m|"), own(&[], "cart c(length: 1250", "m"));
         assert_eq!(at("layout a\n{\n  |"), own(&["layout a"], "", ""));
         assert_eq!(at("// a|"), None);
+        assert_eq!(at("layout a {\n  drawing project \"x\"\n  spe|\n}"), own(&["layout a"], "", "spe"));
+        assert_eq!(
+            at("layout a {\n  require length(A..B) >= 1 m \"room\"|"),
+            own(&["layout a"], "require length(A..B) >= 1 m \"room\"", "")
+        );
     }
 
     #[test]

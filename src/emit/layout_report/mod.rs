@@ -139,6 +139,9 @@ fn summary(pages: &mut Pages, compiled: &Compiled) {
         ]
     };
     let rows: Vec<Vec<String>> = compiled.stages.iter().map(stage).collect();
+    if compiled.raised() {
+        pages.words("The length of track is along the slope; stages count the plan.", "quiet");
+    }
     pages.table(&[narrow("stage"), number("length, m"), words("ended as"), number("largest violation, m")], &rows);
     if cut {
         pages.words("The limit of time ended the search: with more time it may find a better layout.", "warn");
@@ -222,9 +225,16 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
             };
             // The row of a direction counts how far one end is off the line through the other.
             let direction = c.row.starts_with("fix rotation") && c.low == c.high;
-            let (limits, is) = match direction {
-                true => ("as written".to_owned(), format!("{} off", unit(c.value, &c.unit))),
-                false => (limits, unit(c.value, &c.unit)),
+            // A difference that is compared with nothing is told by both of its sides.
+            let sides = c.low.or(c.high) == Some(0.0)
+                && c.row
+                    .split(['=', '<', '>'])
+                    .next_back()
+                    .is_some_and(|side| !side.trim().starts_with(|first: char| first.is_ascii_digit() || first == '-'));
+            let (limits, is) = match (direction, sides && c.row.contains('=')) {
+                (true, _) => ("as written".to_owned(), format!("{} off", unit(c.value, &c.unit))),
+                (false, true) => ("as written".to_owned(), format!("{} apart", unit(c.value, &c.unit))),
+                (false, false) => (limits, unit(c.value, &c.unit)),
             };
             let row = c.reason.as_ref().map_or_else(|| c.row.clone(), |why| format!("{}, \"{why}\"", c.row));
             vec![row, limits, is, text(state)]
