@@ -160,3 +160,18 @@ fn climbs_cost() {
     let shortest = few(&text.replace("optimise cost", "optimise length"));
     assert!(certificate.lower_bound <= shortest.bill.price);
 }
+
+/// A chain closes along the slopes, and not on their plan, which is shorter.
+#[test]
+fn a_chain_closes_along_the_slopes() {
+    let text = include_str!("../../examples/spiral.lss");
+    let text = text.replace("optimise nothing", "chain closes within 20 mm\n  optimise cost");
+    let layout = check(&text).0.expect("a layout");
+    let effort = Effort { nodes: 300, ..Effort::default() };
+    let stages = solve::solve(&layout, &Options { effort, threads: 2, ..Options::default() }, &|_| ());
+    let certificate = stages.last().and_then(|stage| stage.certificate.clone()).expect("a certificate");
+    let compiled = Compiled::new(layout, stages);
+    let fit = compiled.chain.expect("a chain");
+    assert!(fit.left_over.abs() <= 0.020_01, "{fit:?}");
+    assert!(compiled.length() > compiled.track.length + 0.1 && certificate.lower_bound <= certificate.value);
+}

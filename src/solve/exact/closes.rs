@@ -1,13 +1,15 @@
 //! A whole number of carts: how much longer a layout has to be for its chain to close.
 
 use super::grid::track;
-use crate::geometry::Track;
+use crate::elements::{self, Space};
+use crate::geometry::{CentreLine, Track};
 use crate::kinematics::{fit, level};
 use crate::model::Layout;
 
 /// A chain that may be off by what a take-up compensates.
 #[derive(Clone, Copy, Debug)]
-pub struct Closes {
+pub struct Closes<'a> {
+    layout: &'a Layout,
     /// Length of a cart, m.
     pub pitch: f64,
     /// m
@@ -21,9 +23,17 @@ const ROUNDS: usize = 6;
 /// What curves cut off, against the first term of its series θL²/(24R) (design: chain model), at least and at most.
 const CUT: (f64, f64) = (0.9, 1.1);
 
-impl Closes {
-    pub fn new(layout: &Layout) -> Option<Self> {
-        Some(Closes { pitch: layout.cart.length, within: layout.chain.closes_within.as_ref()?.value })
+impl<'a> Closes<'a> {
+    pub fn new(layout: &'a Layout) -> Option<Self> {
+        Some(Closes { layout, pitch: layout.cart.length, within: layout.chain.closes_within.as_ref()?.value })
+    }
+
+    /// Where the joints are: along the slopes, of a track with heights.
+    fn line(&self, track: &Track) -> CentreLine {
+        if self.layout.levels.is_empty() {
+            return level(track);
+        }
+        Space::new(self.layout, &elements::sequence(track, self.layout)).0.line
     }
 
     /// What a track lacks to the next length that closes, m; 0 when it does. `None` when no chain fits at all.
@@ -33,7 +43,7 @@ impl Closes {
 
     /// By how much a track has to be longer to close, and by how much shorter, m; both 0 when it does.
     pub fn off(&self, track: &Track) -> Option<(f64, f64)> {
-        let left = fit(&level(track), self.pitch)?.left_over;
+        let left = fit(&self.line(track), self.pitch)?.left_over;
         if left.abs() <= self.within + EXACT {
             return Some((0.0, 0.0));
         }
@@ -58,6 +68,10 @@ impl Closes {
 
     /// The least length from `bound` on at which a chain can close, whatever the turns and radii, m.
     pub fn next(&self, layout: &Layout, written: &Track, bound: f64) -> f64 {
+        // How much longer than its plan a track with heights is depends on its climbs.
+        if !layout.levels.is_empty() {
+            return bound;
+        }
         let radii = &layout.radii.value;
         let square = self.pitch * self.pitch / 24.0;
         // A loop turns by at least its winding, and by no more than every vertex may.

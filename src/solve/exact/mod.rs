@@ -252,7 +252,7 @@ impl Task<'_> {
     }
 
     /// The shortest layout whose chain closes, from what is known of all.
-    fn closing(&self, grid: &Grid, any: Found, closes: Closes) -> Found {
+    fn closing(&self, grid: &Grid, any: Found, closes: Closes<'_>) -> Found {
         let Some(x) = any.variables else { return any };
         let written = track(&self.problem.start);
         let bound = closes.next(self.layout, &written, any.bound.max(0.0));
@@ -278,7 +278,7 @@ impl Task<'_> {
     }
 
     /// The cheapest layout whose chain closes, from what is known of all.
-    fn closing_cheaply(&self, grid: &Grid, any: Found, closes: Closes) -> Found {
+    fn closing_cheaply(&self, grid: &Grid, any: Found, closes: Closes<'_>) -> Found {
         let Some(x) = any.variables else { return any };
         // Only what closes is remembered from here on; none of it costs less than the bound of all.
         *self.cheapest.borrow_mut() = None;

@@ -58,7 +58,7 @@ pub struct Setting<'a> {
     /// What a layout is worth in the tariff's units: its length, or the price of its pieces.
     pub value: &'a Value<'a>,
     /// A whole number of carts must close the loop.
-    pub closes: Option<Closes>,
+    pub closes: Option<Closes<'a>>,
     /// Brings a layout on the grid to feasibility, with straights of at least so much in all if that is given (m);
     /// `None` where that fails.
     pub polish: &'a Polish<'a>,
