@@ -70,7 +70,8 @@ function showStatus() {
   if (plan) by("name").textContent = plan.name;
   if (plan) document.title = `${plan.name}: ${plan.length}`;
   const line = by("status");
-  line.textContent = moving?.moved ? "while dragging: before it is put on the catalogue's grid" : (status?.words ?? "");
+  const dragged = moving?.svg ? "before it is put on the catalogue's grid" : "the drawing is of the layout before";
+  line.textContent = moving?.moved ? `while dragging: ${dragged}` : (status?.words ?? "");
   line.classList.toggle("busy", Boolean(status?.busy));
   line.classList.toggle("stale", Boolean(status?.stale));
   sheet.classList.toggle("stale", Boolean(status?.stale) && !moving?.svg);

@@ -204,8 +204,8 @@ fn warnings(runs: &[Glance], refused: &[(String, String)]) -> Markup {
 
 fn levels(channel: Channel, runs: &[Glance]) -> Markup {
     let own = of(channel, runs);
-    let low = own.iter().map(|run| run.1.min).fold(f64::INFINITY, f64::min);
-    let high = own.iter().map(|run| run.1.max).fold(f64::NEG_INFINITY, f64::max);
+    let low = own.iter().map(|(_, s)| s.min.min(s.mean - s.sd)).fold(f64::INFINITY, f64::min);
+    let high = own.iter().map(|(_, s)| s.max.max(s.mean + s.sd)).fold(f64::NEG_INFINITY, f64::max);
     // A force that is the same all the time has some width, too.
     let room = (0.03 * (high - low)).max(1e-3 * high.abs().max(1.0));
     let scale = RowScale { low: low - room, high: high + room };

@@ -150,3 +150,28 @@ fn what_cannot_be_told_is_said() {
     assert!(warnings[1].starts_with("warning: part.csv: the run covers 24.0 of the lap's 50.0 m"), "{err}");
     assert!(warnings[2].starts_with("warning: blind.csv: the trigger never rises"), "{err}");
 }
+
+/// Of a campaign the layout is known, and what its recorder did, though a run is given alone.
+#[test]
+fn a_run_is_as_its_campaign_lists_it() {
+    let folder = two_runs();
+    let layout = "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout small {\n  catalog standard\n  \
+                  cart tilt_tray(length: 1250 mm)\n  speed 2 m/s\n  width 1.2 m\n  vertex A (0 m, 0 m) radius 4 m\n  \
+                  vertex B (19.43363 m, 0 m) radius 4 m\n  vertex C (19.43363 m, 9 m) radius 4 m\n  \
+                  vertex D (0 m, 9 m) radius 4 m\n  optimise nothing\n}\n";
+    std::fs::write(folder.path().join("small.lss"), layout).expect("written");
+    let list = "layout = \"small.lss\"\n[[run]]\nfile = \"a.csv\"\nspeed = 2\ntension = 400\n\
+                [[run]]\nfile = \"b.parquet\"\nspeed = 2\ntension = 700\n";
+    std::fs::write(folder.path().join("campaign.toml"), list).expect("written");
+    let (out, err, code) = compare(folder.path(), &["a.csv", "b.parquet"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("50.000 m, from small.lss") && out.contains("1.250 m, from small.lss"), "{out}");
+    assert!(err.contains("the runs were set to tensions of 400 and 700 N"), "{err}");
+    // The same layout without its campaign, and another, of which a lap would be too fast.
+    std::fs::remove_file(folder.path().join("campaign.toml")).expect("removed");
+    let (given, _, _) = compare(folder.path(), &["a.csv", "b.parquet", "--layout", "small.lss"]);
+    assert_eq!(given, out);
+    std::fs::write(folder.path().join("large.lss"), layout.replace("9 m", "29 m")).expect("written");
+    let (_, err, code) = compare(folder.path(), &["a.csv", "b.parquet", "--layout", "large.lss"]);
+    assert!(code == Some(0) && err.contains("between triggers is") && err.contains("is it of this track?"), "{err}");
+}

@@ -104,9 +104,13 @@ impl Known {
 }
 
 /// The layout that a run's campaign or sidecar names, as the input of its simulation: its file, and what it says or why
-/// it cannot be used. A layout that is not there is none: runs are handed on without it.
+/// it cannot be used. A `.lss` that is not there is none: runs are handed on without it.
 pub fn simulation_of(entry: &Entry) -> Option<(PathBuf, Result<Simulation, String>)> {
-    let path = named_layout(entry).ok()?;
+    let path = match named_layout(entry) {
+        Ok(path) => path,
+        Err(_) if !read::is_json(&entry.layout) => return None,
+        Err(why) => return Some((entry.layout.clone(), Err(why))),
+    };
     let read = read::simulation_quietly(&path).map_err(|_| "it cannot be used".to_owned());
     Some((path, read))
 }

@@ -92,7 +92,7 @@ impl Pages {
 
     /// A paragraph, broken between words.
     pub fn words(&mut self, words: &str, class: &str) {
-        for line in broken(words, RIGHT - LEFT) {
+        for line in broken(words, RIGHT - LEFT, Height::H25) {
             self.room(LINE);
             self.put(LEFT, line, Height::H25, class);
             self.y += LINE;
@@ -104,7 +104,7 @@ impl Pages {
     pub fn facts(&mut self, facts: &[(&str, String)]) {
         const NAMES: f64 = 52.0;
         for (name, value) in facts {
-            for (k, line) in broken(value, RIGHT - LEFT - NAMES).into_iter().enumerate() {
+            for (k, line) in broken(value, RIGHT - LEFT - NAMES, Height::H25).into_iter().enumerate() {
                 self.room(LINE);
                 if k == 0 {
                     self.put(LEFT, *name, Height::H25, "quiet");
@@ -134,19 +134,29 @@ impl Pages {
         self.y += size.y + 2.0;
     }
 
-    /// A table, whose head stands on every page that it reaches.
+    /// A table, whose head stands on every page that it reaches. Columns of words are broken to fit.
     pub fn table(&mut self, columns: &[Column], rows: &[Vec<String>]) {
         let edges = edges(columns, rows);
         self.head(columns, &edges);
         for row in rows {
-            if self.y + ROW > BOTTOM {
+            let lines = |((cell, column), (low, high)): ((&String, &Column), &(f64, f64))| match column.share > 0.0 {
+                true => broken(cell, high - low, Height::H18),
+                false => vec![cell.clone()],
+            };
+            let cells: Vec<Vec<String>> = row.iter().zip(columns).zip(&edges).map(lines).collect();
+            let height = cells.iter().map(Vec::len).max().unwrap_or(1);
+            if self.y + ROW * height as f64 > BOTTOM {
                 self.turn();
                 self.head(columns, &edges);
             }
-            for ((cell, column), edge) in row.iter().zip(columns).zip(&edges) {
-                self.cell(cell, column.right, *edge, "");
+            for k in 0..height {
+                for ((lines, column), edge) in cells.iter().zip(columns).zip(&edges) {
+                    if let Some(line) = lines.get(k) {
+                        self.cell(line, column.right, *edge, "");
+                    }
+                }
+                self.y += if k + 1 < height { 0.8 * ROW } else { ROW };
             }
-            self.y += ROW;
         }
         self.y += 2.0;
     }
@@ -217,12 +227,12 @@ fn edges(columns: &[Column], rows: &[Vec<String>]) -> Vec<(f64, f64)> {
 }
 
 /// Lines of a text that fit into a width, mm.
-fn broken(words: &str, room: f64) -> Vec<String> {
+fn broken(words: &str, room: f64, height: Height) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in words.split_whitespace() {
         let Some(last) = lines.last_mut() else { continue };
         let longer = if last.is_empty() { word.to_owned() } else { format!("{last} {word}") };
-        if last.is_empty() || text::width(&longer, Height::H25.size(), false) <= room {
+        if last.is_empty() || text::width(&longer, height.size(), false) <= room {
             *last = longer;
         } else {
             lines.push(word.to_owned());
@@ -252,9 +262,14 @@ mod tests {
     #[test]
     fn words_are_broken_to_fit() {
         let text = "a loop of ten vertices that is proven to be the shortest of its kind, whatever else ".repeat(4);
-        let lines = broken(&text, 100.0);
+        let lines = broken(&text, 100.0, Height::H25);
         assert!(lines.len() > 3 && lines.iter().all(|l| text::width(l, Height::H25.size(), false) <= 100.0));
         assert_eq!(lines.join(" "), text.trim());
-        assert_eq!(broken("", 100.0), [""]);
+        assert_eq!(broken("", 100.0, Height::H25), [""]);
+        // In a table, too: nothing of a long reason is left out.
+        let mut pages = Pages::new();
+        pages.table(&[words("line"), number("is")], &[vec![text.clone(), "1".to_owned()]]);
+        let written = pages.finish("title", "foot", (1, 0)).concat();
+        assert!(!written.contains('…') && written.matches("whatever else").count() == 4, "{written}");
     }
 }
