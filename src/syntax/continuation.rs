@@ -102,8 +102,7 @@ mod tests {
             ("wave a to row_a ", "Value"),
             ("feed a efficiency 90 % to row_a ", "Value"),
             ("fails west ", "`every`"),
-            ("optimise ", "Value `cost` `length` `nothing` `polygon_action` `total_price`"),
-            ("optimise cost within ", "`cost` `length` `polygon_action`"),
+            ("optimise cost within ", "`cost` `length` `nothing` `polygon_action` `total_price`"),
             ("let a = ", "Value"),
             ("vertex vertex vertex ", ""),
         ] {

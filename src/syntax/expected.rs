@@ -179,7 +179,7 @@ impl Failure {
                 words.extend(words_of(Rule::fix_kind));
                 words.push("radius".to_string());
             }
-            "optimise" | "optimize" => words.extend(words_of(Rule::objective)),
+            "optimise" | "optimize" => words.extend(words_of(Rule::goal)),
             _ => {}
         }
         let last = last_word(before);
@@ -341,9 +341,7 @@ pub(super) fn words_of(rule: Rule) -> Vec<String> {
         Rule::fix_kind => FixKind::ALL.map(FixKind::word).to_vec(),
         Rule::axis => vec!["x", "y"],
         Rule::side => SideWord::ALL.map(SideWord::word).to_vec(),
-        Rule::objective => Goal::ALL.map(Goal::word).to_vec(),
-        // Beside others: the rest stands alone.
-        Rule::goal | Rule::goal_term => vec!["length", "cost", "polygon_action"],
+        Rule::goal | Rule::goal_term | Rule::objective => Goal::ALL.map(Goal::word).to_vec(),
         Rule::title_field | Rule::drawing_field => TitleField::ALL.map(TitleField::word).to_vec(),
         Rule::station_word => StationWord::ALL.map(StationWord::word).into_iter().filter(|w| *w != "chutes").collect(),
         Rule::of_kind => vec!["of"],
