@@ -49,7 +49,7 @@ fn text(freedom: &Freedom, layout: &str, sources: &SourceMap) -> String {
         };
         let _ = writeln!(out, "  {:<10} {position:<23} {}", vertex.vertex, word(vertex.radius));
     }
-    out += "\nrows at their limit (m, angles in deg)\n";
+    out += "\nrows at their limit\n";
     for row in &freedom.rows {
         let name = format!("{} {}", row.row, limit(row));
         let _ = writeln!(out, "  {name:<62} {:<58} // {}", row.words, sources.place(row.span));
@@ -112,10 +112,11 @@ fn word(hold: Hold) -> &'static str {
     }
 }
 
-/// `>= 0.6`, angles in degrees.
+/// `>= 0.6 m`, angles in degrees.
 pub fn limit(row: &ActiveRow) -> String {
-    let scale = if row.unit == "rad" { 180.0 / PI } else { 1.0 };
-    let (low, high) = (trimmed(row.limit.low * scale, 6), trimmed(row.limit.high * scale, 6));
+    let (scale, unit) = if row.unit == "rad" { (180.0 / PI, "deg") } else { (1.0, row.unit) };
+    let shown = |limit: f64| format!("{} {unit}", trimmed(limit * scale, 6)).trim_end().to_owned();
+    let (low, high) = (shown(row.limit.low), shown(row.limit.high));
     match (row.limit.low == row.limit.high, row.limit.low.is_finite()) {
         (true, _) => format!("= {low}"),
         (false, true) => format!(">= {low}"),

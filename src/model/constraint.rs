@@ -64,6 +64,18 @@ pub enum Unit {
     Other,
 }
 
+impl Unit {
+    /// Of SI values; nothing for a plain number or another dimension.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::Metre => "m",
+            Unit::Radian => "rad",
+            Unit::SquareMetre => "m^2",
+            Unit::One | Unit::Other => "",
+        }
+    }
+}
+
 /// A checked formula over the layout's variables. Values in SI; sums and products are flat.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -24,7 +24,7 @@ pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
 pub use heights::Heights;
-pub use print::print;
+pub use print::{Required, print, required};
 pub use route::{Route, TrackSection};
 pub use sheet::*;
 

@@ -13,7 +13,7 @@ use std::fmt::Write;
 
 use super::*;
 use crate::base::trig;
-use formula::{ANGLE, Dimension, LENGTH, NONE};
+use formula::Dimension;
 
 /// The layout and everything that it is made of, as `.lss`. Lengths in metres, angles in degrees where that loses
 /// nothing.
@@ -228,13 +228,7 @@ fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> 
         ConstraintKind::FixVertex { vertex } => format!("fix {}", names[*vertex]),
         ConstraintKind::FixRadius { vertex } => format!("fix radius {}", names[*vertex]),
         ConstraintKind::Require { formula, low, high, unit } => {
-            let dimension = match unit {
-                Unit::Metre => LENGTH,
-                Unit::Radian => ANGLE,
-                Unit::SquareMetre => Dimension { length: 4, angle: 0 },
-                Unit::One => NONE,
-                Unit::Other => formula::dimension(formula).unwrap_or(NONE),
-            };
+            let dimension = Dimension::of(*unit, formula);
             let shown = |value: f64| formula::constant(value, dimension);
             let formula = formula::text(formula, dimension, layout, names);
             let row = if low == high {
@@ -250,6 +244,53 @@ fn constraint_text(constraint: &Constraint, layout: &Layout, names: &[&str]) -> 
             format!("require {row}{reason}")
         }
     }
+}
+
+/// A `require` as it is read.
+pub struct Required {
+    /// What it limits: `length(P7..P8)`.
+    pub measured: String,
+    /// `length(P7..P8) >= 18 m`, or `radius(P4) == radius(P5)` where a difference is limited by nothing.
+    pub relation: String,
+    /// Whether it is such a difference.
+    pub difference: bool,
+}
+
+/// A `require` of a layout in the words of the language, without its reason; `None` for other constraints.
+pub fn required(constraint: &Constraint, layout: &Layout) -> Option<Required> {
+    let ConstraintKind::Require { formula, low, high, unit } = &constraint.kind else { return None };
+    let names: Vec<&str> = layout.vertices.iter().map(|vertex| vertex.name.as_str()).collect();
+    let dimension = Dimension::of(*unit, formula);
+    let text = |formula: &Formula| formula::text(formula, dimension, layout, &names);
+    // What was worked out is told without what rounding left.
+    let rounded = |value: f64| (value * 1e9).round() / 1e9;
+    let limit = |value: f64| match unit {
+        Unit::Radian => self::unit(rounded(value.to_degrees()), "deg"),
+        _ => formula::constant(rounded(value), dimension),
+    };
+    let measured = text(formula);
+    let sign = if low == high {
+        "=="
+    } else if low.is_finite() {
+        ">="
+    } else {
+        "<="
+    };
+    let only = if low.is_finite() { *low } else { *high };
+    let two = low != high && low.is_finite() && high.is_finite();
+    let sides = match formula {
+        Formula::Sum(terms) if only == 0.0 && !two => match terms.as_slice() {
+            [a, Formula::Negative(b)] => Some(format!("{} {sign} {}", text(a), text(b))),
+            _ => None,
+        },
+        _ => None,
+    };
+    let difference = sides.is_some();
+    let relation = sides.unwrap_or_else(|| match two {
+        true => format!("{} <= {measured} <= {}", limit(*low), limit(*high)),
+        false => format!("{measured} {sign} {}", limit(only)),
+    });
+    Some(Required { measured, relation, difference })
 }
 
 /// `section chutes 40 m within (0 m, 30 m)..(80 m, 30 m)`

@@ -186,7 +186,7 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
         html! {
             ul.rows { @for row in rows { li {
                 @if let Some(line) = line(row) { button.line data-line=(line) { "line " (line) } " " }
-                (one_line(&row.row)) " " (limit(row)) @if row.unit == "rad" { "°" } @else { " m" } br;
+                (one_line(&row.row)) " " (limit(row)) br;
                 span.price { (row.words) }
             } } }
         }

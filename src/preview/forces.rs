@@ -34,7 +34,7 @@ impl Forces {
     ///
     /// What cannot be read, and why, in a sentence.
     pub fn read(path: &Path) -> Result<Forces, String> {
-        let run = Entry::of(path).and_then(|entry| entry.run()).map_err(|why| why.to_string())?;
+        let run = Entry::read(path).map_err(|why| why.to_string())?.1;
         let beside = path.parent().unwrap_or(Path::new("")).join("simulation.json");
         let bytes = root::read_given(&beside, input::JSON_LIMIT)
             .map_err(|why| format!("{}: {why}; `lss simulate` writes it beside its run", shown(&beside)))?;

@@ -7,6 +7,7 @@ use crate::base::trig;
 use crate::geometry::clearance::{Approach, Feature, NearPiece};
 use crate::geometry::proximity::{self, Meeting};
 use crate::geometry::{Piece, PieceKind, Track};
+use crate::model::Unit;
 use crate::source::Span;
 
 /// Identifies a row from one evaluation to the next.
@@ -141,7 +142,9 @@ impl Problem {
     /// Moves an elastic row to its limit's inner side by what the limit gives way.
     fn give_way(&self, elastic: &Elastic, give: &Expansion, row: &mut RowValue) {
         let (gives, unit) = match row.key {
-            RowKey::Listed(i) => (elastic.rows.contains(&i), if self.rows[i].angle { 1.0 / LEVER } else { 1.0 }),
+            RowKey::Listed(i) => {
+                (elastic.rows.contains(&i), if self.rows[i].unit == Unit::Radian { 1.0 / LEVER } else { 1.0 })
+            }
             RowKey::Clearance(k, ..) => (elastic.keepouts.contains(&k), 1.0),
             RowKey::Own(..) | RowKey::Gap(..) => (false, 1.0),
         };
@@ -248,11 +251,11 @@ impl Problem {
         }
     }
 
-    /// `rad` for rows that measure angles, else `m`.
+    /// What a row counts in: `m`, `rad`, `m^2`, or nothing for a plain number or another dimension in SI units.
     pub fn unit(&self, key: RowKey) -> &'static str {
         match key {
-            RowKey::Listed(i) if self.rows[i].angle => "rad",
-            _ => "m",
+            RowKey::Listed(i) => self.rows[i].unit.symbol(),
+            _ => Unit::Metre.symbol(),
         }
     }
 }

@@ -11,9 +11,6 @@ use crate::model::{Formula, Target};
 pub struct Places {
     pub obstacles: Vec<Polygon>,
     pub building: Option<Polygon>,
-    /// Of the obstacles.
-    #[serde(skip)]
-    pub names: Vec<String>,
 }
 
 /// Value and derivatives of a formula. Where it has a kink (an absolute value, the nearest edge of a polygon), the

@@ -41,7 +41,6 @@ impl Problem {
             places: Places {
                 obstacles: layout.obstacles.iter().map(|o| o.polygon.clone()).collect(),
                 building: layout.building.as_ref().map(|b| b.polygon.clone()),
-                names: layout.obstacles.iter().map(|o| o.name.clone()).collect(),
             },
         };
         for (i, vertex) in layout.vertices.iter().enumerate() {
@@ -50,7 +49,7 @@ impl Problem {
                 Function::Turn(i),
                 turns.low,
                 turns.high,
-                true,
+                Unit::Radian,
                 format!("turn at {}", vertex.name),
                 vertex.span,
             );
@@ -58,7 +57,7 @@ impl Problem {
         for (i, vertex) in layout.vertices.iter().enumerate() {
             let label = format!("straight {}", problem.section_name(i));
             let shortest = layout.catalog.straight.shortest;
-            problem.row(Function::Straight(i), shortest, f64::INFINITY, false, label, vertex.span);
+            problem.row(Function::Straight(i), shortest, f64::INFINITY, Unit::Metre, label, vertex.span);
         }
         problem.make_room(layout);
         if !layout.objective.terms.is_empty() {
@@ -107,7 +106,7 @@ impl Problem {
         for (name, place, length) in wanted {
             let label = format!("room for {name} on the straight {}", self.section_name(place.section));
             let function = Function::Straight(place.section);
-            self.row(function, place.at + length, f64::INFINITY, false, label, place.span);
+            self.row(function, place.at + length, f64::INFINITY, Unit::Metre, label, place.span);
         }
     }
 
@@ -121,7 +120,7 @@ impl Problem {
                     Function::Formula(Formula::Sum(sections.iter().map(straight).collect()))
                 }
             };
-            self.row(function, low, f64::INFINITY, false, label, span);
+            self.row(function, low, f64::INFINITY, Unit::Metre, label, span);
         }
     }
 
@@ -132,12 +131,12 @@ impl Problem {
                 Length::Straight(section) => Function::Straight(section),
                 Length::Run(formula) => Function::Formula(formula),
             };
-            self.row(function, room.low, room.high, false, room.label, room.span);
+            self.row(function, room.low, room.high, Unit::Metre, room.label, room.span);
         }
     }
 
-    fn row(&mut self, function: Function, low: f64, high: f64, angle: bool, label: String, span: Span) {
-        self.rows.push(ConstraintRow { function, low, high, angle, weight: None, label, span, reason: None });
+    fn row(&mut self, function: Function, low: f64, high: f64, unit: Unit, label: String, span: Span) {
+        self.rows.push(ConstraintRow { function, low, high, unit, weight: None, label, span, reason: None });
     }
 
     fn fix(&mut self, variable: usize) {
@@ -157,8 +156,7 @@ impl Problem {
             ConstraintKind::FixSection { target, kinds } => self.fix_section(*target, kinds, track, span),
             ConstraintKind::Holds { section, part } => self.hold(*section, part, span),
             ConstraintKind::Require { formula, low, high, unit } => {
-                let angle = *unit == Unit::Radian;
-                self.row(Function::Formula(formula.clone()), *low, *high, angle, "require".into(), span);
+                self.row(Function::Formula(formula.clone()), *low, *high, *unit, "require".into(), span);
             }
         }
         for row in &mut self.rows[first..] {
@@ -173,7 +171,7 @@ impl Problem {
         // Where several parts lie on one straight, the first holds its line.
         let held = self.rotations.contains(&i);
         let mut row = |function, low, high, what: &str| {
-            self.row(function, low, high, false, format!("{what} of section {}", part.name), span);
+            self.row(function, low, high, Unit::Metre, format!("{what} of section {}", part.name), span);
         };
         let offset = across.dot(part.from);
         if !held {
@@ -212,7 +210,7 @@ impl Problem {
         let across = along.left();
         let difference = |d: Point| vec![(x(i), -d.x), (y(i), -d.y), (x(j), d.x), (y(j), d.y)];
         let mut equal = |function, value, kind: &str| {
-            self.row(function, value, value, false, format!("fix {kind} {name}"), span);
+            self.row(function, value, value, Unit::Metre, format!("fix {kind} {name}"), span);
         };
         if has(FixKind::Length) {
             if target.straight {

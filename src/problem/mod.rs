@@ -26,11 +26,11 @@ pub use evaluate::{Evaluation, RowKey, RowValue};
 pub use expansion::Expansion;
 pub use formula::nearest;
 pub use perturb::{moved, perturbed};
-pub use print::{limited, print, relation};
+pub use print::{print, relation};
 
 use crate::geometry::clearance::Region;
 use crate::geometry::{Piece, Track, self_crossings};
-use crate::model::{Formula, Heights, Interval, Layout};
+use crate::model::{self, Constraint, ConstraintKind, Formula, Heights, Interval, Layout, Required, Unit};
 use crate::source::Span;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -89,7 +89,7 @@ pub struct ConstraintRow {
     pub function: Function,
     pub low: f64,
     pub high: f64,
-    pub angle: bool,
+    pub unit: Unit,
     /// `None` for a hard row; otherwise what a unit of violation costs (m a unit), and the row is a penalty.
     pub weight: Option<f64>,
     /// `turn at P3`, `fix length P4..P5`.
@@ -100,9 +100,18 @@ pub struct ConstraintRow {
 }
 
 impl ConstraintRow {
+    /// The `require` that a row is, in words; `None` for any other row.
+    pub fn required(&self, layout: &Layout) -> Option<Required> {
+        let is_own = |constraint: &&Constraint| {
+            let ConstraintKind::Require { formula, .. } = &constraint.kind else { return false };
+            constraint.span == self.span && matches!(&self.function, Function::Formula(own) if own == formula)
+        };
+        model::required(layout.constraints.iter().find(is_own)?, layout)
+    }
+
     /// A hard row of lengths.
     pub fn hard(function: Function, (low, high): (f64, f64), label: String, span: Span) -> Self {
-        ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None }
+        ConstraintRow { function, low, high, unit: Unit::Metre, weight: None, label, span, reason: None }
     }
 }
 
@@ -207,10 +216,10 @@ impl Problem {
 
     /// Adds a penalty: `price` (m a unit) for each unit that `function` is off `aim`.
     pub fn soft(&mut self, function: Function, aim: f64, price: f64) {
-        let angle = matches!(function, Function::Turn(_));
+        let unit = if matches!(function, Function::Turn(_)) { Unit::Radian } else { Unit::Metre };
         let (label, span) = ("penalty".to_owned(), crate::source::Span::new(crate::source::FileId(0), 0, 0));
         let weight = Some(price);
-        self.rows.push(ConstraintRow { function, low: aim, high: aim, angle, weight, label, span, reason: None });
+        self.rows.push(ConstraintRow { function, low: aim, high: aim, unit, weight, label, span, reason: None });
     }
 
     /// `P3.x`

@@ -1,7 +1,7 @@
 //! The problem as text, for `--emit problem`.
 
 use super::{ConstraintRow, Function, Problem};
-use crate::model::Formula;
+use crate::model::{Formula, Unit};
 use crate::source::SourceMap;
 use std::fmt::Write;
 
@@ -52,46 +52,10 @@ pub fn print(problem: &Problem, sources: &SourceMap) -> String {
     out
 }
 
-/// A row as text: `length(P7..P8) >= 18 m`; angles in degrees.
+/// A row as text: `length(P7..P8) >= 18`; angles in degrees.
 pub fn relation(problem: &Problem, row: &ConstraintRow) -> String {
-    // A difference is compared with nothing: both sides read better.
-    if let Function::Formula(Formula::Sum(terms)) = &row.function
-        && let [a, Formula::Negative(b)] = terms.as_slice()
-        && is_zero(row)
-    {
-        let sign = if row.low == row.high {
-            "="
-        } else if row.low.is_finite() {
-            ">="
-        } else {
-            "<="
-        };
-        let b = formula(problem, b, row.angle);
-        let b = b.strip_prefix('(').and_then(|b| b.strip_suffix(')')).unwrap_or(&b);
-        return format!("{} {sign} {b}", formula(problem, a, row.angle));
-    }
-    let name = limited(problem, row);
-    let unit = unit(row.angle);
-    let [low, high] = [row.low, row.high].map(|limit| format!("{} {unit}", number(limit * scale(row.angle))));
-    match (row.low == row.high, row.low.is_finite(), row.high.is_finite()) {
-        (true, ..) => format!("{name} = {low}"),
-        (_, true, true) => format!("{low} <= {name} <= {high}"),
-        (_, true, false) => format!("{name} >= {low}"),
-        _ => format!("{name} <= {high}"),
-    }
-}
-
-fn scale(angle: bool) -> f64 {
-    if angle { 180.0 / crate::base::trig::PI } else { 1.0 }
-}
-
-fn unit(angle: bool) -> &'static str {
-    if angle { "deg" } else { "m" }
-}
-
-/// What a row limits: `length(P7..P8)`.
-pub fn limited(problem: &Problem, row: &ConstraintRow) -> String {
-    match &row.function {
+    let scale = if row.unit == Unit::Radian { 180.0 / crate::base::trig::PI } else { 1.0 };
+    let name = match &row.function {
         Function::Turn(i) => format!("turn({})", problem.vertices[*i]),
         Function::Section(i) => format!("length({})", problem.section_name(*i)),
         Function::Straight(i) => format!("length(straight({}))", problem.section_name(*i)),
@@ -113,44 +77,19 @@ pub fn limited(problem: &Problem, row: &ConstraintRow) -> String {
             number(direction.x),
             number(direction.y)
         ),
-        Function::Formula(Formula::Sum(terms)) => sum(problem, terms, row.angle),
-        Function::Formula(f) => formula(problem, f, row.angle),
+        Function::Formula(f) => formula(problem, f),
+    };
+    let (low, high) = (number(row.low * scale), number(row.high * scale));
+    match (row.low == row.high, row.low.is_finite(), row.high.is_finite()) {
+        (true, ..) => format!("{name} = {low}"),
+        (_, true, true) => format!("{low} <= {name} <= {high}"),
+        (_, true, false) => format!("{name} >= {low}"),
+        _ => format!("{name} <= {high}"),
     }
 }
 
-/// Whether a row's only limit is zero.
-fn is_zero(row: &ConstraintRow) -> bool {
-    let limits = [row.low, row.high].into_iter().filter(|limit| limit.is_finite());
-    limits.clone().count() > 0 && limits.into_iter().all(|limit| limit == 0.0)
-}
-
-/// `angle`: what is added is an angle, and else a length.
-fn sum(p: &Problem, terms: &[Formula], angle: bool) -> String {
-    let mut out = String::new();
-    for (k, term) in terms.iter().enumerate() {
-        let constant = |value: f64| format!("{} {}", number(value.abs() * scale(angle)), unit(angle));
-        let (minus, text) = match term {
-            Formula::Constant(value) => (*value < 0.0, constant(*value)),
-            Formula::Negative(term) => match term.as_ref() {
-                Formula::Constant(value) => (*value >= 0.0, constant(*value)),
-                term => (true, formula(p, term, angle)),
-            },
-            term => (false, formula(p, term, angle)),
-        };
-        out += match (k, minus) {
-            (0, false) => "",
-            (0, true) => "-",
-            (_, false) => " + ",
-            (_, true) => " - ",
-        };
-        out += &text;
-    }
-    out
-}
-
-fn formula(p: &Problem, f: &Formula, angle: bool) -> String {
-    let list =
-        |terms: &[Formula], with: &str| terms.iter().map(|t| formula(p, t, angle)).collect::<Vec<_>>().join(with);
+fn formula(p: &Problem, f: &Formula) -> String {
+    let list = |terms: &[Formula], with: &str| terms.iter().map(|t| formula(p, t)).collect::<Vec<_>>().join(with);
     let vertex = |i: &usize| p.vertices[*i].clone();
     match f {
         Formula::Constant(value) => number(*value),
@@ -163,15 +102,16 @@ fn formula(p: &Problem, f: &Formula, angle: bool) -> String {
         Formula::Angle(i) => format!("angle({})", vertex(i)),
         Formula::DistanceVertices(a, b) => format!("distance({}, {})", vertex(a), vertex(b)),
         Formula::DistanceObstacle(i, k) => {
-            format!("distance({}, {})", vertex(i), p.places.names.get(*k).map_or("obstacle", String::as_str))
+            let keepout = p.keepouts.iter().filter(|k| !k.region.outside).nth(*k);
+            format!("distance({}, {})", vertex(i), keepout.map_or("obstacle", |k| &k.name))
         }
         Formula::DistanceBuilding(i) => format!("distance({}, building)", vertex(i)),
-        Formula::Sum(terms) => format!("({})", sum(p, terms, angle)),
+        Formula::Sum(terms) => format!("({})", list(terms, " + ")),
         Formula::Product(terms) => list(terms, " * "),
-        Formula::Negative(f) => format!("-{}", formula(p, f, angle)),
-        Formula::Reciprocal(f) => format!("1 / {}", formula(p, f, angle)),
-        Formula::Absolute(f) => format!("abs({})", formula(p, f, angle)),
-        Formula::SquareRoot(f) => format!("sqrt({})", formula(p, f, angle)),
+        Formula::Negative(f) => format!("-{}", formula(p, f)),
+        Formula::Reciprocal(f) => format!("1 / {}", formula(p, f)),
+        Formula::Absolute(f) => format!("abs({})", formula(p, f)),
+        Formula::SquareRoot(f) => format!("sqrt({})", formula(p, f)),
         Formula::Smallest(terms) => format!("min({})", list(terms, ", ")),
         Formula::Largest(terms) => format!("max({})", list(terms, ", ")),
     }

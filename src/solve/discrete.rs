@@ -94,7 +94,16 @@ pub fn hold(
         let function = Function::Formula(Formula::Sum((0..problem.vertices.len()).map(straight).collect()));
         let (label, span) = ("straights in all".to_owned(), problem.vertex_span(0));
         let high = f64::INFINITY;
-        problem.rows.push(ConstraintRow { function, low, high, angle: false, weight: None, label, span, reason: None });
+        problem.rows.push(ConstraintRow {
+            function,
+            low,
+            high,
+            unit: crate::model::Unit::Metre,
+            weight: None,
+            label,
+            span,
+            reason: None,
+        });
     }
     let problem = &problem;
     let grid = Grid::new(layout, problem, settings)?;

@@ -13,7 +13,7 @@ use crate::base::number::{normal, significant};
 use crate::base::trig::PI;
 use crate::model::{ConstraintKind, Interval, Layout};
 use crate::problem::measures::{self, to_variables};
-use crate::problem::{Evaluation, Expansion, Problem, RowKey, RowValue, Scope, limited};
+use crate::problem::{Evaluation, Expansion, Problem, RowKey, RowValue, Scope};
 use crate::source::Span;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -128,12 +128,11 @@ pub fn freedom(layout: &Layout, stage: &Stage) -> Freedom {
         .iter()
         .map(|row| {
             let (mut name, span) = problem.describe(row.key);
+            // A line of the layout is told by what it measures, as its limit stands beside it.
             if let RowKey::Listed(i) = row.key
-                && problem.rows[i].label == "require"
+                && let Some(required) = problem.rows[i].required(layout)
             {
-                let row = &problem.rows[i];
-                let reason = row.reason.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
-                name = format!("{}{reason}", limited(&problem, row));
+                name = name.replacen("require", &required.measured, 1);
             }
             ActiveRow::new(name, span, row_limit(row), problem.unit(row.key), prices.next())
         })
@@ -158,7 +157,8 @@ impl ActiveRow {
         let length_per_unit = length_per_unit.map(normal);
         let (each, per) = match (unit, length_per_unit) {
             ("rad", price) => ("degree", price.map(|price| price * PI / 180.0)),
-            (_, price) => ("metre", price),
+            ("m", price) => ("metre", price),
+            (_, price) => ("unit", price),
         };
         let words = match per {
             None => "the length is not at its least here".to_owned(),

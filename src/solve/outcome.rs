@@ -45,9 +45,9 @@ pub struct Violation {
     /// As the problem prints it: `clearance of column_a to the straight P4..P5`.
     pub row: String,
     pub span: Span,
-    /// How far, in the row's unit (m, or rad for angles).
+    /// How far, in the row's unit.
     pub amount: f64,
-    /// `m` or `rad`.
+    /// `m`, `rad` or `m^2`; empty for a number without unit, and for another dimension in SI units.
     pub unit: &'static str,
 }
 

@@ -101,6 +101,6 @@ fn said(violation: &Violation) -> String {
         unit => (violation.amount, unit),
     };
     let size = if amount < 1e-4 { format!("{amount:.1e}") } else { trimmed(amount, 4) };
-    let space = if unit == "°" { "" } else { " " };
+    let space = if matches!(unit, "°" | "") { "" } else { " " };
     format!("{}: off by {size}{space}{unit}", violation.row)
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use lss::diagnostic::text;
-use lss::model::{self, FailureOf, Layout, Side};
+use lss::model::{self, ConstraintKind, FailureOf, Layout, Side};
 use lss::semantics::{Analysis, analyse};
 use lss::source::{Loader, SourceMap};
 
@@ -708,5 +708,27 @@ fn numbers_of_equipment_may_be_free() {
         let said = report(&sources, &analysis);
         assert_eq!(codes(&analysis), [code], "{statements}: {said}");
         assert!(said.contains(words), "{statements}: {said}");
+    }
+}
+
+/// Ratios and areas have no metres, differences two sides, and what was worked out no digits of rounding.
+#[test]
+fn requirements_are_told_as_they_are_written() {
+    for (written, told, unit, difference) in [
+        ("length(P1..P2) / length(P2..P3) >= 0.2", "length(P1..P2) / length(P2..P3) >= 0.2", "", false),
+        ("length(P1..P2) * length(P2..P3) >= 2 m * 3 m", "length(P1..P2) * length(P2..P3) >= 6 m^2", "m^2", false),
+        ("distance(P1, P3) >= 3 * 1.2 m", "distance(P1, P3) >= 3.6 m", "m", false),
+        ("radius(P1) == radius(P2)", "radius(P1) == radius(P2)", "m", true),
+        ("10 m <= length(P2..P3) <= 40 m", "10 m <= length(P2..P3) <= 40 m", "m", false),
+        ("angle(P2) == 90 deg", "angle(P2) == 90 deg", "rad", false),
+    ] {
+        let text = include_str!("../../examples/thesis10.lss")
+            .replace("  optimise length", &format!("  require {written}\n  optimise length"));
+        let layout = built(&text);
+        let own = layout.constraints.iter().filter_map(|c| Some((c, model::required(c, &layout)?))).last();
+        let (constraint, required) = own.expect("a requirement");
+        assert_eq!((required.relation.as_str(), required.difference), (told, difference), "{written}");
+        let ConstraintKind::Require { unit: own, .. } = &constraint.kind else { unreachable!() };
+        assert_eq!(own.symbol(), unit, "{written}");
     }
 }

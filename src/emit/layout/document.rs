@@ -264,7 +264,7 @@ pub struct ContactArea {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
-    /// What is constrained: `fix length P2..P3`, `length(P7..P8) >= 18`.
+    /// What is constrained: `fix length P2..P3`, `length(P7..P8) >= 18 m`.
     pub row: String,
     /// The user's words.
     pub reason: Option<String>,
@@ -274,8 +274,11 @@ pub struct Constraint {
     pub high: Option<f64>,
     /// The layout's value, in `unit`.
     pub value: f64,
-    /// `m` or `rad`; formulas of another dimension are in SI units.
+    /// `m`, `rad` or `m^2`; empty for a number without unit, and for formulas of another dimension, in SI units.
     pub unit: String,
+    /// Whether the row sets two sides against each other, and `value` is their difference.
+    #[serde(skip)]
+    pub difference: bool,
 }
 
 /// A stage of optimisation.

@@ -9,7 +9,7 @@ use crate::base::{json, trig};
 use crate::compiled::{Compiled, Station};
 use crate::elements::Shape;
 use crate::geometry::{Form, Frame, PieceKind, Point, Stretch};
-use crate::problem::{Problem, RowKey, Scope, measures, relation};
+use crate::problem::{Problem, RowKey, Scope, measures};
 use crate::{elements, geometry, solve};
 
 /// `layout.json`
@@ -248,6 +248,7 @@ fn constraints(compiled: &Compiled) -> Vec<Constraint> {
             high: limit(bound.high),
             value: tidy(variables[k]),
             unit: "m".to_owned(),
+            difference: false,
         });
     }
     for value in &values {
@@ -256,8 +257,10 @@ fn constraints(compiled: &Compiled) -> Vec<Constraint> {
         if !layout.constraints.iter().any(|c| c.span == row.span) {
             continue;
         }
+        let required = row.required(layout);
         constraints.push(Constraint {
-            row: if row.label == "require" { relation(&problem, row) } else { row.label.clone() },
+            difference: required.as_ref().is_some_and(|required| required.difference),
+            row: required.map_or_else(|| row.label.clone(), |required| required.relation),
             reason: row.reason.clone(),
             low: limit(value.low),
             high: limit(value.high),

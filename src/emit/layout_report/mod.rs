@@ -225,13 +225,7 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
             };
             // The row of a direction counts how far one end is off the line through the other.
             let direction = c.row.starts_with("fix rotation") && c.low == c.high;
-            // A difference that is compared with nothing is told by both of its sides.
-            let sides = c.low.or(c.high) == Some(0.0)
-                && c.row
-                    .split(['=', '<', '>'])
-                    .next_back()
-                    .is_some_and(|side| !side.trim().starts_with(|first: char| first.is_ascii_digit() || first == '-'));
-            let (limits, is) = match (direction, sides && c.row.contains('=')) {
+            let (limits, is) = match (direction, c.difference) {
                 (true, _) => ("as written".to_owned(), format!("{} off", unit(c.value, &c.unit))),
                 (false, true) => ("as written".to_owned(), format!("{} apart", unit(c.value, &c.unit))),
                 (false, false) => (limits, unit(c.value, &c.unit)),

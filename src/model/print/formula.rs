@@ -1,6 +1,6 @@
 //! Formulas as text. The model's constants are bare SI numbers: their units follow from what stands around them.
 
-use super::{Formula, Layout, degrees, metres, number, section_text, target_text, unit};
+use super::{Formula, Layout, Unit, degrees, metres, number, section_text, target_text, unit};
 
 /// Exponents of length and angle, in halves.
 #[derive(Clone, Copy, PartialEq)]
@@ -14,6 +14,17 @@ pub(super) const LENGTH: Dimension = Dimension { length: 2, angle: 0 };
 pub(super) const ANGLE: Dimension = Dimension { length: 0, angle: 2 };
 
 impl Dimension {
+    /// Of a formula that is shown in a unit.
+    pub fn of(unit: Unit, formula: &Formula) -> Self {
+        match unit {
+            Unit::Metre => LENGTH,
+            Unit::Radian => ANGLE,
+            Unit::SquareMetre => Dimension { length: 4, angle: 0 },
+            Unit::One => NONE,
+            Unit::Other => dimension(formula).unwrap_or(NONE),
+        }
+    }
+
     fn plus(self, other: Dimension) -> Self {
         Dimension { length: self.length + other.length, angle: self.angle + other.angle }
     }

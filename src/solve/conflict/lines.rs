@@ -2,7 +2,7 @@
 //! catalogue offers always holds, and so do the track's own width and the order of tangent points.
 
 use crate::geometry::{Point, Polygon};
-use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout};
+use crate::model::{Constraint, ConstraintKind, FixKind, Interval, Layout, Unit};
 use crate::problem::measures::{radius, x, y};
 use crate::problem::{ConstraintRow, Elastic, Function, LEVER, Problem, RowKey};
 use crate::source::Span;
@@ -182,7 +182,7 @@ impl Lines {
     pub fn broken(&self, row: usize, breach: f64, role: impl Fn(usize) -> Role) -> Problem {
         let mut problem = self.problem(role);
         let own = &self.problem.rows[row];
-        let by = if own.angle { breach / LEVER } else { breach };
+        let by = if own.unit == Unit::Radian { breach / LEVER } else { breach };
         let broken = &mut problem.rows[row];
         (broken.low, broken.high) = match own.low.is_finite() {
             true => (f64::NEG_INFINITY, own.low - by),
@@ -198,7 +198,7 @@ impl Lines {
         let Some(gives) = problem.elastic.take() else { return problem };
         for &row in &gives.rows {
             let row = &mut problem.rows[row];
-            let by = if row.angle { amount / LEVER } else { amount };
+            let by = if row.unit == Unit::Radian { amount / LEVER } else { amount };
             (row.low, row.high) = (row.low - by, row.high + by);
         }
         for &k in &gives.keepouts {

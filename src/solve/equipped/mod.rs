@@ -415,10 +415,11 @@ impl<'a> Search<'a> {
         let Some(last) = stages.last_mut().filter(|_| lacking == 0) else { return stages };
         let seconds = last.certificate.as_ref().map_or(0.0, |c| c.seconds);
         assumed.push(match counted {
-            Counted::Length => "equipment has room on the track".to_owned(),
-            // Of all that is ordered, which is counted when the layout is compiled.
-            Counted::Price { .. } if self.layout.objective.total_price => "equipment has room on the track".to_owned(),
-            Counted::Price { .. } => "the price is that of track, equipment and conveyors".to_owned(),
+            // The price of all that is ordered is counted when the layout is compiled.
+            Counted::Price { .. } if !self.layout.objective.total_price => {
+                "the price is that of track, equipment and conveyors".to_owned()
+            }
+            Counted::Length | Counted::Price { .. } => "equipment has room on the track".to_owned(),
         });
         let certificate = Certificate::new(counted, value, self.closed.min(value), self.nodes, assumed);
         if matches!(last.status, Status::Proven | Status::BestFound | Status::Local) {

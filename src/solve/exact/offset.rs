@@ -250,7 +250,7 @@ mod tests {
             function: Function::Formula(function),
             low: 0.0,
             high: 0.0,
-            angle: false,
+            unit: crate::model::Unit::Metre,
             weight: None,
             label: String::new(),
             span: span(),

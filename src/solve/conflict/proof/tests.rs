@@ -33,7 +33,7 @@ fn tight(layout: &Layout, at: &[f64]) -> Problem {
             function,
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
-            angle: false,
+            unit: crate::model::Unit::Metre,
             weight: None,
             label: String::new(),
             span: layout.span,
