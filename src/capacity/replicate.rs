@@ -1,6 +1,6 @@
 //! Means of several simulations with their intervals, after a warm-up that is found and not guessed.
 
-use super::simulate::{Plan, Seen, simulate};
+use super::simulate::{Counts, Plan, Seen, simulate};
 use super::sorter::{Sorter, Waves};
 use super::warm_up;
 use crate::base::stop::Stop;
@@ -118,12 +118,11 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
     let each: Vec<f64> = seen.iter().map(per_hour).collect();
     let throughput = Mean::of(&each);
     // All else is of the same time.
-    let marked = seen.iter().all(|s| s.is_marked(kept.end));
-    let end = if marked { kept.end as f64 * interval } else { plan(0).duration };
+    let (counted, marked): (Vec<Counts>, Vec<bool>) = seen.iter().map(|s| s.within(&kept)).unzip();
+    let end = if marked.iter().all(|known| *known) { kept.end as f64 * interval } else { plan(0).duration };
     let hours = (end - kept.start as f64 * interval) / 3600.0;
-    let seen: Vec<Seen> = seen.into_iter().map(|s| s.within(&kept)).collect();
-    let time = Mean::of(&seen.iter().map(|s| s.time / s.items.max(1) as f64).collect::<Vec<_>>());
-    let mean = |of: &dyn Fn(&Seen) -> f64| seen.iter().map(of).sum::<f64>() / count;
+    let time = Mean::of(&counted.iter().map(|s| s.time / s.items.max(1) as f64).collect::<Vec<_>>());
+    let mean = |of: &dyn Fn(&Counts) -> f64| counted.iter().map(of).sum::<f64>() / count;
     let share = |part: u64, all: u64| if all == 0 { 0.0 } else { part as f64 / all as f64 };
     let of_inductions = |of: &dyn Fn(&super::simulate::InductionSeen) -> f64| -> Vec<f64> {
         (0..sorter.inductions.len()).map(|i| mean(&|s| of(&s.inductions[i]))).collect()
@@ -140,7 +139,7 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
     let of_wave = |k: usize| {
         let Some(waves) = waves else { return 0.0 };
         let cycles = (plan(0).duration / waves.cycle()).floor() - 1.0;
-        mean(&|s| s.waves[k] as f64) * 3600.0 / (cycles.max(1.0) * waves.every)
+        seen.iter().map(|s| s.waves[k] as f64).sum::<f64>() / count * 3600.0 / (cycles.max(1.0) * waves.every)
     };
     Measured {
         throughput,
@@ -150,7 +149,9 @@ pub fn measure(sorter: &Sorter, settings: &Settings) -> Measured {
         passing: of_inductions(&|i| i.passed as f64 / hours).first().copied().unwrap_or(0.0),
         used: before.iter().zip(&added).map(|(b, a)| (*b, (b + a).min(1.0))).collect(),
         inductions: rates.into_iter().zip(waits).collect(),
-        queues: of_inductions(&|i| i.queue as f64),
+        queues: (0..sorter.inductions.len())
+            .map(|i| seen.iter().map(|s| s.queues[i] as f64).sum::<f64>() / count)
+            .collect(),
         available: of_inductions(&|i| 1.0 - share(i.down, i.passed)),
         chutes: chutes.collect(),
         chutes_down: (0..sorter.chutes.len()).map(|c| mean(&|s| share(s.chutes[c].down, s.chutes[c].came()))).collect(),

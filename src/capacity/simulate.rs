@@ -11,7 +11,7 @@ use super::warm_up;
 use super::waves::{Turn, running_sums};
 use crate::base::random::Random;
 use crate::base::stop::Stop;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 
 /// Steps between two looks whether to stop.
@@ -33,13 +33,26 @@ pub struct Plan {
 pub struct Seen {
     /// Items given out in each interval.
     pub series: Vec<u32>,
+    /// Items given out in each wave until they repeat, in whole cycles behind the first.
+    pub waves: Vec<u64>,
+    /// Items that wait at each induction at the end.
+    pub queues: Vec<usize>,
+    /// Items that came, were put on carriers, read and given out, or tried to be.
+    pub events: u64,
+    /// From the beginning to the end.
+    pub counts: Counts,
+    /// From the beginning to the begin of an interval, of those at which a warm-up may end.
+    marks: BTreeMap<usize, Counts>,
+}
+
+/// What was counted in some time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
     pub inductions: Vec<InductionSeen>,
     pub chutes: Vec<ChuteSeen>,
     /// Items given out, and those of them at another chute than theirs.
     pub items: u64,
     pub misplaced: u64,
-    /// Items given out in each wave until they repeat, in whole cycles behind the first.
-    pub waves: Vec<u64>,
     /// Laps that items made in vain: no scanner had read it, or a chute was full, down, or closed between two waves.
     pub unread: u64,
     pub refused: u64,
@@ -47,59 +60,36 @@ pub struct Seen {
     pub closed: u64,
     /// Sum of the times from coming to being given out, s.
     pub time: f64,
-    /// Items that came, were put on carriers, read and given out, or tried to be.
-    pub events: u64,
-    /// What had been counted when an interval began, of those at which a warm-up may end.
-    marks: Vec<(usize, Counts)>,
-}
-
-/// What is counted from the beginning on.
-#[derive(Clone, Debug, PartialEq)]
-struct Counts {
-    inductions: Vec<InductionSeen>,
-    chutes: Vec<ChuteSeen>,
-    /// Items given out and misplaced; laps in vain: unread, refused, down, closed.
-    items: [u64; 6],
-    time: f64,
 }
 
 impl Seen {
-    /// What was seen from the beginning of one interval of the series to that of another, which is the end where it is
-    /// none of those at which a warm-up may end. Series, waves, queues and events stay those of the whole.
-    pub fn within(mut self, kept: &Range<usize>) -> Seen {
-        let at = |interval: usize| self.marks.iter().find(|(at, _)| *at == interval).map(|(_, counts)| counts.clone());
-        let (begin, end) = (at(kept.start), at(kept.end));
-        if let Some(end) = end {
-            let queues: Vec<usize> = self.inductions.iter().map(|seen| seen.queue).collect();
-            self.put(end);
-            self.inductions.iter_mut().zip(queues).for_each(|(seen, queue)| seen.queue = queue);
+    /// What was counted from the beginning of one interval of the series to that of another, and whether that is known:
+    /// else it is to the end. `kept` begins where a warm-up may end.
+    pub fn within(&self, kept: &Range<usize>) -> (Counts, bool) {
+        let (end, marked) = self.marks.get(&kept.end).map_or((&self.counts, false), |end| (end, true));
+        let mut counts = end.clone();
+        if let Some(begin) = self.marks.get(&kept.start) {
+            counts.subtract(begin);
         }
-        if let Some(begin) = begin {
-            let mut counts = self.counts();
-            counts.subtract(&begin);
-            self.put(counts);
-        }
-        self
-    }
-
-    /// Whether it is known what had been counted when an interval began.
-    pub fn is_marked(&self, interval: usize) -> bool {
-        self.marks.iter().any(|(at, _)| *at == interval)
-    }
-
-    fn counts(&self) -> Counts {
-        let items = [self.items, self.misplaced, self.unread, self.refused, self.down, self.closed];
-        Counts { inductions: self.inductions.clone(), chutes: self.chutes.clone(), items, time: self.time }
-    }
-
-    fn put(&mut self, counts: Counts) {
-        let Counts { inductions, chutes, items, time } = counts;
-        (self.inductions, self.chutes, self.time) = (inductions, chutes, time);
-        [self.items, self.misplaced, self.unread, self.refused, self.down, self.closed] = items;
+        (counts, marked)
     }
 }
 
 impl Counts {
+    fn new(sorter: &Sorter) -> Self {
+        Counts {
+            inductions: vec![InductionSeen::default(); sorter.inductions.len()],
+            chutes: vec![ChuteSeen::default(); sorter.chutes.len()],
+            items: 0,
+            misplaced: 0,
+            unread: 0,
+            refused: 0,
+            down: 0,
+            closed: 0,
+            time: 0.0,
+        }
+    }
+
     fn subtract(&mut self, before: &Counts) {
         for (now, was) in self.inductions.iter_mut().zip(&before.inductions) {
             now.items -= was.items;
@@ -114,7 +104,12 @@ impl Counts {
             now.down -= was.down;
             now.closed -= was.closed;
         }
-        self.items.iter_mut().zip(before.items).for_each(|(now, was)| *now -= was);
+        self.items -= before.items;
+        self.misplaced -= before.misplaced;
+        self.unread -= before.unread;
+        self.refused -= before.refused;
+        self.down -= before.down;
+        self.closed -= before.closed;
         self.time -= before.time;
     }
 }
@@ -130,8 +125,6 @@ pub struct InductionSeen {
     pub down: u64,
     /// Sum of the times that items waited, s.
     pub waited: f64,
-    /// Items that waited at the end.
-    pub queue: usize,
 }
 
 /// What a chute saw.
@@ -257,18 +250,11 @@ pub fn simulate(sorter: &Sorter, plan: &Plan, stop: Stop) -> Seen {
         interval: plan.interval,
         seen: Seen {
             series: vec![0; (plan.duration / plan.interval).ceil() as usize],
-            inductions: vec![InductionSeen::default(); sorter.inductions.len()],
-            chutes: vec![ChuteSeen::default(); sorter.chutes.len()],
-            items: 0,
-            misplaced: 0,
             waves: vec![0; waves.map_or(0, Waves::count)],
-            unread: 0,
-            refused: 0,
-            down: 0,
-            closed: 0,
-            time: 0.0,
+            queues: Vec::new(),
             events: 0,
-            marks: Vec::new(),
+            counts: Counts::new(sorter),
+            marks: BTreeMap::new(),
         },
     };
     let cycle = waves.map_or(usize::MAX, |waves| (waves.cycle() / plan.interval).round().max(1.0) as usize);
@@ -296,8 +282,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan, stop: Stop) -> Seen {
         }
         while now >= begun as f64 * plan.interval {
             if begun.is_multiple_of(warm_up::BATCH) || begun.is_multiple_of(cycle) {
-                let counts = run.seen.counts();
-                run.seen.marks.push((begun, counts));
+                run.seen.marks.insert(begun, run.seen.counts.clone());
             }
             begun += 1;
         }
@@ -322,9 +307,7 @@ pub fn simulate(sorter: &Sorter, plan: &Plan, stop: Stop) -> Seen {
         shift = if shift + 1 == sorter.carriers { 0 } else { shift + 1 };
         m += 1;
     }
-    for (feed, seen) in run.feeds.iter().zip(&mut run.seen.inductions) {
-        seen.queue = feed.waiting.len();
-    }
+    run.seen.queues = run.feeds.iter().map(|feed| feed.waiting.len()).collect();
     run.seen
 }
 
@@ -353,7 +336,7 @@ impl Run<'_> {
     fn induce(&mut self, i: usize, k: usize, now: f64) {
         let induction = &self.sorter.inductions[i];
         let feed = &mut self.feeds[i];
-        let seen = &mut self.seen.inductions[i];
+        let seen = &mut self.seen.counts.inductions[i];
         if let Some(rate) = induction.demand {
             while feed.next <= now {
                 feed.waiting.push_back(feed.next);
@@ -420,7 +403,7 @@ impl Run<'_> {
                     // It passes its chute, which no scanner could tell.
                     *laps += 1;
                     *known = Known::NotYet;
-                    self.seen.unread += 1;
+                    self.seen.counts.unread += 1;
                     return;
                 }
                 let own = here && *known == Known::Yes;
@@ -435,10 +418,10 @@ impl Run<'_> {
                     if own {
                         *laps += 1;
                         let (closed, down) = (u64::from(closed), u64::from(!closed));
-                        self.seen.closed += closed;
-                        self.seen.down += down;
-                        self.seen.chutes[c].closed += closed;
-                        self.seen.chutes[c].down += down;
+                        self.seen.counts.closed += closed;
+                        self.seen.counts.down += down;
+                        self.seen.counts.chutes[c].closed += closed;
+                        self.seen.counts.chutes[c].down += down;
                     }
                     return;
                 }
@@ -449,8 +432,8 @@ impl Run<'_> {
                     }
                     if content.len() >= most {
                         *laps += 1;
-                        self.seen.chutes[c].refused += 1;
-                        self.seen.refused += 1;
+                        self.seen.counts.chutes[c].refused += 1;
+                        self.seen.counts.refused += 1;
                         return;
                     }
                     let begins = content.back().copied().unwrap_or(now).max(now);
@@ -461,10 +444,10 @@ impl Run<'_> {
                     let behind = if k == 0 { self.loads.len() - 1 } else { k - 1 };
                     self.loads[behind] = Load::Left { chute: c as u32 };
                 }
-                self.seen.chutes[c].items += 1;
-                self.seen.items += 1;
-                self.seen.misplaced += u64::from(!here);
-                self.seen.time += now - came;
+                self.seen.counts.chutes[c].items += 1;
+                self.seen.counts.items += 1;
+                self.seen.counts.misplaced += u64::from(!here);
+                self.seen.counts.time += now - came;
                 if let Some(wave) = self.counted {
                     self.seen.waves[wave] += 1;
                 }

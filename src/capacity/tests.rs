@@ -170,7 +170,7 @@ fn items_wait_as_in_a_queue_with_slots() {
         let mut sorter = sorter(100, &[0.0], &[30.0]);
         sorter.inductions[0].demand = Some(load * Q);
         let seen = simulate(&sorter, &Plan { duration: 3600.0 * 400.0, seed: 3, interval: 60.0 }, Stop::NEVER);
-        let induction = &seen.inductions[0];
+        let induction = &seen.counts.inductions[0];
         let step = 1.25 / 2.0;
         let expected = step / 2.0 + load * step / (2.0 * (1.0 - load));
         near(induction.waited / induction.items as f64, expected, 0.02);
@@ -216,7 +216,7 @@ fn the_bound_holds_for_sorters_of_any_kind() {
         }
         let seen = simulate(&sorter, &Plan { duration: 3600.0 * 20.0, seed: 11, interval: 60.0 }, Stop::NEVER);
         // In the proportions in which items did get on.
-        let taken: Vec<f64> = seen.inductions.iter().map(|i| i.items as f64).collect();
+        let taken: Vec<f64> = seen.counts.inductions.iter().map(|i| i.items as f64).collect();
         let bound = bound(&sorter, Some(&taken)).unwrap().throughput;
         let found = taken.iter().sum::<f64>() / 20.0;
         assert!(found <= 1.01 * bound, "{found} {bound} {sorter:?}");
@@ -275,7 +275,7 @@ fn threads_change_nothing_and_common_numbers_compare() {
     // The same items come to a faster sorter.
     let arrivals = |sorter: &Sorter| -> Vec<u64> {
         let seen = simulate(sorter, &Plan { duration: 3600.0, seed: 9, interval: 60.0 }, Stop::NEVER);
-        seen.inductions.iter().map(|i| i.items + i.queue as u64).collect()
+        seen.counts.inductions.iter().zip(&seen.queues).map(|(i, queue)| i.items + *queue as u64).collect()
     };
     let before = arrivals(&sorter);
     sorter.speed = 2.4;

@@ -163,16 +163,16 @@ fn failures_have_random_numbers_of_their_own() {
     let before = simulate(&sorter, &plan, Stop::NEVER);
     sorter.inductions[1].fails = fails(3000.0, 300.0);
     let came = |seen: &super::super::simulate::Seen| -> Vec<u64> {
-        seen.inductions.iter().map(|i| i.items + i.queue as u64).collect()
+        seen.counts.inductions.iter().zip(&seen.queues).map(|(i, queue)| i.items + *queue as u64).collect()
     };
     let failing = simulate(&sorter, &plan, Stop::NEVER);
     for (a, b) in came(&before).iter().zip(came(&failing)) {
         assert!(a.abs_diff(b) <= 1, "{a} {b}");
     }
-    assert!(failing.inductions[0].down == 0 && failing.inductions[1].down > 0);
+    assert!(failing.counts.inductions[0].down == 0 && failing.counts.inductions[1].down > 0);
     sorter.inductions[1].demand = Some(700.0);
     sorter.chutes[0].fails = fails(3000.0, 300.0);
-    assert_eq!(simulate(&sorter, &plan, Stop::NEVER).inductions[1].down, failing.inductions[1].down);
+    assert_eq!(simulate(&sorter, &plan, Stop::NEVER).counts.inductions[1].down, failing.counts.inductions[1].down);
     let settings = Settings { hours: 5.0, replications: 4, ..Settings::default() };
     assert_eq!(measure(&sorter, &settings), measure(&sorter, &Settings { threads: 3, ..settings }));
 }

@@ -201,7 +201,7 @@ fn the_bound_holds_with_waves_and_failures() {
         }
         let hours = 60.0;
         let seen = simulate(&sorter, &Plan { duration: 3600.0 * hours, seed: 11, interval: 60.0 }, Stop::NEVER);
-        let taken: Vec<f64> = seen.inductions.iter().map(|i| i.items as f64).collect();
+        let taken: Vec<f64> = seen.counts.inductions.iter().map(|i| i.items as f64).collect();
         // What is left at the end, on carriers and in chutes, is not through.
         let left: usize = sorter.chutes.iter().filter_map(|c| c.storage).map(|(count, _)| count).sum();
         let found = (taken.iter().sum::<f64>() - (left + sorter.carriers) as f64) / hours;
