@@ -109,7 +109,7 @@ type Samples<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>, Sidecar);
 /// Reads a run's data file with its sidecar.
 #[pyfunction]
 pub fn read_run<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Samples<'py>> {
-    let read = py.detach(|| signal::Entry::of(&path)?.run());
+    let read = py.detach(|| signal::Entry::read(&path)).map(|(_, run)| run);
     let run = read.map_err(|why| {
         let words = why.to_string();
         if why.is_unreadable() { Failure::File(words) } else { Failure::Run(words) }.raised(py, None)

@@ -112,8 +112,7 @@ impl Diff {
     fn forces(&self, layouts: [&Compiled; 2]) -> Result<Option<Forces>, Outcome> {
         let [before, after] = self.runs.as_slice() else { return Ok(None) };
         let read = |path: &PathBuf, compiled: &Compiled| {
-            let read = Entry::of(path).and_then(|entry| entry.run().map(|run| (entry, run)));
-            let (entry, run) = read.map_err(|why| {
+            let (entry, run) = Entry::read(path).map_err(|why| {
                 report::error(&why.to_string());
                 if why.is_unreadable() { Outcome::CouldNotRun } else { Outcome::Problems }
             })?;

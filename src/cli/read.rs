@@ -141,11 +141,7 @@ pub fn simulation_quietly(file: &Path) -> Result<Simulation, Outcome> {
     if is_json(file) {
         return simulation(file, None, MessageFormat::Text);
     }
-    let read = Read { mute: true, ..read_any(file, None, &[], MessageFormat::Text)? };
-    match solved(read, MessageFormat::Text)? {
-        (compiled, Outcome::Clean) => Ok(Simulation::new(&compiled)),
-        (_, failed) => Err(failed),
-    }
+    simulated(Read { mute: true, ..read_any(file, None, &[], MessageFormat::Text)? }, MessageFormat::Text)
 }
 
 /// The same, with values for a layout's `let`s.
@@ -170,7 +166,11 @@ pub fn simulation_with(
             Outcome::Problems
         });
     }
-    match solved(read_any(file, name, lets, format)?, format)? {
+    simulated(read_any(file, name, lets, format)?, format)
+}
+
+fn simulated(read: Read, format: MessageFormat) -> Result<Simulation, Outcome> {
+    match solved(read, format)? {
         (compiled, Outcome::Clean) => Ok(Simulation::new(&compiled)),
         (_, failed) => Err(failed),
     }

@@ -15,13 +15,13 @@ use scale::Known;
 pub use scale::simulation_of;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Compare two runs, measured or simulated, channel by channel.
 ///
 /// Lap length and cart pitch come from --lap and --pitch, else from the layout that --layout, the campaign.toml beside a
-/// run or its sidecar names, else the lap from the trigger's lap time and the nominal speed. Two replicate simulations of the same lap differ by
-/// 0.5 to 3 % (NRMSD), and by 0.0 to 0.3 % in the mean over two carts.
+/// run or its sidecar names, else the lap from the trigger's lap time and the nominal speed. Two replicate simulations of
+/// the same lap differ by 0.5 to 3 % (NRMSD), and by 0.0 to 0.3 % in the mean over two carts.
 #[derive(Debug, clap::Args)]
 pub struct Compare {
     /// The reference: a data file, .csv, .parquet or .mf4, with its sidecar .toml beside it.
@@ -95,8 +95,7 @@ struct Moments {
 
 impl Compare {
     pub fn run(&self) -> Outcome {
-        let read = |path: &Path| Entry::of(path).and_then(|entry| entry.run().map(|run| (entry, run)));
-        let ((entry_a, a), (entry_b, b)) = match (read(&self.run_a), read(&self.run_b)) {
+        let ((entry_a, a), (entry_b, b)) = match (Entry::read(&self.run_a), Entry::read(&self.run_b)) {
             (Ok(a), Ok(b)) => (a, b),
             (a, b) => {
                 let errors: Vec<_> = [a, b].into_iter().filter_map(Result::err).collect();
