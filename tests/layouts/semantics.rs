@@ -725,7 +725,7 @@ fn requirements_are_told_as_they_are_written() {
         let text = include_str!("../../examples/thesis10.lss")
             .replace("  optimise length", &format!("  require {written}\n  optimise length"));
         let layout = built(&text);
-        let own = layout.constraints.iter().filter_map(|c| Some((c, model::required(c, &layout)?))).last();
+        let own = layout.constraints.iter().filter_map(|c| Some((c, model::required(c, &layout)?))).next_back();
         let (constraint, required) = own.expect("a requirement");
         assert_eq!((required.relation.as_str(), required.difference), (told, difference), "{written}");
         let ConstraintKind::Require { unit: own, .. } = &constraint.kind else { unreachable!() };
