@@ -201,7 +201,8 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
     ];
     pages.table(&columns, &rows);
 
-    if !file.constraints.is_empty() {
+    let capacity = capacity(compiled);
+    if !file.constraints.is_empty() || capacity.is_some() {
         pages.heading("Constraints");
         let unit = |value: f64, unit: &str| match unit {
             "rad" => format!("{} deg", trimmed(value.to_degrees(), 3)),
@@ -233,7 +234,7 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
             let row = c.reason.as_ref().map_or_else(|| c.row.clone(), |why| format!("{}, \"{why}\"", c.row));
             vec![row, limits, is, text(state)]
         };
-        let rows: Vec<Vec<String>> = file.constraints.iter().map(row).collect();
+        let rows: Vec<Vec<String>> = file.constraints.iter().map(row).chain(capacity).collect();
         pages.table(&[words("line"), narrow("asks for"), number("is"), narrow("")], &rows);
     }
 
@@ -292,6 +293,19 @@ fn tables(pages: &mut Pages, compiled: &Compiled, own: &OwnNumbers) {
     pages.table(&columns, &rows);
 }
 
+/// The row of `require capacity`, which is of the whole system and not of the track's shape.
+fn capacity(compiled: &Compiled) -> Option<Vec<String>> {
+    let required = compiled.layout.capacity.required.as_ref()?;
+    let least = fixed(required.least.value, 0);
+    let takes = compiled.takes();
+    let is =
+        takes.as_ref().map_or_else(|| "not known".to_owned(), |takes| format!("{} per hour", fixed(takes.most, 0)));
+    let state = if takes.is_some_and(|takes| takes.is_enough()) { "" } else { "NOT MET" };
+    let why = required.reason.as_ref().map_or_else(String::new, |why| format!(", \"{why}\""));
+    let line = format!("require capacity >= {least} per hour{why}");
+    Some(vec![line, format!("at least {least} per hour"), is, state.to_owned()])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -316,6 +330,29 @@ mod tests {
         let takes = compiled.takes().expect("a sorter");
         assert!(text.contains("overview") && text.contains("class=\"band\""), "a plan");
         assert!(text.contains(&takes.words) && text.contains("2000000 have to be reached: NOT"), "{text}");
+    }
+
+    #[test]
+    fn the_required_capacity_is_among_the_constraints() {
+        let mut compiled = samples::equipped();
+        assert_eq!(capacity(&compiled), None);
+        let required = |least: f64| {
+            let least = Spanned::new(least, crate::model::fixture::span());
+            Some(RequiredCapacity { least, reason: Some("peak of the year".to_owned()) })
+        };
+        compiled.layout.capacity.required = required(2e6);
+        let most = fixed(compiled.takes().expect("a sorter").most, 0);
+        let row = capacity(&compiled).expect("a row");
+        let is = format!("{most} per hour");
+        assert_eq!(
+            row,
+            ["require capacity >= 2000000 per hour, \"peak of the year\"", "at least 2000000 per hour", &is, "NOT MET"]
+        );
+        compiled.layout.capacity.required = required(1.0);
+        assert_eq!(capacity(&compiled).expect("a row")[3], "");
+        let mut pages = Pages::new();
+        tables(&mut pages, &compiled, &OwnNumbers::default());
+        assert!(pages.finish("title", "foot", (1, 0)).concat().contains("require capacity"));
     }
 
     #[test]

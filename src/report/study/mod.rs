@@ -8,7 +8,7 @@ use crate::signal::Channel;
 use crate::study::State;
 use crate::study::table::{Cells, Column, Role, Table};
 use maud::{Markup, html};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Rows of the table that are shown; the files have all.
 const ROWS: usize = 1000;
@@ -36,7 +36,11 @@ const STYLE: &str = ".small { display: grid; grid-template-columns: repeat(auto-
 pub fn page(table: &Table) -> String {
     let varying = |role: Role| table.columns.iter().filter(move |c| c.role == role && c.cells.varies());
     let parameters: Vec<&Column> = varying(Role::Parameter).collect();
-    let results: Vec<&Column> = varying(Role::Result).collect();
+    let all: Vec<&Column> = varying(Role::Result).collect();
+    // What a layout costs that must not be built is no result to compare.
+    let infeasible = infeasible(table);
+    let comparable: Vec<Column> = all.iter().map(|column| without(column, &infeasible)).collect();
+    let results: Vec<&Column> = comparable.iter().filter(|column| differs(column)).collect();
     let states: Vec<String> = table.states().collect();
     let count = |state: State| states.iter().filter(|name| *name == state.name()).count();
     let counts: Vec<String> = [State::Done, State::Failed, State::Open]
@@ -51,6 +55,16 @@ pub fn page(table: &Table) -> String {
     let body = html! {
         h1 { (table.name) }
         p.lead { (table.rows) @if table.rows == 1 { " task: " } @else { " tasks: " } (counts.join(", ")) "." }
+        @if !infeasible.is_empty() {
+            p {
+                b {
+                    (infeasible.len()) " of the layouts " @if infeasible.len() == 1 { "is" } @else { "are" }
+                    " not feasible and must not be built."
+                }
+                " What is said and drawn here leaves " @if infeasible.len() == 1 { "it" } @else { "them" }
+                " out; the table of tasks has all."
+            }
+        }
         @for sentence in lead::sentences(&parameters, &results) { p { (sentence) } }
         @if let Some((parameter, result)) = lead::first(&parameters, &results) {
             @if let Cells::Numbers(cells) = &result.cells {
@@ -61,10 +75,42 @@ pub fn page(table: &Table) -> String {
             }
         }
         @if !parameters.is_empty() && !results.is_empty() { (pictures(&parameters, &results)) }
-        (rows(table, &parameters, &results, &states))
+        (rows(table, &parameters, &all, &states))
         (constant(table))
     };
     document(&table.name, &rules, &body)
+}
+
+/// Rows whose layout misses a constraint.
+fn infeasible(table: &Table) -> BTreeSet<usize> {
+    let told = table.columns.iter().filter(|c| c.role == Role::Result && c.name.ends_with(".feasible"));
+    let missed = |column: &Column| match &column.cells {
+        Cells::Truths(cells) => (0..cells.len()).filter(|row| cells[*row] == Some(false)).collect::<Vec<_>>(),
+        _ => Vec::new(),
+    };
+    told.flat_map(missed).collect()
+}
+
+/// A column of results with nothing in some rows.
+fn without(column: &Column, rows: &BTreeSet<usize>) -> Column {
+    fn emptied<T>(cells: &mut [Option<T>], rows: &BTreeSet<usize>) {
+        rows.iter().for_each(|row| cells[*row] = None);
+    }
+    let mut column = column.clone();
+    match &mut column.cells {
+        Cells::Numbers(cells) => emptied(cells, rows),
+        Cells::Truths(cells) => emptied(cells, rows),
+        Cells::Texts(cells) => emptied(cells, rows),
+    }
+    column
+}
+
+/// Whether a column has two numbers.
+fn differs(column: &Column) -> bool {
+    let Cells::Numbers(cells) = &column.cells else { return false };
+    let mut known = cells.iter().flatten();
+    let first = known.next();
+    known.any(|value| Some(value) != first)
 }
 
 fn with_unit(column: &Column) -> String {
@@ -346,6 +392,18 @@ mod tests {
         let by_speed = page.rsplit("<svg").next().unwrap();
         assert_eq!((by_speed.matches("class=\"dot\"").count(), by_speed.matches("class=\"range\"").count()), (3, 1));
         assert!(page.contains("The same in all tasks") && page.contains("build.carts"));
+    }
+
+    #[test]
+    fn what_must_not_be_built_is_told_and_not_compared() {
+        let mut table = table();
+        let truths = [Some(true), Some(true), Some(false), None];
+        table.columns.push(column("build.feasible", Role::Result, Cells::Truths(truths.into())));
+        let page = page(&table);
+        assert!(page.contains("1 of the layouts is not feasible"), "{page}");
+        // The third task had the most; its row of the table still has it.
+        assert!(page.contains("x.peak changes most: from 10 at -1 to 20 at 2"), "{page}");
+        assert!(page.contains("<td class=\"number\">30</td>"), "{page}");
     }
 
     #[test]
