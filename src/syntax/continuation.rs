@@ -3,6 +3,7 @@
 use super::Rule;
 use super::expected::{Context, words_of};
 use super::grammar::Grammar;
+use super::tree::Goal;
 use pest::Parser;
 use pest::error::ErrorVariant;
 
@@ -47,7 +48,11 @@ pub fn continuations(context: Context, begun: &str) -> Vec<Next> {
 }
 
 fn of_rule(rule: Rule, begun: &str) -> Vec<Next> {
-    let words = words_of(rule);
+    let mut words = words_of(rule);
+    // The grammar takes any goal beside others; what a layout means does not.
+    if matches!(rule, Rule::goal | Rule::goal_term | Rule::objective) && begun.split_whitespace().count() > 1 {
+        words.retain(|word| !Goal::ALL.iter().any(|goal| goal.word() == word && goal.stands_alone()));
+    }
     if !words.is_empty() {
         return words.into_iter().map(Next::Word).collect();
     }
@@ -102,7 +107,10 @@ mod tests {
             ("wave a to row_a ", "Value"),
             ("feed a efficiency 90 % to row_a ", "Value"),
             ("fails west ", "`every`"),
-            ("optimise cost within ", "`cost` `length` `nothing` `polygon_action` `total_price`"),
+            ("optimise ", "`cost` `length` `nothing` `polygon_action` `total_price` Value"),
+            ("optimise 2 * ", "`cost` `length` `polygon_action`"),
+            ("optimise cost + ", "`cost` `length` `polygon_action` Value"),
+            ("optimise cost within ", "`cost` `length` `polygon_action`"),
             ("let a = ", "Value"),
             ("vertex vertex vertex ", ""),
         ] {

@@ -113,7 +113,6 @@ fn meant(goal: tree::Goal) -> Option<Goal> {
         tree::Goal::Length => Some(Goal::Length),
         tree::Goal::Cost => Some(Goal::Cost),
         tree::Goal::PolygonAction => Some(Goal::PolygonAction),
-        // These stand alone.
         tree::Goal::Nothing | tree::Goal::TotalPrice => None,
     }
 }

@@ -289,6 +289,13 @@ pub enum Goal {
     Nothing,
 }
 
+impl Goal {
+    /// Whether it takes no other goal, weight or budget beside it.
+    pub fn stands_alone(self) -> bool {
+        matches!(self, Goal::TotalPrice | Goal::Nothing)
+    }
+}
+
 /// `optimise polygon_action within length + 0.5 %`, `optimise 0.7 * length + 0.3 * cost`.
 #[derive(Clone, Debug)]
 pub struct ObjectiveExpr {
