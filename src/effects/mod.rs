@@ -117,17 +117,24 @@ pub struct StrengthSearch {
     /// Whether it is looked for only beside the effect's other strengths, where these explain something: without them
     /// it is what they are at another site.
     pub beside: bool,
+    /// Whether each run may have a strength of its own, as repeated passes of a place tell it.
+    pub by_run: bool,
 }
 
 impl StrengthSearch {
     /// Of a strength that is looked for by itself.
     const fn alone(trial: f64, as_built: f64) -> Self {
-        StrengthSearch { trial, as_built, beside: false }
+        StrengthSearch { trial, as_built, beside: false, by_run: false }
     }
 
     /// Of one that is looked for only beside the others.
     const fn beside(trial: f64) -> Self {
-        StrengthSearch { trial, as_built: 0.0, beside: true }
+        StrengthSearch { trial, as_built: 0.0, beside: true, by_run: false }
+    }
+
+    /// Of one that each run may have of its own.
+    const fn by_run(trial: f64) -> Self {
+        StrengthSearch { trial, as_built: 0.0, beside: false, by_run: true }
     }
 }
 

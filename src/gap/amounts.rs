@@ -3,7 +3,7 @@
 use super::comparison::Comparison;
 use super::diagnosis::{Amount, Bound};
 use super::hypothesis::norm_squared;
-use super::ids::{CandidateId, PerRun};
+use super::ids::{CandidateId, PerRun, RunId};
 use super::scored::Scored;
 use super::simulator::Strength;
 use crate::base::number::tidy;
@@ -56,10 +56,18 @@ pub fn amounts(comparison: &Comparison, told: &Scored, of: CandidateId) -> BTree
             high: tidy((value + more).min(strength.high)),
             unit: strength.unit.clone(),
             at_bound: at_bound(strength, value),
+            by_run: by_run(comparison, strength, value),
         };
         out.insert(strength.name.clone(), amount);
     }
     out
+}
+
+/// What each run has of a strength, where they differ.
+fn by_run(comparison: &Comparison, strength: &Strength, value: f64) -> BTreeMap<String, f64> {
+    let shares = strength.shares.with_ids();
+    let of = |run: RunId| (comparison.simulator.frames()[run].run.clone(), tidy(strength.in_run(value, run)));
+    shares.map(|(run, _)| of(run)).collect()
 }
 
 /// How far a strength may be off: a deviation, and one of its logarithm.

@@ -167,7 +167,7 @@ impl Comparison<'_> {
             None => overall_mean_square(&self.observations, &fitted.residuals),
         };
         let prior = self.prior(&fitted.hypothesis);
-        let strengths = fitted.strengths.len() as f64;
+        let strengths = self.strengths(&fitted.hypothesis);
         let counts = self.likelihood().counts(mean_square);
         let by_signature = if counts > 0.0 { self.along_signature(&fitted, counts) } else { f64::NEG_INFINITY };
         let common = repeatability.as_ref().map_or(0.0, |repeatability| self.in_common(&fitted, repeatability));
@@ -182,6 +182,13 @@ impl Comparison<'_> {
             ..Terms::default()
         };
         Scored { fitted, repeatability, mean_square, terms }
+    }
+
+    /// How many numbers a hypothesis has that are fitted.
+    pub fn strengths(&self, hypothesis: &Hypothesis) -> f64 {
+        let count =
+            |signature: &Signature| self.candidates()[signature.candidate].strengths[signature.strength].count();
+        hypothesis.signatures.iter().map(|k| count(&self.signatures[*k])).sum::<usize>() as f64
     }
 
     /// The effects of a hypothesis, each once.

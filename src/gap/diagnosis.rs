@@ -227,6 +227,9 @@ pub struct Amount {
     pub unit: String,
     /// Which of its declared bounds the value is at, if it is: the truth may lie beyond.
     pub at_bound: Option<Bound>,
+    /// What each run has, where runs have strengths of their own; `value` is the largest of them then.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub by_run: BTreeMap<String, f64>,
 }
 
 /// An end of what a strength may be.

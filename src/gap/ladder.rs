@@ -134,6 +134,7 @@ mod tests {
                 beside: false,
                 low: 0.0,
                 high: 20.0,
+                shares: PerRun::default(),
             }],
             sensor: false,
             random_effect: None,

@@ -50,7 +50,7 @@ impl Random {
         let value = 10.0 * self.one() - 3.0;
         let half = 6.0 * self.one();
         let at_bound = [None, None, Some(Bound::Lower), Some(Bound::Upper)][self.below(4)];
-        Amount { value, low: value - half, high: value + half, unit: "N".into(), at_bound }
+        Amount { value, low: value - half, high: value + half, unit: "N".into(), at_bound, by_run: BTreeMap::new() }
     }
 
     fn finding(&mut self, name: &str) -> Finding {

@@ -188,6 +188,8 @@ pub struct Strength {
     /// Bounds; 0 is no effect.
     pub low: f64,
     pub high: f64,
+    /// Which share of it each run has; empty where all have it as it is.
+    pub shares: PerRun<f64>,
 }
 
 impl Candidate {
@@ -201,6 +203,16 @@ impl Strength {
     /// The nearest strength that is declared; 0 stays, as it is no effect.
     pub fn bounded(&self, x: f64) -> f64 {
         if x == 0.0 { 0.0 } else { x.max(self.low).min(self.high) }
+    }
+
+    /// What a run has of it.
+    pub fn in_run(&self, x: f64, run: RunId) -> f64 {
+        self.shares.at(run).map_or(x, |share| share * x)
+    }
+
+    /// How many numbers it stands for.
+    pub fn count(&self) -> usize {
+        self.shares.len().max(1)
     }
 
     /// Whether the effect is there as a whole or not at all.

@@ -187,6 +187,7 @@ mod tests {
             beside: false,
             low: -99.0,
             high: 99.0,
+            shares: PerRun::default(),
         };
         let candidate = Candidate {
             effect: "bias".into(),

@@ -56,7 +56,7 @@ impl Compared<'_> {
         let unknown = self.unknown - trig::ln(settings.prior_unknown)
             + likelihood::cost(settings.unknown_strengths, self.comparison.degrees_of_freedom);
         let by_signature = self.scored.iter().map(|j| {
-            let strengths = j.fitted.strengths.len() as f64;
+            let strengths = self.comparison.strengths(&j.fitted.hypothesis);
             j.log_posterior() - self.comparison.prior(&j.fitted.hypothesis)
                 + likelihood::cost(strengths, self.comparison.degrees_of_freedom)
         });

@@ -56,6 +56,7 @@ impl Powers {
             beside,
             low: 0.0,
             high: 1.0,
+            shares: PerRun::default(),
         };
         let one = |effect: &str, place: String, strengths: Vec<Strength>| Candidate {
             effect: effect.into(),

@@ -127,6 +127,7 @@ pub fn made(truth: &[(usize, f64)], strange: f64, seed: u64) -> Made {
             beside: false,
             low: -50.0,
             high: 50.0,
+            shares: PerRun::default(),
         }],
         sensor,
         random_effect: None,

@@ -13,12 +13,14 @@ fn lss(at: &Path, arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Three runs of `truth.lss` at two speeds and three tensions, as a campaign of `oval.lss`.
-fn campaign(at: &Path) {
+/// Three runs of `truth-0.lss` to `truth-2.lss` at two speeds and three tensions, of so many laps, as a campaign of
+/// `oval.lss`.
+fn campaign(at: &Path, laps: &str) {
     let mut list = "layout = \"oval.lss\"\n".to_owned();
     for (run, (speed, tension)) in [("1.8m/s", "500N"), ("1.44m/s", "600N"), ("1.8m/s", "400N")].iter().enumerate() {
         let out = format!("run-{run}");
-        lss(at, &["simulate", "truth.lss", "--speed", speed, "--tension", tension, "-o", &out]);
+        let truth = format!("truth-{run}.lss");
+        lss(at, &["simulate", &truth, "--speed", speed, "--tension", tension, "--laps", laps, "-o", &out]);
         let sidecar = fs::read_to_string(at.join(&out).join("run-01.toml")).expect("a sidecar");
         fs::write(at.join(format!("campaign/{run}.toml")), sidecar.replace("simulation.json", "oval.lss"))
             .expect("written");
@@ -30,14 +32,21 @@ fn campaign(at: &Path) {
 
 /// What a campaign whose chains have these effects is diagnosed to have, and the folder of it.
 fn diagnosed(effects: &str) -> (tempfile::TempDir, Value) {
+    diagnosed_of([effects; 3], "1")
+}
+
+/// The same, with the effects of each run, and so many laps.
+fn diagnosed_of(effects: [&str; 3], laps: &str) -> (tempfile::TempDir, Value) {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     let oval = include_str!("../../benches/identify/layouts/oval.lss");
     fs::create_dir(at.join("campaign")).expect("a folder");
     fs::write(at.join("campaign/oval.lss"), oval).expect("written");
     let end = oval.rfind('}').expect("the layout's end");
-    fs::write(at.join("truth.lss"), format!("{}{effects}}}\n", &oval[..end])).expect("written");
-    campaign(at);
+    for (run, effects) in effects.iter().enumerate() {
+        fs::write(at.join(format!("truth-{run}.lss")), format!("{}{effects}}}\n", &oval[..end])).expect("written");
+    }
+    campaign(at, laps);
     lss(at, &["gap", "diagnose", "campaign", "-o", "out", "--apply"]);
     let gap = serde_json::from_slice(&fs::read(at.join("out/gap.json")).expect("gap.json")).expect("JSON");
     (folder, gap)
@@ -97,6 +106,24 @@ fn stiffness_that_comes_up_in_a_run_is_found() {
     // Time constants are tried, not fitted: any but the one of a stiffness that is so from the beginning.
     assert!(named["fixed"]["after"].as_f64() > Some(0.0), "{named}");
     holds(&named["strength"]["change"], -0.2);
+}
+
+/// A sensor drifts while it warms up, and the runs of a campaign are recorded one after the other.
+#[test]
+#[ignore = "takes a minute or two"]
+fn a_drift_that_slows_down_from_run_to_run_is_one_effect() {
+    let rates = [1.5, 1.0, 0.4];
+    let effects = rates.map(|rate| format!("  effect sensor_bias_drift(drift: {rate} N/s, channel: 5)\n"));
+    let (folder, gap) = diagnosed_of([&effects[0], &effects[1], &effects[2]], "2");
+    assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
+    let named = &gap["effects"][0];
+    assert_eq!(named["name"], "sensor_bias_drift", "{}", gap["summary"]);
+    let drift = &named["strength"]["drift"];
+    holds(drift, rates[0]);
+    let by_run: Vec<f64> = drift["by_run"].as_object().expect("runs").values().filter_map(Value::as_f64).collect();
+    assert!(by_run.iter().zip(rates).all(|(found, rate)| (found / rate - 1.0).abs() < 0.1), "{drift}");
+    let applied = fs::read_to_string(folder.path().join("out/oval-gap.lss")).expect("a layout");
+    assert!(applied.contains("// drift of each run: "), "{applied}");
 }
 
 /// Asserts that the first effect is ripple of the motors at a pitch, m.

@@ -56,6 +56,10 @@ fn text(layout: &str, import: &str, effects: &[&Finding]) -> String {
             format!("{name}: {} {unit}", shortest(*x)).trim_end().to_owned()
         });
         let all: Vec<String> = strength.chain(place).collect();
+        for (name, own) in at.strength.iter().filter(|(_, own)| !own.by_run.is_empty()) {
+            let each = own.by_run.iter().map(|(run, x)| format!("{} {} in {run}", shortest(*x), own.unit));
+            let _ = writeln!(out, "  // {name} of each run: {}", each.collect::<Vec<_>>().join(", "));
+        }
         let _ = writeln!(out, "  effect {}({})", finding.name, all.join(", "));
     }
     out.push_str("}\n");

@@ -170,7 +170,8 @@ fn amount(name: &str, a: &Amount) -> String {
     let [value, low, high] = [a.value, a.low, a.high].map(|x| significant(x, 3));
     let bound = bound(a);
     let bound = if bound.is_empty() { bound } else { format!(", {bound}") };
-    format!("{name} {value} {} [{low}, {high}]{bound}", a.unit).replace("  ", " ")
+    let by_run = a.by_run.iter().map(|(run, x)| format!(", {} in {run}", significant(*x, 3)));
+    format!("{name} {value} {} [{low}, {high}]{bound}{}", a.unit, by_run.collect::<String>()).replace("  ", " ")
 }
 
 #[cfg(test)]

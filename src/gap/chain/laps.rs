@@ -17,7 +17,7 @@ impl Chains {
     pub(super) fn laps(&self, request: &Request) -> Option<Laps> {
         let settings = &self.settings.ensembles;
         let machine = request.effects.iter().filter(|e| !self.candidates[e.candidate].sensor);
-        let effects: Vec<input::DeclaredEffect> = machine.map(|e| self.effect(e)).collect();
+        let effects: Vec<input::DeclaredEffect> = machine.map(|e| self.effect(e, request.run)).collect();
         if effects.is_empty() {
             return None;
         }

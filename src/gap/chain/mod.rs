@@ -2,6 +2,7 @@
 //! sites.
 
 mod anew;
+mod drift;
 mod features;
 mod fitted_with;
 mod force_slope;
@@ -95,6 +96,8 @@ struct FittedRun {
     settings: settings::Chain,
     /// Which channels were measured.
     measured: [bool; FORCES],
+    /// How fast each channel's offset drifts, where places are passed again.
+    drifts: [Option<drift::Rate>; FORCES],
     /// What turns at each order whose power is compared.
     orders: Vec<Band>,
     seed: u64,
@@ -221,6 +224,7 @@ impl Chains {
             beside: fitted.beside,
             low: s.low,
             high: s.high,
+            shares: if fitted.by_run { self.drift_shares(&site) } else { PerRun::default() },
         };
         let random_effect = effect.random_at(&site);
         let strengths = effect.strengths().filter(|(s, _)| (effect.has)(&site, s.name)).map(strength).collect();
@@ -235,6 +239,13 @@ impl Chains {
             several: effect.several,
             alternative_to,
         })
+    }
+
+    /// Which share of a channel's drift each run has.
+    fn drift_shares(&self, site: &Site) -> PerRun<f64> {
+        let channel = site.of("channel").map_or(0, |channel| channel as usize);
+        let rates = self.runs.map(|run| run.drifts.get(channel.wrapping_sub(1)).copied().flatten());
+        drift::shares(&rates)
     }
 
     /// Where an effect may sit, and how well each place is known, m: on what was measured, and steps of the rail where
@@ -255,10 +266,11 @@ impl Chains {
         known.map(|site| (site, self.cell())).collect()
     }
 
-    /// The effect of a candidate, as a simulation input has it.
-    fn effect(&self, applied: &Applied) -> input::DeclaredEffect {
+    /// The effect of a candidate in a run, as a simulation input has it.
+    fn effect(&self, applied: &Applied, run: RunId) -> input::DeclaredEffect {
         let candidate = &self.candidates[applied.candidate];
-        let fitted = candidate.strengths.iter().zip(&applied.strengths).map(|(s, x)| (s.name.clone(), *x));
+        let fitted = candidate.strengths.iter().zip(&applied.strengths);
+        let fitted = fitted.map(|(s, x)| (s.name.clone(), s.in_run(*x, run)));
         input::DeclaredEffect {
             name: candidate.effect.clone(),
             strengths: fitted.chain(candidate.fixed.iter().cloned()).collect(),
@@ -387,7 +399,7 @@ impl Simulator for Chains {
     fn simulate(&self, run: RunId, step: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
         let sensor = effects.iter().any(|e| self.candidates[e.candidate].sensor);
         let machine = effects.iter().any(|e| !self.candidates[e.candidate].sensor);
-        let effects = effects.iter().map(|e| self.effect(e)).collect();
+        let effects = effects.iter().map(|e| self.effect(e, run)).collect();
         if !machine && step.iter().all(|x| *x == 0.0) {
             let fitted = &self.runs[run];
             return Some(fitted.sensed_features(&fitted.with(effects), &self.frames[run].nominal));

@@ -1,8 +1,8 @@
 //! The nominal chain fitted to a run, and what its sensors reach.
 
-use super::FittedRun;
 use super::force_slope::profiles;
 use super::impacts::{self, HighFrequencyPower};
+use super::{FittedRun, drift};
 use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
 use crate::dynamics::Width;
@@ -114,6 +114,7 @@ fn of(model: Model, landing: Landing, measured: &Measured, fit: &FitSettings, se
         impacts: Vec::new(),
         settings: settings.clone(),
         measured: std::array::from_fn(|k| measured.has(k)),
+        drifts: drift::rates(&samples, lap, measured.rate),
         orders: orders(&model.simulation, measured.speed()).into_iter().map(|(_, band)| band).collect(),
         seed: fit.seed.wrapping_add(77),
         model,

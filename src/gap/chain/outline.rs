@@ -16,9 +16,10 @@ const SHOWN: f64 = 10.0;
 impl Chains {
     /// The first wheel, rail or thrust that an effect changes; `None` where it changes none.
     pub(super) fn outline_of(&self, applied: &Applied, at: Option<&[f64]>) -> Option<Outline> {
-        let run = self.runs.first()?;
+        let id = self.runs.ids().next()?;
+        let run = &self.runs[id];
         // Without what the layout itself has.
-        let alone = Simulation { effects: vec![self.effect(applied)], ..run.model.simulation.clone() };
+        let alone = Simulation { effects: vec![self.effect(applied, id)], ..run.model.simulation.clone() };
         let deviations = deviations_of(&alone).ok()?.1;
         wheel(&deviations, at)
             .or_else(|| rail(&deviations, run.model.spec.places.lap, at))

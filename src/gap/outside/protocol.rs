@@ -2,7 +2,7 @@
 //! for those who write models.
 
 use super::Error;
-use crate::gap::{Candidate, Candidates, Strength};
+use crate::gap::{Candidate, Candidates, PerRun, Strength};
 use crate::signal::columns::FARTHEST;
 use crate::source::steers;
 use serde::{Deserialize, Serialize};
@@ -203,6 +203,7 @@ pub(super) fn description(line: &str) -> Result<Description, Error> {
         beside: false,
         low: s.low,
         high: s.high,
+        shares: PerRun::default(),
     };
     let candidate = |e: DescribedEffect| Candidate {
         effect: e.name,

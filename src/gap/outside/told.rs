@@ -194,6 +194,7 @@ fn amount(nuisance: &Nuisance, value: f64, deviation: f64) -> Amount {
         high: tidy(at(value + NINETY * deviation)),
         unit: nuisance.unit.clone(),
         at_bound,
+        by_run: BTreeMap::new(),
     }
 }
 

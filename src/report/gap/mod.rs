@@ -19,7 +19,7 @@ use crate::chain_input::Track;
 use crate::gap::{Axis, Diagnosis, Finding, Overlay, Verdict, bound, draws};
 use crate::signal::Channel;
 use maud::{Markup, html};
-use words::{amount, heading, percent, plain, probability};
+use words::{amount, by_run, heading, percent, plain, probability};
 
 /// Findings at least this probable are present, as the verdict has it.
 const PRESENT: f64 = 0.5;
@@ -121,7 +121,8 @@ fn strengths(named: &[&Finding]) -> Markup {
                         td { @if n == 0 && k == 0 { (heading(&finding.name)) } }
                         td { @if k == 0 { @if at.place.is_empty() { "everywhere" } @else { (at.place) } } }
                         td { (plain(name)) } td.number { (value) }
-                        td { (interval) @if strength.at_bound.is_some() { ", " b { (bound(strength)) } } }
+                        td { (interval) @if strength.at_bound.is_some() { ", " b { (bound(strength)) } }
+                            @for run in by_run(strength) { br; (run) } }
                     }
                 } }
                 @if finding.strength.is_empty() {

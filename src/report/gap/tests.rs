@@ -13,7 +13,14 @@ fn oval() -> Track {
 }
 
 fn amount_of(value: f64, width: f64, unit: &str) -> Amount {
-    Amount { value, low: value - width, high: value + width, unit: unit.into(), at_bound: None }
+    Amount {
+        value,
+        low: value - width,
+        high: value + width,
+        unit: unit.into(),
+        at_bound: None,
+        by_run: BTreeMap::new(),
+    }
 }
 
 fn finding(name: &str, probability: f64) -> Finding {

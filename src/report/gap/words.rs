@@ -40,6 +40,15 @@ pub fn amount(amount: &Amount) -> (String, String) {
     (value, format!("{} … {}{space}{unit}", number(amount.low), number(amount.high)))
 }
 
+/// What each run has of a strength, where they differ: `1.04 N/s in run-02`.
+pub fn by_run(strength: &Amount) -> Vec<String> {
+    let of = |(run, x): (&String, &f64)| {
+        let own = Amount { value: *x, ..strength.clone() };
+        format!("{} in {run}", amount(&own).0)
+    };
+    strength.by_run.iter().map(of).collect()
+}
+
 /// A stretch of the axis: `12.5 … 15 m`.
 pub fn stretch(from: f64, to: f64, axis: Axis) -> String {
     format!("{} … {} {}", trimmed(from, 1), trimmed(to, 1), axis.unit())
@@ -75,7 +84,8 @@ mod tests {
     use super::*;
 
     fn of(value: f64, low: f64, high: f64, unit: &str) -> String {
-        let (value, interval) = amount(&Amount { value, low, high, unit: unit.to_owned(), at_bound: None });
+        let by_run = std::collections::BTreeMap::new();
+        let (value, interval) = amount(&Amount { value, low, high, unit: unit.to_owned(), at_bound: None, by_run });
         format!("{value} ({interval})")
     }
 
