@@ -169,6 +169,16 @@ impl Measured {
         }
     }
 
+    /// The run without offsets that grow at so many N/s from its beginning.
+    pub fn without_drift(&self, rates: &[f64; FORCES]) -> Measured {
+        let mut run = self.clone();
+        for (force, rate) in run.forces.iter_mut().zip(rates).filter(|(_, rate)| **rate != 0.0) {
+            force.iter_mut().enumerate().for_each(|(k, x)| *x -= (rate * k as f64 / self.rate) as f32);
+        }
+        run.recorder.zero(&mut run.forces, &run.past, Weighing::Measured(&run.coverage));
+        run
+    }
+
     /// What of the lap was measured.
     pub fn coverage(&self) -> &Arc<Coverage> {
         &self.coverage

@@ -2,6 +2,7 @@
 //! settles: runs that were recorded at other times of a day may have rates of their own.
 
 use crate::gap::ids::PerRun;
+use crate::identify::Measured;
 use crate::identify::feature_spec::Samples;
 use crate::signal::FORCES;
 use std::collections::BTreeMap;
@@ -18,6 +19,9 @@ const WHOLE: f64 = 0.9;
 /// of their own.
 const APART: f64 = 5.0;
 const SHARE: f64 = 0.05;
+/// A sensor's drift that grows to such a share of what the sensor measures bends the parameters of a fit; where the chain's
+/// tension drifts instead, others have more than that share of it.
+const BENDS: f64 = 0.02;
 
 /// How fast an offset grows, N/s, and its deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +70,29 @@ fn of_force(station: &[f32], force: &[f32], lap: f64, rate: f64) -> Option<Rate>
     let mean = each.iter().sum::<f64>() / n;
     let square = each.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
     Some(Rate { rate: mean, deviation: (square / (n - 1.0) / n).sqrt() })
+}
+
+/// A run without the drift of a single sensor, where it bends what the run is fitted with: as no parameter drifts, those
+/// that grow along the lap would take it for theirs. `None` where no sensor drifts so, or others drift beside it.
+pub fn taken_off(run: &Measured, lap: f64) -> Option<Measured> {
+    let samples = run.samples();
+    let rates = rates(&samples, lap, run.rate);
+    let duration = samples.station.len() as f64 / run.rate;
+    let surely = |own: &Rate| own.rate.abs() > APART * own.deviation;
+    let size = |force: &[f32]| {
+        let known = || force.iter().filter(|x| x.is_finite());
+        known().map(|x| f64::from(x.abs())).sum::<f64>() / known().count().max(1) as f64
+    };
+    let alone = |k: usize| {
+        let own = rates[k].filter(surely)?;
+        let others = (0..FORCES).filter(|j| *j != k).filter_map(|j| rates[j]);
+        let still = |other: Rate| !surely(&other) && other.rate.abs() < BENDS * own.rate.abs();
+        let bends = own.rate.abs() * duration > BENDS * size(samples.forces[k]);
+        (bends && others.clone().count() > 0 && others.into_iter().all(still)).then_some(own.rate)
+    };
+    let found: [Option<f64>; FORCES] = std::array::from_fn(alone);
+    let any = found.iter().any(Option::is_some);
+    any.then(|| run.without_drift(&found.map(Option::unwrap_or_default)))
 }
 
 /// Which share of the largest rate each run has; one that does not tell it has the mean of the others. Empty where runs

@@ -4,6 +4,7 @@ use super::FittedRun;
 use super::force_slope::ForceSlopes;
 use super::impacts;
 use super::laps::observed;
+use super::warming::passed;
 use crate::base::trig;
 use crate::chain_input as input;
 use crate::chain_input::Deviations;
@@ -110,7 +111,7 @@ impl FittedRun {
     fn sensed(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
         let lap = self.model.spec.places.lap;
         let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
-        let at = |station: &f32| passed(f64::from(*station) - self.begin, lap, self.laps) / speed;
+        let at = |station: &f32| passed_on_average(f64::from(*station) - self.begin, lap, self.laps) / speed;
         let time: Vec<f64> = cart.station.iter().map(at).collect();
         let mut forces: [Vec<f64>; FORCES] =
             std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
@@ -146,10 +147,10 @@ impl FittedRun {
     }
 }
 
-/// How far a run of so many laps has come, m, where it passes a place so far from where it began; on average of all
-/// passes.
-fn passed(beyond: f64, lap: f64, laps: f64) -> f64 {
-    beyond.rem_euclid(lap) + (laps.ceil() - 1.0).max(0.0) * 0.5 * lap
+/// How far a run of so many laps has come, m, on average of all times that it passes a place so far from where it began.
+fn passed_on_average(beyond: f64, lap: f64, laps: f64) -> f64 {
+    let ways = passed(beyond, lap, laps);
+    ways.iter().sum::<f64>() / ways.len() as f64
 }
 
 #[cfg(test)]
@@ -158,9 +159,11 @@ mod tests {
 
     #[test]
     fn a_place_behind_the_beginning_is_passed_at_the_end_of_the_lap() {
-        assert_eq!(passed(3.0, 60.0, 1.0), 3.0);
-        assert_eq!(passed(-3.0, 60.0, 1.0), 57.0);
-        assert_eq!(passed(63.0, 60.0, 0.8), 3.0);
-        assert_eq!(passed(3.0, 60.0, 3.0), 63.0);
+        assert_eq!(passed_on_average(3.0, 60.0, 1.0), 3.0);
+        assert_eq!(passed_on_average(-3.0, 60.0, 1.0), 57.0);
+        assert_eq!(passed_on_average(63.0, 60.0, 0.8), 3.0);
+        assert_eq!(passed_on_average(3.0, 60.0, 3.0), 63.0);
+        // What a part of a lap does not reach is passed once less.
+        assert_eq!([3.0, 29.0, 31.0].map(|beyond| passed_on_average(beyond, 60.0, 1.5)), [33.0, 59.0, 31.0]);
     }
 }

@@ -52,6 +52,14 @@ pub fn fitted(
     known: Option<&Known>,
 ) -> Result<FittedRun, String> {
     let (measured, mut model) = ready(subject, width)?;
+    let drifting = drift::taken_off(&measured, model.spec.places.lap);
+    let known = match (known, &drifting) {
+        (None, Some(run)) => {
+            let found = land(&mut model, run, None, fit)?.0;
+            Some(Known { at: found.at, noise: found.noise })
+        }
+        (known, _) => known.copied(),
+    };
     let landing = match known {
         None => land(&mut model, &measured, None, fit)?.1,
         Some(known) => {
@@ -72,6 +80,7 @@ pub fn fitted_with(
     near: Option<&Known>,
 ) -> Result<(FittedRun, Known), String> {
     let (measured, mut model) = ready(subject, width)?;
+    let measured = drift::taken_off(&measured, model.spec.places.lap).unwrap_or(measured);
     let duration = measured.duration(model.spec.places.lap);
     model.simulation.effects.extend(stiffness_temperature::at_rest(effects, |warming| warming.mean_share(duration)));
     let (found, landing) = land(&mut model, &measured, near.map(|known| known.at), fit)?;

@@ -42,7 +42,7 @@ impl FittedRun {
 }
 
 /// How far a run of so many laps has come each time that it passes a place so far from where it began, m: at least once.
-fn passed(beyond: f64, lap: f64, laps: f64) -> Vec<f64> {
+pub(super) fn passed(beyond: f64, lap: f64, laps: f64) -> Vec<f64> {
     let first = beyond.rem_euclid(lap);
     let again = ((laps * lap - first) / lap).ceil().max(1.0) as usize;
     (0..again).map(|k| first + k as f64 * lap).collect()
