@@ -16,7 +16,19 @@ pub fn changed(before: &Layout, after: &Layout) -> Vec<Line> {
         lines.retain(|(within, _)| !(chosen && other(within.split(" / ").next().unwrap_or(within))));
         lines
     };
-    let [before, after] = [before, after].map(told);
+    let [first, second] = [before, after];
+    let [mut before, mut after] = [first, second].map(told);
+    // What follows from a line that only one has is no line of its own.
+    let implied = |other: &Layout| {
+        let known: Vec<String> = other.obstacles.iter().map(|own| format!("pass {} ", own.name)).collect();
+        move |(within, text): &(String, String)| {
+            let passes = text.starts_with("pass ") && known.iter().all(|pass| !text.starts_with(pass.as_str()));
+            within.is_empty() && (passes || text == "motors 0 evenly")
+        }
+    };
+    let (in_first, in_second) = (implied(second), implied(first));
+    before.retain(|line| !in_first(line));
+    after.retain(|line| !in_second(line));
     let [before, after] = [in_one(&before, &after), in_one(&after, &before)];
     let only = |own: &[(String, String)], other: &[(String, String)], change: Change| -> Vec<Line> {
         let mut known: BTreeMap<&(String, String), usize> = BTreeMap::new();

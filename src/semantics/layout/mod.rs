@@ -270,8 +270,11 @@ impl<'t> Context<'t> {
                 let near = metres(near);
                 diagnostic = diagnostic.help(format!("the nearest is `{near}`"));
                 // Without an argument the declaration says its length, for all who use it.
-                if place != reference.span {
-                    diagnostic = diagnostic.fix(place, near);
+                let declared = component.place("length");
+                match place == reference.span {
+                    false => diagnostic = diagnostic.fix(place, near),
+                    true if declared.file == place.file => diagnostic = diagnostic.fix(declared, near),
+                    true => {}
                 }
             }
             self.report(diagnostic);

@@ -29,8 +29,9 @@ impl Context<'_> {
                         format!("({}, {}) twice", metres(next.point.x), metres(next.point.y)),
                     );
                 if i + 1 == vertices.len() {
-                    diagnostic =
-                        diagnostic.help("the loop closes by itself: the first vertex is not repeated at the end");
+                    diagnostic = diagnostic
+                        .help("the loop closes by itself: the first vertex is not repeated at the end")
+                        .fix(vertex.span, "");
                 }
                 self.report(diagnostic);
                 sound = false;
@@ -54,11 +55,13 @@ impl Context<'_> {
                 } else {
                     (format!("the track turns back at `{}`", vertex.name), "split the turn over two vertices")
                 };
-                self.report(
-                    Diagnostic::new(Code::E0408, message, vertex.point_span, format!("turns by {found}"))
-                        .expected(format!("a turn of {} .. {}", degrees(LEAST_TURN), degrees(LARGEST_TURN)), found)
-                        .help(help),
-                );
+                let label = format!("turns by {found}");
+                let diagnostic = Diagnostic::new(Code::E0408, message, vertex.point_span, label)
+                    .expected(format!("a turn of {} .. {}", degrees(LEAST_TURN), degrees(LARGEST_TURN)), found)
+                    .help(help);
+                // Without one of three vertices there is no loop.
+                let removable = turn < 1.0 && vertices.len() > 3;
+                self.report(if removable { diagnostic.fix(vertex.span, "") } else { diagnostic });
                 sound = false;
             }
         }
@@ -123,9 +126,9 @@ impl Context<'_> {
             let section = piece.length + track.fillets[i].tangent + track.fillets[j].tangent;
             let overlap = -piece.length;
             let (a, b) = (&vertices[large], &vertices[small]);
-            let help = if largest > 0.01 {
-                let rounded = (largest * 1000.0).floor() / 1000.0;
-                format!("the largest radius that fits at `{}` is {}", a.name, metres(rounded))
+            let fitting = (largest > 0.01).then(|| metres((largest * 1000.0).floor() / 1000.0));
+            let help = if let Some(radius) = &fitting {
+                format!("the largest radius that fits at `{}` is {radius}", a.name)
             } else {
                 let factor = section / (section + overlap);
                 let both = |v: &Vertex| metres((v.radius.value * factor * 1000.0).floor() / 1000.0);
@@ -133,15 +136,18 @@ impl Context<'_> {
             };
             let message = format!("the fillets of `{}` and `{}` overlap", vertices[i].name, vertices[j].name);
             let tangents = metres(section + overlap);
-            self.report(
-                Diagnostic::new(Code::E0404, message, a.radius.span, format!("too large by {}", metres(overlap)))
-                    .related(b.span, "its neighbour")
-                    .expected(
-                        format!("tangents that fit into the {} between the vertices", metres(section)),
-                        format!("tangents of {tangents}"),
-                    )
-                    .help(help),
-            );
+            let label = format!("too large by {}", metres(overlap));
+            let diagnostic = Diagnostic::new(Code::E0404, message, a.radius.span, label)
+                .related(b.span, "its neighbour")
+                .expected(
+                    format!("tangents that fit into the {} between the vertices", metres(section)),
+                    format!("tangents of {tangents}"),
+                )
+                .help(help);
+            self.report(match fitting.filter(|_| a.has_radius()) {
+                Some(radius) => diagnostic.fix(a.radius.span, radius),
+                None => diagnostic,
+            });
         }
         sound
     }
