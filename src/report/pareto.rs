@@ -43,7 +43,7 @@ const RULES: &str = "
 fn headline(pareto: &Pareto) -> String {
     match pareto.layouts.len() {
         0 => "No layout meets the constraints".to_owned(),
-        1 => "The shortest layout is the cheapest".to_owned(),
+        1 => "The shortest layout that was found is the cheapest".to_owned(),
         n => format!("{n} layouts from the shortest to the cheapest"),
     }
 }
@@ -53,7 +53,7 @@ fn lead(pareto: &Pareto) -> String {
     let (Some(short), Some(cheap)) = (pareto.layouts.first(), pareto.layouts.last()) else { return String::new() };
     if pareto.layouts.len() == 1 {
         return format!(
-            "{} m for {} EUR: there is nothing to trade.",
+            "{} m for {} EUR: of what was found there is nothing to trade.",
             fixed(short.length_m, 3),
             fixed(short.price_eur, 2)
         );

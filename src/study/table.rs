@@ -108,7 +108,8 @@ impl Table {
             columns.push(parameter(key, &cells));
         }
         let names: BTreeSet<&String> = found.iter().flat_map(|values| values.keys()).collect();
-        for name in names {
+        // A result that a parameter sets, such as the layout of a file, is that parameter.
+        for name in names.into_iter().filter(|name| !known.contains(name.as_str())) {
             let cells: Vec<Option<&Value>> = found.iter().map(|values| values.get(name)).collect();
             let cells = result(&cells);
             columns.push(Column { name: name.clone(), role: Role::Result, unit: String::new(), cells });
@@ -296,13 +297,17 @@ mod tests {
         let tasks = vec![
             task(hashes[0], &[("file", "a.lss"), ("simulate.speed", "1 m/s"), ("build.pdf", "true")]),
             task(hashes[1], &[("file", "a.lss"), ("simulate.speed", "500 mm/s"), ("let.n", "2 * 3")]),
-            task(hashes[2], &[("file", "b, \"c\".lss")]),
+            task(hashes[2], &[("file", "b, \"c\".lss"), ("build.layout", "b")]),
         ];
         let plan = Plan { name: "x".into(), folder: PathBuf::new(), contents: BTreeMap::new(), tasks };
         for (hash, x) in [(hashes[1], 2.0), (hashes[0], 1.0)] {
             std::fs::create_dir_all(place.task(hash)).unwrap();
-            let values =
-                [("build.length_m".to_owned(), Value::from(x)), ("build.feasible".to_owned(), Value::from(true))];
+            let values = [
+                ("build.length_m", Value::from(x)),
+                ("build.feasible", Value::from(true)),
+                ("build.layout", Value::from("a")),
+            ];
+            let values = values.map(|(name, value)| (name.to_owned(), value));
             place.keep(hash, &values.into(), x).unwrap();
         }
         let table = Table::collect(&plan, &place);
@@ -313,11 +318,13 @@ mod tests {
     fn a_table_has_a_row_a_task_and_a_column_a_name() {
         let (_folder, table) = table();
         insta::assert_snapshot!(String::from_utf8(table.csv()).unwrap(), @r#"
-        sweep,task,status,file,simulate.speed,build.pdf,let.n,build.feasible,build.length_m,error
-        s,aaaaaaaaaaaaaaaa,done,a.lss,1,true,,true,1,
-        s,bbbbbbbbbbbbbbbb,done,a.lss,0.5,,2 * 3,true,2,
-        s,cccccccccccccccc,open,"b, ""c"".lss",,,,,,
+        sweep,task,status,file,simulate.speed,build.pdf,let.n,build.layout,build.feasible,build.length_m,error
+        s,aaaaaaaaaaaaaaaa,done,a.lss,1,true,,,true,1,
+        s,bbbbbbbbbbbbbbbb,done,a.lss,0.5,,2 * 3,,true,2,
+        s,cccccccccccccccc,open,"b, ""c"".lss",,,,b,,,
         "#);
+        let names: BTreeSet<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names.len(), table.columns.len(), "readers of Parquet find columns by their names");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Parameters that are told.
 const TOLD: usize = 4;
-/// Results that never exceed this are rounding errors, whatever their unit.
+/// Results that never exceed this are rounding errors, whatever their unit, and so are differences of such a share.
 const NOTHING: f64 = 1e-6;
 /// Changes of less than this share are not told.
 const LEAST: f64 = 1e-3;
@@ -34,6 +34,15 @@ pub fn sentences(parameters: &[&Column], results: &[&Column]) -> Vec<String> {
 /// The parameter and the result of the first sentence.
 pub fn first<'a>(parameters: &[&'a Column], results: &[&'a Column]) -> Option<(&'a Column, &'a Column)> {
     changes(parameters, results).first().map(|change| (change.parameter, change.result))
+}
+
+/// Whether a column has two numbers that do not differ by rounding alone.
+pub fn differs(column: &Column) -> bool {
+    let Cells::Numbers(cells) = &column.cells else { return false };
+    let known = || cells.iter().flatten().copied().filter(|x| x.is_finite());
+    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
+    let size = low.abs().max(high.abs());
+    size > NOTHING && high - low > NOTHING * size
 }
 
 /// How many values of a parameter a result was found at.
@@ -146,5 +155,8 @@ mod tests {
             ]
         );
         assert!(sentences(&[&file], &[]).is_empty());
+        let of = |cells: &[f64]| differs(&numbers("build.length_m", Role::Result, "m", cells));
+        assert!(of(&[1.0, 1.001]) && of(&[-2.0, 2.0]) && of(&[0.0, 1e-3]));
+        assert!(!of(&[90.119_103_7, 90.119_103_75]) && !of(&[4e-15, 1e-15]) && !of(&[3.0]) && !of(&[]));
     }
 }

@@ -40,7 +40,7 @@ pub fn page(table: &Table) -> String {
     // What a layout costs that must not be built is no result to compare.
     let infeasible = infeasible(table);
     let comparable: Vec<Column> = all.iter().map(|column| without(column, &infeasible)).collect();
-    let results: Vec<&Column> = comparable.iter().filter(|column| differs(column)).collect();
+    let results: Vec<&Column> = comparable.iter().filter(|column| lead::differs(column)).collect();
     let states: Vec<String> = table.states().collect();
     let count = |state: State| states.iter().filter(|name| *name == state.name()).count();
     let counts: Vec<String> = [State::Done, State::Failed, State::Open]
@@ -103,14 +103,6 @@ fn without(column: &Column, rows: &BTreeSet<usize>) -> Column {
         Cells::Texts(cells) => emptied(cells, rows),
     }
     column
-}
-
-/// Whether a column has two numbers.
-fn differs(column: &Column) -> bool {
-    let Cells::Numbers(cells) = &column.cells else { return false };
-    let mut known = cells.iter().flatten();
-    let first = known.next();
-    known.any(|value| Some(value) != first)
 }
 
 fn with_unit(column: &Column) -> String {
