@@ -96,13 +96,10 @@ impl Line {
         let terminal = std::io::stderr().is_terminal();
         let bar = terminal.then(|| {
             let (template, whole) = match kind {
-                Kind::Steps(whole, name) => {
-                    (format!("{{spinner}} [{{bar:24}}] {{pos}} of {{len}} {name}{{msg}}"), whole)
-                }
-                Kind::Shares => ("{spinner} [{bar:24}]{msg}".to_owned(), WHOLE),
-                Kind::Open => ("{spinner}{msg}, {elapsed}".to_owned(), 0),
+                Kind::Steps(..) | Kind::Shares => ("{spinner} [{bar:24}] {msg}", WHOLE),
+                Kind::Open => ("{spinner}{msg}, {elapsed}", 0),
             };
-            let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+            let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
             let bar = if whole > 0 { ProgressBar::new(whole) } else { ProgressBar::new_spinner() };
             let bar = bar.with_style(style.progress_chars("=> "));
             bar.enable_steady_tick(Duration::from_millis(200));
@@ -205,12 +202,27 @@ impl Shared {
         if bar.is_finished() {
             bar.reset();
         }
-        let done = state.done;
-        bar.set_position(if matches!(self.kind, Kind::Shares) { (done * WHOLE as f64) as u64 } else { done as u64 });
         let (_, left) = self.timing(&state);
-        let comma = if matches!(self.kind, Kind::Steps(..)) { ", " } else { " " };
-        let message = if state.message.is_empty() { String::new() } else { format!("{comma}{}", state.message) };
-        bar.set_message(format!("{message}{left}"));
+        let under_way = (state.under_way)();
+        let mut parts = Vec::new();
+        match self.kind {
+            Kind::Steps(whole, name) => {
+                let share = share((state.done, under_way), whole as f64);
+                bar.set_position((share * WHOLE as f64) as u64);
+                parts.push(format!("{} of {whole} {name}", fixed(state.done, 0)));
+                if under_way > 0.0 {
+                    parts.push(format!("{} %", fixed(100.0 * share, 0)));
+                }
+            }
+            Kind::Shares => bar.set_position((state.done * WHOLE as f64) as u64),
+            Kind::Open => parts.push(String::new()),
+        }
+        if !state.message.is_empty() {
+            parts.push(state.message.clone());
+        }
+        // The line of open work begins behind its spinner.
+        let message = if matches!(self.kind, Kind::Open) { parts.join(" ") } else { parts.join(", ") };
+        bar.set_message(format!("{message}{left}").trim_start_matches(", ").to_owned());
     }
 
     /// Shows the line anew every so often until the line ends.
@@ -246,8 +258,13 @@ impl Shared {
 /// Between two looks on a terminal.
 const SECOND: Duration = Duration::from_secs(1);
 
-/// Steps of a bar of shares.
+/// Parts of a bar.
 const WHOLE: u64 = 1000;
+
+/// Which share of steps is done, with those under way.
+fn share((done, under_way): (f64, f64), whole: f64) -> f64 {
+    if whole > 0.0 { ((done + under_way) / whole).clamp(0.0, 1.0) } else { 1.0 }
+}
 
 /// The time so far and how much is done, and how much is left if work goes on as it did since what was known before.
 fn timing(worked: f64, (known, done, under_way): (f64, f64, f64), whole: Option<(f64, &str)>) -> (String, String) {
@@ -260,7 +277,9 @@ fn timing(worked: f64, (known, done, under_way): (f64, f64, f64), whole: Option<
         return (format!("{of}{after}"), String::new());
     }
     let left = worked / made * (whole - known - made);
-    let share = if name.is_empty() { format!(", {} % done", fixed(100.0 * done / whole, 0)) } else { String::new() };
+    let told = name.is_empty() || under_way > 0.0;
+    let percent = 100.0 * share((done, under_way), whole);
+    let share = if told { format!(", {} % done", fixed(percent, 0)) } else { String::new() };
     let left = if left < 0.5 { String::new() } else { format!(", about {} left", duration(left)) };
     (format!("{of}{share}{after}"), left)
 }
@@ -310,7 +329,7 @@ mod tests {
         };
         assert_eq!(fits(60.0, (0.0, 0.0, 0.0)), ", 0 of 12 fits, after 60 s");
         // Of the first two fits, a quarter each.
-        assert_eq!(fits(60.0, (0.0, 0.0, 0.5)), ", 0 of 12 fits, after 60 s, about 23 min left");
+        assert_eq!(fits(60.0, (0.0, 0.0, 0.5)), ", 0 of 12 fits, 4 % done, after 60 s, about 23 min left");
         assert_eq!(fits(120.0, (0.0, 3.0, 0.0)), ", 3 of 12 fits, after 2 min, about 6 min left");
         assert_eq!(fits(120.0, (0.0, 12.0, 0.0)), ", 12 of 12 fits, after 2 min");
         // What was done before took no time of this run.

@@ -180,12 +180,10 @@ fn held(known: &Known, compiled: &Compiled) -> Markup {
     } else {
         freedom.stage.replace("stage", "the optimum of stage ")
     };
-    // Spans of a route's layout are of a text that nobody wrote.
-    let line = |row: &ActiveRow| if known.layout.route.is_some() { None } else { known.line(row.span) };
     let list = |rows: &[&ActiveRow]| {
         html! {
             ul.rows { @for row in rows { li {
-                @if let Some(line) = line(row) { button.line data-line=(line) { "line " (line) } " " }
+                @if let Some(line) = known.line(row.span) { button.line data-line=(line) { "line " (line) } " " }
                 (one_line(&row.row)) " " (limit(row)) br;
                 span.price { (row.words) }
             } } }

@@ -21,6 +21,7 @@ pub fn part(checked: &Checked) -> (&'static str, Value) {
                 (visible(&line[..comment])) @if comment < line.len() { i { (visible(&line[comment..])) } }
             }
         }
+        @if file.line_count() > MOST { li { i { "… " (file.line_count() - MOST) " more lines, which are not shown" } } }
     };
     ("source", json!({ "file": file.name, "html": body.into_string() }))
 }

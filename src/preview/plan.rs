@@ -187,10 +187,15 @@ fn lines_of_sections(known: &Known, compiled: &Compiled) -> Map<String, Value> {
     let mut all = Map::new();
     let n = known.layout.vertices.len();
     if n == 0 {
-        // A route: its statement.
-        let line = known.layout.route.as_ref().and_then(|route| known.line(route.span));
+        // A route: the section that a straight holds, or else its statement.
+        let route = known.layout.route.as_ref().and_then(|route| known.line(route.span));
         for piece in &compiled.track.pieces {
-            let kind = if piece.kind == PieceKind::Straight { 's' } else { 'c' };
+            let straight = piece.kind == PieceKind::Straight;
+            let held = compiled.layout.constraints.iter().find(
+                |c| matches!(&c.kind, ConstraintKind::Holds { section, .. } if straight && *section == piece.vertex),
+            );
+            let line = held.and_then(|c| known.line(c.span)).or(route);
+            let kind = if straight { 's' } else { 'c' };
             all.insert(format!("{kind}{}", piece.vertex), json!(line.into_iter().collect::<Vec<_>>()));
         }
         return all;

@@ -167,7 +167,9 @@ impl Problem {
     /// A section's straight lies on the part's line and reaches over it, or over its length within its limits.
     fn hold(&mut self, i: usize, part: &TrackSection, span: Span) {
         let j = (i + 1) % self.vertices.len();
-        let (along, across) = (part.direction(), part.direction().left());
+        // Along an axis of the hall these count as its coordinates do.
+        let (along, across) = (onwards(part.direction()), onwards(part.direction().left()));
+        let backwards = along.dot(part.direction()) < 0.0;
         // Where several parts lie on one straight, the first holds its line.
         let held = self.rotations.contains(&i);
         let mut row = |function, low, high, what: &str| {
@@ -176,14 +178,23 @@ impl Problem {
         let offset = across.dot(part.from);
         if !held {
             let difference = vec![(x(i), -across.x), (y(i), -across.y), (x(j), across.x), (y(j), across.y)];
-            row(Function::Linear(difference), 0.0, 0.0, "heading");
+            row(Function::Linear(difference), 0.0, 0.0, "one end off the line");
             let begin = vec![(x(i), across.x), (y(i), across.y)];
             row(Function::Linear(begin), offset, offset, "line");
         }
         let (low, high) = (along.dot(part.from), along.dot(part.to));
         let end = |end| Function::StraightEnd { section: i, end, direction: along };
-        row(end(false), f64::NEG_INFINITY, high - part.length(), "begin");
-        row(end(true), low + part.length(), f64::INFINITY, "end");
+        let (before, behind) = (f64::NEG_INFINITY, f64::INFINITY);
+        match backwards {
+            false => {
+                row(end(false), before, high - part.length(), "begin");
+                row(end(true), low + part.length(), behind, "end");
+            }
+            true => {
+                row(end(false), high + part.length(), behind, "begin");
+                row(end(true), before, low - part.length(), "end");
+            }
+        }
         if part.length.is_some() {
             row(Function::Straight(i), part.length(), f64::INFINITY, "length");
         }
@@ -286,4 +297,10 @@ fn keepouts(layout: &Layout, track: &Track, scope: Scope) -> Vec<Keepout> {
         span: o.span,
     });
     building.chain(obstacles).collect()
+}
+
+/// A direction or its opposite: the one whose larger part goes the way that coordinates grow.
+fn onwards(direction: Point) -> Point {
+    let larger = if direction.x.abs() >= direction.y.abs() { direction.x } else { direction.y };
+    if larger < 0.0 { direction * -1.0 } else { direction }
 }

@@ -128,6 +128,9 @@ impl EquipmentSummary {
     }
 }
 
+/// Parts without a price that are named.
+const UNPRICED: usize = 8;
+
 /// What the whole costs, where more than the track's elements has a price.
 fn total_text(total: &Total) -> String {
     if total.groups.is_empty() {
@@ -139,7 +142,10 @@ fn total_text(total: &Total) -> String {
         out += &format!(", {part}");
     }
     if !total.unpriced.is_empty() {
-        out += &format!("; without a price: {}", list(&total.unpriced, "and"));
+        let more = total.unpriced.len().saturating_sub(UNPRICED);
+        let mut told: Vec<String> = total.unpriced.iter().take(UNPRICED).cloned().collect();
+        told.extend((more > 0).then(|| format!("{more} more, which the bill lists")));
+        out += &format!("; without a price: {}", list(&told, "and"));
     }
     out + "\n"
 }

@@ -6,11 +6,13 @@ pub mod report;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
 use crate::base::json;
+use crate::base::number::tidy;
 use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::effects;
 use crate::emit::Files;
 use crate::report::lap;
+use crate::semantics::dimension::parse_unit;
 use crate::semantics::given::GivenLet;
 use crate::signal::{csv, parquet};
 use clap::ValueEnum;
@@ -182,23 +184,29 @@ impl Simulate {
     }
 }
 
-/// A number with an optional unit: of time (`s`), speed (`v`) or force (`N`), to SI.
+/// A number with an optional unit of the language: of time (`s`), speed (`v`) or force (`N`), to SI.
 fn quantity<const KIND: char>(text: &str) -> Result<f64, String> {
-    let units: &[(&str, f64)] = match KIND {
-        's' => &[("ms", 1e-3), ("us", 1e-6), ("min", 60.0), ("s", 1.0)],
-        'v' => &[("mm/s", 1e-3), ("m/min", 1.0 / 60.0), ("m/s", 1.0)],
-        _ => &[("kN", 1e3), ("N", 1.0)],
+    let (si, example) = match KIND {
+        's' => ("s", "30s"),
+        'v' => ("m/s", "2.0m/s"),
+        _ => ("N", "500N"),
     };
     let text = text.trim();
-    let (digits, scale) =
-        units.iter().find_map(|(unit, scale)| text.strip_suffix(unit).map(|d| (d, *scale))).unwrap_or((text, 1.0));
+    let (digits, unit) = text.split_at(text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(0, |at| at + 1));
+    // What ends with a digit has no unit, such as an exponent; of a unit that ends so, none is of these dimensions.
+    let scale = match unit.trim() {
+        "" => Some(1.0),
+        // Shorter than a unit of the language.
+        "us" if KIND == 's' => Some(1e-6),
+        unit => {
+            let own = parse_unit(unit).ok().filter(|own| own.offset == 0.0);
+            own.filter(|own| parse_unit(si).is_ok_and(|si| si.dimension == own.dimension)).map(|own| own.factor)
+        }
+    };
     let least = if KIND == 'N' { f64::NEG_INFINITY } else { 0.0 };
-    match digits.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= least => Ok(value * scale),
-        _ => Err(format!(
-            "{text} is not a quantity such as {}",
-            ["30s", "2.0m/s", "500N"]["svN".find(KIND).unwrap_or(0)]
-        )),
+    match (digits.trim().parse::<f64>(), scale) {
+        (Ok(value), Some(scale)) if value.is_finite() && value >= least => Ok(tidy(value * scale)),
+        _ => Err(format!("{text} is not a quantity such as {example}")),
     }
 }
 

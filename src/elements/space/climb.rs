@@ -50,6 +50,7 @@ pub fn climb(run: &[(usize, Shape)], climb: &Climb) -> Result<(Vec<Leg>, f64), M
         Some(slope) => slope.min(only_curves(size, radius)),
         None => fitting(size, radius, whole - climb.from.unwrap_or(0.0)).ok_or(Misfit::TooLong(0.0))?,
     };
+    let slope = filling(climb, whole, slope).unwrap_or(slope);
     let (plan, curve) = plan(size, radius, slope);
     let from = climb.from.unwrap_or(if run.len() == 1 { ((whole - plan) / 2.0).max(0.0) } else { 0.0 });
     let to = from + plan;
@@ -99,6 +100,17 @@ pub fn climb(run: &[(usize, Shape)], climb: &Climb) -> Result<(Vec<Leg>, f64), M
 
 /// Lengths below this are none, m.
 const NEAR: f64 = 1e-9;
+/// A straight that is shorter is not cut, m: a climb leaves it where the plan has just the room that the climb takes.
+const UNCUT: f64 = 1e-4;
+
+/// The slope with which a climb takes all of its run, where it would leave less than can be cut. One of curves alone has no
+/// slope to take it up.
+fn filling(climb: &Climb, whole: f64, slope: f64) -> Option<f64> {
+    let (size, room) = (climb.rise.abs(), whole - climb.from.unwrap_or(0.0));
+    let left = room - plan(size, climb.radius, slope).0;
+    let fills = left > NEAR && left < UNCUT && slope < only_curves(size, climb.radius) - UNCUT;
+    fills.then(|| fitting(size, climb.radius, room)).flatten()
+}
 
 /// The slope of a climb that is nothing but its two vertical curves: 2R(1 − cos α) is the rise.
 fn only_curves(size: f64, radius: f64) -> f64 {
@@ -123,4 +135,40 @@ fn fitting(size: f64, radius: f64, plan: f64) -> Option<f64> {
         if rise(middle) < size { low = middle } else { high = middle }
     }
     Some(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_climb_leaves_no_straight_that_nobody_can_cut() {
+        let (rise, radius, slope) = (0.6, 6.0, 0.2);
+        let (room, _) = plan(rise, radius, slope);
+        for (left, from, pieces) in
+            [(0.0, None, 3), (1e-5, None, 3), (9e-5, Some(1.0), 4), (0.01, None, 5), (0.01, Some(1.0), 5)]
+        {
+            let length = room + left + from.unwrap_or(0.0);
+            let run = [(0, Shape::Straight { length, cut: true })];
+            let (legs, used) = climb(&run, &Climb { rise, radius, slope: Some(slope), from }).expect("it fits");
+            assert_eq!(legs.len(), pieces, "{left}, {from:?}: {legs:?}");
+            assert!((used - slope).abs() < 1e-4 && used <= slope, "{used}");
+            // What is drawn of it: the plan as long as before, and the rise.
+            let of = |leg: &Leg| match leg.form {
+                Form::Straight { length, slope } => {
+                    let (sin, cos) = trig::sin_cos(trig::atan(slope));
+                    [length * cos, length * sin]
+                }
+                Form::Vertical { radius, slope_from, slope_to } => {
+                    let angle = trig::atan(slope_to) - trig::atan(slope_from);
+                    let chord = 2.0 * radius * trig::sin_cos(angle.abs() / 2.0).0;
+                    let (sin, cos) = trig::sin_cos((trig::atan(slope_to) + trig::atan(slope_from)) / 2.0);
+                    [chord * cos, chord * sin]
+                }
+                ref other => panic!("{other:?}"),
+            };
+            let [plan, height] = legs.iter().map(of).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+            assert!((plan - length).abs() < 1e-9 && (height - rise).abs() < 1e-9, "{plan} of {length}, {height}");
+        }
+    }
 }

@@ -226,18 +226,29 @@ fn edges(columns: &[Column], rows: &[Vec<String>]) -> Vec<(f64, f64)> {
     edges
 }
 
-/// Lines of a text that fit into a width, mm.
+/// Lines of a text that fit into a width, mm; a word that does not fit alone goes on in the next line.
 fn broken(words: &str, room: f64, height: Height) -> Vec<String> {
-    let mut lines = vec![String::new()];
+    let fits = |line: &str| text::width(line, height.size(), false) <= room;
+    let mut lines = Vec::new();
+    let mut line = String::new();
     for word in words.split_whitespace() {
-        let Some(last) = lines.last_mut() else { continue };
-        let longer = if last.is_empty() { word.to_owned() } else { format!("{last} {word}") };
-        if last.is_empty() || text::width(&longer, height.size(), false) <= room {
-            *last = longer;
-        } else {
-            lines.push(word.to_owned());
+        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+        if fits(&longer) {
+            line = longer;
+            continue;
+        }
+        if !line.is_empty() {
+            lines.push(std::mem::take(&mut line));
+        }
+        for letter in word.chars() {
+            line.push(letter);
+            if !fits(&line) && line.chars().count() > 1 {
+                line.pop();
+                lines.push(std::mem::replace(&mut line, letter.to_string()));
+            }
         }
     }
+    lines.push(line);
     lines
 }
 
@@ -266,6 +277,9 @@ mod tests {
         assert!(lines.len() > 3 && lines.iter().all(|l| text::width(l, Height::H25.size(), false) <= 100.0));
         assert_eq!(lines.join(" "), text.trim());
         assert_eq!(broken("", 100.0, Height::H25), [""]);
+        let lines = broken(&format!("a {} z", "m".repeat(120)), 100.0, Height::H25);
+        assert!(lines.iter().all(|l| text::width(l, Height::H25.size(), false) <= 100.0), "{lines:?}");
+        assert_eq!(lines.concat().matches('m').count(), 120);
         // In a table, too: nothing of a long reason is left out.
         let mut pages = Pages::new();
         pages.table(&[words("line"), number("is")], &[vec![text.clone(), "1".to_owned()]]);

@@ -104,9 +104,7 @@ impl<'a> Drawn<'a> {
 
     fn title(&self, sheet: &Sheet) -> XmlElement {
         let layout = &self.compiled.layout;
-        let project = &layout.drawing.title.project;
-        let subject = "general arrangement of the track";
-        let subject = if project.is_empty() { subject.to_owned() } else { format!("{project}: {subject}") };
+        let subject = strip::subject_of(&layout.drawing.title.project, "general arrangement of the track");
         strip::title(sheet, &layout.name, &subject, &strip::fields(sheet, self.compiled))
     }
 

@@ -33,7 +33,7 @@ pub fn stages(compiled: &Compiled, written: &[Corner], theme: Theme) -> Result<S
     let words = Words {
         title: format!("{}: stages", layout.name),
         description: format!("Centre lines of {} before and after each stage of the optimisation.", layout.name),
-        subject: "stages of the optimisation, lengths of the centre line",
+        subject: format!("stages of the optimisation, {}", lengths(layout.is_flat())),
     };
     let lines: Vec<Line> = (0..).zip(lines).map(|(i, (name, track))| Line { name, track, style: i.min(3) }).collect();
     over_each_other(layout, &lines, &words, theme)
@@ -54,9 +54,14 @@ pub fn change(names: (&str, &str), (before, after): (&Compiled, &Compiled), them
     let words = Words {
         title: format!("{}: change", layout.name),
         description: format!("Centre lines of {} before and after a change.", layout.name),
-        subject: "before and after, lengths of the centre line",
+        subject: format!("before and after, {}", lengths(before.layout.is_flat() && layout.is_flat())),
     };
     over_each_other(layout, &lines, &words, theme)
+}
+
+/// What lengths are of: a stage knows the plan of a track that climbs.
+fn lengths(flat: bool) -> &'static str {
+    if flat { "lengths of the centre line" } else { "lengths of the plan" }
 }
 
 /// A track among others.
@@ -71,7 +76,7 @@ struct Line {
 struct Words {
     title: String,
     description: String,
-    subject: &'static str,
+    subject: String,
 }
 
 /// Centre lines over each other, the last one with names of its vertices.
@@ -133,7 +138,7 @@ fn over_each_other(layout: &Layout, lines: &[Line], words: &Words, theme: Theme)
         ..field(line.name.clone(), format!("{} m", trimmed(line.track.length, 3)))
     });
     rows.push(lengths.take(5).collect());
-    svg.push(strip::title(&sheet, &layout.name, words.subject, &rows));
+    svg.push(strip::title(&sheet, &layout.name, &words.subject, &rows));
     Ok(svg.document())
 }
 

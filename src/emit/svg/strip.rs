@@ -209,6 +209,19 @@ pub fn scale_bar(sheet: &Sheet) -> XmlElement {
     group
 }
 
+/// Room for the subject in the title block, mm.
+const SUBJECT: f64 = TITLE_WIDTH - 3.6;
+
+/// The subject of a project's drawing: of a project whose name is too long the beginning stays.
+pub fn subject_of(project: &str, subject: &str) -> String {
+    if project.is_empty() {
+        return subject.to_owned();
+    }
+    let subject = format!(": {subject}");
+    let room = SUBJECT - text::width(&subject, Height::H18.size(), false);
+    text::fitted(project, Height::H18, false, room) + &subject
+}
+
 /// The title block: the layout's name over rows of fields.
 pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<TitleField>]) -> XmlElement {
     let low = PaperPoint::new(sheet.strip.high.x - TITLE_WIDTH, sheet.strip.low.y);
@@ -216,7 +229,7 @@ pub fn title(sheet: &Sheet, name: &str, subject: &str, rows: &[Vec<TitleField>])
     let mut group = XmlElement::group("title-block").with(rectangle(low, high, "frame"));
     let head = 14.0;
     let label = |at: PaperPoint, text: &str| text::line(at + PaperPoint::new(1.8, 3.4), text, Height::H18, "quiet");
-    group.push(label(low, subject));
+    group.push(label(low, &text::fitted(subject, Height::H18, false, SUBJECT)));
     let name = text::fitted(name, Height::H50, true, TITLE_WIDTH - 4.0);
     group.push(text::line(low + PaperPoint::new(1.8, 11.4), name, Height::H50, "bold"));
     let tall = (high.y - low.y - head) / rows.len().max(1) as f64;
