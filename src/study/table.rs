@@ -58,6 +58,19 @@ impl Cells {
         }
     }
 
+    /// Puts values where there is nothing.
+    fn fill(&mut self, values: &[Option<&Value>]) {
+        fn put<T>(cells: &mut [Option<T>], values: &[Option<&Value>], of: impl Fn(&Value) -> Option<T>) {
+            let empty = cells.iter_mut().zip(values).filter(|(cell, _)| cell.is_none());
+            empty.for_each(|(cell, value)| *cell = value.and_then(&of));
+        }
+        match self {
+            Cells::Numbers(cells) => put(cells, values, Value::as_f64),
+            Cells::Truths(cells) => put(cells, values, Value::as_bool),
+            Cells::Texts(cells) => put(cells, values, |value| value.as_str().map(str::to_owned)),
+        }
+    }
+
     /// Whether not all cells are the same.
     pub fn varies(&self) -> bool {
         match self {
@@ -105,10 +118,12 @@ impl Table {
         }
         for key in keys {
             let cells: Vec<Option<&str>> = plan.tasks.iter().map(|task| task.parameter(key)).collect();
-            columns.push(parameter(key, &cells));
+            let mut column = parameter(key, &cells);
+            column.cells.fill(&found.iter().map(|values| values.get(key)).collect::<Vec<_>>());
+            columns.push(column);
         }
         let names: BTreeSet<&String> = found.iter().flat_map(|values| values.keys()).collect();
-        // A result that a parameter sets, such as the layout of a file, is that parameter.
+        // A result that a parameter sets, such as the layout of a file, stands in its column.
         for name in names.into_iter().filter(|name| !known.contains(name.as_str())) {
             let cells: Vec<Option<&Value>> = found.iter().map(|values| values.get(name)).collect();
             let cells = result(&cells);
@@ -319,8 +334,8 @@ mod tests {
         let (_folder, table) = table();
         insta::assert_snapshot!(String::from_utf8(table.csv()).unwrap(), @r#"
         sweep,task,status,file,simulate.speed,build.pdf,let.n,build.layout,build.feasible,build.length_m,error
-        s,aaaaaaaaaaaaaaaa,done,a.lss,1,true,,,true,1,
-        s,bbbbbbbbbbbbbbbb,done,a.lss,0.5,,2 * 3,,true,2,
+        s,aaaaaaaaaaaaaaaa,done,a.lss,1,true,,a,true,1,
+        s,bbbbbbbbbbbbbbbb,done,a.lss,0.5,,2 * 3,a,true,2,
         s,cccccccccccccccc,open,"b, ""c"".lss",,,,b,,,
         "#);
         let names: BTreeSet<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();

@@ -154,6 +154,6 @@ mod tests {
         assert_eq!(of(&[Some(0.004), Some(-0.01), None]), Vec::<f64>::new());
         assert_eq!(of(&[Some(1.0), None, None]), Vec::<f64>::new());
         assert_eq!(of(&[Some(-1.5), Some(-0.75), None]), [1.0, 0.5, 0.75]);
-        assert_eq!(of(&[Some(1.5), Some(-0.3)]), [1.0, -0.2]);
+        assert_eq!(of(&[Some(1.5), Some(-0.375)]), [1.0, -0.25]);
     }
 }
