@@ -362,6 +362,6 @@ fn every_fix_of_every_code_takes_its_diagnostic_away() {
     assert_eq!(
         fixed.join(" "),
         "E0101 E0102 E0103 E0104 E0107 E0108 E0109 E0110 E0111 E0205 E0206 E0207 E0208 E0209 E0210 E0211 E0214 E0218 E0302 \
-         E0310 E0311 W0701 W0704"
+         E0310 E0311 E0402 E0404 E0408 W0701 W0704"
     );
 }

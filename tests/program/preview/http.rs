@@ -311,6 +311,29 @@ fn facts_say_what_a_build_says() {
     assert!(facts.contains(words), "{words}\n{facts}");
 }
 
+#[test]
+fn straights_of_a_route_lead_to_the_lines_of_their_sections() {
+    let vertices = |line: &&str| !line.trim_start().starts_with("vertex") && !line.trim_start().starts_with("require");
+    let bare: Vec<&str> = HALL.lines().filter(vertices).collect();
+    let text = bare.join("\n").replace(
+        "  optimise nothing",
+        "  section docks (10 m, 3 m)..(30 m, 3 m)\n  section chutes (30 m, 17 m)..(10 m, 17 m)\n  route docks, chutes\n  \
+         optimise length",
+    );
+    let line = |of: &str| text.lines().position(|line| line.trim_start().starts_with(of)).unwrap() + 1;
+    let preview = Preview::with(&text, &["--time-limit", "5s"]);
+    let parts = preview.until_solved();
+    let lines = parts["plan"]["lines"].as_object().unwrap();
+    let straights: Vec<&Value> = lines.iter().filter(|(key, _)| key.starts_with('s')).map(|(_, own)| own).collect();
+    for of in ["section docks", "section chutes"] {
+        assert!(straights.iter().any(|own| **own == json!([line(of)])), "{of}: {lines:?}");
+    }
+    assert!(lines.iter().filter(|(key, _)| key.starts_with('c')).all(|(_, own)| *own == json!([line("route")])));
+    let facts = parts["facts"].as_str().unwrap();
+    assert!(facts.contains(&format!("data-line=\"{}\"", line("section docks"))), "{facts}");
+    assert!(facts.contains("line of section chutes = 17 m"), "{facts}");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interruption_ends_it_cleanly_even_while_a_page_waits() {
