@@ -128,7 +128,7 @@ impl Context<'_> {
             let (a, b) = (&vertices[large], &vertices[small]);
             let fitting = (largest > 0.01).then(|| metres((largest * 1000.0).floor() / 1000.0));
             let help = if let Some(radius) = &fitting {
-                format!("the largest radius that fits at `{}` is {radius}", a.name)
+                format!("the largest radius that fits at `{}` is `{radius}`", a.name)
             } else {
                 let factor = section / (section + overlap);
                 let both = |v: &Vertex| metres((v.radius.value * factor * 1000.0).floor() / 1000.0);
