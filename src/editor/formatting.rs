@@ -54,11 +54,14 @@ mod tests {
             "let a=1 m\nlet b = 2 m // ä 🚚\nlet   c = 3 m",
             "\n\n\nlet a = 1 m\n\n\n\nlet b = 2 m\n\n",
             "let a = 1 m\r\nlet b=2 m\r\n",
+            "let a = 1 m\r\nlet b=2 m\r\nlet c = 3 m\n",
             "",
             "// only this",
         ] {
             let (tree, _) = syntax::parse(FileId(0), text);
             assert_eq!(applied(text).1, syntax::format(&tree, text), "{text:?}");
+            // Lines keep how they end.
+            assert_eq!(applied(text).1.contains('\r'), text.contains('\r'), "{text:?}");
         }
         assert_eq!(applied("let a = 1 m\nlet b=2 m\nlet c = 3 m\n").0, 1);
         assert_eq!(applied("let a = 1 m\n").0, 0);

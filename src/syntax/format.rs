@@ -11,11 +11,12 @@ use crate::source::Span;
 const WIDTH: usize = 120;
 
 /// Formats a tree. `source` is the text it was parsed from: lines that did not parse are taken over from it as they
-/// are.
+/// are. Lines end as most lines of it do.
 pub fn format(tree: &Tree, source: &str) -> String {
     let mut writer = Writer { out: String::new(), indent: 0, spread: false, trial: false, source };
     writer.nodes(&tree.items, "", |writer, item, span| writer.item(item, span));
-    writer.out
+    let (all, returned) = (source.matches('\n').count(), source.matches("\r\n").count());
+    if 2 * returned > all { writer.out.replace('\n', "\r\n") } else { writer.out }
 }
 
 struct Writer<'a> {

@@ -115,7 +115,7 @@ fn a_drift_that_slows_down_from_run_to_run_is_one_effect() {
     let rates = [1.5, 1.0, 0.4];
     let effects = rates.map(|rate| format!("  effect sensor_bias_drift(drift: {rate} N/s, channel: 5)\n"));
     let (folder, gap) = diagnosed_of([&effects[0], &effects[1], &effects[2]], "2");
-    assert_eq!(gap["verdict"], "effect", "{}", gap["summary"]);
+    assert_eq!(gap["verdict"], "sensor", "{}", gap["summary"]);
     let named = &gap["effects"][0];
     assert_eq!(named["name"], "sensor_bias_drift", "{}", gap["summary"]);
     let drift = &named["strength"]["drift"];

@@ -4,7 +4,7 @@ use super::FittedRun;
 use super::force_slope::ForceSlopes;
 use super::impacts;
 use super::laps::observed;
-use super::warming::passed;
+use super::warming::passes;
 use crate::base::trig;
 use crate::chain_input as input;
 use crate::chain_input::Deviations;
@@ -48,8 +48,12 @@ impl FittedRun {
         let carts = || ensemble.carts.iter().enumerate().filter(|(k, _)| observed[*k]);
         // What was set to zero has the mean of the cart with the sensors, and not of others with other loads.
         let anew = sensor || (self.model.spec.recorder.zeroed.contains(&true) && observed.contains(&false));
-        let sensed = |cart: &CartRecord| if sensor { self.sensed(model, cart, ensemble.rate) } else { cart.clone() };
-        let mut own: Vec<CartRecord> = carts().filter(|_| anew).map(|(_, cart)| sensed(cart)).collect();
+        let count = carts().count();
+        let sensed = |(i, (_, cart)): (usize, (usize, &CartRecord))| match sensor {
+            true => self.sensed(model, cart, ensemble.rate, (i, count)),
+            false => cart.clone(),
+        };
+        let mut own: Vec<CartRecord> = carts().enumerate().filter(|_| anew).map(sensed).collect();
         self.model.record(&mut own);
         for (i, (k, cart)) in carts().enumerate() {
             let noise = NoiseDraw::Mean(self.seed.wrapping_add(k as u64));
@@ -81,7 +85,10 @@ impl FittedRun {
             (FeatureAccumulator::new(&self.model.spec), FeatureAccumulator::new(&self.model.spec));
         let (mut force_slopes, mut other_slopes) = (ForceSlopes::new(self), ForceSlopes::new(self));
         let carts = || ensemble.carts.iter().enumerate().step_by(every);
-        let mut all: Vec<CartRecord> = carts().map(|(_, cart)| self.sensed(model, cart, ensemble.rate)).collect();
+        let count = carts().count();
+        let sensed =
+            |(i, (_, cart)): (usize, (usize, &CartRecord))| self.sensed(model, cart, ensemble.rate, (i, count));
+        let mut all: Vec<CartRecord> = carts().enumerate().map(sensed).collect();
         let mut as_they_are: Vec<CartRecord> = carts().map(|(_, cart)| cart.clone()).collect();
         // Both with the means of these carts, so that a channel that nothing was done to stays the same.
         self.model.record(&mut all);
@@ -107,11 +114,12 @@ impl FittedRun {
         changed.map(|(n, (a, b))| if (b - a).is_finite() { n + b - a } else { *n }).collect()
     }
 
-    /// A cart's record as sensors with effects have it. Time is that of the measured run at the same place.
-    fn sensed(&self, model: &Model, cart: &CartRecord, rate: f64) -> CartRecord {
+    /// A cart's record as sensors with effects have it, one of several. Time is that of the measured run at the same
+    /// place, of each cart in one of the passes.
+    fn sensed(&self, model: &Model, cart: &CartRecord, rate: f64, one: (usize, usize)) -> CartRecord {
         let lap = self.model.spec.places.lap;
         let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
-        let at = |station: &f32| passed_on_average(f64::from(*station) - self.begin, lap, self.laps) / speed;
+        let at = |station: &f32| passed_by_one(f64::from(*station) - self.begin, lap, self.laps, one) / speed;
         let time: Vec<f64> = cart.station.iter().map(at).collect();
         let mut forces: [Vec<f64>; FORCES] =
             std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
@@ -147,10 +155,14 @@ impl FittedRun {
     }
 }
 
-/// How far a run of so many laps has come, m, on average of all times that it passes a place so far from where it began.
-fn passed_on_average(beyond: f64, lap: f64, laps: f64) -> f64 {
-    let ways = passed(beyond, lap, laps);
-    ways.iter().sum::<f64>() / ways.len() as f64
+/// How far a run of so many laps has come, m, in one of the times that it passes a place so far from where it began. Of
+/// several carts each stands for one of these in turn, moved so that all of them have their mean.
+fn passed_by_one(beyond: f64, lap: f64, laps: f64, (cart, carts): (usize, usize)) -> f64 {
+    let (first, count) = passes(beyond, lap, laps);
+    let sum = |n: usize| 0.5 * n as f64 * (n as f64 - 1.0);
+    let (whole, rest) = (carts / count, carts % count);
+    let taken = (whole as f64 * sum(count) + sum(rest)) / carts.max(1) as f64;
+    first + lap * ((cart % count) as f64 + sum(count) / count as f64 - taken)
 }
 
 #[cfg(test)]
@@ -159,11 +171,24 @@ mod tests {
 
     #[test]
     fn a_place_behind_the_beginning_is_passed_at_the_end_of_the_lap() {
-        assert_eq!(passed_on_average(3.0, 60.0, 1.0), 3.0);
-        assert_eq!(passed_on_average(-3.0, 60.0, 1.0), 57.0);
-        assert_eq!(passed_on_average(63.0, 60.0, 0.8), 3.0);
-        assert_eq!(passed_on_average(3.0, 60.0, 3.0), 63.0);
-        // What a part of a lap does not reach is passed once less.
-        assert_eq!([3.0, 29.0, 31.0].map(|beyond| passed_on_average(beyond, 60.0, 1.5)), [33.0, 59.0, 31.0]);
+        for (beyond, laps, ways) in [
+            (3.0, 1.0, &[3.0][..]),
+            (-3.0, 1.0, &[57.0]),
+            (63.0, 0.8, &[3.0]),
+            (3.0, 3.0, &[3.0, 63.0, 123.0]),
+            // What a part of a lap does not reach is passed once less.
+            (29.0, 1.5, &[29.0, 89.0]),
+            (31.0, 1.5, &[31.0]),
+        ] {
+            let mean = ways.iter().sum::<f64>() / ways.len() as f64;
+            for carts in [1, 6, 14] {
+                let each: Vec<f64> = (0..carts).map(|cart| passed_by_one(beyond, 60.0, laps, (cart, carts))).collect();
+                assert!((each.iter().sum::<f64>() / carts as f64 - mean).abs() < 1e-9, "{each:?}");
+                let apart = (each[carts - 1] - each[0]).rem_euclid(60.0);
+                assert!(apart.min(60.0 - apart) < 1e-9, "whole laps: {each:?}");
+            }
+            let each: Vec<f64> = (0..6).map(|cart| passed_by_one(beyond, 60.0, laps, (cart, 6))).collect();
+            assert!(each.iter().zip(ways.iter().cycle()).all(|(own, way)| (own - way).abs() < 1e-9), "{each:?}");
+        }
     }
 }

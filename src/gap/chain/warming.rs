@@ -41,11 +41,17 @@ impl FittedRun {
     }
 }
 
-/// How far a run of so many laps has come each time that it passes a place so far from where it began, m: at least once.
-pub(super) fn passed(beyond: f64, lap: f64, laps: f64) -> Vec<f64> {
+/// How far a run of so many laps has come where it passes a place so far from where it began the first time, m, and how
+/// often it passes it: at least once.
+pub(super) fn passes(beyond: f64, lap: f64, laps: f64) -> (f64, usize) {
     let first = beyond.rem_euclid(lap);
-    let again = ((laps * lap - first) / lap).ceil().max(1.0) as usize;
-    (0..again).map(|k| first + k as f64 * lap).collect()
+    (first, ((laps * lap - first) / lap).ceil().max(1.0) as usize)
+}
+
+/// How far it has come each time.
+fn passed(beyond: f64, lap: f64, laps: f64) -> Vec<f64> {
+    let (first, count) = passes(beyond, lap, laps);
+    (0..count).map(|k| first + k as f64 * lap).collect()
 }
 
 #[cfg(test)]

@@ -87,7 +87,9 @@ fn characters_that_show_nothing_are_reported_and_skipped() {
 #[test]
 fn a_byte_order_mark_and_both_line_ends_are_accepted() {
     let text = "\u{FEFF}// head\r\nlet a = 1 m // b\r\n\r\nlet c = \"d\"\r\n";
-    assert_eq!(formatted(text), "// head\nlet a = 1 m // b\n\nlet c = \"d\"\n");
+    // Lines end as most of the text do.
+    assert_eq!(formatted(text), "// head\r\nlet a = 1 m // b\r\n\r\nlet c = \"d\"\r\n");
+    assert_eq!(formatted("let a=1 m\r\nlet b = 2 m\nlet c = 3 m\n"), "let a = 1 m\nlet b = 2 m\nlet c = 3 m\n");
     assert_eq!(formatted(""), "");
     assert_eq!(formatted("\r\n\n"), "");
     assert_eq!(formatted("// only"), "// only\n");
