@@ -4,8 +4,6 @@ use super::FittedRun;
 use super::force_slope::ForceSlopes;
 use super::impacts;
 use super::laps::observed;
-use super::warming::passes;
-use crate::base::trig;
 use crate::chain_input as input;
 use crate::chain_input::Deviations;
 use crate::dynamics::{CartRecord, Ensemble};
@@ -117,10 +115,7 @@ impl FittedRun {
     /// A cart's record as sensors with effects have it, one of several. Time is that of the measured run at the same
     /// place, of each cart in one of the passes.
     fn sensed(&self, model: &Model, cart: &CartRecord, rate: f64, one: (usize, usize)) -> CartRecord {
-        let lap = self.model.spec.places.lap;
-        let speed = trig::exp(self.landing.at[Parameter::Speed.index()]);
-        let at = |station: &f32| passed_by_one(f64::from(*station) - self.begin, lap, self.laps, one) / speed;
-        let time: Vec<f64> = cart.station.iter().map(at).collect();
+        let time: Vec<f64> = cart.station.iter().map(|s| self.pass_times.of_one(f64::from(*s), one)).collect();
         let mut forces: [Vec<f64>; FORCES] =
             std::array::from_fn(|k| cart.forces[k].iter().map(|x| f64::from(*x)).collect());
         sense(&model.simulation, &mut Sensed { time: &time, period: 1.0 / rate, forces: &mut forces, tops: self.tops });
@@ -152,43 +147,5 @@ impl FittedRun {
             (1.0 - noise / square.max(1e-300)).max(0.0)
         };
         each.iter().enumerate().map(|(k, d)| frame.nominal[k] + keep(k) * d).collect()
-    }
-}
-
-/// How far a run of so many laps has come, m, in one of the times that it passes a place so far from where it began. Of
-/// several carts each stands for one of these in turn, moved so that all of them have their mean.
-fn passed_by_one(beyond: f64, lap: f64, laps: f64, (cart, carts): (usize, usize)) -> f64 {
-    let (first, count) = passes(beyond, lap, laps);
-    let sum = |n: usize| 0.5 * n as f64 * (n as f64 - 1.0);
-    let (whole, rest) = (carts / count, carts % count);
-    let taken = (whole as f64 * sum(count) + sum(rest)) / carts.max(1) as f64;
-    first + lap * ((cart % count) as f64 + sum(count) / count as f64 - taken)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_place_behind_the_beginning_is_passed_at_the_end_of_the_lap() {
-        for (beyond, laps, ways) in [
-            (3.0, 1.0, &[3.0][..]),
-            (-3.0, 1.0, &[57.0]),
-            (63.0, 0.8, &[3.0]),
-            (3.0, 3.0, &[3.0, 63.0, 123.0]),
-            // What a part of a lap does not reach is passed once less.
-            (29.0, 1.5, &[29.0, 89.0]),
-            (31.0, 1.5, &[31.0]),
-        ] {
-            let mean = ways.iter().sum::<f64>() / ways.len() as f64;
-            for carts in [1, 6, 14] {
-                let each: Vec<f64> = (0..carts).map(|cart| passed_by_one(beyond, 60.0, laps, (cart, carts))).collect();
-                assert!((each.iter().sum::<f64>() / carts as f64 - mean).abs() < 1e-9, "{each:?}");
-                let apart = (each[carts - 1] - each[0]).rem_euclid(60.0);
-                assert!(apart.min(60.0 - apart) < 1e-9, "whole laps: {each:?}");
-            }
-            let each: Vec<f64> = (0..6).map(|cart| passed_by_one(beyond, 60.0, laps, (cart, 6))).collect();
-            assert!(each.iter().zip(ways.iter().cycle()).all(|(own, way)| (own - way).abs() < 1e-9), "{each:?}");
-        }
     }
 }

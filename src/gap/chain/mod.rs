@@ -12,6 +12,7 @@ mod laps;
 mod noise;
 mod nominal;
 mod outline;
+mod pass_times;
 mod shapes;
 mod together;
 mod warming;
@@ -41,6 +42,7 @@ use impacts::{HighFrequencyPower, Suspect};
 use laps::observed;
 use noise::OfPasses;
 use nominal::{Known, fitted, set_tops};
+use pass_times::PassTimes;
 use std::collections::BTreeMap;
 
 /// How many runs are fitted at a time: more than threads, so that none is left to a single one in the end.
@@ -80,9 +82,9 @@ pub struct Chains {
 struct FittedRun {
     model: Model,
     landing: Landing,
-    /// Laps, and where along the lap the run begins, m.
     laps: f64,
-    begin: f64,
+    /// When it passed each place.
+    pass_times: PassTimes,
     /// What a channel that does not clip has as its largest force, N, if one that does ends where the measured does.
     tops: [f64; FORCES],
     /// High forces of each channel, measured and simulated, N.

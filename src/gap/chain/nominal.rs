@@ -2,6 +2,7 @@
 
 use super::force_slope::profiles;
 use super::impacts::{self, HighFrequencyPower};
+use super::pass_times::PassTimes;
 use super::{FittedRun, drift};
 use crate::base::trig;
 use crate::chain_input::{DeclaredEffect, Simulation};
@@ -105,11 +106,11 @@ fn of(model: Model, landing: Landing, measured: &Measured, fit: &FitSettings, se
     let lap = model.spec.places.lap;
     let samples = measured.samples();
     let trigger = landing.at[Parameter::TriggerPosition.index()];
-    let begin = samples.station.first().map_or(0.0, |s| f64::from(*s)) + trigger;
+    let speed = trig::exp(landing.at[Parameter::Speed.index()]);
     let parts = impacts::parts(lap, settings.impacts.part);
     FittedRun {
         laps: measured.laps,
-        begin,
+        pass_times: PassTimes::new(&samples, measured.rate, (lap, speed, trigger)),
         tops: [0.0; FORCES],
         highs: highs(&landing, &samples, settings.ensembles.top_samples),
         high_frequency_power: HighFrequencyPower::each(

@@ -14,12 +14,7 @@ const PARTS: usize = 20;
 impl FittedRun {
     /// How long the run is, s.
     pub fn duration(&self) -> f64 {
-        self.laps * self.model.spec.places.lap / self.speed()
-    }
-
-    /// m/s
-    fn speed(&self) -> f64 {
-        trig::exp(self.landing.at[Parameter::Speed.index()])
+        self.laps * self.model.spec.places.lap / trig::exp(self.landing.at[Parameter::Speed.index()])
     }
 
     /// Features between those of a chain without the change and with all of it.
@@ -31,9 +26,9 @@ impl FittedRun {
             Some(label) if label.to - label.from < whole / 2 => {
                 // Parts of it, as the run may begin within it.
                 let length = 1e-3 * (label.to - label.from) as f64 / PARTS as f64;
-                let part = |n: usize| 1e-3 * label.from as f64 + (n as f64 + 0.5) * length - self.begin;
-                let ways: Vec<f64> = (0..PARTS).flat_map(|n| passed(part(n), lap, self.laps)).collect();
-                ways.iter().map(|way| warming.share(way / self.speed())).sum::<f64>() / ways.len() as f64
+                let part = |n: usize| 1e-3 * label.from as f64 + (n as f64 + 0.5) * length;
+                let times: Vec<f64> = (0..PARTS).flat_map(|n| self.pass_times.at(part(n))).collect();
+                times.iter().map(|time| warming.share(*time)).sum::<f64>() / times.len() as f64
             }
             _ => all,
         };
@@ -41,29 +36,9 @@ impl FittedRun {
     }
 }
 
-/// How far a run of so many laps has come where it passes a place so far from where it began the first time, m, and how
-/// often it passes it: at least once.
-pub(super) fn passes(beyond: f64, lap: f64, laps: f64) -> (f64, usize) {
-    let first = beyond.rem_euclid(lap);
-    (first, ((laps * lap - first) / lap).ceil().max(1.0) as usize)
-}
-
-/// How far it has come each time.
-fn passed(beyond: f64, lap: f64, laps: f64) -> Vec<f64> {
-    let (first, count) = passes(beyond, lap, laps);
-    (0..count).map(|k| first + k as f64 * lap).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_place_is_passed_once_a_lap() {
-        assert_eq!(passed(3.0, 60.0, 1.5), [3.0, 63.0]);
-        assert_eq!(passed(-3.0, 60.0, 1.5), [57.0]);
-        assert_eq!(passed(50.0, 60.0, 0.5), [50.0]);
-    }
 
     #[test]
     fn the_mean_share_is_that_of_all_times() {
