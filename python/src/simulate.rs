@@ -76,7 +76,10 @@ impl Simulation {
     fn with_set(&self, py: Python, sets: Vec<(String, String)>) -> PyResult<Simulation> {
         match parameters::set(&self.0, &sets) {
             Ok(changed) => Ok(Simulation(Arc::new(changed))),
-            Err(why) => Err(Failure::Value(why.to_string()).raised(py, None)),
+            Err(why) => {
+                let why = format!("{why}; `.parameters` has all with their values");
+                Err(Failure::Value(why).raised(py, None))
+            }
         }
     }
 

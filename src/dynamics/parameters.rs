@@ -93,8 +93,8 @@ fn set_one(simulation: &Simulation, name: &str, text: &str) -> Result<Simulation
         _ => {
             let all = parameters(simulation);
             let near = nearest(name, all.iter().map(|(name, _)| name.as_str()));
-            let hint = near.map_or_else(|| ".".to_owned(), |near| format!(", did you mean `{near}`?"));
-            return Err(refuse(format!("there is no such parameter{hint} See --list-parameters.")));
+            let hint = near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
+            return Err(refuse(format!("there is no such parameter{hint}")));
         }
     };
     if let Some(place) = root.pointer_mut(&pointer) {

@@ -161,7 +161,7 @@ impl Simulate {
         also("sensor.cart", self.sensor_cart.map(|x| x.to_string()));
         sets.extend(self.sets.iter().cloned());
         let mut changed = parameters::set(input, &sets).map_err(|unset| {
-            super::report::error(&format!("--set {unset}"));
+            super::report::error(&format!("--set {unset}\n  help: --list-parameters lists all with their values"));
             Outcome::CouldNotRun
         })?;
         if let Some(law) = self.law {

@@ -120,9 +120,8 @@ fn strengths(named: &[&Finding]) -> Markup {
                     tr {
                         td { @if n == 0 && k == 0 { (heading(&finding.name)) } }
                         td { @if k == 0 { @if at.place.is_empty() { "everywhere" } @else { (at.place) } } }
-                        td { (plain(name)) } td.number { (value) }
-                        td { (interval) @if strength.at_bound.is_some() { ", " b { (bound(strength)) } }
-                            @for run in by_run(strength) { br; (run) } }
+                        td { (plain(name)) } td.number { (value) @for run in by_run(strength) { br; (run) } }
+                        td { (interval) @if strength.at_bound.is_some() { ", " b { (bound(strength)) } } }
                     }
                 } }
                 @if finding.strength.is_empty() {
