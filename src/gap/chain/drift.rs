@@ -1,14 +1,13 @@
 //! How fast a sensor's offset drifts in each run, by the passes of one place. A sensor drifts while it warms up and
 //! settles: runs that were recorded at other times of a day may have rates of their own.
 
+use super::pass_times::place_of;
 use crate::gap::ids::PerRun;
 use crate::identify::Measured;
 use crate::identify::feature_spec::Samples;
 use crate::signal::FORCES;
 use std::collections::BTreeMap;
 
-/// Length of a place, m.
-const PLACE: f64 = 0.5;
 /// Places whose rates count as one: longer than a sensor's noise lasts and the chain swings.
 const TOGETHER: usize = 4;
 /// So many of them a deviation is known by, at least.
@@ -40,11 +39,9 @@ pub fn rates(samples: &Samples, lap: f64, rate: f64) -> [Option<Rate>; FORCES] {
 type Pass = [f64; 3];
 
 fn of_force(station: &[f32], force: &[f32], lap: f64, rate: f64) -> Option<Rate> {
-    let mut places: BTreeMap<i64, BTreeMap<i64, Pass>> = BTreeMap::new();
+    let mut places: BTreeMap<usize, BTreeMap<i64, Pass>> = BTreeMap::new();
     for (k, (s, x)) in station.iter().zip(force).enumerate().filter(|(_, (s, x))| s.is_finite() && x.is_finite()) {
-        let s = f64::from(*s);
-        let along = s.rem_euclid(lap);
-        let (place, pass) = ((along / PLACE).floor() as i64, ((s - along) / lap).round() as i64);
+        let (_, place, pass) = place_of(f64::from(*s), lap);
         let sums = places.entry(place).or_default().entry(pass).or_default();
         sums.iter_mut().zip([1.0, f64::from(*x), k as f64 / rate]).for_each(|(sum, x)| *sum += x);
     }
@@ -57,9 +54,9 @@ fn of_force(station: &[f32], force: &[f32], lap: f64, rate: f64) -> Option<Rate>
         let ((x, t), (y, u)) = (mean(first), mean(last));
         Some((y - x) / (u - t))
     };
-    let mut together: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
+    let mut together: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
     for (place, own) in places.iter().filter_map(|(place, passes)| Some((place, grown(passes)?))) {
-        let sum = together.entry(place / TOGETHER as i64).or_default();
+        let sum = together.entry(place / TOGETHER).or_default();
         *sum = (sum.0 + own, sum.1 + 1.0);
     }
     let each: Vec<f64> = together.values().filter(|(_, n)| 2.0 * n >= TOGETHER as f64).map(|(x, n)| x / n).collect();
@@ -85,14 +82,13 @@ pub fn taken_off(run: &Measured, lap: f64) -> Option<Measured> {
     };
     let alone = |k: usize| {
         let own = rates[k].filter(surely)?;
-        let others = (0..FORCES).filter(|j| *j != k).filter_map(|j| rates[j]);
-        let still = |other: Rate| other.rate.abs() < BENDS * own.rate.abs();
+        let others: Vec<Rate> = (0..FORCES).filter(|j| *j != k).filter_map(|j| rates[j]).collect();
+        let still = others.iter().all(|other| other.rate.abs() < BENDS * own.rate.abs());
         let bends = own.rate.abs() * duration > BENDS * size(samples.forces[k]);
-        (bends && others.clone().count() > 0 && others.into_iter().all(still)).then_some(own.rate)
+        (bends && still && !others.is_empty()).then_some(own.rate)
     };
     let found: [Option<f64>; FORCES] = std::array::from_fn(alone);
-    let any = found.iter().any(Option::is_some);
-    any.then(|| run.without_drift(&found.map(Option::unwrap_or_default)))
+    found.iter().any(Option::is_some).then(|| run.without_drift(&found.map(Option::unwrap_or_default)))
 }
 
 /// Which share of the largest rate each run has; one that does not tell it has the mean of the others. Empty where runs

@@ -53,13 +53,15 @@ pub fn fitted(
     known: Option<&Known>,
 ) -> Result<FittedRun, String> {
     let (measured, mut model) = ready(subject, width)?;
-    let drifting = drift::taken_off(&measured, model.spec.places.lap);
-    let known = match (known, &drifting) {
-        (None, Some(run)) => {
-            let found = land(&mut model, run, None, fit)?.0;
-            Some(Known { at: found.at, noise: found.noise })
-        }
-        (known, _) => known.copied(),
+    let known = match known {
+        Some(known) => Some(*known),
+        None => match drift::taken_off(&measured, model.spec.places.lap) {
+            Some(run) => {
+                let found = land(&mut model, &run, None, fit)?.0;
+                Some(Known { at: found.at, noise: found.noise })
+            }
+            None => None,
+        },
     };
     let landing = match known {
         None => land(&mut model, &measured, None, fit)?.1,

@@ -32,10 +32,10 @@ impl PassTimes {
             if !measured || !s.is_finite() {
                 continue;
             }
-            let along = s.rem_euclid(lap);
-            let place = ((along / LENGTH) as usize).min(count - 1);
+            let (along, place, pass) = place_of(s, lap);
+            let place = place.min(count - 1);
             let middle = k as f64 / rate + (middle_of(place) - along) / speed;
-            let own = sums[place].entry(((s - along) / lap).round() as i64).or_default();
+            let own = sums[place].entry(pass).or_default();
             *own = (own.0 + 1.0, own.1 + middle);
         }
         let times = |passes: BTreeMap<i64, (f64, f64)>| {
@@ -48,8 +48,8 @@ impl PassTimes {
 
     /// When a place is passed, s: at least once.
     pub fn at(&self, station: f64) -> impl ExactSizeIterator<Item = f64> {
-        let along = station.rem_euclid(self.lap);
-        let place = ((along / LENGTH) as usize).min(self.places.len().saturating_sub(1));
+        let (along, place, _) = place_of(station, self.lap);
+        let place = place.min(self.places.len().saturating_sub(1));
         let known = self.places.get(place).map_or(&[][..], Vec::as_slice);
         let (times, behind) = match known {
             [] => (std::slice::from_ref(&self.middle), 0.0),
@@ -72,6 +72,12 @@ impl PassTimes {
         }
         own + sum / count as f64 - taken / carts.max(1) as f64
     }
+}
+
+/// How far along the lap a station is, m, which place that is, and of which pass.
+pub(super) fn place_of(station: f64, lap: f64) -> (f64, usize, i64) {
+    let along = station.rem_euclid(lap);
+    (along, (along / LENGTH) as usize, ((station - along) / lap).round() as i64)
 }
 
 fn middle_of(place: usize) -> f64 {
