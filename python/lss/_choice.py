@@ -36,7 +36,7 @@ def choose(
     layout, let, threads
         As of `build`.
     pareto : sequence of str
-        Two or three of `price` (EUR), `footprint` (m²), `capacity` (items an hour), `smoothness` (mm), `energy` (kWh a year)
+        Two or three of `price`, `cost` (EUR), `footprint` (m²), `capacity` (items an hour), `smoothness` (mm), `energy` (kWh a year)
         and `length` (m): `json["pareto"]` then has the candidates that no other one beats in them.
     checks : int
         Candidates that are checked in the dynamic model until one passes, 0 to 1000; 0 leaves the check out.

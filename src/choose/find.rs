@@ -64,52 +64,48 @@ pub struct Chosen {
     pub costs: Vec<(Requirement, Option<f64>)>,
 }
 
+/// Whether all candidates may be looked at, on so many tracks.
+///
+/// # Errors
+/// [`TooMany`]
+pub fn few_enough(layout: &Layout, tracks: usize) -> Result<(), TooMany> {
+    let choice = &layout.choice;
+    let count = [choice.carts.len(), choice.motors.len(), choice.speeds.len(), choice.radii.len()].map(|n| n.max(1));
+    let numbers = choice.counts.iter().map(|free| free.counts.len());
+    match count.into_iter().chain(numbers).fold(1, usize::saturating_mul) {
+        count if count > MOST => Err(TooMany::Candidates(count)),
+        _ if tracks > MOST_TRACKS => Err(TooMany::Tracks(tracks)),
+        _ => Ok(()),
+    }
+}
+
 /// Works out all candidates.
 ///
 /// # Errors
 /// [`TooMany`]
 pub fn choose(layout: &Layout, settings: &Settings, told: Tell) -> Result<Chosen, TooMany> {
-    let choice = &layout.choice;
-    let count = [choice.carts.len(), choice.motors.len(), choice.speeds.len(), choice.radii.len()].map(|n| n.max(1));
-    let numbers = choice.counts.iter().map(|free| free.counts.len());
-    let count = count.into_iter().chain(numbers).fold(1, usize::saturating_mul);
-    if count > MOST {
-        return Err(TooMany::Candidates(count));
-    }
-    let asked = tracks::asked(layout).len();
-    if asked > MOST_TRACKS {
-        return Err(TooMany::Tracks(asked));
-    }
+    few_enough(layout, tracks::asked(layout, false).len())?;
     let stop = settings.tracks_within.map_or(settings.options.stop, Stop::after);
     let of_tracks = Options { stop, ..settings.options };
     let (tracks, untracked) = tracks::tracks(layout, &of_tracks, told);
+    let fitted = fitted(layout, &tracks, settings.options.threads);
+    let candidates = candidates(layout, &tracks, &fitted, None);
+    let order = ordered(&candidates);
+    let cheapest = order.first().map(|k| candidates[*k].total);
+    let costs = costs(layout, &tracks, &fitted, cheapest);
+    let mut chosen = Chosen { untracked, costs, ..Chosen::of(layout, tracks, fitted, candidates, order) };
+    chosen.check(settings, told);
+    Ok(chosen)
+}
+
+/// Every cart on every track that it may be tried on.
+pub fn fitted(layout: &Layout, tracks: &[Track], threads: usize) -> Vec<Fitted> {
     let carts = tracks::carts(layout);
     let pairs: Vec<(usize, usize)> = (0..tracks.len())
         .flat_map(|track| (0..carts.len()).map(move |cart| (track, cart)))
         .filter(|(track, cart)| tracks[*track].length.is_none_or(|length| carts[*cart].length == length))
         .collect();
-    let threads = settings.options.threads;
-    let fitted = parallel::map(&pairs, threads, |pair| Fitted::new(*pair, &tracks[pair.0], carts[pair.1], layout));
-    let candidates = candidates(layout, &tracks, &fitted, None);
-    let order = ordered(&candidates);
-    let cheapest = order.first().map(|k| candidates[*k].total);
-    let mut chosen = Chosen {
-        layout: layout.clone(),
-        costs: costs(layout, &tracks, &fitted, cheapest),
-        tracks,
-        untracked,
-        fitted,
-        worked_out: candidates.len(),
-        candidates,
-        feasible: order.len(),
-        order,
-        simulated: Vec::new(),
-        short: Vec::new(),
-        checked: Vec::new(),
-        winner: None,
-    };
-    chosen.check(settings, told);
-    Ok(chosen)
+    parallel::map(&pairs, threads, |pair| Fitted::new(*pair, &tracks[pair.0], carts[pair.1], layout))
 }
 
 /// Motors that may be chosen: the layout's own where it leaves none open.
@@ -174,6 +170,31 @@ fn costs(
 }
 
 impl Chosen {
+    /// Candidates on tracks, in an order, before any check.
+    pub fn of(
+        layout: &Layout,
+        tracks: Vec<Track>,
+        fitted: Vec<Fitted>,
+        candidates: Vec<Candidate>,
+        order: Vec<usize>,
+    ) -> Self {
+        Chosen {
+            layout: layout.clone(),
+            tracks,
+            untracked: Vec::new(),
+            fitted,
+            worked_out: candidates.len(),
+            candidates,
+            feasible: order.len(),
+            order,
+            simulated: Vec::new(),
+            short: Vec::new(),
+            checked: Vec::new(),
+            winner: None,
+            costs: Vec::new(),
+        }
+    }
+
     pub fn cart(&self, candidate: &Candidate) -> &Cart {
         tracks::carts(&self.layout)[self.fitted[candidate.fitted].cart]
     }

@@ -10,6 +10,7 @@
 //! - [`simulated`]: items an hour in the simulation of the capacity,
 //! - [`check`]: forces and fatigue in the dynamic model,
 //! - [`trade`]: candidates that no other one beats,
+//! - [`pareto`]: the same with tracks that trade length, prices and an even run,
 //! - [`refused`]: why there is none,
 //! - [`write`]: the layout with what was chosen.
 
@@ -17,6 +18,7 @@ pub mod candidate;
 pub mod check;
 pub mod drive;
 pub mod find;
+pub mod pareto;
 pub mod places;
 pub mod refused;
 mod settings;
@@ -30,6 +32,7 @@ pub mod write;
 pub use candidate::{Candidate, Fitted, Requirement, Shortfall};
 pub use check::{Carried, Check};
 pub use find::{Chosen, TooMany, choose};
+pub use pareto::{Pareto, pareto};
 pub use refused::refused;
 pub use settings::{Settings, Tell, Told};
 pub use simulated::Simulated;

@@ -6,8 +6,8 @@ use super::drive::Lap;
 use super::settings::{Tell, Told};
 use crate::base::parallel;
 use crate::compiled::Compiled;
-use crate::model::{Cart, Layout, Stands};
-use crate::solve::{self, Options, Stage};
+use crate::model::{Cart, Goal, Layout, Objective, Stands};
+use crate::solve::{self, End, Options, Stage, Trade};
 
 /// A track.
 #[derive(Clone, Debug)]
@@ -20,9 +20,13 @@ pub struct Track {
     pub left_over: Option<f64>,
     /// Numbers of equipment, one for each that is free.
     pub counts: Vec<usize>,
+    /// What it is the best of, as far as is known.
+    pub objective: Objective,
+    /// The end of a trade whose radii it keeps.
+    pub radii: Option<End>,
     pub compiled: Compiled,
     pub lap: Lap,
-    /// Whether no track is better for the layout's objective.
+    /// Whether no track is better for that objective.
     pub proven: bool,
 }
 
@@ -55,14 +59,15 @@ pub struct Asked {
     counts: Vec<usize>,
 }
 
-/// All that are asked for, in the order of radii, lengths, what is left over, and numbers.
-pub fn asked(layout: &Layout) -> Vec<Asked> {
+/// All that are asked for, in the order of radii, lengths, what is left over, and numbers; for each length of cart where
+/// that matters, beside where the chain has to close.
+pub fn asked(layout: &Layout, by_cart: bool) -> Vec<Asked> {
     let radii: Vec<Option<f64>> = match layout.choice.radii.is_empty() {
         true => vec![None],
         false => layout.choice.radii.iter().copied().map(Some).collect(),
     };
     let mut lengths: Vec<Option<f64>> = vec![None];
-    if layout.chain.closes_within.is_some() && !layout.choice.carts.is_empty() {
+    if (by_cart || layout.chain.closes_within.is_some()) && !layout.choice.carts.is_empty() {
         lengths = carts(layout).iter().map(|cart| Some(cart.length)).collect();
         lengths.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
         lengths.dedup();
@@ -94,28 +99,16 @@ pub fn asked(layout: &Layout) -> Vec<Asked> {
     all
 }
 
-/// Solves all tracks that are asked for.
+/// Solves all tracks that are asked for, each for the layout's own objective.
 pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Vec<NoTrack>) {
-    let asked = asked(layout);
+    let asked = asked(layout, false);
     let alone = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
     let solved = parallel::map(&asked, options.threads, |asked| {
         let layout = variant(layout, asked);
         let stages = solve::solve(&layout, &alone, &|_| ());
         told(Told::Track);
-        let compiled = Compiled::new(layout, stages);
-        let unbuildable = compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error);
-        match compiled.failed() || unbuildable || !compiled.placement.is_whole() {
-            true => Err(NoTrack { layout: Box::new(compiled.layout), stages: compiled.stages }),
-            false => Ok(Track {
-                radius: asked.radius,
-                length: asked.length,
-                left_over: asked.left_over,
-                counts: asked.counts.clone(),
-                lap: Lap::new(&compiled.space.line),
-                proven: compiled.stages.last().and_then(|s| s.certificate.as_ref()).is_some_and(|c| c.proven),
-                compiled,
-            }),
-        }
+        let objective = layout.objective.clone();
+        Track::new(asked, Compiled::new(layout, stages), (objective, None))
     });
     let (mut found, mut none) = (Vec::new(), Vec::new());
     for track in solved {
@@ -125,6 +118,47 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
         }
     }
     (found, none)
+}
+
+/// Tracks that trade length, cost, total price and polygon action, between these ends, of each that is asked for.
+pub fn traded(layout: &Layout, ends: &[End], by_cart: bool, options: &Options, watch: solve::Tell) -> Vec<Track> {
+    let asked = asked(layout, by_cart);
+    let alone = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
+    let found = parallel::map(&asked, options.threads, |asked| {
+        let layout = variant(layout, asked);
+        let trades = solve::pareto(&layout, ends, &alone, watch);
+        let track = |trade: Trade| {
+            let counts = trade.objective.weight(Goal::Cost).is_some();
+            // Whatever it is the best of, its pieces are bought for the least money.
+            let bought = if counts { trade.objective.clone() } else { solve::objective(&layout, End::Cost) };
+            let compiled = Compiled::new(Layout { objective: bought, ..layout.clone() }, trade.stages);
+            Track::new(asked, compiled, (trade.objective, trade.radii)).ok()
+        };
+        trades.into_iter().filter_map(track).collect::<Vec<_>>()
+    });
+    found.into_iter().flatten().collect()
+}
+
+impl Track {
+    /// A track that was asked for so; none where the layout is not feasible, climbs where it may not, or has no room for
+    /// its equipment.
+    fn new(asked: &Asked, compiled: Compiled, (objective, radii): (Objective, Option<End>)) -> Result<Self, NoTrack> {
+        let unbuildable = compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error);
+        if compiled.failed() || unbuildable || !compiled.placement.is_whole() {
+            return Err(NoTrack { layout: Box::new(compiled.layout), stages: compiled.stages });
+        }
+        Ok(Track {
+            radius: asked.radius,
+            length: asked.length,
+            left_over: asked.left_over,
+            counts: asked.counts.clone(),
+            objective,
+            radii,
+            lap: Lap::new(&compiled.space.line),
+            proven: compiled.stages.last().and_then(|s| s.certificate.as_ref()).is_some_and(|c| c.proven),
+            compiled,
+        })
+    }
 }
 
 /// The layout as it is asked for.

@@ -12,6 +12,8 @@ use serde::Serialize;
 pub enum Measure {
     /// Of everything that has a price, EUR.
     Price,
+    /// Of track, equipment and conveyors, EUR.
+    Cost,
     /// Floor that the track's band covers, m².
     Footprint,
     /// Most items an hour.
@@ -25,18 +27,49 @@ pub enum Measure {
 }
 
 impl Measure {
-    pub const ALL: [Measure; 6] =
-        [Measure::Price, Measure::Footprint, Measure::Capacity, Measure::Smoothness, Measure::Energy, Measure::Length];
+    pub const ALL: [Measure; 7] = [
+        Measure::Price,
+        Measure::Cost,
+        Measure::Footprint,
+        Measure::Capacity,
+        Measure::Smoothness,
+        Measure::Energy,
+        Measure::Length,
+    ];
+
+    /// Why these cannot be traded.
+    pub fn wrong(measures: &[Measure]) -> Option<String> {
+        let mut sorted = measures.to_vec();
+        sorted.sort_unstable();
+        sorted.dedup();
+        match (measures.len(), sorted.len()) {
+            (all, unlike) if all != unlike => Some("--pareto names a measure twice".to_owned()),
+            (2 | 3, _) => None,
+            (n, _) => Some(format!("--pareto takes two or three measures, such as price,capacity, and not {n}")),
+        }
+    }
 
     /// Name, unit, and decimals that it is shown with.
     pub fn words(self) -> (&'static str, &'static str, usize) {
         match self {
             Measure::Price => ("price", "EUR", 2),
+            Measure::Cost => ("cost", "EUR", 2),
             Measure::Footprint => ("footprint", "m²", 2),
             Measure::Capacity => ("capacity", "items/h", 0),
             Measure::Smoothness => ("smoothness", "mm", 4),
             Measure::Energy => ("energy", "kWh/a", 0),
             Measure::Length => ("length", "m", 3),
+        }
+    }
+
+    /// Values that differ by less are alike: prices by half a cent for each of some pieces, the others by what is shown
+    /// of them.
+    pub fn step(self) -> f64 {
+        match self {
+            Measure::Price | Measure::Cost => 0.5,
+            Measure::Footprint | Measure::Smoothness => 1e-4,
+            Measure::Capacity | Measure::Energy => 0.1,
+            Measure::Length => 1e-5,
         }
     }
 
@@ -51,6 +84,7 @@ impl Measure {
         let compiled = &chosen.track(c).compiled;
         match self {
             Measure::Price => Some(c.price),
+            Measure::Cost => Some(compiled.bill.price + compiled.placement.price()),
             Measure::Footprint => Some(compiled.footprint),
             Measure::Capacity => c.capacity.as_ref().map(|bound| bound.throughput),
             Measure::Smoothness => chosen.fitted[c.fitted].polygon_action.map(|x| x * 1e3),

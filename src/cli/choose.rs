@@ -7,6 +7,7 @@ use crate::choose::{self, Measure, Settings, Told, refused, write};
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::Width;
 use crate::emit::Files;
+use crate::model::Layout;
 use crate::report::choice::{self as page, Found};
 use crate::semantics::given::GivenLet;
 use crate::solve::{Options, unsupported};
@@ -55,7 +56,7 @@ pub struct Choose {
 
 impl Choose {
     pub fn run(&self) -> Outcome {
-        if let Some(wrong) = self.wrong_measures() {
+        if let Some(wrong) = Measure::wrong(&self.pareto).filter(|_| !self.pareto.is_empty()) {
             report::error(&wrong);
             return Outcome::CouldNotRun;
         }
@@ -68,9 +69,7 @@ impl Choose {
         if said.iter().any(Diagnostic::is_error) {
             return read::tell(&sources, &said, self.message_format);
         }
-        if self.pareto.contains(&Measure::Energy) && layout.choice.energy.is_none() {
-            report::error("--pareto energy needs to know how long the sorter runs");
-            report::note("  help: say it with a line such as `energy 0.22 EUR/kWh for 6000 h per year over 10 years`");
+        if lacks_energy(&layout, &self.pareto) {
             return Outcome::CouldNotRun;
         }
         let options = Options { threads: limits::threads(), stop: limits::stop(), ..Options::default() };
@@ -123,17 +122,14 @@ impl Choose {
         });
         read::tell(&sources, &said, self.message_format)
     }
+}
 
-    /// What is wrong with `--pareto`.
-    fn wrong_measures(&self) -> Option<String> {
-        let mut sorted = self.pareto.clone();
-        sorted.sort_unstable();
-        sorted.dedup();
-        match (self.pareto.len(), sorted.len()) {
-            (0, _) => None,
-            (all, unlike) if all != unlike => Some("--pareto names a measure twice".to_owned()),
-            (2 | 3, _) => None,
-            (n, _) => Some(format!("--pareto takes two or three measures, such as price,capacity, and not {n}")),
-        }
+/// Whether energy is asked for of a layout that does not say how long it runs, which is told.
+pub(super) fn lacks_energy(layout: &Layout, measures: &[Measure]) -> bool {
+    let lacks = measures.contains(&Measure::Energy) && layout.choice.energy.is_none();
+    if lacks {
+        report::error("--pareto energy needs to know how long the sorter runs");
+        report::note("  help: say it with a line such as `energy 0.22 EUR/kWh for 6000 h per year over 10 years`");
     }
+    lacks
 }

@@ -1,43 +1,74 @@
-//! `pareto.json` and its table: length against cost.
+//! `pareto.json` and its table: layouts that no other one found beats in two or three measures.
 
 use crate::base::json;
 use crate::base::number::{fixed, normal};
+use crate::base::words::list;
 use crate::chain_input::Track;
+use crate::choose::{self, Measure};
 use crate::compiled::Compiled;
 use crate::geometry::Point;
-use crate::model::Layout;
-use crate::solve::{Counted, Trade, objective};
+use crate::model::{Layout, objective_text};
+use crate::solve::{self, Counted};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Layouts that no other one found beats in length and cost, from the shortest to the cheapest.
+/// Layouts that no other one found beats, by the first measure, the best first.
 #[derive(Debug, Serialize, JsonSchema)]
 #[schemars(title = "lss pareto")]
 pub struct Pareto {
     pub layout: String,
-    /// Whether one layout is both the shortest and the cheapest that was found.
+    pub measures: Vec<Measure>,
+    /// The best value of each measure, and what is proven of it.
+    pub ends: Vec<End>,
+    /// Whether one layout is the best that was found in all measures.
     pub same_optimum: bool,
     pub layouts: Vec<Traded>,
+    /// Tracks that were found, and layouts on them that do what is required.
+    pub tracks: usize,
+    pub candidates: usize,
     /// Outlines of the building, or of nothing, and of the obstacles, m: for the picture.
     #[serde(skip)]
     pub hall: Vec<Vec<Point>>,
 }
 
+/// How good the best layout in a measure is.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct End {
+    pub measure: Measure,
+    /// In the measure's unit: EUR, m², items an hour, mm, kWh a year, or m.
+    pub value: f64,
+    /// No layout on the grid has less; absent where nothing is proven of this measure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower_bound: Option<f64>,
+    pub proven: bool,
+}
+
 /// One of them.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Traded {
+    /// In the order of `measures`, in their units.
+    pub values: Vec<f64>,
     /// Of the plan.
     pub length_m: f64,
     /// Of its bill of elements, bought as cheaply as can be.
     pub price_eur: f64,
     pub element_count: usize,
-    /// What a metre counted beside the price when this layout was sought; absent where only length did.
+    /// What its track is the best of, as far as is known, as a layout says it: `optimise cost + 120 * length`.
+    pub objective: String,
+    /// Whose radii it keeps instead of those that are written: `shortest`, or `cheapest`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radii_of: Option<&'static str>,
+    /// What a metre counted beside the price when this layout was sought; absent where price did not count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eur_per_metre: Option<f64>,
-    /// Whether it is proven that no layout on the grid is better then.
+    /// Its components, where the layout leaves some open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choice: Option<String>,
+    /// Whether it is proven that no layout on the grid is better for that objective.
     pub proven: bool,
-    /// How far from it the best may be, as a share of what was minimised.
-    pub gap: f64,
+    /// How far from it the best may be, as a share of what was minimised; absent where nothing is proven.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
     /// Bound of what was minimised: length, or price and what metres counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_bound_m: Option<f64>,
@@ -66,43 +97,83 @@ fn outline(compiled: &Compiled) -> Vec<Point> {
     (0..POINTS).map(at).map(|p| Point::new(p.x, p.y)).collect()
 }
 
+impl Traded {
+    fn new(traded: &choose::pareto::Traded) -> Self {
+        let (compiled, objective) = (&traded.compiled, &traded.objective);
+        let vertex = |(corner, vertex): (&crate::geometry::Corner, &crate::model::Vertex)| TradedVertex {
+            name: vertex.name.clone(),
+            x_m: normal(corner.point.x),
+            y_m: normal(corner.point.y),
+            radius_m: normal(corner.radius),
+        };
+        let certificate = traded.certificate.as_ref();
+        let bound = |length: bool| {
+            certificate.filter(|c| (c.counted == Counted::Length) == length).map(|c| normal(c.lower_bound))
+        };
+        Traded {
+            values: traded.values.iter().copied().map(normal).collect(),
+            length_m: normal(compiled.track.length),
+            price_eur: normal(compiled.bill.price),
+            element_count: compiled.bill.count,
+            objective: objective_text(objective),
+            radii_of: traded.radii.map(|end| if end == solve::End::Length { "shortest" } else { "cheapest" }),
+            eur_per_metre: objective.metre().map(normal),
+            choice: traded.choice.clone(),
+            proven: certificate.is_some_and(|c| c.proven),
+            gap: certificate.map(|c| normal(c.gap)),
+            lower_bound_m: bound(true),
+            lower_bound_eur: bound(false),
+            outline: outline(compiled),
+            vertices: compiled.track.corners.iter().zip(&compiled.layout.vertices).map(vertex).collect(),
+        }
+    }
+
+    /// What its track is the best of, and how good it is: `proven`, `to 0.3 %`, or that nothing is.
+    pub fn words(&self) -> (String, String) {
+        let how = match (self.proven, self.gap) {
+            (true, _) => "proven".to_owned(),
+            (false, Some(gap)) => format!("to {} %", fixed(100.0 * gap, 3)),
+            (false, None) => "best found".to_owned(),
+        };
+        let objective = self.objective.strip_prefix("optimise ").unwrap_or(&self.objective);
+        let radii = self.radii_of.map_or_else(String::new, |whose| format!(", radii of the {whose}"));
+        (format!("{objective}{radii}"), how)
+    }
+}
+
+impl End {
+    fn new(measure: Measure, best: &choose::pareto::Best) -> Self {
+        // A bound of the price holds before it is rounded to the cent.
+        let proven = best.bound.is_some_and(|bound| best.value - bound <= measure.step());
+        End { measure, value: normal(best.value), lower_bound: best.bound.map(normal), proven }
+    }
+
+    /// What is known of it: `length 165.016 m, proven`.
+    pub fn words(&self) -> String {
+        let shown = |value: f64| Pareto::shown(self.measure, value);
+        let how = match (self.proven, self.lower_bound) {
+            (true, _) => "proven".to_owned(),
+            (false, Some(bound)) => format!("no layout has less than {}", shown(bound)),
+            (false, None) => "the best that was found".to_owned(),
+        };
+        format!("{} {}, {how}", self.measure.words().0, shown(self.value))
+    }
+}
+
 impl Pareto {
     /// What was traded of a layout.
-    pub fn new(layout: &Layout, trades: &[Trade]) -> Self {
-        let traded = |trade: &Trade| {
-            let mut priced = layout.clone();
-            priced.objective = objective(layout, Some(0.0));
-            let compiled = Compiled::new(priced, trade.stages.clone());
-            let vertex = |(corner, vertex): (&crate::geometry::Corner, &crate::model::Vertex)| TradedVertex {
-                name: vertex.name.clone(),
-                x_m: normal(corner.point.x),
-                y_m: normal(corner.point.y),
-                radius_m: normal(corner.radius),
-            };
-            let certificate = trade.certificate.as_ref();
-            let bound = |length: bool| {
-                certificate.filter(|c| (c.counted == Counted::Length) == length).map(|c| normal(c.lower_bound))
-            };
-            Traded {
-                length_m: normal(trade.length),
-                price_eur: normal(compiled.bill.price),
-                element_count: compiled.bill.count,
-                eur_per_metre: trade.metre.map(normal),
-                proven: certificate.is_some_and(|c| c.proven),
-                gap: certificate.map_or(1.0, |c| normal(c.gap)),
-                lower_bound_m: bound(true),
-                lower_bound_eur: bound(false),
-                outline: outline(&compiled),
-                vertices: compiled.track.corners.iter().zip(&layout.vertices).map(vertex).collect(),
-            }
-        };
+    pub fn new(layout: &Layout, found: &choose::Pareto) -> Self {
         let building = layout.building.iter().map(|b| b.polygon.points().to_vec()).next().unwrap_or_default();
         let obstacles = layout.obstacles.iter().map(|o| o.polygon.points().to_vec());
         Pareto {
             hall: std::iter::once(building).chain(obstacles).collect(),
             layout: layout.name.clone(),
-            same_optimum: trades.len() == 1,
-            layouts: trades.iter().map(traded).collect(),
+            ends: found.measures.iter().zip(&found.ends).map(|(m, best)| End::new(*m, best)).collect(),
+            measures: found.measures.clone(),
+            same_optimum: found.layouts.len() == 1,
+            layouts: found.layouts.iter().map(Traded::new).collect(),
+            tracks: found.tracks,
+            candidates: found.candidates,
         }
     }
 
@@ -111,25 +182,54 @@ impl Pareto {
         ("pareto.json".to_owned(), json::to_json(self))
     }
 
+    /// `length against cost`
+    pub fn title(&self) -> String {
+        let names: Vec<&str> = self.measures.iter().map(|m| m.words().0).collect();
+        match names[..] {
+            [a, b] => format!("{a} against {b}"),
+            _ => list(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>(), "and"),
+        }
+    }
+
+    /// A value as it is shown: `165.01612 m`.
+    pub fn shown(measure: Measure, value: f64) -> String {
+        let (_, unit, decimals) = measure.words();
+        // Lengths differ by less than is otherwise shown of them.
+        let decimals = if measure == Measure::Length { 5 } else { decimals };
+        format!("{} {unit}", fixed(value, decimals))
+    }
+
     /// The table for people.
     pub fn text(&self) -> String {
-        let mut out = format!("{}: length against cost\n", self.layout);
+        let mut out = format!("{}: {}\n", self.layout, self.title());
         if self.layouts.is_empty() {
             return out + "  no layout meets the constraints\n";
         }
-        out += &format!("  {:>12}  {:>13}  {:>16}  best then\n", "length", "price", "a metre counts");
-        for traded in &self.layouts {
-            let counts = traded.eur_per_metre.map_or("all".to_owned(), |metre| format!("{} EUR", fixed(metre, 2)));
-            let how = match traded.proven {
-                true => "proven".to_owned(),
-                false => format!("to {} %", fixed(100.0 * traded.gap, 3)),
-            };
-            let (length, price) =
-                (format!("{} m", fixed(traded.length_m, 5)), format!("{} EUR", fixed(traded.price_eur, 2)));
-            out += &format!("  {length:>12}  {price:>13}  {counts:>16}  {how}\n");
+        let heads: Vec<&str> = self.measures.iter().map(|m| m.words().0).collect();
+        let row = |traded: &Traded| -> Vec<String> {
+            self.measures.iter().zip(&traded.values).map(|(m, value)| Pareto::shown(*m, *value)).collect()
+        };
+        let rows: Vec<Vec<String>> = self.layouts.iter().map(row).collect();
+        let wide = |i: usize| rows.iter().map(|row| row[i].chars().count()).chain([heads[i].len()]).max().unwrap_or(0);
+        let cells = |cells: Vec<String>| {
+            let padded = |(i, cell): (usize, String)| format!("  {}{cell}", " ".repeat(wide(i) - cell.chars().count()));
+            cells.into_iter().enumerate().map(padded).collect::<String>()
+        };
+        let objective = self.layouts.iter().map(|t| t.words().0.chars().count()).max().unwrap_or(0).max(8);
+        out += &format!("{}  optimise\n", cells(heads.iter().map(|head| (*head).to_owned()).collect()));
+        for (traded, row) in self.layouts.iter().zip(rows.clone()) {
+            let (what, how) = traded.words();
+            let choice = traded.choice.as_ref().map_or_else(String::new, |choice| format!("  {choice}"));
+            out += &format!("{}  {what:<objective$}  {how}{choice}\n", cells(row));
+        }
+        for end in &self.ends {
+            out += &format!("  best {}\n", end.words());
+        }
+        if self.layouts.iter().any(|traded| traded.choice.is_some()) {
+            out += "  components are chosen in closed form; `lss choose` checks a choice in simulations, too\n";
         }
         if self.same_optimum {
-            out += "  the shortest layout is the cheapest one found: there is nothing to trade\n";
+            out += "  one layout is the best found in all of these: there is nothing to trade\n";
         }
         out
     }

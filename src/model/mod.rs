@@ -24,7 +24,7 @@ pub use components::*;
 pub use constraint::*;
 pub use equipment::*;
 pub use heights::Heights;
-pub use print::{Required, print, required};
+pub use print::{Required, objective as objective_text, print, required};
 pub use route::{Route, TrackSection};
 pub use sheet::*;
 
@@ -194,6 +194,19 @@ pub struct Objective {
     pub total_price: bool,
     /// Where it was written; `None` when the default (length) holds.
     pub span: Option<Span>,
+}
+
+impl Objective {
+    /// How much a goal counts; `None` where it does not.
+    pub fn weight(&self, goal: Goal) -> Option<f64> {
+        self.terms.iter().find(|(_, other)| *other == goal).map(|(weight, _)| *weight)
+    }
+
+    /// What a metre counts beside the cost, EUR; `None` where cost does not count, or polygon action does.
+    pub fn metre(&self) -> Option<f64> {
+        let cost = self.weight(Goal::Cost).filter(|_| self.weight(Goal::PolygonAction).is_none())?;
+        Some(self.weight(Goal::Length).unwrap_or(0.0) / cost)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

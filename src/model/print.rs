@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::*;
+use crate::base::number::trimmed;
 use crate::base::trig;
 use formula::Dimension;
 
@@ -85,7 +86,7 @@ impl Printer {
             out.route(layout);
             out.equipment(layout, &names);
             out.drawing(&layout.drawing);
-            out.line(objective_text(&layout.objective));
+            out.line(objective(&layout.objective));
         });
     }
 
@@ -301,7 +302,8 @@ fn part_text(part: &TrackSection) -> String {
     format!("section {} {length}{}..{}{way}", part.name, point(part.from), point(part.to))
 }
 
-fn objective_text(objective: &Objective) -> String {
+/// `optimise cost within length + 0.5 %`
+pub fn objective(objective: &Objective) -> String {
     if objective.total_price {
         return "optimise total_price".to_owned();
     }
@@ -320,8 +322,17 @@ fn objective_text(objective: &Objective) -> String {
         .collect();
     let terms = if terms.is_empty() { "nothing".to_string() } else { terms.join(" + ") };
     match objective.within {
-        Some((goal, ratio)) => format!("optimise {terms} within {} + {}", word(goal), number(ratio)),
+        Some((goal, ratio)) => format!("optimise {terms} within {} + {}", word(goal), share(ratio)),
         None => format!("optimise {terms}"),
+    }
+}
+
+/// `0.5 %`, where that is the same number; else `0.0050000001`.
+fn share(ratio: f64) -> String {
+    let percent = trimmed(100.0 * ratio, 6);
+    match percent.parse::<f64>() {
+        Ok(read) if read * 0.01 == ratio => format!("{percent} %"),
+        _ => number(ratio),
     }
 }
 

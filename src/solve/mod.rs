@@ -38,7 +38,7 @@ pub use goals::solve_with;
 pub use left_over::left_over;
 pub use options::{Discretise, Discretised, Effort, Options, Progress, Solver, Tell};
 pub use outcome::{Stage, Status, Violation};
-pub use pareto::{Trade, objective, pareto};
+pub use pareto::{End, Trade, objective, pareto};
 pub use report::{conflicts, diagnose, unclosed};
 pub use stages::MOST_OPEN;
 pub use unsupported::unsupported;

@@ -5,13 +5,14 @@
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use crate::small::{Asked, PITCH, Random, SHORTEST, STEP, Small, WITHIN, choices, last, layout, random, text};
+use lss::choose::{self, Measure};
 use lss::compiled::{Compiled, order};
 use lss::diagnostic::{Code, Diagnostic};
 use lss::geometry::{PieceKind, Track};
 use lss::kinematics::{fit, level};
 use lss::model::Layout;
 use lss::semantics::analyse;
-use lss::solve::{Counted, Effort, Options, pareto, solve};
+use lss::solve::{Counted, Effort, End, Options, pareto, solve};
 use lss::source::{Loader, SourceMap};
 
 /// The catalogue of `small`, from `standard`: EUR a metre, a piece and a cut of straights; EUR a metre and a piece of
@@ -99,20 +100,24 @@ fn cheapest(small: &Small, asked: &Asked, metre: f64, fewest: &[usize]) -> f64 {
     best
 }
 
-/// Two ends, or one, from the shortest to the cheapest; each the best for its price of a metre.
+/// Ends and what lies between them, each the best for its price of a metre; how many of them no other one beats.
 fn trades(small: &Small, asked: &Asked, fewest: &[usize]) -> usize {
     let layout = layout(&text(small, asked));
-    let trades = pareto(&layout, &Options { threads: 1, ..Options::default() }, &|_| {});
-    assert!(trades.windows(2).all(|t| t[0].length < t[1].length && t[0].price > t[1].price));
+    let options = Options { threads: 1, ..Options::default() };
+    let trades = pareto(&layout, &[End::Cost, End::Length], &options, &|_| {});
     for trade in trades.iter().filter(|t| t.certificate.as_ref().is_some_and(|c| c.proven)) {
-        let Some(metre) = trade.metre else { continue };
+        let Some(metre) = trade.objective.metre() else { continue };
         let best = cheapest(small, asked, metre, fewest);
         assert!(trade.price + metre * trade.length >= best - 1e-2);
         for other in &trades {
             assert!(other.price + metre * other.length >= trade.price + metre * trade.length - 1e-2);
         }
     }
-    trades.len()
+    let front = choose::pareto(&layout, &[Measure::Length, Measure::Cost], &options, &|_| {}).expect("few enough");
+    let values: Vec<&[f64]> = front.layouts.iter().map(|own| own.values.as_slice()).collect();
+    assert!(values.windows(2).all(|v| v[0][0] < v[1][0] && v[0][1] > v[1][1]), "{values:?}");
+    assert_eq!(front.tracks, trades.len());
+    values.len()
 }
 
 #[test]
@@ -166,8 +171,8 @@ fn no_choice_of_turns_radii_and_straights_is_cheaper() {
 #[test]
 fn the_smallest_loop_has_nothing_to_trade() {
     let layout = layout(include_str!("../../examples/smallest.lss"));
-    let trades = pareto(&layout, &Options::default(), &|_| {});
-    assert_eq!(trades.len(), 1);
+    let found = choose::pareto(&layout, &[Measure::Length, Measure::Cost], &Options::default(), &|_| {});
+    assert_eq!(found.expect("few enough").layouts.len(), 1);
 }
 
 /// Lengths that a track with these turns and radii may have, m.

@@ -25,3 +25,4 @@ mod size;
 mod small;
 mod solvers;
 mod tracks;
+mod trades;

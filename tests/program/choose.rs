@@ -342,3 +342,24 @@ fn without_any_track_there_are_files_and_a_reason() {
     assert!(said.contains("E0606"), "{said}");
     assert!(out.join("choice.html").is_file() && out.join("candidates.csv").is_file());
 }
+
+/// A trade that cannot be made says why, and writes nothing.
+#[test]
+fn trades_that_cannot_be_made_say_so() {
+    let place = tempfile::tempdir().expect("a temporary folder");
+    for (file, more, words) in [
+        ("examples/thesis10.lss", &["--pareto", "length"][..], "--pareto takes two or three measures"),
+        ("examples/thesis10.lss", &["--pareto", "length,length"], "--pareto names a measure twice"),
+        ("examples/thesis10.lss", &["--pareto", "length,cost", "--emit", "nl"], "--pareto is an --emit of its own"),
+        ("examples/thesis10.lss", &["--pareto", "length,energy"], "needs to know how long the sorter runs"),
+        ("examples/smallest.lss", &["--pareto", "length,capacity"], "no layout that was found has a capacity"),
+        ("examples/levels.lss", &["--pareto", "length,smoothness"], "polygon action on different heights"),
+        ("examples/route.lss", &["--pareto", "length,cost"], "this --emit needs vertices"),
+    ] {
+        let folder = place.path().join("out");
+        let run = lss().args(["build", file, "-o"]).arg(&folder).args(more).assert().failure();
+        let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(said.contains(words), "{file} {more:?}: {said}");
+        assert!(!folder.exists(), "{file} {more:?}");
+    }
+}

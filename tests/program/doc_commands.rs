@@ -68,6 +68,7 @@ const PAGES: &[Page] = &[
         refused: &["lss check examples/errors.lss"],
     },
     Page { path: "docs/import.md", before: PLAN, without: &[], refused: &[] },
+    Page { path: "docs/outputs.md", before: "", without: &[], refused: &[] },
     Page { path: "docs/preview.md", before: "", without: &[], refused: &[] },
     Page { path: "docs/runs.md", before: RUNS, without: &[], refused: &[] },
     Page { path: "docs/simulation.md", before: "", without: &[], refused: &[] },

@@ -13,7 +13,7 @@ pub enum Emit {
     Problem,
     /// What the layout is still free to do, and what each row at its limit costs; with -o freedom.txt and freedom.json.
     Freedom,
-    /// Length against cost: layouts that are best for one price of a metre or another; with -o pareto.json and pareto.html.
+    /// Length against cost, or what --pareto names: layouts that no other one beats; with -o pareto.json and pareto.html.
     Pareto,
     /// The continuous stages for other solvers, with the build: stage1.nl, stage2.nl, names in .row and .col.
     Nl,

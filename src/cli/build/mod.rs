@@ -1,6 +1,7 @@
 //! `lss build`: a layout to track elements, drawings and a simulation input.
 
 mod emit;
+mod pareto;
 pub mod routed;
 pub mod summary;
 mod written;
@@ -8,11 +9,11 @@ mod written;
 use super::progress::Solving;
 use super::read::{Read, given_let, read_any, tell};
 use super::{MessageFormat, Outcome, OutputFormat, could_not, layouts, limits, report};
+use crate::choose::Measure;
 use crate::compiled::Compiled;
 use crate::diagnostic::Diagnostic;
 use crate::emit::OwnNumbers;
 use crate::emit::freedom::Table;
-use crate::emit::pareto::Pareto;
 use crate::model::{self, Layout};
 use crate::problem::{self, Problem, Scope};
 use crate::semantics::given::GivenLet;
@@ -56,6 +57,10 @@ pub struct Build {
     /// Print a stage of the compiler instead of building (`model`, `problem`), or write more about the result.
     #[arg(long, value_parser = EmitParser, value_name = "WHAT")]
     emit: Option<Emit>,
+    /// Trade two or three measures instead of length and cost, as --emit pareto: --pareto price,smoothness. What the layout
+    /// leaves free with `choose` is free.
+    #[arg(long, value_enum, value_name = "MEASURES", value_delimiter = ',')]
+    pareto: Vec<Measure>,
     #[command(flatten)]
     more: More,
     /// Solver of the continuous stages.
@@ -94,10 +99,14 @@ impl Build {
             Ok(own) => own,
             Err(outcome) => return outcome,
         };
+        if let Some(wrong) = self.wrong_measures() {
+            report::error(&wrong);
+            return Outcome::CouldNotRun;
+        }
         let names = layouts::names(self.files.iter().map(PathBuf::as_path), "");
         let mut worst = Outcome::Clean;
         for (file, name) in self.files.iter().filter_map(|file| names.get_key_value(file)) {
-            let folder = match (&self.output, self.emit) {
+            let folder = match (&self.output, self.emit()) {
                 (Some(folder), _) if self.files.len() > 1 => Some(folder.join(name)),
                 (Some(folder), _) => Some(folder.clone()),
                 (None, Some(Emit::Model | Emit::Problem | Emit::Freedom | Emit::Pareto)) if !self.more.any() => None,
@@ -120,28 +129,24 @@ impl Build {
                 Err(outcome) => return outcome,
             };
         let layout = &layout;
-        if self.emit == Some(Emit::Model) {
+        if self.emit() == Some(Emit::Model) {
             report::print(&model::print(layout));
             return tell(&sources, &said, self.message_format);
         }
         said.extend(unsupported(layout));
-        if self.emit == Some(Emit::Pareto) {
-            if layout.catalog.unpriced().next().is_some() {
-                report::error("--emit pareto needs a catalogue in which straights and curves cost something");
-                return Outcome::CouldNotRun;
-            }
-            // What may be built of length may not be of cost.
-            let priced = Layout { objective: solve::objective(layout, Some(0.0)), ..layout.clone() };
-            said.extend(unsupported(&priced).into_iter().filter(|d| !said.contains(d)).collect::<Vec<_>>());
+        if self.emit() == Some(Emit::Pareto)
+            && let Some(outcome) = pareto::unready(layout, &self.measures(), &mut said)
+        {
+            return outcome;
         }
         if said.iter().any(Diagnostic::is_error) {
             return tell(&sources, &said, self.message_format);
         }
-        if let (Some(_), Some(Emit::Problem | Emit::Nl | Emit::Mps | Emit::Pareto)) = (&layout.route, self.emit) {
+        if let (Some(_), Some(Emit::Problem | Emit::Nl | Emit::Mps | Emit::Pareto)) = (&layout.route, self.emit()) {
             report::error("this --emit needs vertices: build the route, and use it on the layout.lss that is written");
             return Outcome::CouldNotRun;
         }
-        if self.emit == Some(Emit::Problem) {
+        if self.emit() == Some(Emit::Problem) {
             report::print(&problem::print(&Problem::new(layout, Scope::Obstacles), &sources));
             return tell(&sources, &said, self.message_format);
         }
@@ -163,15 +168,17 @@ impl Build {
         if output.is_some() && !compiled.failed() {
             said.extend(solve::implied(&compiled.layout, &compiled.stages));
         }
-        let freedom = (self.emit == Some(Emit::Freedom) && !compiled.failed()).then(|| Table::new(&compiled, &sources));
-        let pareto = (self.emit == Some(Emit::Pareto) && !compiled.failed()).then(|| {
-            let line = Solving::new(self.message_format);
-            let trades = solve::pareto(layout, &self.options(), &|progress| line.show(progress));
-            line.finish();
-            Pareto::new(layout, &trades)
-        });
+        let freedom =
+            (self.emit() == Some(Emit::Freedom) && !compiled.failed()).then(|| Table::new(&compiled, &sources));
+        let mut pareto = None;
+        if self.emit() == Some(Emit::Pareto) && !compiled.failed() {
+            match pareto::trade(layout, &self.measures(), &self.options(), self.message_format) {
+                Ok(found) => pareto = Some(found),
+                Err(outcome) => return outcome,
+            }
+        }
         if let Some(folder) = output {
-            let files = self.more.files(&compiled, self.emit, freedom.as_ref(), own).map(|mut files| {
+            let files = self.more.files(&compiled, self.emit(), freedom.as_ref(), own).map(|mut files| {
                 if let Some(pareto) = &pareto {
                     files.extend([pareto.file()]);
                     files.push("pareto.html", crate::report::pareto::page(pareto));
@@ -200,6 +207,23 @@ impl Build {
             report::print(&pareto.text());
         }
         tell(&sources, &said, self.message_format)
+    }
+
+    /// What is made: a trade of measures is asked for by their names alone, too.
+    fn emit(&self) -> Option<Emit> {
+        if self.pareto.is_empty() { self.emit } else { Some(Emit::Pareto) }
+    }
+
+    fn measures(&self) -> Vec<Measure> {
+        if self.pareto.is_empty() { pareto::USUAL.to_vec() } else { self.pareto.clone() }
+    }
+
+    fn wrong_measures(&self) -> Option<String> {
+        match (self.pareto.is_empty(), self.emit) {
+            (true, _) => None,
+            (false, None | Some(Emit::Pareto)) => Measure::wrong(&self.pareto),
+            (false, Some(_)) => Some("--pareto is an --emit of its own: leave the other one out".to_owned()),
+        }
     }
 
     fn options(&self) -> Options {
